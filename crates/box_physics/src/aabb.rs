@@ -1,0 +1,94 @@
+//! The world-aligned bounding box, re-fitted every step.
+
+use glam::{DMat3, DQuat, DVec3};
+
+/// Half-extents [m] of the smallest world-aligned box round a box of half-extents `half` at attitude
+/// `rotation`: |R|·h with the absolute values of the rotation matrix. Exact, and no corner is visited:
+/// the extent along world axis i is the support Σ_j |R_ij| h_j (Ericson, *Real-Time Collision
+/// Detection*, 2005, §4.2.6).
+///
+/// ```
+/// use box_physics::{aabb::world_half_extents, prelude::*};
+/// let turned = DQuat::from_xyzw(0.0, 0.0, 0.5f64.sqrt(), 0.5f64.sqrt()); // 90° about z
+/// let h = world_half_extents(turned, DVec3::new(3.0, 2.0, 1.0));
+/// assert!((h - DVec3::new(2.0, 3.0, 1.0)).length() < 1e-14);
+/// ```
+#[inline(always)]
+pub fn world_half_extents(rotation: DQuat, half: DVec3) -> DVec3 {
+    let r = DMat3::from_quat(rotation);
+    r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z
+}
+
+/// Corners (minimum, maximum) of the re-fitted box, rounded outward to f32, so that the f32 box
+/// contains the f64 one.
+#[inline(always)]
+pub fn outward(centre: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
+    let (low, high) = (centre - half, centre + half);
+    (
+        glam::Vec3::new(below(low.x), below(low.y), below(low.z)),
+        glam::Vec3::new(above(high.x), above(high.y), above(high.z)),
+    )
+}
+
+/// The largest f32 not above `x`.
+#[inline(always)]
+fn below(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) > x {
+        nearest.next_down()
+    } else {
+        nearest
+    }
+}
+
+/// The smallest f32 not below `x`.
+#[inline(always)]
+fn above(x: f64) -> f32 {
+    let nearest = x as f32;
+    if f64::from(nearest) < x {
+        nearest.next_up()
+    } else {
+        nearest
+    }
+}
+
+/// The eight corners in body axes, sign bit k of the index choosing −/+ along axis k.
+pub fn corners(half: DVec3) -> [DVec3; 8] {
+    core::array::from_fn(|k| {
+        let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        DVec3::new(sign(0), sign(1), sign(2)) * half
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// It contains all eight corners and touches them on every side; the f32 box contains it.
+        #[test]
+        fn contains_and_touches_every_corner(
+            q in prop::array::uniform4(-1.0..1.0f64),
+            h in prop::array::uniform3(1e-3..1e3f64),
+            c in prop::array::uniform3(-1e5..1e5f64),
+        ) {
+            let q = DQuat::from_array(q);
+            prop_assume!(q.length() > 1e-3);
+            let (q, h, c) = (q / q.length(), DVec3::from_array(h), DVec3::from_array(c));
+            let extents = world_half_extents(q, h);
+            let mut reached = DVec3::ZERO;
+            for corner in corners(h) {
+                let r = (q * corner).abs();
+                prop_assert!((r - extents).max_element() <= 1e-12 * extents.max_element());
+                reached = reached.max(r);
+            }
+            prop_assert!((reached - extents).abs().max_element() <= 1e-12 * extents.max_element());
+            let (low, high) = outward(c, extents);
+            prop_assert!(low.as_dvec3().cmple(c - extents).all());
+            prop_assert!(high.as_dvec3().cmpge(c + extents).all());
+            let width = (high - low).as_dvec3();
+            prop_assert!((width - 2.0 * extents).max_element() <= 4e-7 * (c.abs() + extents).max_element());
+        }
+    }
+}

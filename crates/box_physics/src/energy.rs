@@ -1,0 +1,88 @@
+//! Energies of a body under the force law.
+
+use glam::DVec3;
+
+use crate::body::RigidBox;
+use crate::force::{ForceLaw, Forces, Frame};
+use crate::state::BodyState;
+
+/// Potential energy [J] of the conservative terms: uniform acceleration (0 at the origin), springs
+/// (0 at the anchor) and point forces constant in the world. Body-fixed forces and torques have none
+/// and do not count.
+pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
+    let mut energy = -body.mass() * forces.acceleration().dot(state.position);
+    for s in forces.springs {
+        energy += 0.5 * s.stiffness * (state.point(s.body_point) - s.anchor).length_squared();
+    }
+    for p in forces.point_forces {
+        if p.frame == Frame::World {
+            energy -= p.force.dot(state.point(p.body_point));
+        }
+    }
+    energy
+}
+
+/// Kinetic and potential energy [J].
+pub fn total_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
+    state.kinetic_energy(body) + potential_energy(body, state, forces)
+}
+
+/// Whether the law conserves [`total_energy`]: no dissipation, no body-fixed force or torque.
+pub fn is_conservative(forces: &Forces) -> bool {
+    forces.dissipation == crate::force::Dissipation::NONE
+        && forces.body_torque == DVec3::ZERO
+        && forces.world_torque == DVec3::ZERO
+        && forces.point_forces.iter().all(|p| p.frame == Frame::World)
+        && forces.springs.iter().all(|s| s.damping == 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::{PointForce, Spring, Wrench};
+    use glam::DQuat;
+
+    /// The force is minus the gradient of the potential, translations and rotations alike.
+    #[test]
+    fn wrench_is_minus_the_gradient() {
+        let body = RigidBox::default();
+        let state = BodyState::at(DVec3::new(0.2, 1.0, -0.4))
+            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7));
+        let springs = [Spring {
+            body_point: DVec3::new(0.5, 0.25, 0.1),
+            anchor: DVec3::X,
+            stiffness: 3.0,
+            damping: 0.0,
+        }];
+        let points = [PointForce {
+            body_point: DVec3::new(0.1, -0.4, 0.2),
+            force: DVec3::new(1.0, 2.0, -0.5),
+            frame: Frame::World,
+        }];
+        let law = Forces {
+            acceleration: DVec3::NEG_Y * 9.81,
+            springs: &springs,
+            point_forces: &points,
+            ..Default::default()
+        };
+        assert!(is_conservative(&law));
+        let Wrench { force, torque } = law.wrench(&body, &state);
+        let force = force + body.mass() * law.acceleration;
+        let energy = |s: &BodyState| potential_energy(&body, s, &law);
+        let d = 1e-6;
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            let (mut a, mut b) = (state, state);
+            a.position -= axis * d;
+            b.position += axis * d;
+            let gradient = (energy(&b) - energy(&a)) / (2.0 * d);
+            assert!((gradient + force.dot(axis)).abs() < 1e-8);
+            let turned = |angle: f64| {
+                let mut s = state;
+                s.rotation = s.rotation * crate::rotation::exponential_map(axis * angle);
+                energy(&s)
+            };
+            let gradient = (turned(d) - turned(-d)) / (2.0 * d);
+            assert!((gradient + torque.dot(axis)).abs() < 1e-8);
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! What a constructor says when it is given a value that cannot be.
+
+/// A value outside its documented range; names the field, the value and what is allowed.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// let error = RigidBox::new(DVec3::new(0.5, -1.0, 0.5), 2.0).unwrap_err();
+/// assert_eq!(error.to_string(), "half_extents.y must be finite and between 1e-6 and 1e6 m, but is -1");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{field} must be {allowed}, but is {value}")]
+pub struct InvalidValue {
+    /// The field as the caller knows it.
+    pub field: &'static str,
+    /// What was given.
+    pub value: f64,
+    /// The range, in words and with its unit.
+    pub allowed: &'static str,
+}
+
+impl InvalidValue {
+    /// `Ok(value)` if `ok`, otherwise the error that names it.
+    pub(crate) fn check(
+        ok: bool,
+        field: &'static str,
+        value: f64,
+        allowed: &'static str,
+    ) -> Result<f64, Self> {
+        if ok {
+            Ok(value)
+        } else {
+            Err(Self {
+                field,
+                value,
+                allowed,
+            })
+        }
+    }
+
+    /// Accepts a finite value ≥ 0, for coefficients.
+    pub(crate) fn check_coefficient(field: &'static str, value: f64) -> Result<f64, Self> {
+        Self::check(
+            value.is_finite() && value >= 0.0,
+            field,
+            value,
+            "finite and not negative",
+        )
+    }
+
+    /// Accepts a vector of finite components; `fields` names them.
+    pub(crate) fn check_finite(
+        fields: [&'static str; 3],
+        value: glam::DVec3,
+    ) -> Result<glam::DVec3, Self> {
+        for (field, component) in fields.into_iter().zip(value.to_array()) {
+            Self::check(component.is_finite(), field, component, "finite")?;
+        }
+        Ok(value)
+    }
+}

@@ -1,0 +1,419 @@
+//! The force law of a body, as the schemes see it.
+//!
+//! ```text
+//! m v' = m a − c₁ v − k₂ |v| v + F(x, q, v, ω)        world axes
+//! L'   = L×ω − γ L − c_ω ω + τ(x, q, v, ω)           body axes, ω = L/I
+//! ```
+//!
+//! The parts are kept apart because a good scheme treats them apart: the uniform acceleration and the
+//! isotropic dissipation have exact flows, the rest (the *wrench*) is what a kick applies.
+
+use glam::{DMat3, DVec3};
+
+use crate::body::RigidBox;
+use crate::state::BodyState;
+
+/// A force through the centre of mass [N], world axes, and a torque about it [N m], **body** axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// Force [N], world axes.
+    pub force: DVec3,
+    /// Torque about the centre of mass [N m], body axes.
+    pub torque: DVec3,
+}
+
+impl Wrench {
+    /// No force, no torque.
+    pub const ZERO: Self = Self {
+        force: DVec3::ZERO,
+        torque: DVec3::ZERO,
+    };
+}
+
+impl core::ops::AddAssign for Wrench {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.torque += other.torque;
+    }
+}
+
+/// The isotropic dissipation of a body; every coefficient ≥ 0, and 0 means absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dissipation {
+    /// c₁ [N s/m]: force −c₁ v.
+    pub linear_drag: f64,
+    /// k₂ [N s²/m²]: force −k₂ |v| v.
+    pub quadratic_drag: f64,
+    /// γ [1/s]: torque −γ L.
+    pub angular_damping: f64,
+    /// c_ω [N m s]: torque −c_ω ω.
+    pub angular_drag: f64,
+}
+
+impl Dissipation {
+    /// A body in vacuum.
+    pub const NONE: Self = Self {
+        linear_drag: 0.0,
+        quadratic_drag: 0.0,
+        angular_damping: 0.0,
+        angular_drag: 0.0,
+    };
+}
+
+/// What acts on one body. The schemes are generic over it, so a body without a force pays nothing
+/// for it: the compiler removes what [`Gravity`] says is absent.
+///
+/// Implement it for forces of your own: give the state-dependent part in [`ForceLaw::wrench`] and
+/// say so in [`ForceLaw::has_wrench`].
+///
+/// ```
+/// use box_physics::prelude::*;
+/// /// A rotor that drives the box about its own z axis, weaker the faster it turns.
+/// struct Motor;
+/// impl ForceLaw for Motor {
+///     fn acceleration(&self) -> DVec3 { DVec3::ZERO }
+///     fn has_wrench(&self) -> bool { true }
+///     fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+///         let spin = state.body_angular_velocity(body).z;
+///         Wrench { force: DVec3::ZERO, torque: DVec3::Z * (1.0 - 0.1 * spin) }
+///     }
+/// }
+/// let body = RigidBox::default();
+/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// for _ in 0..60 {
+///     Integrator::Rk4.step(&body, &mut state, &Motor, 1.0 / 60.0, &mut memory);
+/// }
+/// assert!(state.angular_velocity(&body).z > 4.0);
+/// ```
+pub trait ForceLaw {
+    /// The uniform acceleration [m/s²], world axes: gravity and whatever constant force acts on the
+    /// centre, divided by the mass. Constant over a step.
+    fn acceleration(&self) -> DVec3;
+
+    /// Isotropic drag and damping. Constant over a step.
+    #[inline(always)]
+    fn dissipation(&self) -> Dissipation {
+        Dissipation::NONE
+    }
+
+    /// Whether [`ForceLaw::wrench`] is ever different from zero; schemes skip the kicks if not.
+    #[inline(always)]
+    fn has_wrench(&self) -> bool {
+        false
+    }
+
+    /// Everything else, evaluated at every stage of a multi-stage scheme.
+    #[inline(always)]
+    fn wrench(&self, _body: &RigidBox, _state: &BodyState) -> Wrench {
+        Wrench::ZERO
+    }
+
+    /// The part of [`ForceLaw::wrench`] that does not depend on the velocities, for schemes that
+    /// kick: what it leaves out must be in [`ForceLaw::damp`]. By default the whole wrench, whose
+    /// velocity-dependent part such a scheme then takes at the velocity it has (order 1).
+    #[inline(always)]
+    fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        self.wrench(body, state)
+    }
+
+    /// Applies the velocity-dependent remainder over `h` [s] at a fixed pose.
+    #[inline(always)]
+    fn damp(&self, _body: &RigidBox, _state: &mut BodyState, _h: f64) {}
+}
+
+/// Uniform acceleration [m/s²] alone: a body in free flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gravity(pub DVec3);
+
+impl ForceLaw for Gravity {
+    #[inline(always)]
+    fn acceleration(&self) -> DVec3 {
+        self.0
+    }
+}
+
+/// A force at a body point.
+#[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+pub struct PointForce {
+    /// Where it acts, body axes from the centre [m].
+    pub body_point: DVec3,
+    /// The force [N], constant in the axes that `frame` names.
+    pub force: DVec3,
+    /// The axes in which it is constant.
+    pub frame: Frame,
+}
+
+/// In which axes a vector is constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bevy::reflect::Reflect)]
+pub enum Frame {
+    /// The world's: wind, a magnetic field.
+    #[default]
+    World,
+    /// The body's: a thruster.
+    Body,
+}
+
+/// A spring of zero natural length from a body point to a world anchor, with a damper:
+/// force −k (x + R r − anchor) − d u at the point, u its velocity. A mouse grab is one of these.
+#[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+pub struct Spring {
+    /// Where it holds the box, body axes from the centre [m].
+    pub body_point: DVec3,
+    /// Where it is fixed in the world [m].
+    pub anchor: DVec3,
+    /// k [N/m], ≥ 0.
+    pub stiffness: f64,
+    /// d [N s/m], ≥ 0.
+    pub damping: f64,
+}
+
+/// The whole force law of the library: every term may be absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Forces<'a> {
+    /// Gravity times the body's scale, plus constant force over mass [m/s²].
+    pub acceleration: DVec3,
+    /// Drag and damping.
+    pub dissipation: Dissipation,
+    /// Constant torque in body axes [N m].
+    pub body_torque: DVec3,
+    /// Constant torque in world axes [N m].
+    pub world_torque: DVec3,
+    /// Forces at body points.
+    pub point_forces: &'a [PointForce],
+    /// Springs at body points.
+    pub springs: &'a [Spring],
+}
+
+impl ForceLaw for Forces<'_> {
+    #[inline(always)]
+    fn acceleration(&self) -> DVec3 {
+        self.acceleration
+    }
+
+    #[inline(always)]
+    fn dissipation(&self) -> Dissipation {
+        self.dissipation
+    }
+
+    #[inline(always)]
+    fn has_wrench(&self) -> bool {
+        !(self.point_forces.is_empty()
+            && self.springs.is_empty()
+            && self.body_torque == DVec3::ZERO
+            && self.world_torque == DVec3::ZERO)
+    }
+
+    fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        let mut total = self.elastic_wrench(body, state);
+        for spring in self.springs.iter().filter(|s| s.damping != 0.0) {
+            let local = state.body_angular_velocity(body).cross(spring.body_point);
+            let force = -spring.damping * (state.velocity + state.rotation * local);
+            total += at_point(state, force, spring.body_point);
+        }
+        total
+    }
+
+    fn elastic_wrench(&self, _body: &RigidBox, state: &BodyState) -> Wrench {
+        let inverse = state.rotation.inverse();
+        let mut total = Wrench {
+            force: DVec3::ZERO,
+            torque: self.body_torque + inverse * self.world_torque,
+        };
+        for p in self.point_forces {
+            let (force, local) = match p.frame {
+                Frame::World => (p.force, inverse * p.force),
+                Frame::Body => (state.rotation * p.force, p.force),
+            };
+            total += Wrench {
+                force,
+                torque: p.body_point.cross(local),
+            };
+        }
+        for s in self.springs {
+            let force = -s.stiffness * (state.point(s.body_point) - s.anchor);
+            total += at_point(state, force, s.body_point);
+        }
+        total
+    }
+
+    /// Every damper by the implicit midpoint rule on its point's velocity, once forwards and once
+    /// backwards over half the time each, so that the whole is symmetric (order 2) and never gains
+    /// energy: u⁺ = u + W p with p = −(hd/2)(u + u⁺).
+    fn damp(&self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        if self.springs.iter().all(|s| s.damping == 0.0) {
+            return;
+        }
+        for spring in self.springs.iter().chain(self.springs.iter().rev()) {
+            if spring.damping != 0.0 {
+                damp_point(body, state, spring, 0.5 * h);
+            }
+        }
+    }
+}
+
+/// The wrench of a world force at a body point.
+fn at_point(state: &BodyState, force: DVec3, body_point: DVec3) -> Wrench {
+    Wrench {
+        force,
+        torque: body_point.cross(state.rotation.inverse() * force),
+    }
+}
+
+fn damp_point(body: &RigidBox, state: &mut BodyState, spring: &Spring, h: f64) {
+    let r = spring.body_point;
+    // In body axes: W = 1/m − [r]× I⁻¹ [r]×, column by column.
+    let inverse = state.rotation.inverse();
+    let u = inverse * state.velocity + state.body_angular_velocity(body).cross(r);
+    let response =
+        |p: DVec3| p * body.inverse_mass() + (body.inverse_inertia() * r.cross(p)).cross(r);
+    let w = DMat3::from_cols(response(DVec3::X), response(DVec3::Y), response(DVec3::Z));
+    let hd = h * spring.damping;
+    let impulse = (DMat3::IDENTITY + w * (0.5 * hd)).inverse() * (u * -hd);
+    state.velocity += state.rotation * impulse * body.inverse_mass();
+    state.angular_momentum += r.cross(impulse);
+}
+
+/// The time derivatives (v', L') of the whole law at `state`: one force evaluation.
+#[inline(always)]
+pub fn rates<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {
+    let d = force.dissipation();
+    let omega = state.body_angular_velocity(body);
+    let mut dv = force.acceleration();
+    let mut dl = state.angular_momentum.cross(omega);
+    if d != Dissipation::NONE {
+        let speed = state.velocity.length();
+        let rate = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        dv -= rate * state.velocity;
+        dl -= d.angular_damping * state.angular_momentum + d.angular_drag * omega;
+    }
+    if force.has_wrench() {
+        let w = force.wrench(body, state);
+        dv += w.force * body.inverse_mass();
+        dl += w.torque;
+    }
+    (dv, dl)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    fn setting() -> (RigidBox, BodyState) {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
+        let state = BodyState::at(DVec3::new(0.2, 1.0, -0.4))
+            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
+            .with_velocity(DVec3::new(1.0, -2.0, 0.5))
+            .with_angular_velocity(&body, DVec3::new(3.0, 1.0, -2.0));
+        (body, state)
+    }
+
+    #[test]
+    fn a_dipole_is_a_pair_of_point_forces() {
+        // torque_world = (Rµ)×B
+        let (body, state) = setting();
+        let (moment, field) = (DVec3::new(0.0, -4.0, 1.0), DVec3::new(0.5, 1.0, 0.0));
+        let pair = [
+            PointForce {
+                body_point: moment,
+                force: field,
+                frame: Frame::World,
+            },
+            PointForce {
+                body_point: DVec3::ZERO,
+                force: -field,
+                frame: Frame::World,
+            },
+        ];
+        let law = Forces {
+            point_forces: &pair,
+            ..Default::default()
+        };
+        let w = law.wrench(&body, &state);
+        let expected = (state.rotation * moment).cross(field);
+        assert!(w.force.length() < 1e-15);
+        assert!((state.rotation * w.torque - expected).length() < 1e-14);
+    }
+
+    #[test]
+    fn a_thruster_turns_with_the_body() {
+        let (body, state) = setting();
+        let thruster = [PointForce {
+            body_point: DVec3::X,
+            force: DVec3::Y,
+            frame: Frame::Body,
+        }];
+        let law = Forces {
+            point_forces: &thruster,
+            ..Default::default()
+        };
+        let w = law.wrench(&body, &state);
+        assert_eq!(w.torque, DVec3::Z);
+        assert!((w.force - state.rotation * DVec3::Y).length() < 1e-15);
+    }
+
+    #[test]
+    fn rates_are_the_law() {
+        let (body, state) = setting();
+        let d = Dissipation {
+            linear_drag: 0.3,
+            quadratic_drag: 0.2,
+            angular_damping: 0.1,
+            angular_drag: 0.05,
+        };
+        let law = Forces {
+            acceleration: DVec3::NEG_Y,
+            dissipation: d,
+            body_torque: DVec3::X,
+            ..Default::default()
+        };
+        let (dv, dl) = rates(&body, &state, &law);
+        let (v, l, w) = (
+            state.velocity,
+            state.angular_momentum,
+            state.body_angular_velocity(&body),
+        );
+        let expected = DVec3::NEG_Y - (0.3 * v + 0.2 * v.length() * v) / 3.0;
+        assert!((dv - expected).length() < 1e-15);
+        let expected = l.cross(w) - 0.1 * l - 0.05 * w + DVec3::X;
+        assert!((dl - expected).length() < 1e-15);
+    }
+
+    #[test]
+    fn dampers_take_energy_and_are_reversible() {
+        let (body, start) = setting();
+        let springs = [
+            Spring {
+                body_point: DVec3::new(0.5, 0.25, 0.0),
+                anchor: DVec3::ZERO,
+                stiffness: 0.0,
+                damping: 7.0,
+            },
+            Spring {
+                body_point: DVec3::new(-0.5, 0.0, 0.3),
+                anchor: DVec3::Y,
+                stiffness: 0.0,
+                damping: 2.0,
+            },
+        ];
+        let law = Forces {
+            springs: &springs,
+            ..Default::default()
+        };
+        for h in [1e-3, 0.1, 10.0, 1e4] {
+            let mut state = start;
+            law.damp(&body, &mut state, h);
+            assert!(state.kinetic_energy(&body) < start.kinetic_energy(&body));
+        }
+        let mut state = start;
+        law.damp(&body, &mut state, 0.05);
+        law.damp(&body, &mut state, -0.05);
+        assert!((state.velocity - start.velocity).length() < 1e-13);
+        // To first order it is the damper's wrench.
+        let (mut state, h) = (start, 1e-6);
+        law.damp(&body, &mut state, h);
+        let expected = start.velocity + law.wrench(&body, &start).force * (h / 3.0);
+        assert!((state.velocity - expected).length() < 1e-10);
+    }
+}

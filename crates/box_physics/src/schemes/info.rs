@@ -1,0 +1,225 @@
+//! What a scheme says of itself: the one place for its name, order, cost, range and properties. The
+//! menu, the report, the documentation and the tests all read it here, and the tests hold it to it.
+
+use core::fmt;
+
+/// The parts of the force law, each with an order of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Channel {
+    /// Uniform acceleration: the parabola.
+    Gravity,
+    /// Force −c₁ v.
+    LinearDrag,
+    /// Force −k₂ |v| v.
+    QuadraticDrag,
+    /// The gyroscopic term: free rotation of an asymmetric body.
+    Rotation,
+    /// Torque that depends on the attitude, or is constant in some axes.
+    Torque,
+    /// Spring at a body point.
+    Spring,
+    /// Torque −γ L.
+    AngularDamping,
+    /// Torque −c_ω ω.
+    AngularDrag,
+}
+
+impl Channel {
+    /// Every channel.
+    pub const ALL: [Self; 8] = [
+        Self::Gravity,
+        Self::LinearDrag,
+        Self::QuadraticDrag,
+        Self::Rotation,
+        Self::Torque,
+        Self::Spring,
+        Self::AngularDamping,
+        Self::AngularDrag,
+    ];
+
+    /// As a heading.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::LinearDrag => "linear drag",
+            Self::QuadraticDrag => "quadratic drag",
+            Self::Rotation => "rotation",
+            Self::Torque => "torque",
+            Self::Spring => "spring",
+            Self::AngularDamping => "angular damping",
+            Self::AngularDrag => "angular drag",
+        }
+    }
+}
+
+/// Order of convergence of the global error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// No truncation error: rounding alone.
+    Exact,
+    /// Error ∝ hᵖ.
+    Of(u8),
+}
+
+impl fmt::Display for Order {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Exact => f.write_str("exact"),
+            Self::Of(p) => write!(f, "{p}"),
+        }
+    }
+}
+
+/// The order per channel of the force law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Orders {
+    /// [`Channel::Gravity`], in the position.
+    pub gravity: Order,
+    /// [`Channel::LinearDrag`], in the position.
+    pub linear_drag: Order,
+    /// [`Channel::QuadraticDrag`], in the position.
+    pub quadratic_drag: Order,
+    /// [`Channel::Rotation`], in the attitude.
+    pub rotation: Order,
+    /// [`Channel::Torque`], in the attitude.
+    pub torque: Order,
+    /// [`Channel::Spring`], in position and attitude.
+    pub spring: Order,
+    /// [`Channel::AngularDamping`], in the attitude, beyond the error of the rotation itself.
+    pub angular_damping: Order,
+    /// [`Channel::AngularDrag`], in the attitude.
+    pub angular_drag: Order,
+}
+
+impl Orders {
+    /// The same order in every channel.
+    pub const fn all(p: u8) -> Self {
+        let p = Order::Of(p);
+        Self {
+            gravity: p,
+            linear_drag: p,
+            quadratic_drag: p,
+            rotation: p,
+            torque: p,
+            spring: p,
+            angular_damping: p,
+            angular_drag: p,
+        }
+    }
+
+    /// The order in one channel.
+    pub const fn of(&self, channel: Channel) -> Order {
+        match channel {
+            Channel::Gravity => self.gravity,
+            Channel::LinearDrag => self.linear_drag,
+            Channel::QuadraticDrag => self.quadratic_drag,
+            Channel::Rotation => self.rotation,
+            Channel::Torque => self.torque,
+            Channel::Spring => self.spring,
+            Channel::AngularDamping => self.angular_damping,
+            Channel::AngularDrag => self.angular_drag,
+        }
+    }
+}
+
+/// Up to where a scheme stays bounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// At every step.
+    None,
+    /// Up to this value of the dimensionless step.
+    Below(f64),
+    /// Not for any step: the amplitude grows slowly or quickly.
+    AlwaysGrows,
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("any step"),
+            Self::Below(x) => write!(f, "< {x}"),
+            Self::AlwaysGrows => f.write_str("always grows"),
+        }
+    }
+}
+
+/// Stable ranges in the three dimensionless steps that matter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stability {
+    /// |ω| h of a free tumbling body.
+    pub rotation: Limit,
+    /// c₁ h / m of linear drag.
+    pub drag: Limit,
+    /// √(k/m) h of an undamped spring.
+    pub oscillator: Limit,
+}
+
+/// What becomes of the energy of a free tumbling body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EnergyBehaviour {
+    /// Constant to rounding.
+    Exact,
+    /// Oscillates within a band ∝ hᵖ without a trend.
+    Bounded,
+    /// Falls.
+    Dissipates,
+    /// Rises.
+    Gains,
+    /// Falls or rises slowly, by the motion.
+    Drifts,
+}
+
+impl fmt::Display for EnergyBehaviour {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Exact => "exact",
+            Self::Bounded => "bounded",
+            Self::Dissipates => "dissipates",
+            Self::Gains => "gains",
+            Self::Drifts => "drifts",
+        })
+    }
+}
+
+/// What a scheme keeps of a free tumbling body, to rounding unless said otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Keeps {
+    /// The energy.
+    pub energy: EnergyBehaviour,
+    /// |L|, the magnitude of the angular momentum.
+    pub momentum_magnitude: bool,
+    /// L in world axes, magnitude and direction.
+    pub momentum: bool,
+    /// n steps forwards and n backwards return to the start.
+    pub reversible: bool,
+}
+
+/// Force evaluations per step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Evaluations {
+    /// With uniform gravity and dissipation alone.
+    pub free: u32,
+    /// With a state-dependent force. For an iterating scheme: per iteration.
+    pub forced: u32,
+}
+
+/// Everything a scheme says of itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SchemeInfo {
+    /// As typed on a command line and in files: lower case, hyphens.
+    pub id: &'static str,
+    /// As shown in a menu.
+    pub name: &'static str,
+    /// One plain sentence for a tooltip.
+    pub summary: &'static str,
+    /// Author, year, equation.
+    pub source: &'static str,
+    /// Order per channel.
+    pub orders: Orders,
+    /// Force evaluations per step.
+    pub evaluations: Evaluations,
+    /// Stable ranges.
+    pub stability: Stability,
+    /// What it keeps.
+    pub keeps: Keeps,
+}

@@ -1,0 +1,222 @@
+//! The numerical integrators. **One scheme is one file and one line in the list below**; the menu, the
+//! report, the benchmarks and the convergence tests follow from the list.
+//!
+//! To add one: write `my_scheme.rs` beside the others (copy `explicit_euler.rs`), with a unit type, its
+//! formula and source, an [`impl Scheme`](Scheme) and its tests; add `MyScheme = my_scheme,` to
+//! `schemes!`. The tests in `tests/` then hold it to what its [`SchemeInfo`] claims.
+
+mod info;
+mod memory;
+
+pub use info::{
+    Channel, EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, SchemeInfo, Stability,
+};
+pub use memory::SchemeMemory;
+
+use core::fmt;
+use core::str::FromStr;
+
+use crate::body::RigidBox;
+use crate::force::ForceLaw;
+use crate::state::BodyState;
+
+/// A numerical integrator for translation and rotation.
+pub trait Scheme {
+    /// What it says of itself.
+    const INFO: SchemeInfo;
+
+    /// Advances `state` by `h` [s] under `force`. `h` = 0 is the identity, bit for bit; a negative `h`
+    /// runs a reversible scheme backwards and is otherwise merely another step.
+    fn step<F: ForceLaw>(
+        body: &RigidBox,
+        state: &mut BodyState,
+        force: &F,
+        h: f64,
+        memory: &mut SchemeMemory,
+    ) -> StepOutcome;
+}
+
+/// What a step cost and whether it had to give way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StepOutcome {
+    /// Evaluations of the force law.
+    pub evaluations: u32,
+    /// Steps that the scheme handed to `split`, because it does not apply.
+    pub fallbacks: u32,
+    /// Iterations that ended at their cap instead of their tolerance.
+    pub unconverged: u32,
+}
+
+impl StepOutcome {
+    /// A plain step of `evaluations` force evaluations.
+    #[inline(always)]
+    pub const fn plain(evaluations: u32) -> Self {
+        Self {
+            evaluations,
+            fallbacks: 0,
+            unconverged: 0,
+        }
+    }
+}
+
+impl core::ops::AddAssign for StepOutcome {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.evaluations += other.evaluations;
+        self.fallbacks += other.fallbacks;
+        self.unconverged += other.unconverged;
+    }
+}
+
+/// Code that is generic over the scheme; see [`Integrator::dispatch`].
+pub trait SchemeVisitor {
+    /// What it returns.
+    type Output;
+    /// Runs with the scheme as a type, so that the loop inside is compiled for it.
+    fn visit<S: Scheme>(self) -> Self::Output;
+}
+
+macro_rules! schemes {
+    ($($(#[$attribute:meta])* $name:ident = $module:ident,)+) => {
+        $(mod $module;)+
+        $(pub use $module::$name;)+
+
+        /// A choice of scheme: every scheme there is, in the order of the menu.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, bevy::reflect::Reflect)]
+        pub enum Integrator {
+            $($(#[$attribute])* #[doc = concat!("[`", stringify!($name), "`](struct@", stringify!($name), ")")] $name,)+
+        }
+
+        impl Integrator {
+            /// Every scheme, in the order of the menu.
+            pub const ALL: &[Self] = &[$(Self::$name),+];
+
+            /// What the scheme says of itself.
+            pub const fn info(self) -> &'static SchemeInfo {
+                match self {
+                    $(Self::$name => const { &<$name as Scheme>::INFO },)+
+                }
+            }
+
+            /// Calls the visitor with the chosen scheme as a type: one match per loop, not per body.
+            #[inline]
+            pub fn dispatch<V: SchemeVisitor>(self, visitor: V) -> V::Output {
+                match self {
+                    $(Self::$name => visitor.visit::<$name>(),)+
+                }
+            }
+
+            /// One step of one body by the chosen scheme; see [`Scheme::step`].
+            #[inline]
+            pub fn step<F: ForceLaw>(
+                self,
+                body: &RigidBox,
+                state: &mut BodyState,
+                force: &F,
+                h: f64,
+                memory: &mut SchemeMemory,
+            ) -> StepOutcome {
+                match self {
+                    $(Self::$name => $name::step(body, state, force, h, memory),)+
+                }
+            }
+        }
+    };
+}
+
+schemes! {
+    #[default]
+    Split = split,
+    Rk4 = rk4,
+    SemiImplicitEuler = semi_implicit_euler,
+    Heun2012 = heun_2012,
+    ExplicitEuler = explicit_euler,
+}
+
+impl Integrator {
+    /// As typed: `split`, `rk4`, …
+    pub const fn id(self) -> &'static str {
+        self.info().id
+    }
+
+    /// As shown.
+    pub const fn name(self) -> &'static str {
+        self.info().name
+    }
+
+    /// Place in the menu, from 0.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+impl fmt::Display for Integrator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.id())
+    }
+}
+
+/// No scheme has this id; the message lists those there are.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown integrator '{given}'; allowed: {}", Integrator::ALL.iter().map(|i| i.id()).collect::<Vec<_>>().join(", "))]
+pub struct UnknownIntegrator {
+    /// What was typed.
+    pub given: String,
+}
+
+impl FromStr for Integrator {
+    type Err = UnknownIntegrator;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Self::ALL
+            .iter()
+            .copied()
+            .find(|i| i.id().eq_ignore_ascii_case(text.trim()))
+            .ok_or_else(|| UnknownIntegrator {
+                given: text.to_owned(),
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::Gravity;
+    use glam::DVec3;
+
+    #[test]
+    fn ids_are_unique_and_round_trip() {
+        for (k, &i) in Integrator::ALL.iter().enumerate() {
+            assert_eq!(i.index(), k);
+            assert_eq!(i.id().parse::<Integrator>(), Ok(i));
+            assert!(
+                Integrator::ALL[..k]
+                    .iter()
+                    .all(|j| j.id() != i.id() && j.name() != i.name())
+            );
+            assert!(i.info().summary.ends_with('.') && !i.info().source.is_empty());
+        }
+        let error = "leapfrog".parse::<Integrator>().unwrap_err().to_string();
+        assert!(error.contains("'leapfrog'") && error.contains("heun-2012"));
+    }
+
+    #[test]
+    fn a_zero_step_is_the_identity_bit_for_bit() {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
+        let start = BodyState::at(DVec3::new(0.1, 0.2, 0.3))
+            .with_rotation(glam::DQuat::from_xyzw(0.1, 0.7, -0.3, 0.5))
+            .with_velocity(DVec3::new(1.0, 2.0, 3.0))
+            .with_angular_velocity(&body, DVec3::new(3.0, 2.0, 1.0));
+        for &i in Integrator::ALL {
+            let mut state = start;
+            i.step(
+                &body,
+                &mut state,
+                &Gravity(DVec3::NEG_Y),
+                0.0,
+                &mut SchemeMemory::default(),
+            );
+            assert_eq!(state, start, "{i}");
+        }
+    }
+}
