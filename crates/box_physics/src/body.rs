@@ -24,6 +24,7 @@ const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
 #[require(
     crate::state::BodyState,
     crate::plugin::WrittenTransform,
+    crate::plugin::NearFloor,
     crate::schemes::SchemeMemory,
     bevy::transform::components::Transform
 )]

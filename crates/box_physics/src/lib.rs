@@ -9,6 +9,7 @@ pub mod aabb;
 pub mod body;
 pub mod energy;
 pub mod error;
+pub mod floor;
 pub mod force;
 pub mod math;
 pub mod plugin;
@@ -21,8 +22,16 @@ pub mod translation;
 pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;
+    pub use crate::floor::{ContactPhase, ContactSettings, Floor};
     pub use crate::force::{
         Dissipation, ForceLaw, Forces, Frame, Gravity, PointForce, Spring, Wrench,
+    };
+    pub use crate::plugin::{
+        AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
+        BodyTorque, ExternalForce, FloorContact, GlobalIntegrator, GravityScale, ImpulsePoint,
+        LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin, PhysicsPlugin, PhysicsPlugins,
+        PhysicsSchedule, PhysicsSystems, PhysicsTimings, PointForces, QuadraticDrag, Quarantined,
+        ReportContacts, Springs, StepPhysics, WorldAabb, WorldGravity,
     };
     pub use crate::schemes::{Integrator, SchemeMemory, StepOutcome};
     pub use crate::state::BodyState;

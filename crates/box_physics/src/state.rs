@@ -172,6 +172,15 @@ impl BodyState {
             && self.angular_momentum.is_finite()
     }
 
+    /// Whether it can be stepped: finite, and the attitude a unit quaternion (to 1e-3 in its square).
+    #[inline(always)]
+    pub fn is_sound(&self) -> bool {
+        (self.rotation.length_squared() - 1.0).abs() < 1e-3
+            && self.position.is_finite()
+            && self.velocity.is_finite()
+            && self.angular_momentum.is_finite()
+    }
+
     /// Rotation angle between two attitudes [rad], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂ (`acos` would
     /// have a floor of 1e-8). q and −q are the same attitude.
     pub fn attitude_difference(&self, other: &Self) -> f64 {

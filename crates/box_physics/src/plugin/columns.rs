@@ -1,0 +1,68 @@
+//! The force components of a table, as the slices that Bevy hands over.
+
+use bevy::ecs::query::QueryData;
+use glam::DVec3;
+
+use super::components::{
+    AngularDamping, AngularDrag, BodyTorque, ExternalForce, GravityScale, LinearDrag, PointForces,
+    QuadraticDrag, Springs,
+};
+use crate::body::RigidBox;
+use crate::force::{Dissipation, Forces};
+
+/// What may act on a body besides gravity.
+#[derive(QueryData)]
+#[query_data(contiguous(all))]
+pub(crate) struct ForceColumns {
+    gravity_scale: Option<&'static GravityScale>,
+    linear_drag: Option<&'static LinearDrag>,
+    quadratic_drag: Option<&'static QuadraticDrag>,
+    angular_damping: Option<&'static AngularDamping>,
+    angular_drag: Option<&'static AngularDrag>,
+    external: Option<&'static ExternalForce>,
+    body_torque: Option<&'static BodyTorque>,
+    point_forces: Option<&'static PointForces>,
+    springs: Option<&'static Springs>,
+}
+
+impl ForceColumnsContiguousItem<'_, '_> {
+    /// Whether no body of this table has anything but gravity acting on it.
+    pub(crate) fn only_gravity(&self) -> bool {
+        self.linear_drag.is_none()
+            && self.quadratic_drag.is_none()
+            && self.angular_damping.is_none()
+            && self.angular_drag.is_none()
+            && self.external.is_none()
+            && self.body_torque.is_none()
+            && self.point_forces.is_none()
+            && self.springs.is_none()
+    }
+
+    /// Gravity of body `i` [m/s²].
+    #[inline(always)]
+    pub(crate) fn gravity(&self, i: usize, world: DVec3) -> DVec3 {
+        match self.gravity_scale {
+            Some(scales) => world * scales[i].0,
+            None => world,
+        }
+    }
+
+    /// The whole force law of body `i`.
+    #[inline]
+    pub(crate) fn forces(&self, i: usize, body: &RigidBox, world: DVec3) -> Forces<'_> {
+        let external = self.external.map_or(ExternalForce::default(), |c| c[i]);
+        Forces {
+            acceleration: self.gravity(i, world) + external.force * body.inverse_mass(),
+            dissipation: Dissipation {
+                linear_drag: self.linear_drag.map_or(0.0, |c| c[i].0),
+                quadratic_drag: self.quadratic_drag.map_or(0.0, |c| c[i].0),
+                angular_damping: self.angular_damping.map_or(0.0, |c| c[i].0),
+                angular_drag: self.angular_drag.map_or(0.0, |c| c[i].0),
+            },
+            body_torque: self.body_torque.map_or(DVec3::ZERO, |c| c[i].0),
+            world_torque: external.torque,
+            point_forces: self.point_forces.map_or(&[], |c| c[i].0.as_slice()),
+            springs: self.springs.map_or(&[], |c| c[i].0.as_slice()),
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! Components: what a user may put on a body, and what the plugin keeps there.
+
+use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::math::bounding::Aabb3d;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+use bevy::transform::components::Transform;
+use glam::{DQuat, DVec3, Quat, Vec3};
+
+use crate::error::InvalidValue;
+use crate::force::{PointForce, Spring};
+use crate::schemes::Integrator;
+use crate::state::BodyState;
+
+/// The scheme of this body alone, instead of the [`GlobalIntegrator`](super::GlobalIntegrator).
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BodyIntegrator(pub Integrator);
+
+/// Factor on the [`WorldGravity`](super::WorldGravity) for this body (1 without the component; 0
+/// floats, negative rises).
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct GravityScale(pub f64);
+
+impl Default for GravityScale {
+    fn default() -> Self {
+        Self(1.0)
+    }
+}
+
+macro_rules! coefficient {
+    ($(#[$attribute:meta])* $name:ident, $field:literal) => {
+        $(#[$attribute])*
+        #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+        #[reflect(Component, Default, Clone, PartialEq)]
+        pub struct $name(pub f64);
+
+        impl $name {
+            /// Checked.
+            ///
+            /// # Errors
+            /// [`InvalidValue`] if it is negative or not finite.
+            pub fn new(coefficient: f64) -> Result<Self, InvalidValue> {
+                InvalidValue::check_coefficient($field, coefficient).map(Self)
+            }
+        }
+    };
+}
+
+coefficient! {
+    /// Linear drag c₁ [N s/m], ≥ 0: force −c₁ v.
+    LinearDrag, "linear drag"
+}
+coefficient! {
+    /// Quadratic drag k₂ [N s²/m²], ≥ 0: force −k₂ |v| v.
+    QuadraticDrag, "quadratic drag"
+}
+coefficient! {
+    /// Angular damping rate γ [1/s], ≥ 0: torque −γ L.
+    AngularDamping, "angular damping"
+}
+coefficient! {
+    /// Angular drag c_ω [N m s], ≥ 0: torque −c_ω ω.
+    AngularDrag, "angular drag"
+}
+
+/// A force through the centre [N] and a torque [N m], both in **world** axes, held constant over each
+/// step. It stays until changed. For forces that depend on the state use [`PointForces`],
+/// [`Springs`], or the core with a [`ForceLaw`](crate::force::ForceLaw) of your own.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ExternalForce {
+    /// Force [N].
+    pub force: DVec3,
+    /// Torque about the centre of mass [N m].
+    pub torque: DVec3,
+}
+
+/// A constant torque in **body** axes [N m].
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct BodyTorque(pub DVec3);
+
+/// Forces at body points, evaluated at every stage of the scheme.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct PointForces(pub Vec<PointForce>);
+
+/// Springs from body points to world anchors, evaluated at every stage of the scheme.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Springs(pub Vec<Spring>);
+
+/// The bounding box in the world, re-fitted after every step and rounded outward, so that it contains
+/// the box in f64. Comes with [`AabbPlugin`](super::AabbPlugin).
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Default, Clone)]
+pub struct WorldAabb(pub Aabb3d);
+
+impl Default for WorldAabb {
+    fn default() -> Self {
+        Self(Aabb3d {
+            min: bevy::math::Vec3A::ZERO,
+            max: bevy::math::Vec3A::ZERO,
+        })
+    }
+}
+
+/// Asks for [`FloorContact`](super::FloorContact) messages about this body. Without it none are made.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct ReportContacts;
+
+/// On a body whose state, body or forces were not finite: it is left out of every step, frozen at its
+/// last good state. Give it a finite state and remove this component, and it goes on.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+pub struct Quarantined {
+    /// Simulated time at which it happened [s].
+    pub time: f64,
+}
+
+/// The pose last written to `Transform`, in its f32 bits. A `Transform` that differs from it was
+/// changed by somebody else: a teleport. (Change detection would not do: smoothing between steps
+/// writes `Transform` every frame.)
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct WrittenTransform {
+    pub(crate) translation: Vec3,
+    pub(crate) rotation: Quat,
+}
+
+impl Default for WrittenTransform {
+    /// The default `Transform`: so a body that is spawned with a `Transform` starts there, and one
+    /// spawned with a `BodyState` alone starts as that says.
+    fn default() -> Self {
+        Self {
+            translation: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+        }
+    }
+}
+
+impl WrittenTransform {
+    /// `state`'s pose in f32.
+    #[inline(always)]
+    pub(crate) fn of(state: &BodyState) -> Self {
+        Self {
+            translation: state.position.as_vec3(),
+            rotation: state.rotation.as_quat(),
+        }
+    }
+
+    /// Takes over into `state` what somebody changed in `transform` since we wrote it. Returns whether
+    /// there was anything, or an error if it is not usable (then nothing is taken).
+    pub(crate) fn take_teleport(
+        &self,
+        transform: &Transform,
+        state: &mut BodyState,
+    ) -> Result<bool, NotFinite> {
+        let now = Self::of(state);
+        let moved =
+            transform.translation != self.translation && transform.translation != now.translation;
+        let turned = transform.rotation != self.rotation && transform.rotation != now.rotation;
+        if !moved && !turned {
+            return Ok(false);
+        }
+        let q = DQuat::from_xyzw(
+            transform.rotation.x.into(),
+            transform.rotation.y.into(),
+            transform.rotation.z.into(),
+            transform.rotation.w.into(),
+        );
+        let norm = q.length();
+        let usable = transform.translation.is_finite() && norm.is_finite() && norm > 1e-6;
+        if !usable {
+            return Err(NotFinite);
+        }
+        if moved {
+            state.position = transform.translation.as_dvec3();
+        }
+        if turned {
+            // The momentum is stored in body axes: the body carries its spin along.
+            state.rotation = q / norm;
+        }
+        Ok(true)
+    }
+}
+
+/// A `Transform` that names no place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotFinite;
+
+/// Left by *Integrate* to *Contact*: this body may touch the floor during this step.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NearFloor(pub(crate) bool);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_teleport_is_a_transform_that_we_did_not_write() {
+        let mut state = BodyState::at(DVec3::new(0.1, 0.2, 0.3));
+        let written = WrittenTransform::of(&state);
+        let mut transform = Transform::from_translation(written.translation);
+        assert_eq!(written.take_teleport(&transform, &mut state), Ok(false));
+        assert_eq!(
+            state.position,
+            DVec3::new(0.1, 0.2, 0.3),
+            "keeps its f64 digits"
+        );
+        transform.translation.y = 5.0;
+        assert_eq!(written.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(state.position.y, 5.0);
+        transform.translation.y = f32::NAN;
+        assert_eq!(
+            written.take_teleport(&transform, &mut state),
+            Err(NotFinite)
+        );
+        assert_eq!(state.position.y, 5.0);
+    }
+
+    #[test]
+    fn a_new_body_starts_where_its_transform_or_its_state_says() {
+        let new = WrittenTransform::default();
+        let mut state = BodyState::default();
+        let transform = Transform::from_xyz(0.0, 5.0, 0.0);
+        assert_eq!(new.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(state.position, DVec3::Y * 5.0);
+        let mut state = BodyState::at(DVec3::X);
+        assert_eq!(
+            new.take_teleport(&Transform::default(), &mut state),
+            Ok(false)
+        );
+        assert_eq!(state.position, DVec3::X);
+    }
+
+    #[test]
+    fn coefficients_are_checked() {
+        assert_eq!(LinearDrag::new(0.5), Ok(LinearDrag(0.5)));
+        let error = AngularDamping::new(-1.0).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "angular damping must be finite and not negative, but is -1"
+        );
+    }
+}

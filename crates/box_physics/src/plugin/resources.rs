@@ -1,0 +1,79 @@
+//! Resources: one concept each.
+
+use core::time::Duration;
+
+use bevy::ecs::reflect::ReflectResource;
+use bevy::ecs::resource::Resource;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+use glam::DVec3;
+
+use crate::schemes::Integrator;
+
+/// Gravity of the world [m/s²]. By default 9.81 downwards (−Y).
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct WorldGravity(pub DVec3);
+
+impl Default for WorldGravity {
+    fn default() -> Self {
+        Self(DVec3::new(0.0, -9.81, 0.0))
+    }
+}
+
+/// The scheme of every body without a [`BodyIntegrator`](super::BodyIntegrator). May be changed at
+/// any time; the state is carried over exactly, because every scheme advances the same one.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct GlobalIntegrator(pub Integrator);
+
+/// The clock of the physics: pause, substeps, and how far it is.
+///
+/// The step size is that of the schedule it runs in: `Time<Fixed>` by default. Pause means that the
+/// schedule is not run; for a single step while paused queue [`StepPhysics`](super::StepPhysics).
+/// Slow motion is running it less often: `Time<Virtual>::set_relative_speed`.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct PhysicsClock {
+    /// Whether the physics stands still.
+    pub paused: bool,
+    /// Into how many equal steps each tick of the clock is divided, 1 to 1024; 0 counts as 1.
+    pub substeps: u32,
+    pub(crate) step: f64,
+    pub(crate) steps: u64,
+    pub(crate) elapsed: Duration,
+}
+
+impl Default for PhysicsClock {
+    fn default() -> Self {
+        Self {
+            paused: false,
+            substeps: 1,
+            step: 0.0,
+            steps: 0,
+            elapsed: Duration::ZERO,
+        }
+    }
+}
+
+impl PhysicsClock {
+    /// Size of the present or last (sub)step [s].
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// (Sub)steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Simulated time, the exact sum of the clock's ticks.
+    pub fn elapsed(&self) -> Duration {
+        self.elapsed
+    }
+
+    /// Back to time zero, for a restarted scene. Does not touch bodies.
+    pub fn reset(&mut self) {
+        self.steps = 0;
+        self.elapsed = Duration::ZERO;
+    }
+}

@@ -1,0 +1,190 @@
+//! Where the time goes: taken round loops, never per body, kept in one typed resource and published
+//! through Bevy's `DiagnosticsStore` under `box_physics/…`.
+
+use std::time::Instant;
+
+use bevy::app::{App, Plugin};
+use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+use bevy::ecs::resource::Resource;
+use bevy::ecs::schedule::IntoScheduleConfigs;
+use bevy::ecs::system::{Res, ResMut};
+
+use super::{PhysicsSchedule, PhysicsSystems};
+use crate::floor::FloorOutcome;
+use crate::schemes::{Integrator, StepOutcome};
+
+/// The stages of a step that are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Bodies in free flight.
+    Integrate,
+    /// Bodies at the floor.
+    Contact,
+    /// Bounding boxes.
+    Refit,
+    /// `Transform`s.
+    Writeback,
+}
+
+impl Stage {
+    /// Every stage, in the order of a step.
+    pub const ALL: [Self; 4] = [Self::Integrate, Self::Contact, Self::Refit, Self::Writeback];
+
+    /// Its diagnostic: `box_physics/integrate`, … in microseconds.
+    pub fn path(self) -> DiagnosticPath {
+        DiagnosticPath::new(match self {
+            Self::Integrate => "box_physics/integrate",
+            Self::Contact => "box_physics/contact",
+            Self::Refit => "box_physics/refit",
+            Self::Writeback => "box_physics/writeback",
+        })
+    }
+}
+
+/// What one scheme did in the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SchemeTiming {
+    /// Bodies it stepped in free flight.
+    pub bodies: u64,
+    /// Time of those loops [ns].
+    pub nanoseconds: u64,
+    /// Force evaluations, fallbacks and unconverged iterations, in flight and at the floor.
+    pub outcome: StepOutcome,
+}
+
+impl SchemeTiming {
+    /// ns per body-step, if it stepped any.
+    pub fn per_body(&self) -> Option<f64> {
+        (self.bodies > 0).then(|| self.nanoseconds as f64 / self.bodies as f64)
+    }
+}
+
+/// Figures of the last step. Present with [`PhysicsDiagnosticsPlugin`]; without it nothing is timed.
+#[derive(Resource, Clone, Debug)]
+pub struct PhysicsTimings {
+    stages: [u64; 4],
+    schemes: Vec<SchemeTiming>,
+    /// Impacts, caps and repairs at the floor in the last step.
+    pub floor: FloorOutcome,
+    /// Bodies that *Contact* stepped.
+    pub bodies_at_floor: u64,
+}
+
+impl Default for PhysicsTimings {
+    fn default() -> Self {
+        Self {
+            stages: [0; 4],
+            schemes: vec![SchemeTiming::default(); Integrator::ALL.len()],
+            floor: FloorOutcome::default(),
+            bodies_at_floor: 0,
+        }
+    }
+}
+
+impl PhysicsTimings {
+    /// Time of a stage in the last step [ns].
+    pub fn stage(&self, stage: Stage) -> u64 {
+        self.stages[stage as usize]
+    }
+
+    /// Time of all stages in the last step [ns].
+    pub fn total(&self) -> u64 {
+        self.stages.iter().sum()
+    }
+
+    /// What a scheme did in the last step.
+    pub fn scheme(&self, integrator: Integrator) -> SchemeTiming {
+        self.schemes[integrator.index()]
+    }
+
+    pub(crate) fn begin_step(&mut self) {
+        self.schemes.fill(SchemeTiming::default());
+        self.floor = FloorOutcome::default();
+        self.bodies_at_floor = 0;
+        self.stages = [0; 4];
+    }
+
+    pub(crate) fn record_stage(&mut self, stage: Stage, since: Instant) {
+        self.stages[stage as usize] = nanoseconds(since);
+    }
+
+    pub(crate) fn record_scheme(
+        &mut self,
+        integrator: Integrator,
+        bodies: u64,
+        nanoseconds: u64,
+        outcome: StepOutcome,
+    ) {
+        let entry = &mut self.schemes[integrator.index()];
+        entry.bodies += bodies;
+        entry.nanoseconds += nanoseconds;
+        entry.outcome += outcome;
+    }
+}
+
+/// Time since `start` [ns].
+pub(crate) fn nanoseconds(start: Instant) -> u64 {
+    u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// A scheme's diagnostic: `box_physics/scheme/split`, … in ns per body-step.
+pub fn scheme_path(integrator: Integrator) -> DiagnosticPath {
+    DiagnosticPath::from_components(["box_physics", "scheme", integrator.id()])
+}
+
+/// Times every stage and scheme, and publishes the figures. Leave it out and nothing is timed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PhysicsDiagnosticsPlugin;
+
+impl PhysicsDiagnosticsPlugin {
+    /// The whole step [µs].
+    pub const STEP: DiagnosticPath = DiagnosticPath::const_new("box_physics/step");
+}
+
+impl Plugin for PhysicsDiagnosticsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<PhysicsTimings>();
+        app.register_diagnostic(Diagnostic::new(Self::STEP).with_suffix(" µs"));
+        for stage in Stage::ALL {
+            app.register_diagnostic(Diagnostic::new(stage.path()).with_suffix(" µs"));
+        }
+        for &integrator in Integrator::ALL {
+            app.register_diagnostic(Diagnostic::new(scheme_path(integrator)).with_suffix(" ns"));
+        }
+        app.add_systems(
+            PhysicsSchedule,
+            publish
+                .after(PhysicsSystems::Writeback)
+                .before(PhysicsSystems::Last),
+        );
+    }
+}
+
+fn publish(
+    timings: Res<PhysicsTimings>,
+    mut diagnostics: Diagnostics,
+    mut paths: bevy::ecs::system::Local<Vec<(Integrator, DiagnosticPath)>>,
+) {
+    if paths.is_empty() {
+        paths.extend(Integrator::ALL.iter().map(|&i| (i, scheme_path(i))));
+    }
+    let microseconds = |ns: u64| ns as f64 * 1e-3;
+    diagnostics.add_measurement(&PhysicsDiagnosticsPlugin::STEP, || {
+        microseconds(timings.total())
+    });
+    for stage in Stage::ALL {
+        diagnostics.add_measurement(&stage.path(), || microseconds(timings.stage(stage)));
+    }
+    for (integrator, path) in paths.iter() {
+        if let Some(ns) = timings.scheme(*integrator).per_body() {
+            diagnostics.add_measurement(path, || ns);
+        }
+    }
+}
+
+/// Resets the figures at the start of a step.
+pub(crate) fn begin_step(timings: Option<ResMut<PhysicsTimings>>) {
+    if let Some(mut timings) = timings {
+        timings.begin_step();
+    }
+}
