@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Half-extents [m] of the smallest world-aligned box round a box of half-extents `half` at attitude
+/// Half-extents \[m\] of the smallest world-aligned box round a box of half-extents `half` at attitude
 /// `rotation`: |R|·h with the absolute values of the rotation matrix. Exact, and no corner is visited:
 /// the extent along world axis i is the support Σ_j |R_ij| h_j (Ericson, *Real-Time Collision
 /// Detection*, 2005, §4.2.6).

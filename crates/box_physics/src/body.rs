@@ -38,8 +38,8 @@ pub struct RigidBox {
 }
 
 impl RigidBox {
-    /// A solid box of uniform density. `half_extents` [m] from the centre to the faces, each between
-    /// 1e-6 and 1e6; `mass` [kg] between 1e-12 and 1e12.
+    /// A solid box of uniform density. `half_extents` \[m\] from the centre to the faces, each between
+    /// 1e-6 and 1e6; `mass` \[kg\] between 1e-12 and 1e12.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
@@ -76,7 +76,7 @@ impl RigidBox {
         Ok(Self::from_parts(h, mass, inertia))
     }
 
-    /// A solid cube of edge length `edge` [m], twice the half-extent.
+    /// A solid cube of edge length `edge` \[m\], twice the half-extent.
     ///
     /// # Errors
     /// As [`RigidBox::new`].
@@ -84,7 +84,7 @@ impl RigidBox {
         Self::new(DVec3::splat(0.5 * edge), mass)
     }
 
-    /// The same outside with another principal inertia [kg m²], for hollow or weighted boxes.
+    /// The same outside with another principal inertia \[kg m²\], for hollow or weighted boxes.
     ///
     /// # Errors
     /// [`InvalidValue`] if a moment is not positive and finite, or if one exceeds the sum of the
@@ -124,12 +124,12 @@ impl RigidBox {
         }
     }
 
-    /// Distance from the centre to each face [m].
+    /// Distance from the centre to each face \[m\].
     pub fn half_extents(&self) -> DVec3 {
         self.half_extents
     }
 
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub fn mass(&self) -> f64 {
         self.mass
     }
@@ -139,7 +139,7 @@ impl RigidBox {
         self.inverse_mass
     }
 
-    /// Principal moments of inertia about the body axes [kg m²].
+    /// Principal moments of inertia about the body axes \[kg m²\].
     pub fn inertia(&self) -> DVec3 {
         self.inertia
     }
@@ -149,7 +149,7 @@ impl RigidBox {
         self.inverse_inertia
     }
 
-    /// Distance from the centre to a corner [m]: the radius of the sphere round the box.
+    /// Distance from the centre to a corner \[m\]: the radius of the sphere round the box.
     pub fn radius(&self) -> f64 {
         self.half_extents.length()
     }

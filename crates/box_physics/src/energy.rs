@@ -6,7 +6,7 @@ use crate::body::RigidBox;
 use crate::force::{ForceLaw, Forces, Frame};
 use crate::state::BodyState;
 
-/// Potential energy [J] of the conservative terms: uniform acceleration (0 at the origin), springs
+/// Potential energy \[J\] of the conservative terms: uniform acceleration (0 at the origin), springs
 /// (0 at the anchor) and point forces constant in the world. Body-fixed forces and torques have none
 /// and do not count.
 pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
@@ -22,7 +22,7 @@ pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> 
     energy
 }
 
-/// Kinetic and potential energy [J].
+/// Kinetic and potential energy \[J\].
 pub fn total_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
     state.kinetic_energy(body) + potential_energy(body, state, forces)
 }
@@ -78,7 +78,7 @@ mod tests {
             assert!((gradient + force.dot(axis)).abs() < 1e-8);
             let turned = |angle: f64| {
                 let mut s = state;
-                s.rotation = s.rotation * crate::rotation::exponential_map(axis * angle);
+                s.rotation *= crate::rotation::exponential_map(axis * angle);
                 energy(&s)
             };
             let gradient = (turned(d) - turned(-d)) / (2.0 * d);

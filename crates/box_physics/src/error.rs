@@ -46,15 +46,4 @@ impl InvalidValue {
             "finite and not negative",
         )
     }
-
-    /// Accepts a vector of finite components; `fields` names them.
-    pub(crate) fn check_finite(
-        fields: [&'static str; 3],
-        value: glam::DVec3,
-    ) -> Result<glam::DVec3, Self> {
-        for (field, component) in fields.into_iter().zip(value.to_array()) {
-            Self::check(component.is_finite(), field, component, "finite")?;
-        }
-        Ok(value)
-    }
 }

@@ -13,12 +13,12 @@ use glam::{DMat3, DVec3};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
-/// A force through the centre of mass [N], world axes, and a torque about it [N m], **body** axes.
+/// A force through the centre of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wrench {
-    /// Force [N], world axes.
+    /// Force \[N\], world axes.
     pub force: DVec3,
-    /// Torque about the centre of mass [N m], body axes.
+    /// Torque about the centre of mass \[N m\], body axes.
     pub torque: DVec3,
 }
 
@@ -47,7 +47,7 @@ pub struct Dissipation {
     pub quadratic_drag: f64,
     /// γ [1/s]: torque −γ L.
     pub angular_damping: f64,
-    /// c_ω [N m s]: torque −c_ω ω.
+    /// c_ω \[N m s\]: torque −c_ω ω.
     pub angular_drag: f64,
 }
 
@@ -117,7 +117,7 @@ pub trait ForceLaw {
         self.wrench(body, state)
     }
 
-    /// Applies the velocity-dependent remainder over `h` [s] at a fixed pose.
+    /// Applies the velocity-dependent remainder over `h` \[s\] at a fixed pose.
     #[inline(always)]
     fn damp(&self, _body: &RigidBox, _state: &mut BodyState, _h: f64) {}
 }
@@ -136,9 +136,9 @@ impl ForceLaw for Gravity {
 /// A force at a body point.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
 pub struct PointForce {
-    /// Where it acts, body axes from the centre [m].
+    /// Where it acts, body axes from the centre \[m\].
     pub body_point: DVec3,
-    /// The force [N], constant in the axes that `frame` names.
+    /// The force \[N\], constant in the axes that `frame` names.
     pub force: DVec3,
     /// The axes in which it is constant.
     pub frame: Frame,
@@ -158,9 +158,9 @@ pub enum Frame {
 /// force −k (x + R r − anchor) − d u at the point, u its velocity. A mouse grab is one of these.
 #[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
 pub struct Spring {
-    /// Where it holds the box, body axes from the centre [m].
+    /// Where it holds the box, body axes from the centre \[m\].
     pub body_point: DVec3,
-    /// Where it is fixed in the world [m].
+    /// Where it is fixed in the world \[m\].
     pub anchor: DVec3,
     /// k [N/m], ≥ 0.
     pub stiffness: f64,
@@ -175,9 +175,9 @@ pub struct Forces<'a> {
     pub acceleration: DVec3,
     /// Drag and damping.
     pub dissipation: Dissipation,
-    /// Constant torque in body axes [N m].
+    /// Constant torque in body axes \[N m\].
     pub body_torque: DVec3,
-    /// Constant torque in world axes [N m].
+    /// Constant torque in world axes \[N m\].
     pub world_torque: DVec3,
     /// Forces at body points.
     pub point_forces: &'a [PointForce],
@@ -277,22 +277,34 @@ fn damp_point(body: &RigidBox, state: &mut BodyState, spring: &Spring, h: f64) {
 /// The time derivatives (v', L') of the whole law at `state`: one force evaluation.
 #[inline(always)]
 pub fn rates<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {
-    let d = force.dissipation();
+    let (dv, torque) = applied_rates(body, state, force);
     let omega = state.body_angular_velocity(body);
+    (dv, state.angular_momentum.cross(omega) + torque)
+}
+
+/// [`rates`] without the gyroscopic term L×ω, for schemes whose drift contains it.
+#[inline(always)]
+pub(crate) fn applied_rates<F: ForceLaw>(
+    body: &RigidBox,
+    state: &BodyState,
+    force: &F,
+) -> (DVec3, DVec3) {
+    let d = force.dissipation();
     let mut dv = force.acceleration();
-    let mut dl = state.angular_momentum.cross(omega);
+    let mut torque = DVec3::ZERO;
     if d != Dissipation::NONE {
         let speed = state.velocity.length();
         let rate = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        let omega = state.body_angular_velocity(body);
         dv -= rate * state.velocity;
-        dl -= d.angular_damping * state.angular_momentum + d.angular_drag * omega;
+        torque -= d.angular_damping * state.angular_momentum + d.angular_drag * omega;
     }
     if force.has_wrench() {
         let w = force.wrench(body, state);
         dv += w.force * body.inverse_mass();
-        dl += w.torque;
+        torque += w.torque;
     }
-    (dv, dl)
+    (dv, torque)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ pub mod energy;
 pub mod error;
 pub mod floor;
 pub mod force;
+pub mod free_motion;
 pub mod math;
 pub mod plugin;
 pub mod rotation;

@@ -6,7 +6,7 @@ use crate::body::{RigidBox, Splitting};
 use crate::math::{sin_cos, sinc_cos};
 use crate::state::BodyState;
 
-/// The quaternion of the rotation vector `u` [rad]: (u sin(|u|/2)/|u|, cos(|u|/2)). Exact for any
+/// The quaternion of the rotation vector `u` \[rad\]: (u sin(|u|/2)/|u|, cos(|u|/2)). Exact for any
 /// |u|, and no special case at 0.
 #[inline(always)]
 pub fn exponential_map(u: DVec3) -> DQuat {
@@ -52,7 +52,7 @@ pub fn cayley_map(u: DVec3) -> DQuat {
     DQuat::from_xyzw(scale * c.x, scale * c.y, scale * c.z, scale)
 }
 
-/// L, q after the body has turned by `theta` [rad] about its own axis `K`: the flow of ½ δ L_K² with
+/// L, q after the body has turned by `theta` \[rad\] about its own axis `K`: the flow of ½ δ L_K² with
 /// θ = hδL_K. The momentum is turned backwards (it is constant in the world), with the versine
 /// 2 sin²(θ/2) instead of the cosine, which keeps |L| ten times better.
 #[inline(always)]
@@ -97,7 +97,7 @@ fn store(state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
     state.rotation = renormalise(DQuat::from_array(q));
 }
 
-/// Free rotation over `h` [s] by the symmetric-top splitting, order 2: exact rotation with the
+/// Free rotation over `h` \[s\] by the symmetric-top splitting, order 2: exact rotation with the
 /// middle moment, then a half, c whole, a half (Fassò, J. Comput. Phys. 189 (2003) 527; the axes:
 /// `Splitting`). Symplectic and reversible; the world angular momentum is constant to rounding, the
 /// energy bounded, at any step; exact for symmetric bodies and cubes.
@@ -124,7 +124,7 @@ pub(crate) mod blanes_moan {
     pub(crate) const B_THIRD: f64 = 0.5 - (B[0] + B[1]);
 }
 
-/// Free rotation over `h` [s] by the same two planar flows in Blanes and Moan's composition, order 4:
+/// Free rotation over `h` \[s\] by the same two planar flows in Blanes and Moan's composition, order 4:
 /// A B A B A B A B A B A B A, thirteen planar rotations. Keeps what [`free_rotation_strang`] keeps.
 pub fn free_rotation_order4(body: &RigidBox, state: &mut BodyState, h: f64) {
     use blanes_moan::{A, A_MIDDLE, B, B_THIRD};
@@ -140,7 +140,7 @@ pub fn free_rotation_order4(body: &RigidBox, state: &mut BodyState, h: f64) {
     store(state, l, q);
 }
 
-/// Free rotation over `h` [s] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich
+/// Free rotation over `h` \[s\] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich
 /// 1994): what a textbook splitting does, without the exact part taken out first.
 pub fn free_rotation_three_axes(body: &RigidBox, state: &mut BodyState, h: f64) {
     let j = body.inverse_inertia();

@@ -27,7 +27,7 @@ use crate::rotation::renormalise;
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyState {
-    /// Centre of mass in the world [m].
+    /// Centre of mass in the world \[m\].
     pub position: DVec3,
     /// Attitude: rotates body vectors into world vectors. A unit quaternion.
     pub rotation: DQuat,
@@ -44,7 +44,7 @@ impl Default for BodyState {
 }
 
 impl BodyState {
-    /// At rest at `position` [m], axes along the world's.
+    /// At rest at `position` \[m\], axes along the world's.
     pub fn at(position: impl Into<DVec3>) -> Self {
         Self {
             position: position.into(),
@@ -114,22 +114,22 @@ impl BodyState {
         self.rotation * self.angular_momentum
     }
 
-    /// ½ m v² [J].
+    /// ½ m v² \[J\].
     pub fn translational_energy(&self, body: &RigidBox) -> f64 {
         0.5 * body.mass() * self.velocity.length_squared()
     }
 
-    /// ½ L·ω [J].
+    /// ½ L·ω \[J\].
     pub fn rotational_energy(&self, body: &RigidBox) -> f64 {
         0.5 * self.angular_momentum.dot(self.body_angular_velocity(body))
     }
 
-    /// Translational and rotational kinetic energy [J].
+    /// Translational and rotational kinetic energy \[J\].
     pub fn kinetic_energy(&self, body: &RigidBox) -> f64 {
         self.translational_energy(body) + self.rotational_energy(body)
     }
 
-    /// World position of a point given in body axes from the centre [m].
+    /// World position of a point given in body axes from the centre \[m\].
     #[inline(always)]
     pub fn point(&self, body_point: DVec3) -> DVec3 {
         self.position + self.rotation * body_point
@@ -140,7 +140,7 @@ impl BodyState {
         self.velocity + self.rotation * self.body_angular_velocity(body).cross(body_point)
     }
 
-    /// The impulse `impulse` [N s] (world axes) at the world point `at` [m]:
+    /// The impulse `impulse` \[N s\] (world axes) at the world point `at` \[m\]:
     /// Δv = J/m, ΔL_world = (p − x) × J.
     pub fn apply_impulse(&mut self, body: &RigidBox, impulse: DVec3, at: DVec3) {
         self.velocity += impulse * body.inverse_mass();
@@ -148,7 +148,7 @@ impl BodyState {
         self.angular_momentum += self.rotation.inverse() * moment;
     }
 
-    /// The impulse `impulse` [N s] (world axes) at a point given in body axes from the centre [m].
+    /// The impulse `impulse` \[N s\] (world axes) at a point given in body axes from the centre \[m\].
     pub fn apply_impulse_at_body_point(
         &mut self,
         body: &RigidBox,
@@ -159,7 +159,7 @@ impl BodyState {
         self.angular_momentum += body_point.cross(self.rotation.inverse() * impulse);
     }
 
-    /// The angular impulse [N m s], world axes.
+    /// The angular impulse \[N m s\], world axes.
     pub fn apply_angular_impulse(&mut self, moment: DVec3) {
         self.angular_momentum += self.rotation.inverse() * moment;
     }
@@ -181,7 +181,7 @@ impl BodyState {
             && self.angular_momentum.is_finite()
     }
 
-    /// Rotation angle between two attitudes [rad], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂ (`acos` would
+    /// Rotation angle between two attitudes \[rad\], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂ (`acos` would
     /// have a floor of 1e-8). q and −q are the same attitude.
     pub fn attitude_difference(&self, other: &Self) -> f64 {
         let d = self.rotation.inverse() * other.rotation;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::math::Exponential;
 use crate::state::BodyState;
 
-/// v' = a − (c/m) v over `h` [s], exactly: x += hφ₁v + h²φ₂a, v ← e^{−ζ}v + hφ₁a with ζ = (c/m)h.
+/// v' = a − (c/m) v over `h` \[s\], exactly: x += hφ₁v + h²φ₂a, v ← e^{−ζ}v + hφ₁a with ζ = (c/m)h.
 /// `rate` is c/m [1/s]; 0 gives the parabola to the last term.
 #[inline(always)]
 pub fn exponential_step(state: &mut BodyState, acceleration: DVec3, rate: f64, h: f64) {
@@ -19,7 +19,7 @@ pub fn exponential_step(state: &mut BodyState, acceleration: DVec3, rate: f64, h
     }
 }
 
-/// v' = −(k/m)|v|v over `h` [s], exactly: v/(1 + (k/m)|v|h). `rate` is k/m [1/m]. It never
+/// v' = −(k/m)|v|v over `h` \[s\], exactly: v/(1 + (k/m)|v|h). `rate` is k/m [1/m]. It never
 /// reverses the velocity, at any speed and step. The position does not move in it (in a splitting,
 /// the other part moves it).
 #[inline(always)]

@@ -33,7 +33,7 @@ fn polynomials(z: f64) -> (f64, f64) {
     (s, c)
 }
 
-/// (sin x, cos x) for any finite `x` [rad]; absolute error below 1.5e-16. NaN for a non-finite `x`.
+/// (sin x, cos x) for any finite `x` \[rad\]; absolute error below 1.5e-16. NaN for a non-finite `x`.
 ///
 /// ```
 /// let (s, c) = box_physics::math::sin_cos(0.5);

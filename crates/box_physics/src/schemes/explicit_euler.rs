@@ -2,8 +2,8 @@
 
 use super::rk4::Slope;
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory, Stability,
-    StepOutcome,
+    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceLaw;
@@ -19,7 +19,7 @@ impl Scheme for ExplicitEuler {
         summary: "The first method anyone writes: every spin and every spring gains energy, however small the step.",
         source: "Euler 1768; Hairer, Nørsett, Wanner, Solving ODEs I, I.7",
         orders: Orders::all(1),
-        evaluations: Evaluations { free: 1, forced: 1 },
+        evaluations: Evaluations::fixed(1, 1),
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(2.0),
@@ -77,7 +77,13 @@ mod tests {
         let (w, h, n) = (8.0, 1.0 / 60.0, 300);
         let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::X * w);
         for _ in 0..n {
-            ExplicitEuler::step(&body, &mut s, &Gravity(DVec3::ZERO), h, &mut SchemeMemory::default());
+            ExplicitEuler::step(
+                &body,
+                &mut s,
+                &Gravity(DVec3::ZERO),
+                h,
+                &mut SchemeMemory::default(),
+            );
         }
         let half = libm::atan(0.5 * w * h) * f64::from(n);
         assert!((s.rotation.x - libm::sin(half)).abs() < 1e-12);

@@ -1,8 +1,8 @@
 //! `heun-2012`: what the 2012 dissertation called "implicit Euler", under its true name.
 
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory, Stability,
-    StepOutcome,
+    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceLaw, rates};
@@ -23,7 +23,7 @@ impl Scheme for Heun2012 {
         summary: "The dissertation's \"implicit Euler\", in truth an explicit Heun step whose position is only first order.",
         source: "Heun 1900; V. Stojanovic, dissertation 2012 (listing), extended to rotation",
         orders: Orders::all(1),
-        evaluations: Evaluations { free: 2, forced: 2 },
+        evaluations: Evaluations::fixed(2, 2),
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(2.0),
@@ -73,7 +73,13 @@ mod tests {
     #[test]
     fn amplification_factor_and_position() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let law = Forces { dissipation: Dissipation { linear_drag: 1.4, ..Dissipation::NONE }, ..Default::default() };
+        let law = Forces {
+            dissipation: Dissipation {
+                linear_drag: 1.4,
+                ..Dissipation::NONE
+            },
+            ..Default::default()
+        };
         let h = 0.1;
         let z = -1.4 * h / 2.0;
         let r = 1.0 + z + 0.5 * z * z;
@@ -91,7 +97,13 @@ mod tests {
     #[test]
     fn angular_momentum_likewise() {
         let body = RigidBox::default();
-        let law = Forces { dissipation: Dissipation { angular_damping: 0.5, ..Dissipation::NONE }, ..Default::default() };
+        let law = Forces {
+            dissipation: Dissipation {
+                angular_damping: 0.5,
+                ..Dissipation::NONE
+            },
+            ..Default::default()
+        };
         let (h, z) = (0.02, -0.01_f64);
         let r = 1.0 + z + 0.5 * z * z;
         let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * 3.0);

@@ -199,8 +199,41 @@ pub struct Keeps {
 pub struct Evaluations {
     /// With uniform gravity and dissipation alone.
     pub free: u32,
-    /// With a state-dependent force. For an iterating scheme: per iteration.
+    /// With a state-dependent force.
     pub forced: u32,
+    /// Whether the scheme iterates: then both are per iteration.
+    pub per_iteration: bool,
+}
+
+impl Evaluations {
+    /// A scheme with a fixed number of evaluations.
+    pub const fn fixed(free: u32, forced: u32) -> Self {
+        Self {
+            free,
+            forced,
+            per_iteration: false,
+        }
+    }
+
+    /// A scheme that iterates to convergence.
+    pub const fn per_iteration(free: u32, forced: u32) -> Self {
+        Self {
+            free,
+            forced,
+            per_iteration: true,
+        }
+    }
+}
+
+impl fmt::Display for Evaluations {
+    /// `1 · 2`: free, forced; `1 · 2 per iteration`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} · {}", self.free, self.forced)?;
+        if self.per_iteration {
+            f.write_str(" per iteration")?;
+        }
+        Ok(())
+    }
 }
 
 /// Everything a scheme says of itself.

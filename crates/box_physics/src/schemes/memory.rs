@@ -2,8 +2,57 @@
 
 use bevy::ecs::component::Component;
 
+use super::trajectory::Trajectory;
+
 /// A scheme's memory of one body. Most schemes need none and never touch it. It is checked, not
 /// trusted: a scheme drops it whenever state, body or forces are not bit for bit what it last left,
 /// so teleports, impulses and live switching need no notice. An empty memory is always valid.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub struct SchemeMemory {}
+///
+/// To try several steps from one state, copy the memory into a scratch one with
+/// [`clone_from`](Clone::clone_from), which reuses what the scratch has allocated.
+#[derive(Component, Debug, Default, PartialEq)]
+pub struct SchemeMemory {
+    /// Of `exact`. Allocated when the scheme first runs on the body, then overwritten in place.
+    pub(super) trajectory: Option<Box<Trajectory>>,
+}
+
+impl Clone for SchemeMemory {
+    fn clone(&self) -> Self {
+        Self {
+            trajectory: self.trajectory.clone(),
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.trajectory.clone_from(&source.trajectory);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::RigidBox;
+    use crate::force::Gravity;
+    use crate::schemes::Integrator;
+    use crate::state::BodyState;
+    use glam::DVec3;
+
+    #[test]
+    fn a_scratch_copy_keeps_its_allocation() {
+        let (body, mut state) = (RigidBox::default(), BodyState::default());
+        let (mut memory, mut scratch) = (SchemeMemory::default(), SchemeMemory::default());
+        let law = Gravity(DVec3::NEG_Y);
+        let address = |m: &SchemeMemory| m.trajectory.as_deref().map(core::ptr::from_ref);
+        Integrator::Exact.step(&body, &mut state, &law, 0.1, &mut memory);
+        scratch.clone_from(&memory);
+        let (first, own) = (address(&scratch), address(&memory));
+        Integrator::Exact.step(&body, &mut state, &law, 0.1, &mut memory);
+        assert!(scratch != memory);
+        scratch.clone_from(&memory);
+        assert!(scratch == memory && address(&scratch) == first);
+        // An event overwrites in place as well.
+        state.velocity = DVec3::X;
+        Integrator::Exact.step(&body, &mut state, &law, 0.1, &mut memory);
+        assert_eq!(address(&memory), own);
+    }
+}

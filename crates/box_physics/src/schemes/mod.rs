@@ -5,13 +5,22 @@
 //! formula and source, an [`impl Scheme`](Scheme) and its tests; add `MyScheme = my_scheme,` to
 //! `schemes!`. The tests in `tests/` then hold it to what its [`SchemeInfo`] claims.
 
+mod implicit_stage;
 mod info;
 mod memory;
+mod newton;
+mod stage_equations;
+#[cfg(test)]
+mod testing;
+mod trajectory;
 
 pub use info::{
     Channel, EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, SchemeInfo, Stability,
 };
 pub use memory::SchemeMemory;
+
+#[cfg(test)]
+pub(crate) use split::split_step;
 
 use core::fmt;
 use core::str::FromStr;
@@ -25,7 +34,7 @@ pub trait Scheme {
     /// What it says of itself.
     const INFO: SchemeInfo;
 
-    /// Advances `state` by `h` [s] under `force`. `h` = 0 is the identity, bit for bit; a negative `h`
+    /// Advances `state` by `h` \[s\] under `force`. `h` = 0 is the identity, bit for bit; a negative `h`
     /// runs a reversible scheme backwards and is otherwise merely another step.
     fn step<F: ForceLaw>(
         body: &RigidBox,
@@ -127,8 +136,17 @@ macro_rules! schemes {
 schemes! {
     #[default]
     Split = split,
+    Exact = exact,
+    Split4 = split4,
+    Dmv6 = dmv6,
     Rk4 = rk4,
+    ImplicitMidpoint = implicit_midpoint,
+    VelocityVerlet = velocity_verlet,
+    Midpoint = midpoint,
+    BackwardEuler = backward_euler,
     SemiImplicitEuler = semi_implicit_euler,
+    EngineRescaled = engine_rescaled,
+    EngineNewton = engine_newton,
     Heun2012 = heun_2012,
     ExplicitEuler = explicit_euler,
 }
@@ -198,6 +216,37 @@ mod tests {
         }
         let error = "leapfrog".parse::<Integrator>().unwrap_err().to_string();
         assert!(error.contains("'leapfrog'") && error.contains("heun-2012"));
+    }
+
+    #[test]
+    fn evaluations_as_claimed() {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
+        let spin = DVec3::new(1.5, 2.5, 1.0);
+        let start = BodyState::default().with_body_angular_velocity(&body, spin);
+        let pull = [crate::force::PointForce {
+            body_point: DVec3::X,
+            force: DVec3::Y,
+            frame: crate::force::Frame::World,
+        }];
+        let free = crate::force::Forces::default();
+        let forced = crate::force::Forces {
+            point_forces: &pull,
+            ..Default::default()
+        };
+        for &i in Integrator::ALL {
+            let claimed = i.info().evaluations;
+            for (law, claim) in [(free, claimed.free), (forced, claimed.forced)] {
+                let (mut state, mut memory) = (start, SchemeMemory::default());
+                let spent = i
+                    .step(&body, &mut state, &law, 1.0 / 60.0, &mut memory)
+                    .evaluations;
+                if claimed.per_iteration {
+                    assert!(spent >= claim, "{i}: {spent}");
+                } else {
+                    assert_eq!(spent, claim, "{i}");
+                }
+            }
+        }
     }
 
     #[test]

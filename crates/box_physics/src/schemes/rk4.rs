@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory, Stability,
-    StepOutcome,
+    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceLaw, rates};
@@ -27,7 +27,7 @@ impl Scheme for Rk4 {
             gravity: super::Order::Exact,
             ..Orders::all(4)
         },
-        evaluations: Evaluations { free: 4, forced: 4 },
+        evaluations: Evaluations::fixed(4, 4),
         stability: Stability {
             rotation: Limit::Below(2.8),
             drag: Limit::Below(2.785),
@@ -112,7 +112,13 @@ mod tests {
     #[test]
     fn amplification_factor() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let law = Forces { dissipation: Dissipation { linear_drag: 1.4, ..Dissipation::NONE }, ..Default::default() };
+        let law = Forces {
+            dissipation: Dissipation {
+                linear_drag: 1.4,
+                ..Dissipation::NONE
+            },
+            ..Default::default()
+        };
         let h = 0.1;
         let z = -1.4 * h / 2.0;
         let r = 1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)));
@@ -130,7 +136,13 @@ mod tests {
         let (w, h, n) = (5.0, 1.0 / 60.0, 600);
         let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * w);
         for _ in 0..n {
-            Rk4::step(&body, &mut s, &Gravity(DVec3::ZERO), h, &mut SchemeMemory::default());
+            Rk4::step(
+                &body,
+                &mut s,
+                &Gravity(DVec3::ZERO),
+                h,
+                &mut SchemeMemory::default(),
+            );
         }
         let y = 0.5 * w * h;
         let per_step = libm::atan2(y - y * y * y / 6.0, 1.0 - y * y / 2.0 + y.powi(4) / 24.0);
