@@ -1,16 +1,63 @@
-//! STUB (replaced by the contact module).
-use crate::{body::RigidBox, force::ForceLaw, schemes::*, state::BodyState};
-use bevy::ecs::{component::Component, reflect::ReflectResource, resource::Resource};
-use bevy::reflect::Reflect;
-use glam::DVec3;
+//! The floor: a plane, what happens when a box meets it, and what it costs when it does not.
+//!
+//! ```text
+//! may_touch?  no  → the scheme's plain step, no contact work at all
+//!             yes → step_on_floor: impact | motion until the next event | rest, until the time is over
+//! ```
+//!
+//! Contact acts at the eight corners. An impact is located in time by re-running the scheme over part
+//! of the step (`event`); all touching corners are solved together, with Newton's restitution and a
+//! round friction cone (`impact`, `cone`); a corner that stays is held by a force over the piece of
+//! motion (`sustained`); a box that lies still keeps its state bit for bit (`memory`).
+//! Literature: J. J. Moreau 1988; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical
+//! Systems*, Springer 2008.
+
+#![expect(clippy::doc_markdown, reason = "the formulas' subscripts are not code")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "one index runs over several arrays, of which only the first `count` entries are in use"
+)]
+
+mod cone;
+mod event;
+mod geometry;
+mod impact;
+mod memory;
+mod projection;
+mod step;
+mod sustained;
+
+#[cfg(test)]
+mod tests;
+
+pub use memory::{ContactPhase, ContactPoint, ContactState};
+pub use step::step_on_floor;
+
+use bevy::ecs::reflect::ReflectResource;
+use bevy::ecs::resource::Resource;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+
+use crate::aabb::world_half_extents;
+use crate::body::RigidBox;
+use crate::error::InvalidValue;
+use crate::force::{Dissipation, ForceLaw};
+use crate::schemes::StepOutcome;
+use crate::state::BodyState;
+
+/// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Resource)]
+#[reflect(Resource, Default, Clone, PartialEq)]
 pub struct Floor {
+    /// Height of the plane \[m\].
     pub height: f64,
+    /// Restitution e, 0 to 1: the part of the approach speed that comes back.
     pub restitution: f64,
+    /// Coulomb's coefficient of friction µ, ≥ 0, static and kinetic alike.
     pub friction: f64,
 }
+
 impl Default for Floor {
+    /// y = 0, e = 0.3, µ = 0.5: wood on wood.
     fn default() -> Self {
         Self {
             height: 0.0,
@@ -19,63 +66,131 @@ impl Default for Floor {
         }
     }
 }
-#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Default)]
-pub struct ContactSettings {
-    pub restitution_threshold: f64,
-    pub max_impacts: u32,
-    pub max_iterations: u32,
-    pub tolerance: f64,
-}
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub struct ContactState {}
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactPoint {
-    pub corner: u8,
-    pub point: DVec3,
-    pub normal_impulse: f64,
-    pub phase: ContactPhase,
-}
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ContactPhase {
-    Began,
-    Persists,
-    Ended,
-}
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FloorOutcome {
-    pub step: StepOutcome,
-    pub impacts: u32,
-    pub impacts_capped: u32,
-    pub solves_capped: u32,
-    pub energy_repairs: u32,
-    pub resting: bool,
-}
-impl core::ops::AddAssign for FloorOutcome {
-    fn add_assign(&mut self, _o: Self) {}
-}
-pub fn may_touch<F: ForceLaw>(
-    _floor: &Floor,
-    _body: &RigidBox,
-    _state: &BodyState,
-    _force: &F,
-    _h: f64,
-) -> bool {
-    false
-}
-pub fn step_on_floor<S: Scheme, F: ForceLaw>(
-    _floor: &Floor,
-    _settings: &ContactSettings,
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    memory: &mut SchemeMemory,
-    _contact: &mut ContactState,
-    _points: Option<&mut Vec<ContactPoint>>,
-) -> FloorOutcome {
-    FloorOutcome {
-        step: S::step(body, state, force, h, memory),
-        ..Default::default()
+
+impl Floor {
+    /// A floor at `height` \[m\] with restitution 0 to 1 and friction ≥ 0.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    ///
+    /// ```
+    /// use box_physics::floor::Floor;
+    /// let error = Floor::new(0.0, 1.5, 0.5).unwrap_err().to_string();
+    /// assert_eq!(error, "restitution must be between 0 and 1, but is 1.5");
+    /// ```
+    pub fn new(height: f64, restitution: f64, friction: f64) -> Result<Self, InvalidValue> {
+        InvalidValue::check(height.is_finite(), "height", height, "finite")?;
+        InvalidValue::check(
+            (0.0..=1.0).contains(&restitution),
+            "restitution",
+            restitution,
+            "between 0 and 1",
+        )?;
+        InvalidValue::check_coefficient("friction", friction)?;
+        Ok(Self {
+            height,
+            restitution,
+            friction,
+        })
     }
 }
-impl Floor { pub fn new(height: f64, restitution: f64, friction: f64) -> Result<Self, crate::error::InvalidValue> { Ok(Self{height,restitution,friction}) } }
+
+/// How hard the contact tries. The defaults suit boxes from millimetres to hundreds of metres.
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+pub struct ContactSettings {
+    /// Approach speed [m/s] below which nothing bounces. Default 0.01: a bounce of 5 µm, which nobody
+    /// sees; it ends a Zeno sequence of ever smaller bounces, and it is where bounces in earth's
+    /// gravity become too many for [`ContactSettings::max_impacts`] at 60 Hz (a hop takes 2u/g).
+    pub restitution_threshold: f64,
+    /// Impacts in one step; further ones stop what touches instead of letting it bounce, and are
+    /// counted. Default 16.
+    pub max_impacts: u32,
+    /// Iterations of the contact solver. Default 2000; the median need is about 60.
+    pub max_iterations: u32,
+    /// Of the solver, relative to the fastest corner, and of a corner's height, relative to the size of
+    /// the scene (circumradius of the box plus |height of the floor|). Default 1e-12.
+    pub tolerance: f64,
+}
+
+impl Default for ContactSettings {
+    fn default() -> Self {
+        Self {
+            restitution_threshold: 0.01,
+            max_impacts: 16,
+            max_iterations: 2000,
+            tolerance: 1e-12,
+        }
+    }
+}
+
+/// What a step over the floor cost, and whether it had to give way. Nothing is limited silently.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FloorOutcome {
+    /// The scheme's own account, over all pieces.
+    pub step: StepOutcome,
+    /// Impacts resolved.
+    pub impacts: u32,
+    /// Impacts beyond [`ContactSettings::max_impacts`], treated as resting.
+    pub impacts_capped: u32,
+    /// Solves or event searches that ended at their cap.
+    pub solves_capped: u32,
+    /// Impacts or pieces whose energy would have grown and was put right.
+    pub energy_repairs: u32,
+    /// The box lies still. Of a sum: at least one does.
+    pub resting: bool,
+}
+
+impl core::ops::AddAssign for FloorOutcome {
+    fn add_assign(&mut self, other: Self) {
+        self.step += other.step;
+        self.impacts += other.impacts;
+        self.impacts_capped += other.impacts_capped;
+        self.solves_capped += other.solves_capped;
+        self.energy_repairs += other.energy_repairs;
+        self.resting |= other.resting;
+    }
+}
+
+/// Whether the box can reach the floor within `h` \[s\]; `false` means that a plain scheme step is safe.
+/// Conservative and cheap: the centre's height, less the reach of the lowest corner at any attitude it
+/// can take, less the farthest drop. A box that touched the floor at the end of the last step should be
+/// given to [`step_on_floor`] in any case, so that the end of its contact is reported.
+#[inline]
+pub fn may_touch<F: ForceLaw>(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &BodyState,
+    force: &F,
+    h: f64,
+) -> bool {
+    let clearance = state.position.y - floor.height;
+    let mut drop = h * (-state.velocity.y).max(0.0);
+    let mut pull = (-force.acceleration().y).max(0.0);
+    let wrench = force.has_wrench();
+    if wrench {
+        // Springs pull harder on the way: the larger of the force here and where the centre will be, twice.
+        let mut ahead = *state;
+        ahead.position += h * state.velocity;
+        let here = force.wrench(body, state).force.length();
+        let there = force.wrench(body, &ahead).force.length();
+        pull += 2.0 * body.inverse_mass() * here.max(there);
+    }
+    drop += 0.5 * h * h * pull * if wrench { 2.0 } else { 1.0 };
+    // A semi-implicit scheme falls by a whole a h² in its step.
+    drop += 0.5 * h * h * pull;
+    let radius = body.radius();
+    if clearance - radius > drop {
+        let d = force.dissipation();
+        // Beyond its stable range an explicit scheme turns drag into motion the wrong way.
+        return d != Dissipation::NONE
+            && h * (d.linear_drag + d.quadratic_drag * state.velocity.length()) > body.mass();
+    }
+    if wrench || force.dissipation() != Dissipation::NONE {
+        return true;
+    }
+    // |ω| ≤ |L| max(1/I): the corners move by at most that times the radius.
+    let turn = h * state.angular_momentum.length() * body.inverse_inertia().max_element();
+    let reach = world_half_extents(state.rotation, body.half_extents()).y + turn * radius;
+    !(turn < 0.5 && clearance - reach > drop)
+}

@@ -1,0 +1,182 @@
+//! What the contact remembers of a body, and what it reports.
+
+use bevy::ecs::component::Component;
+use glam::{DQuat, DVec3};
+
+use super::Floor;
+use super::geometry::{Corner3, has};
+use crate::body::RigidBox;
+use crate::force::{ForceLaw, Wrench};
+use crate::state::BodyState;
+
+/// What the contact remembers of one body between steps: which corners touch, and for which state and
+/// forces it was found to lie still. It is checked, not trusted: a box lies still only as long as pose,
+/// velocities, body, floor and forces are bit for bit what they were. Empty is always valid.
+#[derive(Component, Clone, Debug, Default, PartialEq)]
+pub struct ContactState {
+    pub(super) touching: u8,
+    pub(super) rest: Option<Rest>,
+}
+
+/// For what the box was found to lie still.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rest {
+    position: DVec3,
+    rotation: DQuat,
+    half_extents: DVec3,
+    mass: f64,
+    acceleration: DVec3,
+    wrench: Wrench,
+    floor: Floor,
+    /// The floor's force at each corner \[N\], for the report.
+    pub(super) reaction: [f64; 8],
+}
+
+impl ContactState {
+    /// The corners that touched the floor at the end of the last step; bit k is corner k.
+    pub fn touching(&self) -> u8 {
+        self.touching
+    }
+
+    /// Whether the box lay still at the end of the last step.
+    pub fn is_resting(&self) -> bool {
+        self.rest.is_some()
+    }
+
+    /// Whether it still does: nothing is different.
+    #[inline]
+    pub(super) fn still_rests<F: ForceLaw>(
+        &self,
+        floor: &Floor,
+        body: &RigidBox,
+        state: &BodyState,
+        force: &F,
+    ) -> bool {
+        let Some(rest) = &self.rest else {
+            return false;
+        };
+        rest.position == state.position
+            && rest.rotation == state.rotation
+            && state.velocity == DVec3::ZERO
+            && state.angular_momentum == DVec3::ZERO
+            && rest.acceleration == force.acceleration()
+            && rest.floor == *floor
+            && rest.half_extents == body.half_extents()
+            && rest.mass == body.mass()
+            && (!force.has_wrench() || rest.wrench == force.wrench(body, state))
+    }
+
+    /// Remembers that the box lies still; `impulse` over `tau` \[s\] held it.
+    pub(super) fn establish_rest<F: ForceLaw>(
+        &mut self,
+        floor: &Floor,
+        body: &RigidBox,
+        state: &BodyState,
+        force: &F,
+        impulse: &Corner3,
+        tau: f64,
+    ) {
+        let wrench = if force.has_wrench() {
+            force.wrench(body, state)
+        } else {
+            Wrench::ZERO
+        };
+        self.rest = Some(Rest {
+            position: state.position,
+            rotation: state.rotation,
+            half_extents: body.half_extents(),
+            mass: body.mass(),
+            acceleration: force.acceleration(),
+            wrench,
+            floor: *floor,
+            reaction: impulse.map(|p| p.y / tau),
+        });
+    }
+}
+
+/// Where in its life a contact is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactPhase {
+    /// The corner did not touch before this step.
+    Began,
+    /// It touched before and touches now.
+    Persists,
+    /// It touched, and no longer does.
+    Ended,
+}
+
+/// One corner's contact in one step. A corner that comes and goes within a step is reported twice:
+/// began with its impulse, ended with none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Corner index; bits as in [`crate::aabb::corners`].
+    pub corner: u8,
+    /// Where the floor last acted on it, in the world \[m\].
+    pub point: DVec3,
+    /// Impulse along the normal over this step \[N s\].
+    pub normal_impulse: f64,
+    /// Where in its life the contact is.
+    pub phase: ContactPhase,
+}
+
+/// What happened at each corner during one step.
+pub(super) struct Ledger {
+    impulse: [f64; 8],
+    point: Corner3,
+}
+
+impl Ledger {
+    pub(super) fn new() -> Self {
+        Self {
+            impulse: [0.0; 8],
+            point: [DVec3::NAN; 8],
+        }
+    }
+
+    /// Adds impulses at the corners of `state`.
+    pub(super) fn add(&mut self, state: &BodyState, lever: &Corner3, impulse: &Corner3) {
+        for k in 0..8 {
+            if impulse[k].y != 0.0 {
+                self.impulse[k] += impulse[k].y;
+                self.point[k] = state.position + lever[k];
+            }
+        }
+    }
+
+    /// Reports the step.
+    pub(super) fn report(
+        &self,
+        points: &mut Vec<ContactPoint>,
+        state: &BodyState,
+        lever: &Corner3,
+        before: u8,
+        now: u8,
+    ) {
+        for k in 0..8 {
+            let hit = self.impulse[k] != 0.0;
+            let point = if hit && !has(now, k) {
+                self.point[k]
+            } else {
+                state.position + lever[k]
+            };
+            let mut push = |phase, normal_impulse| {
+                points.push(ContactPoint {
+                    corner: k as u8,
+                    point,
+                    normal_impulse,
+                    phase,
+                });
+            };
+            match (has(before, k), has(now, k)) {
+                (true, true) => push(ContactPhase::Persists, self.impulse[k]),
+                (true, false) => push(ContactPhase::Ended, self.impulse[k]),
+                (false, true) => push(ContactPhase::Began, self.impulse[k]),
+                (false, false) if hit => {
+                    push(ContactPhase::Began, self.impulse[k]);
+                    push(ContactPhase::Ended, 0.0);
+                }
+                (false, false) => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,357 @@
+//! One step over the floor: pieces of motion between events.
+
+use glam::DVec3;
+
+use super::event::Search;
+use super::geometry::{Corners, has};
+use super::impact::{ImpactKind, strike};
+use super::memory::Ledger;
+use super::projection::lift_out;
+use super::sustained::{Piece, Start, candidates, limit_energy, longest_piece};
+use super::{ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
+use crate::aabb::world_half_extents;
+use crate::body::RigidBox;
+use crate::force::{Dissipation, ForceLaw};
+use crate::schemes::{Scheme, SchemeMemory, StepOutcome};
+use crate::state::BodyState;
+
+/// Pieces of sustained motion in a step; a body that needs more gets longer ones.
+const MAX_PIECES: u32 = 256;
+/// Evaluations that the search for one event may take, in flight and with corners held.
+const SEARCH_BUDGET: u32 = 4096;
+const SEARCH_BUDGET_HELD: u32 = 128;
+/// Dips that are looked for, over the tolerance: in flight as deep as a corner may ever be below the floor
+/// (1e-9 of the scale); with corners held, where the motion itself is of second order, 1e-6.
+const DIP_FREE: f64 = 1e3;
+const DIP_HELD: f64 = 1e6;
+/// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
+const STOP_TRIES: u32 = 8;
+/// Shortest part of a piece that such a try may take.
+const SHORTEST_STOP: f64 = 1e-3;
+/// Rounds of the loop in one step.
+const MAX_ROUNDS: u32 = 4 * MAX_PIECES;
+/// Force evaluations in one step.
+const MAX_EVALUATIONS: u32 = 40_000;
+/// Solver iterations in one step, over all events: what bounds the work when nothing converges.
+const MAX_TOTAL_ITERATIONS: u32 = 100_000;
+
+/// Advances `state` by `h` \[s\] over the floor, free flight included: event by event,
+///
+/// - **impact** if a touching corner approaches: all touching corners at once, at this instant;
+/// - else **motion** until the next corner touches or the time is over, with the floor holding the
+///   corners that would sink (none of them: free flight by the bare scheme);
+/// - **rest** if the box lies on a face and nothing moves it: the state stays bit for bit.
+///
+/// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is left to the scheme.
+pub fn step_on_floor<S: Scheme, F: ForceLaw>(
+    floor: &Floor,
+    settings: &ContactSettings,
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    memory: &mut SchemeMemory,
+    contact: &mut ContactState,
+    points: Option<&mut Vec<ContactPoint>>,
+) -> FloorOutcome {
+    let mut outcome = FloorOutcome::default();
+    if contact.still_rests(floor, body, state, force) {
+        outcome.resting = true;
+        if let (Some(points), Some(rest)) = (points, &contact.rest) {
+            let mut ledger = Ledger::new();
+            let corners = Corners::at(floor, body, state);
+            let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
+            ledger.add(state, &corners.lever, &impulse);
+            ledger.report(
+                points,
+                state,
+                &corners.lever,
+                contact.touching,
+                contact.touching,
+            );
+        }
+        return outcome;
+    }
+    if h <= 0.0 || !h.is_finite() || !state.is_finite() {
+        return outcome;
+    }
+    contact.rest = None;
+    let scale = body.radius() + floor.height.abs();
+    let tolerance = settings.tolerance * scale;
+    if contact.touching == 0
+        && let Some(flight) =
+            fly_clear::<S, F>(floor, body, state, force, h, memory, 2.0 * tolerance)
+    {
+        outcome.step = flight;
+        return outcome;
+    }
+    let mut ledger = Ledger::new();
+    let mut rest = h;
+    let (mut pieces, mut rounds, mut iterations) = (0, 0, 0);
+    lift_out_if_deep(floor, body, state, tolerance);
+
+    while rest > 0.0 {
+        rounds += 1;
+        let exhausted = rounds > MAX_ROUNDS
+            || iterations > MAX_TOTAL_ITERATIONS
+            || outcome.step.evaluations > MAX_EVALUATIONS
+            || outcome.impacts_capped > settings.max_impacts;
+        if exhausted {
+            outcome.solves_capped += 1;
+            rest_of_step::<S, F>(floor, body, state, force, rest, memory);
+            break;
+        }
+        let corners = Corners::at(floor, body, state);
+        let touching = corners.touching(2.0 * tolerance);
+        let normal = normal_velocities(body, state, &corners);
+        let pull = acceleration_bound(body, state, force);
+        let speed = state.velocity.length() + body.radius() * spin_bound(body, state);
+        // A hop lower than the tolerance is none: u²/2A.
+        let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
+
+        if (0..8).any(|k| has(touching, k) && normal[k] < -hold) {
+            let kind = if outcome.impacts < settings.max_impacts {
+                ImpactKind::Ordinary
+            } else {
+                outcome.impacts_capped += 1;
+                ImpactKind::Resting
+            };
+            let hit = strike(floor, settings, body, state, &corners, touching, kind);
+            ledger.add(state, &corners.lever, &hit.impulse);
+            outcome.impacts += 1;
+            outcome.solves_capped += u32::from(hit.capped);
+            outcome.energy_repairs += u32::from(hit.repaired);
+            iterations += hit.iterations;
+            continue;
+        }
+
+        let held = candidates(touching, &normal, hold);
+        let start = Start {
+            floor,
+            settings,
+            body,
+            force,
+            state: *state,
+            memory,
+            corners,
+            candidates: held,
+            still_speed: hold,
+            acceleration: pull,
+        };
+        let mut time = rest;
+        if held != 0 {
+            pieces += 1;
+            let left = f64::from(MAX_PIECES.saturating_sub(pieces)) + 1.0;
+            time = rest.min(longest_piece(body, state, pull).max(rest / left));
+        }
+        let (tau, mut piece) = move_until_event::<S, F>(&start, time, tolerance, &mut outcome);
+        iterations += piece.iterations;
+        outcome.solves_capped += u32::from(piece.capped);
+        if piece.still {
+            contact.establish_rest(floor, body, state, force, &piece.impulse, tau);
+            let whole = piece.impulse.map(|p| p * (rest / tau));
+            ledger.add(state, &corners.lever, &whole);
+            break;
+        }
+        if held != 0 {
+            start.finish(&mut piece);
+        }
+        outcome.energy_repairs += u32::from(piece.repaired);
+        ledger.add(&piece.state, &piece.corners.lever, &piece.impulse);
+        *state = piece.state;
+        *memory = piece.memory;
+        rest = if tau >= rest { 0.0 } else { rest - tau };
+    }
+
+    lift_out(floor, body, state);
+    let corners = Corners::at(floor, body, state);
+    let now = corners.touching(2.0 * tolerance);
+    if let Some(points) = points {
+        ledger.report(points, state, &corners.lever, contact.touching, now);
+    }
+    contact.touching = now;
+    // However many pieces and trials it took: one step gave way once.
+    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
+    outcome.step.unconverged = outcome.step.unconverged.min(1);
+    outcome.resting = contact.rest.is_some();
+    outcome
+}
+
+/// The commonest case: a plain step that starts and ends off the floor and cannot have dipped in between.
+/// Changes nothing if it is not that. The lowest corner stands for all.
+fn fly_clear<S: Scheme, F: ForceLaw>(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    memory: &mut SchemeMemory,
+    margin: f64,
+) -> Option<StepOutcome> {
+    let clearance = |s: &BodyState| {
+        s.position.y - floor.height - world_half_extents(s.rotation, body.half_extents()).y
+    };
+    let before = clearance(state);
+    if before <= margin {
+        return None;
+    }
+    let pull = acceleration_bound(body, state, force);
+    let curvature = curvature_bound(body, state, pull, force);
+    let (mut end, mut remembered) = (*state, memory.clone());
+    let outcome = S::step(body, &mut end, force, h, &mut remembered);
+    let after = clearance(&end);
+    // As in the event search: √c₀ + √c₁ ≥ h√(M/2).
+    if after > margin && before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt() {
+        (*state, *memory) = (end, remembered);
+        return Some(outcome);
+    }
+    None
+}
+
+/// The motion until a corner that is not held touches, a slip vanishes, or `time` is over.
+fn move_until_event<S: Scheme, F: ForceLaw>(
+    start: &Start<F>,
+    time: f64,
+    tolerance: f64,
+    outcome: &mut FloorOutcome,
+) -> (f64, Piece) {
+    let mut tau = time;
+    let mut spent = start.spent::<S>(outcome, tau);
+    if start.candidates != 0 {
+        // The part found from the whole piece is exact for a constant deceleration; otherwise the
+        // next try starts from a better guess.
+        for _ in 0..STOP_TRIES {
+            if spent.still || spent.stop >= 1.0 - 1e-9 || tau <= SHORTEST_STOP * time {
+                break;
+            }
+            tau = (tau * spent.stop).max(SHORTEST_STOP * time);
+            spent = start.spent::<S>(outcome, tau);
+        }
+        if spent.still {
+            return (tau, spent);
+        }
+    }
+    let watch = !start.candidates;
+    let held = start.candidates != 0;
+    let search = Search {
+        watch,
+        start: start.corners.height,
+        time: tau,
+        curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
+        tolerance,
+        dip: tolerance * if held { DIP_HELD } else { DIP_FREE },
+        budget: if held {
+            SEARCH_BUDGET_HELD
+        } else {
+            SEARCH_BUDGET
+        },
+    };
+    let mut first = Some(spent);
+    let reached = search.run(|t| {
+        let piece = first.take().unwrap_or_else(|| start.spent::<S>(outcome, t));
+        let height = piece.corners.height;
+        (piece, height)
+    });
+    outcome.solves_capped += u32::from(reached.capped);
+    (reached.tau, reached.motion)
+}
+
+impl<F: ForceLaw> Start<'_, F> {
+    /// [`Start::advance`], its cost counted; a bare scheme step if nothing may be held.
+    fn spent<S: Scheme>(&self, outcome: &mut FloorOutcome, tau: f64) -> Piece {
+        let piece = if self.candidates == 0 {
+            self.fly::<S>(tau)
+        } else {
+            self.advance::<S>(tau)
+        };
+        outcome.step += piece.outcome;
+        piece
+    }
+
+    fn fly<S: Scheme>(&self, tau: f64) -> Piece {
+        let (mut state, mut memory) = (self.state, self.memory.clone());
+        let outcome = S::step(self.body, &mut state, self.force, tau, &mut memory);
+        Piece {
+            corners: Corners::at(self.floor, self.body, &state),
+            state,
+            memory,
+            impulse: [DVec3::ZERO; 8],
+            stop: 1.0,
+            still: false,
+            outcome,
+            iterations: 0,
+            capped: false,
+            repaired: false,
+        }
+    }
+}
+
+/// What is left when the caps are reached: one plain step, out of the floor, no approach, no gain.
+fn rest_of_step<S: Scheme, F: ForceLaw>(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    rest: f64,
+    memory: &mut SchemeMemory,
+) {
+    let start = *state;
+    S::step(body, state, force, rest, memory);
+    lift_out(floor, body, state);
+    state.velocity.y = state.velocity.y.max(0.0);
+    limit_energy(body, &start, state, force.acceleration());
+}
+
+/// A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
+/// velocity stays what it was, so depth never turns into speed.
+fn lift_out_if_deep(floor: &Floor, body: &RigidBox, state: &mut BodyState, tolerance: f64) {
+    if Corners::at(floor, body, state).lowest() < -tolerance {
+        lift_out(floor, body, state);
+    }
+}
+
+/// u_kn of all corners [m/s].
+fn normal_velocities(body: &RigidBox, state: &BodyState, corners: &Corners) -> [f64; 8] {
+    let omega = state.angular_velocity(body);
+    corners.lever.map(|r| state.velocity.y + omega.cross(r).y)
+}
+
+/// |L| max(1/I): no free motion spins faster [rad/s].
+pub(super) fn spin_bound(body: &RigidBox, state: &BodyState) -> f64 {
+    state.angular_momentum.length() * body.inverse_inertia().max_element()
+}
+
+/// How strongly the law accelerates any corner now, the rotation's own part left out [m/s²].
+fn acceleration_bound<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> f64 {
+    let mut bound = force.acceleration().length();
+    let d = force.dissipation();
+    if d != Dissipation::NONE {
+        let speed = state.velocity.length();
+        bound += (d.linear_drag + d.quadratic_drag * speed) * speed * body.inverse_mass();
+        let spin = spin_bound(body, state);
+        let angular = d.angular_damping + d.angular_drag * body.inverse_inertia().max_element();
+        bound += angular * spin * body.radius();
+    }
+    if force.has_wrench() {
+        let w = force.wrench(body, state);
+        bound += w.force.length() * body.inverse_mass();
+        bound += (w.torque * body.inverse_inertia()).length() * body.radius();
+    }
+    bound
+}
+
+/// A bound of the upward acceleration of every corner: 1.06 Ω²|r| for the rotation (Ω² the largest
+/// |ω|² that the rotational energy allows; for a box at most twice the present one), and whatever the
+/// law adds. Plain gravity downwards adds nothing when nothing is held: free fall is concave.
+fn curvature_bound<F: ForceLaw>(
+    body: &RigidBox,
+    state: &BodyState,
+    acceleration: f64,
+    force: &F,
+) -> f64 {
+    let omega = state.body_angular_velocity(body);
+    let energy = 2.0 * state.rotational_energy(body) * body.inverse_inertia().max_element();
+    let spin = (2.0 * omega.length_squared()).min(energy);
+    let up = acceleration - force.acceleration().length() + force.acceleration().y.max(0.0);
+    1.06 * spin * body.radius() + up.max(0.0)
+}

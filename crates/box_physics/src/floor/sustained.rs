@@ -1,0 +1,361 @@
+//! Sustained contact: the floor's force acts *during* a piece of the step, as a force, so that sliding
+//! and pivoting keep second order whatever the scheme.
+//!
+//! The contact force is constant over the piece and is found from the **mean** motion of the corners,
+//! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
+//! over time, taken from a `split` step, so that the force does not depend on the scheme),
+//!
+//! ```text
+//! ū_k = d_k + ½ W p,   0 ≤ p_n ⊥ ū_n ≥ 0,   friction in the cone against ū_t,
+//! ```
+//!
+//! since a constant force p/τ moves a body by half of what the impulse p at the start would. The
+//! same W on both sides makes the contact's work Σ p·ū ≤ 0 (θ = ½ of Moreau–Jean: Acary, Brogliato 2008,
+//! §10). The scheme then makes the piece with that force, and what its own error leaves is projected
+//! away: positions of the held corners onto the floor, velocities onto what the contact allows (as
+//! RATTLE does, Andersen 1983).
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::cone;
+use super::geometry::{ContactSet, Corner3, Corners, has, mask, spans_face};
+use super::projection::{cancel, lift_out, place_on_floor};
+use super::{ContactSettings, Floor};
+use crate::body::RigidBox;
+use crate::force::{Dissipation, ForceLaw, Wrench};
+use crate::schemes::{Scheme, SchemeMemory, Split, StepOutcome};
+use crate::state::BodyState;
+
+/// The law plus the floor's constant force and torque, world axes.
+struct Supported<'a, F> {
+    inner: &'a F,
+    /// Contact force over mass [m/s²].
+    acceleration: DVec3,
+    /// Contact torque about the centre \[N m\], world axes.
+    torque: DVec3,
+}
+
+impl<F: ForceLaw> Supported<'_, F> {
+    fn torque_in_body(&self, state: &BodyState) -> Wrench {
+        Wrench {
+            force: DVec3::ZERO,
+            torque: state.rotation.inverse() * self.torque,
+        }
+    }
+}
+
+impl<F: ForceLaw> ForceLaw for Supported<'_, F> {
+    fn acceleration(&self) -> DVec3 {
+        self.inner.acceleration() + self.acceleration
+    }
+
+    fn dissipation(&self) -> Dissipation {
+        self.inner.dissipation()
+    }
+
+    fn has_wrench(&self) -> bool {
+        self.inner.has_wrench() || self.torque != DVec3::ZERO
+    }
+
+    fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        let mut total = self.torque_in_body(state);
+        if self.inner.has_wrench() {
+            total += self.inner.wrench(body, state);
+        }
+        total
+    }
+
+    fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        let mut total = self.torque_in_body(state);
+        if self.inner.has_wrench() {
+            total += self.inner.elastic_wrench(body, state);
+        }
+        total
+    }
+
+    fn damp(&self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        self.inner.damp(body, state, h);
+    }
+}
+
+/// What a piece needs to know besides the floor and the body.
+pub(super) struct Start<'a, F> {
+    pub(super) floor: &'a Floor,
+    pub(super) settings: &'a ContactSettings,
+    pub(super) body: &'a RigidBox,
+    pub(super) force: &'a F,
+    pub(super) state: BodyState,
+    pub(super) memory: &'a SchemeMemory,
+    pub(super) corners: Corners,
+    /// The corners that may be held: touching, with no normal velocity to speak of.
+    pub(super) candidates: u8,
+    /// Slower than this is not moving [m/s].
+    pub(super) still_speed: f64,
+    /// Bound of the acceleration that acts [m/s²].
+    pub(super) acceleration: f64,
+}
+
+/// A piece of sustained motion.
+pub(super) struct Piece {
+    pub(super) state: BodyState,
+    pub(super) memory: SchemeMemory,
+    pub(super) corners: Corners,
+    /// Impulses over the piece, by corner index \[N s\].
+    pub(super) impulse: Corner3,
+    /// Where in the piece the first slip vanishes, as a part of it; 1 if none does.
+    pub(super) stop: f64,
+    /// The box lies still on a face: the state is the start's.
+    pub(super) still: bool,
+    pub(super) outcome: StepOutcome,
+    pub(super) iterations: u32,
+    pub(super) capped: bool,
+    pub(super) repaired: bool,
+}
+
+impl<F: ForceLaw> Start<'_, F> {
+    /// The motion over `tau` \[s\] by scheme `S`.
+    pub(super) fn advance<S: Scheme>(&self, tau: f64) -> Piece {
+        let (floor, body, start) = (self.floor, self.body, &self.state);
+        let mut free = *start;
+        let mut outcome = Split::step(
+            body,
+            &mut free,
+            self.force,
+            tau,
+            &mut SchemeMemory::default(),
+        );
+        let moved = Corners::at(floor, body, &free);
+        let (middle, levers) = middle_attitude(floor, body, start, &free);
+        let set = ContactSet::new(body, middle, &levers, self.candidates);
+
+        let d = self.mean_velocities(&free, &moved, &set, tau);
+        let rate = 1.0 / tau;
+        let settings = self.settings;
+        let friction = floor.friction;
+        let solution = cone::solve(
+            &set,
+            &d,
+            0.5,
+            friction,
+            settings.tolerance,
+            settings.max_iterations,
+        );
+        let mut piece = Piece {
+            state: *start,
+            memory: self.memory.clone(),
+            corners: self.corners,
+            impulse: [DVec3::ZERO; 8],
+            stop: 1.0,
+            still: false,
+            outcome,
+            iterations: solution.iterations,
+            capped: !solution.converged,
+            repaired: false,
+        };
+        for i in 0..set.count {
+            piece.impulse[usize::from(set.corner[i])] = solution.p[i];
+        }
+        let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
+        if at_rest
+            && spans_face(self.candidates)
+            && set.largest(&solution.w) <= 1e-9 * set.largest(&d)
+        {
+            piece.still = true;
+            return piece;
+        }
+
+        let (force, torque) = set.resultant(&solution.p);
+        let law = Supported {
+            inner: self.force,
+            acceleration: force * (rate * body.inverse_mass()),
+            torque: torque * rate,
+        };
+        outcome = S::step(body, &mut piece.state, &law, tau, &mut piece.memory);
+        piece.outcome += outcome;
+
+        let held = mask(|k| piece.impulse[k].y > 0.0);
+        if held != 0 {
+            let still = 1e-9 * set.largest(&d);
+            let slips = |i: usize| solution.w[i].x.abs().max(solution.w[i].z.abs()) > still;
+            let sticking = (0..set.count).filter(|&i| !slips(i));
+            let stuck = sticking.fold(0, |m, i| m | 1 << set.corner[i]);
+            self.settle(&mut piece, held, stuck, tau);
+        }
+        piece.corners = Corners::at(floor, body, &piece.state);
+        piece
+    }
+
+    /// d_k: the mean velocity of the corners on the way to `free`. From velocities where that is as good
+    /// as it gets, since displacements over a short time, or far from the origin, are mostly rounding.
+    fn mean_velocities(
+        &self,
+        free: &BodyState,
+        moved: &Corners,
+        set: &ContactSet,
+        tau: f64,
+    ) -> Corner3 {
+        let start = &self.state;
+        let rate = 1.0 / tau;
+        // Exact under a uniform acceleration.
+        let mut centre = 0.5 * (start.velocity + free.velocity);
+        if self.force.has_wrench() || self.force.dissipation() != Dissipation::NONE {
+            let path = (free.position - start.position) * rate;
+            if (path - centre).length() > 1e-6 * (free.velocity - start.velocity).length() {
+                centre = path;
+            }
+        }
+        // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
+        let omega = 0.5 * (start.angular_velocity(self.body) + free.angular_velocity(self.body));
+        let slow = omega.length() * tau < 0.01;
+        let mut d = set.velocities((centre, omega));
+        for i in 0..set.count {
+            let k = usize::from(set.corner[i]);
+            if !slow {
+                d[i] = centre + (moved.lever[k] - self.corners.lever[k]) * rate;
+            }
+        }
+        d
+    }
+
+    /// Projects the end of a piece onto what the held corners allow; those in `stuck` have no mean slip.
+    fn settle(&self, piece: &mut Piece, held: u8, stuck: u8, tau: f64) {
+        let (floor, body) = (self.floor, self.body);
+        let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
+        place_on_floor(floor, body, &mut piece.state, held);
+        let corners = Corners::at(floor, body, &piece.state);
+        let attitude = DMat3::from_quat(piece.state.rotation);
+        let set = ContactSet::new(body, attitude, &corners.lever, held);
+        let after = set.velocities(twist(&piece.state));
+        let mut slip_before = ContactSet::new(body, attitude, &self.corners.lever, held)
+            .velocities(twist(&self.state));
+
+        // Which corners stick, and when the first slip vanishes.
+        let mut components = [DVec3::Y; 8];
+        for i in 0..set.count {
+            let p = piece.impulse[usize::from(set.corner[i])];
+            let limit = floor.friction * p.y;
+            let used = (p.x * p.x + p.z * p.z).sqrt();
+            let sticks = floor.friction > 0.0 && has(stuck, usize::from(set.corner[i]));
+            slip_before[i].y = 0.0;
+            let slip = DVec3::new(after[i].x, 0.0, after[i].z);
+            let speed = slip_before[i].length();
+            if speed > self.still_speed {
+                let along = slip_before[i].dot(slip) / speed;
+                if sticks && speed * tau <= 1e-9 * body.radius() {
+                    components[i] = DVec3::ONE; // it stops within no distance to speak of
+                } else if sticks {
+                    components[i] = DVec3::ONE; // where it ends if no better moment is found
+                    // It needed only a part of the friction to bring the mean slip to zero: with all of
+                    // it the slip is zero at half that part of the time.
+                    piece.stop = piece.stop.min(0.5 * (used / limit).clamp(0.02, 1.0));
+                } else if along < -1e-9 * speed {
+                    piece.stop = piece.stop.min(speed / (speed - along));
+                }
+                if slip.length() <= 1e-6 * speed {
+                    components[i] = DVec3::ONE;
+                }
+            } else if sticks {
+                components[i] = DVec3::ONE;
+            }
+        }
+        let correction = cancel(&set, &after, &components);
+        set.apply(body, &mut piece.state, &correction);
+        for i in 0..set.count {
+            piece.impulse[usize::from(set.corner[i])] += correction[i];
+        }
+        let speed = |s: &BodyState| {
+            s.velocity.length() + s.body_angular_velocity(body).length() * body.radius()
+        };
+        if spans_face(held) && speed(&piece.state) <= 1e-11 * self.acceleration * tau {
+            piece.state.velocity = DVec3::ZERO;
+            piece.state.angular_momentum = DVec3::ZERO;
+        }
+    }
+
+    /// The end of an accepted piece: a corner that was let go and yet ended below the floor (by the error
+    /// of a piece) is lifted out. A contact only takes energy: what the errors of scheme and projection
+    /// have added is taken from the speed. That counts kinetic energy and that of the uniform
+    /// acceleration; under a wrench, whose work is not known, it is not applied.
+    pub(super) fn finish(&self, piece: &mut Piece) {
+        lift_out(self.floor, self.body, &mut piece.state);
+        if !self.force.has_wrench() {
+            let pull = self.force.acceleration();
+            piece.repaired = limit_energy(self.body, &self.state, &mut piece.state, pull);
+        }
+    }
+}
+
+/// Scales the velocities of `state` so that its energy does not exceed that of `start`; whether it had
+/// to by more than rounding.
+pub(super) fn limit_energy(
+    body: &RigidBox,
+    start: &BodyState,
+    state: &mut BodyState,
+    acceleration: DVec3,
+) -> bool {
+    let fall = body.mass() * acceleration.dot(state.position - start.position);
+    // Positions are rounded, and the height's last bit is worth this much: it must not stop a box that
+    // has just begun to fall off its edge.
+    let size = start.position.abs() + DVec3::splat(body.radius());
+    let rounding = 4.0 * f64::EPSILON * body.mass() * acceleration.abs().dot(size);
+    let allowed = start.kinetic_energy(body) + fall + rounding;
+    let kinetic = state.kinetic_energy(body);
+    if kinetic <= allowed * (1.0 + 1e-14) {
+        return false;
+    }
+    if allowed < 0.0 {
+        // Not even at rest may it be where it is: it stays where it was.
+        *state = BodyState {
+            velocity: DVec3::ZERO,
+            angular_momentum: DVec3::ZERO,
+            ..*start
+        };
+        return true;
+    }
+    let scale = (allowed / kinetic).sqrt();
+    state.velocity *= scale;
+    state.angular_momentum *= scale;
+    scale < 1.0 - 1e-9
+}
+
+/// The attitude halfway between two states, and the corners' levers there.
+fn middle_attitude(
+    floor: &Floor,
+    body: &RigidBox,
+    start: &BodyState,
+    end: &BodyState,
+) -> (DMat3, Corner3) {
+    let aligned = if start.rotation.dot(end.rotation) < 0.0 {
+        -end.rotation
+    } else {
+        end.rotation
+    };
+    let sum: DQuat = start.rotation + aligned;
+    let middle = start.with_rotation(sum);
+    (
+        DMat3::from_quat(middle.rotation),
+        Corners::at(floor, body, &middle).lever,
+    )
+}
+
+/// Longest piece over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so
+/// short that the acceleration from rest turns the box as little.
+pub(super) fn longest_piece(body: &RigidBox, state: &BodyState, acceleration: f64) -> f64 {
+    let omega = state.body_angular_velocity(body).length();
+    let turning = if omega > 0.0 {
+        0.25 / omega
+    } else {
+        f64::INFINITY
+    };
+    let falling = if acceleration > 0.0 {
+        0.35 * (body.radius() / acceleration).sqrt()
+    } else {
+        f64::INFINITY
+    };
+    turning.min(falling)
+}
+
+/// The corners a piece holds or may hold.
+pub(super) fn candidates(touching: u8, normal: &[f64; 8], hold_speed: f64) -> u8 {
+    mask(|k| has(touching, k) && normal[k] <= hold_speed)
+}

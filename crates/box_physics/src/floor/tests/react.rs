@@ -1,0 +1,209 @@
+//! What changes from outside, extremes, and what is reported.
+use super::super::{ContactPhase, may_touch};
+use super::*;
+use crate::schemes::{Rk4, Split};
+
+fn resting() -> Scene {
+    let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.3, 0.5);
+    scene.state.rotation = about(DVec3::Y, 0.4);
+    scene.run::<Split>(SIXTIETH, 3);
+    assert!(scene.contact.is_resting());
+    scene
+}
+
+#[test]
+fn a_teleport_into_the_floor_is_lifted_out_not_fired() {
+    let mut random = Random(5);
+    for depth in [1e-9, 1e-3, 0.2, 5.0, 1000.0] {
+        for h in [1e-4, SIXTIETH, 0.5] {
+            let mut scene = resting();
+            scene.state.position.y -= depth;
+            scene.step::<Split>(h);
+            assert!(
+                scene.lowest() >= 0.0 && scene.state.velocity.length() < 1e-9,
+                "{depth}"
+            );
+            let mut scene = resting();
+            scene.state.rotation = random.attitude();
+            scene.state.position.y = -depth;
+            scene.step::<Split>(h);
+            assert!(scene.lowest() >= 0.0);
+            // What it gained is the fall of at most one step.
+            assert!(scene.state.velocity.length() <= G * h * 1.5, "{depth} {h}");
+        }
+    }
+}
+
+#[test]
+fn a_resting_box_reacts_to_what_changes() {
+    let settled = resting();
+    let mut scene = settled.clone();
+    scene.floor.height = 0.1;
+    scene.step::<Split>(SIXTIETH);
+    assert!((scene.state.position.y - 0.35).abs() < 1e-12);
+    assert!(scene.state.velocity.length() < 1e-9);
+
+    scene = settled.clone();
+    scene.floor.height = -1.0;
+    scene.step::<Split>(SIXTIETH);
+    assert!((scene.state.velocity.y + G * SIXTIETH).abs() < 1e-12 && !scene.contact.is_resting());
+    scene.run::<Split>(SIXTIETH, 200);
+    assert!(scene.contact.is_resting() && (scene.lowest()).abs() < 1e-12);
+
+    // Gravity turned over: it falls up. Switched off: it stays. Tilted: it slides.
+    scene = settled.clone();
+    scene.gravity.0 = DVec3::Y * G;
+    scene.run::<Split>(SIXTIETH, 30);
+    assert!((scene.state.position.y - 0.25 - 0.5 * G * 0.25).abs() < 1e-9);
+    scene = settled.clone();
+    scene.gravity.0 = DVec3::ZERO;
+    let pose = scene.state;
+    scene.run::<Split>(SIXTIETH, 30);
+    assert_eq!(scene.state, pose);
+    scene = settled.clone().on_slope(0.6);
+    scene.step::<Split>(SIXTIETH);
+    assert!(scene.state.velocity.x > 0.01);
+    scene = settled.clone().on_slope(0.3);
+    scene.run::<Split>(SIXTIETH, 30);
+    assert_eq!(scene.state, pose);
+    scene.floor.friction = 0.1;
+    scene.step::<Split>(SIXTIETH);
+    assert!(scene.state.velocity.x > 0.01);
+
+    // An impulse; a tiny one as well.
+    for push in [1.0, 1e-6] {
+        scene = settled.clone();
+        scene.state.velocity.y = push;
+        scene.step::<Split>(1e-8);
+        assert!(scene.state.position.y > 0.25 && !scene.contact.is_resting());
+    }
+}
+
+#[test]
+fn no_gravity_a_box_drifts_onto_the_floor_and_bounces_once() {
+    let mut scene = Scene::new(DVec3::splat(0.5), 0.5, 0.0);
+    scene.gravity.0 = DVec3::ZERO;
+    scene.state = BodyState::at(DVec3::Y).with_velocity(DVec3::new(0.3, -1.0, 0.0));
+    scene.run::<Rk4>(SIXTIETH, 120);
+    assert_eq!(scene.total.impacts, 1);
+    assert!((scene.state.position - DVec3::new(0.6, 0.5 + 0.75, 0.0)).length() < 1e-12);
+}
+
+/// Rest is found, and kept, at any step and far from the origin.
+#[test]
+fn rest_at_any_step_and_place() {
+    for h in [1e-5, 1e-3, SIXTIETH, 0.5] {
+        for x in [0.0, 1e5, -1e6] {
+            for slope in [0.0, 0.2] {
+                let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.3, 0.5).on_slope(slope);
+                scene.state.position.x = x;
+                scene.state.rotation = about(DVec3::Y, 0.4);
+                let start = scene.state;
+                scene.run::<Split>(h, 20);
+                assert!(scene.contact.is_resting(), "{h} {x} {slope}");
+                assert_eq!(scene.state, start);
+            }
+        }
+    }
+}
+
+/// Case 32: thin and fast.
+#[test]
+fn thin_plates_do_not_tunnel() {
+    let mut random = Random(3);
+    for i in 0..500 {
+        let mut scene = Scene::new(DVec3::new(0.3, 0.0025, 0.2), 0.5, 0.3);
+        scene.state.position.y = random.range(0.5, 4.0);
+        scene.state.rotation = random.attitude();
+        scene.state.velocity = DVec3::new(random.range(-50.0, 50.0), -300.0, 0.0);
+        if i % 2 == 0 {
+            scene
+                .state
+                .set_angular_velocity(&scene.body, DVec3::new(900.0, 300.0, -200.0));
+        }
+        for _ in 0..20 {
+            scene.step::<Split>(SIXTIETH);
+            assert!(scene.lowest() >= -1e-9, "{i}");
+        }
+    }
+}
+
+#[test]
+fn may_touch_is_conservative() {
+    let mut random = Random(9);
+    let mut cleared = 0;
+    for _ in 0..20_000 {
+        let half = DVec3::new(
+            random.magnitude(0.01, 1.0),
+            random.magnitude(0.01, 1.0),
+            random.magnitude(0.01, 1.0),
+        );
+        let mut scene = Scene::new(half, 1.0, 0.0);
+        scene.state.position.y = scene.body.radius() * random.range(0.2, 2.0);
+        scene.state.rotation = random.attitude();
+        scene.state.velocity = random.vector(3.0);
+        let omega = random.vector(10.0);
+        scene.state.set_angular_velocity(&scene.body, omega);
+        scene.gravity.0 = random.vector(10.0);
+        let h = random.magnitude(1e-4, 0.2);
+        if may_touch(&scene.floor, &scene.body, &scene.state, &scene.gravity, h) {
+            continue;
+        }
+        cleared += 1;
+        for k in 1..=8 {
+            let mut s = scene.state;
+            let t = h * f64::from(k) / 8.0;
+            Rk4::step(&scene.body, &mut s, &scene.gravity, t, &mut scene.memory);
+            let c = super::super::geometry::Corners::at(&scene.floor, &scene.body, &s);
+            assert!(c.lowest() > 0.0);
+        }
+    }
+    assert!(cleared > 5000, "{cleared}");
+}
+
+/// Impulses add up to the momentum, phases follow each other.
+#[test]
+fn contact_points_tell_the_story() {
+    let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.5), 0.5, 0.5);
+    scene.state.position.y = 0.6;
+    let (mut points, mut began, mut ended, mut persists) = (Vec::new(), 0, 0, 0);
+    for _ in 0..120 {
+        let (before, mut sum) = (scene.state.velocity.y, 0.0);
+        points.clear();
+        step_on_floor::<Split, _>(
+            &scene.floor,
+            &scene.settings,
+            &scene.body,
+            &mut scene.state,
+            &scene.gravity,
+            SIXTIETH,
+            &mut scene.memory,
+            &mut scene.contact,
+            Some(&mut points),
+        );
+        for p in &points {
+            sum += p.normal_impulse;
+            assert!(p.point.y.abs() < 1.0 && p.normal_impulse >= 0.0);
+            match p.phase {
+                ContactPhase::Began => began += 1,
+                ContactPhase::Ended => ended += 1,
+                ContactPhase::Persists => persists += 1,
+            }
+        }
+        let change = 3.0 * (scene.state.velocity.y - before + G * SIXTIETH);
+        assert!((sum - change).abs() < 1e-9, "{sum} {change}");
+    }
+    assert!(began == ended + 4 && began > 8 && persists > 100);
+    assert_eq!(scene.contact.touching().count_ones(), 4);
+}
+
+#[test]
+fn nothing_happens_in_no_time() {
+    let mut scene = resting();
+    scene.state.velocity = DVec3::NEG_Y;
+    let before = scene.state;
+    scene.step::<Split>(0.0);
+    assert_eq!(scene.state, before);
+    scene.state.velocity.y = f64::NAN;
+    scene.step::<Split>(SIXTIETH); // left to the quarantine; must not hang or panic
+}
