@@ -531,3 +531,62 @@ fn floor_contacts_are_told_to_those_who_ask() {
     let expected = 3.0 * (2.0_f64 * 9.81 * 0.25).sqrt();
     assert!(impulse >= expected * (1.0 - 1e-9) && impulse <= expected + 3.0 * 9.81 / 60.0 + 1e-9);
 }
+
+#[test]
+fn the_end_of_a_contact_is_told_even_when_the_box_is_thrown_far() {
+    let mut app = app();
+    app.insert_resource(Floor::new(0.0, 0.0, 0.5).expect("valid"));
+    let lying = BodyState::at(DVec3::new(0.0, 0.25, 0.0));
+    let entity = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
+    for _ in 0..10 {
+        app.update();
+    }
+    app.world_mut()
+        .write_message(ApplyImpulse::centre(entity, DVec3::Y * 3000.0));
+    app.world_mut()
+        .resource_mut::<Messages<FloorContact>>()
+        .clear();
+    let mut phases = Vec::new();
+    for _ in 0..3 {
+        app.update();
+        let mut messages = app.world_mut().resource_mut::<Messages<FloorContact>>();
+        phases.extend(messages.drain().map(|m| m.phase));
+    }
+    assert_eq!(
+        phases.iter().filter(|p| **p == ContactPhase::Ended).count(),
+        4,
+        "{phases:?}"
+    );
+}
+
+#[test]
+fn an_impulse_that_is_not_finite_is_refused() {
+    let mut app = app();
+    app.insert_resource(WorldGravity(DVec3::ZERO));
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    app.world_mut()
+        .write_message(ApplyImpulse::centre(entity, DVec3::splat(f64::NAN)));
+    app.world_mut().write_message(ApplyImpulse::at_body_point(
+        entity,
+        DVec3::X,
+        DVec3::splat(f64::INFINITY),
+    ));
+    app.update();
+    let mut expected = tumbling();
+    core(Integrator::Split, &mut expected, &Gravity(DVec3::ZERO), 1);
+    assert_eq!(state(&app, entity), expected);
+    assert!(app.world().get::<Quarantined>(entity).is_none());
+}
+
+#[test]
+fn a_new_body_is_shown_where_it_starts_even_while_paused() {
+    let mut app = app();
+    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    app.update();
+    let transform = app.world().get::<Transform>(entity).expect("required");
+    assert_eq!(transform.translation, tumbling().position.as_vec3());
+    let aabb = app.world().get::<WorldAabb>(entity).expect("comes along").0;
+    assert!(aabb.min.y > 49.0 && aabb.max.y < 51.0 && aabb.min.y < aabb.max.y);
+    assert_eq!(state(&app, entity), tumbling());
+}

@@ -7,6 +7,8 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::transform::components::Transform;
 use glam::{DQuat, DVec3, Quat, Vec3};
 
+use crate::aabb;
+use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::force::{PointForce, Spring};
 use crate::schemes::Integrator;
@@ -61,23 +63,23 @@ coefficient! {
     AngularDamping, "angular damping"
 }
 coefficient! {
-    /// Angular drag c_ω [N m s], ≥ 0: torque −c_ω ω.
+    /// Angular drag c_ω \[N m s\], ≥ 0: torque −c_ω ω.
     AngularDrag, "angular drag"
 }
 
-/// A force through the centre [N] and a torque [N m], both in **world** axes, held constant over each
+/// A force through the centre \[N\] and a torque \[N m\], both in **world** axes, held constant over each
 /// step. It stays until changed. For forces that depend on the state use [`PointForces`],
 /// [`Springs`], or the core with a [`ForceLaw`](crate::force::ForceLaw) of your own.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct ExternalForce {
-    /// Force [N].
+    /// Force \[N\].
     pub force: DVec3,
-    /// Torque about the centre of mass [N m].
+    /// Torque about the centre of mass \[N m\].
     pub torque: DVec3,
 }
 
-/// A constant torque in **body** axes [N m].
+/// A constant torque in **body** axes \[N m\].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct BodyTorque(pub DVec3);
@@ -98,6 +100,19 @@ pub struct Springs(pub Vec<Spring>);
 #[reflect(Component, Default, Clone)]
 pub struct WorldAabb(pub Aabb3d);
 
+impl WorldAabb {
+    /// Fitted to a body: |R|·h about its centre, rounded outward.
+    #[inline(always)]
+    pub fn of(body: &RigidBox, state: &BodyState) -> Self {
+        let half = aabb::world_half_extents(state.rotation, body.half_extents());
+        let (min, max) = aabb::outward(state.position, half);
+        Self(Aabb3d {
+            min: min.into(),
+            max: max.into(),
+        })
+    }
+}
+
 impl Default for WorldAabb {
     fn default() -> Self {
         Self(Aabb3d {
@@ -117,7 +132,7 @@ pub struct ReportContacts;
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 pub struct Quarantined {
-    /// Simulated time at which it happened [s].
+    /// Simulated time at which it happened \[s\].
     pub time: f64,
 }
 
@@ -125,7 +140,7 @@ pub struct Quarantined {
 /// changed by somebody else: a teleport. (Change detection would not do: smoothing between steps
 /// writes `Transform` every frame.)
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub struct WrittenTransform {
+pub(crate) struct WrittenTransform {
     pub(crate) translation: Vec3,
     pub(crate) rotation: Quat,
 }
@@ -191,9 +206,14 @@ impl WrittenTransform {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotFinite;
 
-/// Left by *Integrate* to *Contact*: this body may touch the floor during this step.
+/// What *Integrate* and *Contact* tell each other of a body.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NearFloor(pub(crate) bool);
+pub(crate) struct NearFloor {
+    /// It may touch the floor during this step: left to *Contact*.
+    pub(crate) pending: bool,
+    /// It touched at the end of the last step: *Contact* takes it once more, to report the end.
+    pub(crate) touched: bool,
+}
 
 #[cfg(test)]
 mod tests {

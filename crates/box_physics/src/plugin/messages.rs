@@ -15,7 +15,7 @@ use crate::state::BodyState;
 pub struct ApplyImpulse {
     /// The body.
     pub entity: Entity,
-    /// Impulse J [N s], world axes.
+    /// Impulse J \[N s\], world axes.
     pub impulse: DVec3,
     /// Where it acts.
     pub at: ImpulsePoint,
@@ -27,9 +27,9 @@ pub enum ImpulsePoint {
     /// At the centre of mass: no spin.
     #[default]
     Centre,
-    /// At this point of the world [m].
+    /// At this point of the world \[m\].
     World(DVec3),
-    /// At this point in body axes from the centre [m].
+    /// At this point in body axes from the centre \[m\].
     Body(DVec3),
 }
 
@@ -43,7 +43,7 @@ impl ApplyImpulse {
         }
     }
 
-    /// At a point of the world [m].
+    /// At a point of the world \[m\].
     pub fn at_world_point(
         entity: Entity,
         impulse: impl Into<DVec3>,
@@ -56,7 +56,7 @@ impl ApplyImpulse {
         }
     }
 
-    /// At a point in body axes from the centre [m].
+    /// At a point in body axes from the centre \[m\].
     pub fn at_body_point(
         entity: Entity,
         impulse: impl Into<DVec3>,
@@ -89,9 +89,9 @@ pub struct FloorContact {
     pub entity: Entity,
     /// Which corner: bit k is set where it lies on the positive side of body axis k.
     pub corner: u8,
-    /// Where, in the world [m].
+    /// Where, in the world \[m\].
     pub point: DVec3,
-    /// Normal impulse over the step [N s], ≥ 0.
+    /// Normal impulse over the step \[N s\], ≥ 0.
     pub normal_impulse: f64,
     /// Began, persists or ended.
     pub phase: ContactPhase,
@@ -104,6 +104,6 @@ pub struct BodyQuarantined {
     pub entity: Entity,
     /// The scheme that was to step it.
     pub integrator: Integrator,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
 }

@@ -23,9 +23,9 @@ mod timing;
 
 pub use components::{
     AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, ExternalForce, GravityScale,
-    LinearDrag, NearFloor, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs,
-    WorldAabb, WrittenTransform,
+    LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs, WorldAabb,
 };
+pub(crate) use components::{NearFloor, WrittenTransform};
 pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint};
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use systems::StepPhysics;
@@ -195,7 +195,12 @@ impl Plugin for PhysicsPlugin {
         );
         app.add_systems(
             self.schedule,
-            (systems::collect_impulses, systems::run_physics).chain(),
+            (
+                systems::place_new_bodies,
+                systems::collect_impulses,
+                systems::run_physics,
+            )
+                .chain(),
         );
     }
 }

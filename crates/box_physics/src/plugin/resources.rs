@@ -41,6 +41,7 @@ pub struct PhysicsClock {
     pub(crate) step: f64,
     pub(crate) steps: u64,
     pub(crate) elapsed: Duration,
+    pub(crate) into_tick: u32,
 }
 
 impl Default for PhysicsClock {
@@ -51,12 +52,13 @@ impl Default for PhysicsClock {
             step: 0.0,
             steps: 0,
             elapsed: Duration::ZERO,
+            into_tick: 0,
         }
     }
 }
 
 impl PhysicsClock {
-    /// Size of the present or last (sub)step [s].
+    /// Size of the present or last (sub)step \[s\].
     pub fn step(&self) -> f64 {
         self.step
     }
@@ -66,7 +68,13 @@ impl PhysicsClock {
         self.steps
     }
 
-    /// Simulated time, the exact sum of the clock's ticks.
+    /// Simulated time at the end of the present or last (sub)step \[s\]: what a system in
+    /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) calls now.
+    pub fn time(&self) -> f64 {
+        self.elapsed.as_secs_f64() + f64::from(self.into_tick) * self.step
+    }
+
+    /// Simulated time of the finished ticks, their exact sum.
     pub fn elapsed(&self) -> Duration {
         self.elapsed
     }

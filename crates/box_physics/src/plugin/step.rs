@@ -88,9 +88,10 @@ impl FreeFlight<'_, '_, '_> {
             let (body, state) = (&self.bodies[i], &mut self.states[i]);
             let law = law(i);
             if let Some(floor) = self.setting.floor {
-                let near = floor::may_touch(floor, body, state, &law, self.setting.h);
-                self.near[i] = NearFloor(near);
-                if near {
+                let near = &mut self.near[i];
+                near.pending =
+                    near.touched || floor::may_touch(floor, body, state, &law, self.setting.h);
+                if near.pending {
                     continue;
                 }
             }
@@ -118,7 +119,7 @@ pub(crate) struct AtFloor<'a, 'w, 's> {
     pub(crate) states: &'a mut [BodyState],
     pub(crate) memories: &'a mut [SchemeMemory],
     pub(crate) contacts: &'a mut [ContactState],
-    pub(crate) near: &'a [NearFloor],
+    pub(crate) near: &'a mut [NearFloor],
     pub(crate) faults: &'a mut Vec<usize>,
     /// Where contact points go, if this table reports them.
     pub(crate) points: Option<&'a mut Vec<ContactPoint>>,
@@ -144,7 +145,7 @@ impl AtFloor<'_, '_, '_> {
     fn each<S: Scheme, F: ForceLaw>(mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
         for i in self.range {
-            if !self.near[i].0 {
+            if !self.near[i].pending {
                 continue;
             }
             let (body, state) = (&self.bodies[i], &mut self.states[i]);
@@ -166,6 +167,7 @@ impl AtFloor<'_, '_, '_> {
             tally.bodies += 1;
             tally.outcome += outcome.step;
             tally.floor += outcome;
+            self.near[i].touched = self.contacts[i].touching() != 0;
             if !state.is_sound() {
                 *state = before;
                 self.faults.push(i);

@@ -6,7 +6,7 @@ use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::{MessageCursor, MessageWriter, Messages};
-use bevy::ecs::query::{Has, Without};
+use bevy::ecs::query::{Added, Has, Without};
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Command, Commands, Local, Query, Res, ResMut};
 use bevy::ecs::world::World;
@@ -23,7 +23,6 @@ use super::messages::{ApplyImpulse, BodyQuarantined, FloorContact};
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 use super::step::{AtFloor, FreeFlight, Setting, runs};
 use super::timing::{PhysicsTimings, Stage, nanoseconds};
-use crate::aabb;
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
 use crate::schemes::SchemeMemory;
@@ -68,11 +67,14 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     }
     let substeps = world.resource::<PhysicsClock>().substeps.clamp(1, 1024);
     world.resource_mut::<PhysicsClock>().step = delta.as_secs_f64() / f64::from(substeps);
-    for _ in 0..substeps {
+    for substep in 1..=substeps {
+        world.resource_mut::<PhysicsClock>().into_tick = substep;
         world.run_schedule(PhysicsSchedule);
         world.resource_mut::<PhysicsClock>().steps += 1;
     }
-    world.resource_mut::<PhysicsClock>().elapsed += delta;
+    let mut clock = world.resource_mut::<PhysicsClock>();
+    clock.into_tick = 0;
+    clock.elapsed += delta;
 }
 
 /// Command: takes this many ticks of `Time<Fixed>` at once, paused or not: the single step.
@@ -121,23 +123,58 @@ pub(crate) fn take_teleports(
     }
 }
 
-/// The impulses asked for, in order of arrival. One for a body that is gone is dropped.
+/// The impulses asked for, in order of arrival. One that cannot be applied is dropped: its body is
+/// gone or quarantined, or it would leave a state that is not finite.
 pub(crate) fn apply_impulses(
     mut pending: ResMut<PendingImpulses>,
-    mut bodies: Query<(&RigidBox, &mut BodyState), Without<Quarantined>>,
+    mut bodies: Query<(&RigidBox, &mut BodyState, Has<Quarantined>)>,
     mut warned: Local<bool>,
 ) {
     for impulse in pending.queue.drain(..) {
-        let Ok((body, mut state)) = bodies.get_mut(impulse.entity) else {
-            if !core::mem::replace(&mut *warned, true) {
-                warn!(
-                    "box_physics: impulse for {}, which is no body any more; dropped (said once)",
-                    impulse.entity
-                );
+        let reason = match bodies.get_mut(impulse.entity) {
+            Ok((body, mut state, false)) => {
+                let mut pushed = *state;
+                impulse.apply(body, &mut pushed);
+                if pushed.is_sound() || !state.is_sound() {
+                    *state = pushed;
+                    continue;
+                }
+                "is not finite"
             }
-            continue;
+            Ok((.., true)) => "is for a quarantined body",
+            Err(_) => "is for an entity that is no body (any more)",
         };
-        impulse.apply(body, &mut state);
+        if !core::mem::replace(&mut *warned, true) {
+            let entity = impulse.entity;
+            warn!("box_physics: an impulse on {entity} {reason}; dropped (said once)");
+        }
+    }
+}
+
+/// Places new bodies at once, also while paused: their `Transform` and bounding box show where they
+/// start before the first step.
+pub(crate) fn place_new_bodies(
+    mut bodies: Query<
+        (
+            &RigidBox,
+            &mut BodyState,
+            &mut WrittenTransform,
+            &mut Transform,
+            Option<&mut WorldAabb>,
+        ),
+        Added<RigidBox>,
+    >,
+) {
+    for (body, mut state, mut written, mut transform, aabb) in &mut bodies {
+        if written.take_teleport(&transform, &mut state).is_err() {
+            continue;
+        }
+        *written = WrittenTransform::of(&state);
+        transform.translation = written.translation;
+        transform.rotation = written.rotation;
+        if let Some(mut aabb) = aabb {
+            *aabb = WorldAabb::of(body, &state);
+        }
     }
 }
 
@@ -156,7 +193,7 @@ fn quarantine(
         *state = BodyState::at(written.translation.as_dvec3())
             .with_rotation(written.rotation.as_dquat());
     }
-    let time = clock.elapsed().as_secs_f64();
+    let time = clock.time();
     warn!(
         "box_physics: {entity} is quarantined at t = {time} s under {integrator}: its motion is not finite"
     );
@@ -263,7 +300,7 @@ pub(crate) fn contact(
             &mut BodyState,
             &mut SchemeMemory,
             &mut ContactState,
-            &NearFloor,
+            &mut NearFloor,
             (Option<&BodyIntegrator>, Has<ReportContacts>),
         ),
         Without<Quarantined>,
@@ -299,13 +336,14 @@ pub(crate) fn contact(
         mut states,
         mut memories,
         mut touching,
-        near,
+        mut near,
         (own, heard),
     ) in bodies.contiguous_iter_mut()?
     {
         let states = states.bypass_change_detection();
         let memories = memories.bypass_change_detection();
         let touching = touching.bypass_change_detection();
+        let near = near.bypass_change_detection();
         for (integrator, range) in runs(global.0, own, boxes.len()) {
             let tally = integrator.dispatch(AtFloor {
                 floor: &floor,
@@ -357,10 +395,7 @@ pub(crate) fn refit_aabbs(
     for (boxes, states, mut boxes_in_world) in bodies.contiguous_iter_mut()? {
         let fitted = boxes_in_world.bypass_change_detection();
         for ((body, state), aabb) in boxes.iter().zip(states).zip(fitted) {
-            let half = aabb::world_half_extents(state.rotation, body.half_extents());
-            let (min, max) = aabb::outward(state.position, half);
-            aabb.0.min = min.into();
-            aabb.0.max = max.into();
+            *aabb = WorldAabb::of(body, state);
         }
     }
     if let (Some(timings), Some(start)) = (&mut timings, start) {

@@ -46,7 +46,7 @@ impl Stage {
 pub struct SchemeTiming {
     /// Bodies it stepped in free flight.
     pub bodies: u64,
-    /// Time of those loops [ns].
+    /// Time of those loops \[ns\].
     pub nanoseconds: u64,
     /// Force evaluations, fallbacks and unconverged iterations, in flight and at the floor.
     pub outcome: StepOutcome,
@@ -82,12 +82,12 @@ impl Default for PhysicsTimings {
 }
 
 impl PhysicsTimings {
-    /// Time of a stage in the last step [ns].
+    /// Time of a stage in the last step \[ns\].
     pub fn stage(&self, stage: Stage) -> u64 {
         self.stages[stage as usize]
     }
 
-    /// Time of all stages in the last step [ns].
+    /// Time of all stages in the last step \[ns\].
     pub fn total(&self) -> u64 {
         self.stages.iter().sum()
     }
@@ -122,7 +122,7 @@ impl PhysicsTimings {
     }
 }
 
-/// Time since `start` [ns].
+/// Time since `start` \[ns\].
 pub(crate) fn nanoseconds(start: Instant) -> u64 {
     u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
 }
@@ -137,7 +137,7 @@ pub fn scheme_path(integrator: Integrator) -> DiagnosticPath {
 pub struct PhysicsDiagnosticsPlugin;
 
 impl PhysicsDiagnosticsPlugin {
-    /// The whole step [µs].
+    /// The whole step \[µs\].
     pub const STEP: DiagnosticPath = DiagnosticPath::const_new("box_physics/step");
 }
 

@@ -1,0 +1,29 @@
+//! One box falls on the floor; no window. `cargo run --release --example minimal`
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_physics::prelude::*;
+
+fn main() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+        .insert_resource(Floor::default())
+        .add_systems(Startup, |mut commands: Commands| {
+            commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 3.0, 0.0)));
+        })
+        // Not in a game: every update is exactly one tick, so that this example does not wait.
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+
+    for _ in 0..3 {
+        for _ in 0..64 {
+            app.update();
+        }
+        let mut boxes = app.world_mut().query::<(&Transform, &BodyState)>();
+        for (transform, state) in boxes.iter(app.world()) {
+            println!(
+                "y = {:.3} m, v = {:.3} m/s",
+                transform.translation.y, state.velocity.y
+            );
+        }
+    }
+}
