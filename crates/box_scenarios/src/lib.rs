@@ -1,1 +1,47 @@
-//! Placeholder.
+//! Named rigid-body scenes with trusted answers, shared by the tests, the report and the game. No
+//! rendering, no clock.
+//!
+//! - [`scenario`]: the registry; [`scenes`]: one function a scene, **where a new scene goes**.
+//! - [`setup`] and [`forces`]: what a scene consists of.
+//! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
+//! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
+//! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
+//! - [`oracle`]: reference trajectories from files.
+//! - [`mod@style`]: colour, dash and marker of each integrator.
+//!
+//! ```
+//! use box_physics::prelude::Integrator;
+//! use box_scenarios::Scenario;
+//! let scene = Scenario::find("ballistic")?;
+//! let truth = scene.truth();
+//! let run = box_scenarios::simulate(&scene.setup, &truth, Integrator::Split, 1.0 / 60.0);
+//! assert!(run.errors.position < 1e-9);
+//! # Ok::<(), box_scenarios::UnknownScenario>(())
+//! ```
+
+#![expect(clippy::doc_markdown, reason = "the formulas' subscripts are not code")]
+
+pub mod forces;
+pub mod hard_cases;
+pub mod metrics;
+pub mod oracle;
+pub mod run;
+pub mod scenario;
+pub mod scenes;
+pub mod setup;
+pub mod simulate;
+pub mod step_size;
+pub mod style;
+pub mod trend;
+pub mod truth;
+
+pub use forces::ForceSet;
+pub use hard_cases::{HardCase, hard_cases};
+pub use metrics::{Errors, StateError};
+pub use run::{Plan, Totals, advance, run_plan};
+pub use scenario::{Scenario, UnknownScenario};
+pub use setup::{FloorSpec, Setup, TimedImpulse};
+pub use simulate::{SimulationResult, simulate};
+pub use step_size::parse_step;
+pub use style::{Style, style};
+pub use truth::{Truth, TruthKind};

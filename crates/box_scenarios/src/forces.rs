@@ -1,0 +1,311 @@
+//! An owned, serialisable force law: what a scene or a file stores, and what it lends to the schemes.
+
+use box_physics::body::RigidBox;
+use box_physics::error::InvalidValue;
+use box_physics::force::{Dissipation, Forces, Frame, PointForce, Spring};
+use glam::DVec3;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// The owned counterpart of [`Forces`]: every term of the force law, 0 or empty meaning absent.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// use box_scenarios::ForceSet;
+/// let set = ForceSet { force: DVec3::X * 6.0, ..ForceSet::gravity(9.81) };
+/// set.validate()?;
+/// let body = RigidBox::cube(1.0, 2.0)?;
+/// assert_eq!(set.forces(&body).acceleration, DVec3::new(3.0, -9.81, 0.0));
+/// # Ok::<(), InvalidValue>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ForceSet {
+    /// Gravity [m/s²], world axes.
+    pub gravity: DVec3,
+    /// Constant force at the centre of mass \[N\], world axes.
+    pub force: DVec3,
+    /// c₁ [N s/m], ≥ 0: force −c₁ v.
+    pub linear_drag: f64,
+    /// k₂ [N s²/m²], ≥ 0: force −k₂ |v| v.
+    pub quadratic_drag: f64,
+    /// γ [1/s], ≥ 0: torque −γ L.
+    pub angular_damping: f64,
+    /// c_ω \[N m s\], ≥ 0: torque −c_ω ω.
+    pub angular_drag: f64,
+    /// Constant torque in body axes \[N m\].
+    pub body_torque: DVec3,
+    /// Constant torque in world axes \[N m\].
+    pub world_torque: DVec3,
+    /// Forces at body points.
+    #[serde(serialize_with = "save_points", deserialize_with = "load_points")]
+    pub point_forces: Vec<PointForce>,
+    /// Springs at body points.
+    #[serde(serialize_with = "save_springs", deserialize_with = "load_springs")]
+    pub springs: Vec<Spring>,
+}
+
+impl ForceSet {
+    /// Nothing acts.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// Gravity alone, `g` [m/s²] downwards (−y).
+    pub fn gravity(g: f64) -> Self {
+        Self {
+            gravity: DVec3::new(0.0, -g, 0.0),
+            ..Self::default()
+        }
+    }
+
+    /// The same with a magnetic-like dipole `moment` (body axes) in a uniform `field` (world axes),
+    /// torque (R µ) × B \[N m\]: the force B at the body point µ and −B at the centre, a pure couple.
+    #[must_use]
+    pub fn with_dipole(mut self, moment: DVec3, field: DVec3) -> Self {
+        let at = |body_point, force| PointForce {
+            body_point,
+            force,
+            frame: Frame::World,
+        };
+        self.point_forces.push(at(moment, field));
+        self.point_forces.push(at(DVec3::ZERO, -field));
+        self
+    }
+
+    /// The same with a spring of zero natural length from `body_point` (body axes \[m\]) to `anchor`
+    /// (world \[m\]), `stiffness` [N/m], `damping` [N s/m].
+    #[must_use]
+    pub fn with_spring(
+        mut self,
+        body_point: DVec3,
+        anchor: DVec3,
+        stiffness: f64,
+        damping: f64,
+    ) -> Self {
+        self.springs.push(Spring {
+            body_point,
+            anchor,
+            stiffness,
+            damping,
+        });
+        self
+    }
+
+    /// The law as the schemes take it, for `body` (a force is an acceleration only with its mass).
+    pub fn forces(&self, body: &RigidBox) -> Forces<'_> {
+        Forces {
+            acceleration: self.acceleration(body),
+            dissipation: self.dissipation(),
+            body_torque: self.body_torque,
+            world_torque: self.world_torque,
+            point_forces: &self.point_forces,
+            springs: &self.springs,
+        }
+    }
+
+    /// Gravity plus the constant force over the mass [m/s²], world axes.
+    pub fn acceleration(&self, body: &RigidBox) -> DVec3 {
+        self.gravity + self.force * body.inverse_mass()
+    }
+
+    /// The four dissipative coefficients.
+    pub fn dissipation(&self) -> Dissipation {
+        Dissipation {
+            linear_drag: self.linear_drag,
+            quadratic_drag: self.quadratic_drag,
+            angular_damping: self.angular_damping,
+            angular_drag: self.angular_drag,
+        }
+    }
+
+    /// Whether a torque or a state-dependent force acts (what the schemes call the wrench).
+    pub fn has_wrench(&self) -> bool {
+        self.body_torque != DVec3::ZERO
+            || self.world_torque != DVec3::ZERO
+            || !self.point_forces.is_empty()
+            || !self.springs.is_empty()
+    }
+
+    /// Checks that every number is finite and every coefficient ≥ 0.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field that is not.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        for (field, v) in [
+            ("gravity", self.gravity),
+            ("force", self.force),
+            ("body_torque", self.body_torque),
+            ("world_torque", self.world_torque),
+        ] {
+            finite(field, v)?;
+        }
+        for (field, value) in [
+            ("linear_drag", self.linear_drag),
+            ("quadratic_drag", self.quadratic_drag),
+            ("angular_damping", self.angular_damping),
+            ("angular_drag", self.angular_drag),
+        ] {
+            coefficient(field, value)?;
+        }
+        for p in &self.point_forces {
+            finite("point_forces.body_point", p.body_point)?;
+            finite("point_forces.force", p.force)?;
+        }
+        for s in &self.springs {
+            finite("springs.body_point", s.body_point)?;
+            finite("springs.anchor", s.anchor)?;
+            coefficient("springs.stiffness", s.stiffness)?;
+            coefficient("springs.damping", s.damping)?;
+        }
+        Ok(())
+    }
+}
+
+fn finite(field: &'static str, v: DVec3) -> Result<(), InvalidValue> {
+    match v.to_array().into_iter().find(|c| !c.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(InvalidValue {
+            field,
+            value,
+            allowed: "finite",
+        }),
+    }
+}
+
+pub(crate) fn coefficient(field: &'static str, value: f64) -> Result<(), InvalidValue> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(InvalidValue {
+            field,
+            value,
+            allowed: "finite and not negative",
+        })
+    }
+}
+
+// The force types of `box_physics` know nothing of serde; these mirrors do.
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SavedPoint {
+    body_point: DVec3,
+    force: DVec3,
+    #[serde(default)]
+    frame: SavedFrame,
+}
+
+#[derive(Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SavedFrame {
+    #[default]
+    World,
+    Body,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SavedSpring {
+    body_point: DVec3,
+    anchor: DVec3,
+    stiffness: f64,
+    #[serde(default)]
+    damping: f64,
+}
+
+fn save_points<S: Serializer>(points: &[PointForce], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(points.iter().map(|p| SavedPoint {
+        body_point: p.body_point,
+        force: p.force,
+        frame: match p.frame {
+            Frame::World => SavedFrame::World,
+            Frame::Body => SavedFrame::Body,
+        },
+    }))
+}
+
+fn load_points<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PointForce>, D::Error> {
+    let saved = Vec::<SavedPoint>::deserialize(from)?;
+    Ok(saved
+        .into_iter()
+        .map(|p| PointForce {
+            body_point: p.body_point,
+            force: p.force,
+            frame: match p.frame {
+                SavedFrame::World => Frame::World,
+                SavedFrame::Body => Frame::Body,
+            },
+        })
+        .collect())
+}
+
+fn save_springs<S: Serializer>(springs: &[Spring], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(springs.iter().map(|s| SavedSpring {
+        body_point: s.body_point,
+        anchor: s.anchor,
+        stiffness: s.stiffness,
+        damping: s.damping,
+    }))
+}
+
+fn load_springs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Spring>, D::Error> {
+    let saved = Vec::<SavedSpring>::deserialize(from)?;
+    Ok(saved
+        .into_iter()
+        .map(|s| Spring {
+            body_point: s.body_point,
+            anchor: s.anchor,
+            stiffness: s.stiffness,
+            damping: s.damping,
+        })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn everything() -> ForceSet {
+        ForceSet {
+            force: DVec3::new(1.0, 2.0, 3.0),
+            linear_drag: 0.1,
+            quadratic_drag: 0.2,
+            angular_damping: 0.3,
+            angular_drag: 0.4,
+            body_torque: DVec3::X,
+            world_torque: DVec3::Y,
+            ..ForceSet::gravity(9.81)
+        }
+        .with_dipole(DVec3::X, DVec3::Y)
+        .with_spring(DVec3::Z, DVec3::ONE, 5.0, 0.5)
+    }
+
+    #[test]
+    fn round_trip_through_text() {
+        let set = everything();
+        set.validate().expect("valid");
+        let text = serde_json::to_string(&set).expect("plain data");
+        assert_eq!(
+            serde_json::from_str::<ForceSet>(&text).expect("own text"),
+            set
+        );
+        assert_eq!(
+            serde_json::from_str::<ForceSet>("{}").expect("all optional"),
+            ForceSet::none()
+        );
+        assert!(serde_json::from_str::<ForceSet>(r#"{"drag": 1}"#).is_err());
+    }
+
+    #[test]
+    fn bad_values_are_named() {
+        let mut set = everything();
+        set.springs[0].stiffness = -1.0;
+        assert_eq!(
+            set.validate().expect_err("bad").to_string(),
+            "springs.stiffness must be finite and not negative, but is -1"
+        );
+        set = everything();
+        set.gravity.y = f64::NAN;
+        assert_eq!(set.validate().expect_err("bad").field, "gravity");
+    }
+}

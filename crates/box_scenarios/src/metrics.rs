@@ -1,0 +1,158 @@
+//! How far a computed state is from the trusted one.
+
+use box_physics::state::BodyState;
+
+/// The difference of two states at one instant. All are ≥ 0, in SI units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StateError {
+    /// |Δx| \[m\].
+    pub position: f64,
+    /// |Δv| [m/s].
+    pub velocity: f64,
+    /// Angle of the rotation between the attitudes \[rad\], 0 to π, as 2·atan2(|vec|, |w|).
+    pub attitude: f64,
+    /// |ΔL|, vectors in world axes [kg m²/s].
+    pub angular_momentum: f64,
+}
+
+impl StateError {
+    /// Between `state` and `reference`; infinite where `state` is not finite.
+    pub fn between(state: &BodyState, reference: &BodyState) -> Self {
+        if !state.is_finite() {
+            return Self {
+                position: f64::INFINITY,
+                velocity: f64::INFINITY,
+                attitude: f64::INFINITY,
+                angular_momentum: f64::INFINITY,
+            };
+        }
+        let momentum = state.angular_momentum_world() - reference.angular_momentum_world();
+        Self {
+            position: (state.position - reference.position).length(),
+            velocity: (state.velocity - reference.velocity).length(),
+            attitude: state.attitude_difference(reference),
+            angular_momentum: momentum.length(),
+        }
+    }
+}
+
+/// The largest errors over a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// |Δx| \[m\].
+    pub position: f64,
+    /// |Δv| [m/s].
+    pub velocity: f64,
+    /// Attitude \[rad\].
+    pub attitude: f64,
+    /// |ΔL| in world axes [kg m²/s].
+    pub angular_momentum: f64,
+    /// |E − E_expected| \[J\]; see [`Errors::see_energy`].
+    pub energy: f64,
+}
+
+impl Errors {
+    /// Takes one more instant into account.
+    pub fn see(&mut self, e: &StateError) {
+        self.position = self.position.max(e.position);
+        self.velocity = self.velocity.max(e.velocity);
+        self.attitude = self.attitude.max(e.attitude);
+        self.angular_momentum = self.angular_momentum.max(e.angular_momentum);
+    }
+
+    /// Takes an energy \[J\] and what it should be \[J\] into account.
+    pub fn see_energy(&mut self, energy: f64, expected: f64) {
+        let error = (energy - expected).abs();
+        self.energy = if error.is_nan() {
+            f64::INFINITY
+        } else {
+            self.energy.max(error)
+        };
+    }
+}
+
+/// By what an energy error is divided: |initial energy| \[J\] or, where that is 0, the initial kinetic
+/// energy \[J\], or 1 where that is 0 as well (the error is then absolute).
+pub fn energy_scale(initial: f64, initial_kinetic: f64) -> f64 {
+    [initial.abs(), initial_kinetic]
+        .into_iter()
+        .find(|&e| e > 0.0)
+        .unwrap_or(1.0)
+}
+
+/// By what an angular-momentum error is divided: the initial magnitude or, where that is 0, the final
+/// one, or 1 where both are 0 (the error is then absolute).
+pub fn momentum_scale(initial: f64, last: f64) -> f64 {
+    [initial, last]
+        .into_iter()
+        .find(|&l| l > 0.0)
+        .unwrap_or(1.0)
+}
+
+/// When a run counts as diverged: a state that is not finite, or faster by `TOO_FAST` than anything
+/// the reference does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sanity {
+    speed: f64,
+    momentum: f64,
+}
+
+/// Factor beyond the reference's largest speed and angular momentum at which a run is given up: far
+/// above every legitimate error, far below overflow.
+const TOO_FAST: f64 = 1e3;
+
+impl Sanity {
+    /// From the trusted states of the run; motions slower than 1e-3 of `scale_speed` [m/s] and
+    /// `scale_momentum` [kg m²/s] are judged by those.
+    pub fn new<'a>(
+        reference: impl IntoIterator<Item = &'a BodyState>,
+        scale_speed: f64,
+        scale_momentum: f64,
+    ) -> Self {
+        let start = Self {
+            speed: TOO_FAST * 1e-3 * scale_speed,
+            momentum: TOO_FAST * 1e-3 * scale_momentum,
+        };
+        reference.into_iter().fold(start, |s, r| Self {
+            speed: s.speed.max(TOO_FAST * r.velocity.length()),
+            momentum: s.momentum.max(TOO_FAST * r.angular_momentum.length()),
+        })
+    }
+
+    /// Whether `state` is beyond what an inaccurate but stable run can be.
+    pub fn is_diverged(&self, state: &BodyState) -> bool {
+        let within = state.velocity.length() <= self.speed
+            && state.angular_momentum.length() <= self.momentum;
+        !(state.is_finite() && within)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn nothing_is_lost_in_a_maximum() {
+        let reference = BodyState::at(DVec3::ONE);
+        let mut bad = reference;
+        bad.velocity.x = f64::NAN;
+        let mut errors = Errors::default();
+        errors.see(&StateError::between(&bad, &reference));
+        errors.see(&StateError::between(&reference, &reference));
+        errors.see_energy(f64::NAN, 1.0);
+        errors.see_energy(1.0, 1.0);
+        assert_eq!(errors.position, f64::INFINITY);
+        assert_eq!(errors.energy, f64::INFINITY);
+        assert!(Sanity::new([&reference], 1.0, 1.0).is_diverged(&bad));
+        assert!(!Sanity::new([&reference], 1.0, 1.0).is_diverged(&reference));
+    }
+
+    #[test]
+    fn scales_fall_back() {
+        assert_eq!(energy_scale(-2.0, 1.0), 2.0);
+        assert_eq!(energy_scale(0.0, 3.0), 3.0);
+        assert_eq!(energy_scale(0.0, 0.0), 1.0);
+        assert_eq!(momentum_scale(0.0, 4.0), 4.0);
+    }
+}

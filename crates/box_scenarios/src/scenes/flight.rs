@@ -1,0 +1,97 @@
+//! The centre of mass under gravity and drag.
+
+use glam::DVec3;
+
+use super::{GRAVITY, brick, solid, spinning};
+use crate::forces::ForceSet;
+use crate::scenario::Scenario;
+use crate::setup::Setup;
+
+/// A ball's throw: the parabola.
+pub fn ballistic() -> Scenario {
+    let body = solid([0.25; 3], 2.0);
+    let start = spinning(&body, [-8.0, 0.5, 0.0], [0.0, 0.0, -3.0])
+        .with_velocity(DVec3::new(4.0, 18.0, 0.0));
+    Scenario {
+        id: "ballistic",
+        title: "Ballistic throw",
+        lesson: "The simplest motion there is. Semi-implicit Euler and the 2012 scheme are off by exactly ½·g·dt·t, a third of a metre after 4 s; second-order schemes hit the parabola to rounding.",
+        hints: [
+            "Halve dt: the first-order errors halve.",
+            "Explicit Euler flies high by what Semi-implicit Euler flies low.",
+        ],
+        setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
+        recommended: &[
+            "split",
+            "explicit-euler",
+            "semi-implicit-euler",
+            "heun-2012",
+        ],
+        boxes: 1,
+    }
+}
+
+/// Drag a thousand times faster than the motion.
+pub fn stiff_drag() -> Scenario {
+    let body = solid([0.5; 3], 2.0);
+    let start =
+        spinning(&body, [0.0, 4.0, 0.0], [0.0; 3]).with_velocity(DVec3::new(10.0, 20.0, -5.0));
+    let forces = ForceSet {
+        linear_drag: 500.0,
+        ..ForceSet::gravity(GRAVITY)
+    };
+    Scenario {
+        id: "stiff-drag",
+        title: "Stiff drag",
+        lesson: "Drag of 250 per second kills the throw in milliseconds. Explicit schemes explode once c·dt/m passes 2 (RK4: 2.79); implicit and exponential ones fall on quietly.",
+        hints: [
+            "At 60 Hz c·dt/m is 4: lower the drag to find each scheme's limit.",
+            "Implicit midpoint rings: its factor tends to −1.",
+        ],
+        setup: Setup::new(body, start, forces, 3.0),
+        recommended: &["split", "backward-euler", "implicit-midpoint", "rk4"],
+        boxes: 1,
+    }
+}
+
+/// A throw through air.
+pub fn quadratic_drag() -> Scenario {
+    let body = solid([0.5; 3], 2.0);
+    let start =
+        spinning(&body, [0.0, 0.5, 0.0], [0.0, 0.0, 5.0]).with_velocity(DVec3::new(0.0, 45.0, 0.0));
+    let forces = ForceSet {
+        quadratic_drag: 1.0 / 24.0,
+        ..ForceSet::gravity(GRAVITY)
+    };
+    Scenario {
+        id: "quadratic-drag",
+        title: "Quadratic drag",
+        lesson: "Thrown straight up at 45 m/s through air: the answer is a tangent going up and a hyperbolic tangent coming down. The drag must never turn the velocity round.",
+        hints: [
+            "Throw at 1e4 m/s: explicit schemes come out backwards.",
+            "Every scheme shows its order here.",
+        ],
+        setup: Setup::new(body, start, forces, 8.0),
+        recommended: &["split", "rk4", "velocity-verlet", "explicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// A tumbling throw: parabola and free rotation together.
+pub fn throw() -> Scenario {
+    let body = brick();
+    let start = spinning(&body, [-4.0, 1.0, 0.0], [1.5, 7.0, -2.0])
+        .with_velocity(DVec3::new(2.0, 20.0, 1.0));
+    Scenario {
+        id: "throw",
+        title: "Tumbling throw",
+        lesson: "Gravity exerts no torque, so the centre flies a parabola while the box tumbles freely. Both parts have exact answers, and errors in one do not touch the other.",
+        hints: [
+            "Position and attitude can have different orders in one scheme.",
+            "Compare cost: force evaluations against error.",
+        ],
+        setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
+        recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
+        boxes: 1,
+    }
+}

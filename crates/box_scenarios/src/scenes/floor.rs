@@ -1,0 +1,167 @@
+//! Contact.
+
+use glam::{DQuat, DVec3};
+
+use super::{GRAVITY, brick, solid, spinning};
+use crate::forces::ForceSet;
+use crate::scenario::Scenario;
+use crate::setup::{FloorSpec, Setup};
+
+/// A box at rest, to be pushed about.
+pub fn playground() -> Scenario {
+    let body = solid([0.5; 3], 2.0);
+    let start = spinning(&body, [0.0, 0.5, 0.0], [0.0; 3]);
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 60.0);
+    Scenario {
+        id: "playground",
+        title: "Playground",
+        lesson: "A box at rest on a floor. Push it: W and S along its z axis, A and D along x, Q and E along y; Shift pushes off-centre.",
+        hints: [
+            "Click a face to poke it, drag it to grab it.",
+            "Change friction and restitution in the panel.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.5)),
+        recommended: &["split", "rk4", "semi-implicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// A flat drop that loses half its speed at every bounce.
+pub fn drop() -> Scenario {
+    let body = solid([0.5, 0.25, 0.5], 3.0);
+    let start = spinning(&body, [0.0, 3.25, 0.0], [0.0; 3]);
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0);
+    Scenario {
+        id: "drop",
+        title: "Flat drop",
+        lesson: "Bounce n reaches e²ⁿ of the first height, infinitely many of them in a finite time, then rest. A scheme that finds the impact inside the step keeps its order.",
+        hints: ["Set e to 1 or 0.", "A flat landing must not start a spin."],
+        setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
+        recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
+        boxes: 1,
+    }
+}
+
+/// e = 1: for ever.
+pub fn bounce() -> Scenario {
+    let body = solid([0.5, 0.25, 0.5], 3.0);
+    let start = spinning(&body, [0.0, 1.25, 0.0], [0.0; 3]);
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 90.0);
+    Scenario {
+        id: "bounce",
+        title: "Hundred bounces",
+        lesson: "With e = 1 the box must come back to the same height a hundred times. Energy gained or lost at each contact adds up where everyone can see it.",
+        hints: [
+            "Read the height of the apex after a minute.",
+            "Schemes that are exact on the parabola stay; the others climb or sink.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(1.0, 0.0)),
+        recommended: &[
+            "split",
+            "explicit-euler",
+            "semi-implicit-euler",
+            "heun-2012",
+        ],
+        boxes: 1,
+    }
+}
+
+/// Sliding to rest.
+pub fn slide() -> Scenario {
+    let body = solid([0.5, 0.25, 0.5], 3.0);
+    let start =
+        spinning(&body, [-4.0, 0.25, 0.0], [0.0; 3]).with_velocity(DVec3::new(6.0, 0.0, 0.0));
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 3.0);
+    Scenario {
+        id: "slide",
+        title: "Slide to rest",
+        lesson: "Coulomb friction stops the box after v²/(2µg), with a corner in the velocity when it stops. It must neither creep nor turn back.",
+        hints: [
+            "Push it along the diagonal: it must stop on the same line.",
+            "Raise µ past 2: the box tips instead of sliding.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.0, 0.5)),
+        recommended: &["split", "rk4", "backward-euler", "explicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// A fast tumbling throw over a lively floor: chaos.
+pub fn tumble_storm() -> Scenario {
+    let body = brick();
+    let start = spinning(&body, [-3.0, 4.0, 0.0], [3.0, 9.0, -5.0])
+        .with_velocity(DVec3::new(2.0, 3.0, 0.5));
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 12.0);
+    Scenario {
+        id: "tumble-storm",
+        title: "Tumble storm",
+        lesson: "Each bounce of a tumbling box multiplies every difference. After a few no two schemes agree on the path; energy that never grows is what is left to compare.",
+        hints: [
+            "Compare where the ghosts come to rest.",
+            "Halve dt: it does not help for long.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.8, 0.3)),
+        recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// Many boxes: what a step costs.
+pub fn load() -> Scenario {
+    let body = brick();
+    let start =
+        spinning(&body, [0.0, 3.0, 0.0], [1.5, 2.5, 1.0]).with_velocity(DVec3::new(0.5, 4.0, -0.5));
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 20.0);
+    Scenario {
+        id: "load",
+        title: "Load test",
+        lesson: "Thousands of boxes thrown over a floor: what a body and a step cost, in nanoseconds, for each scheme.",
+        hints: [
+            "Move the load slider and read the time per body.",
+            "A scheme with four evaluations need not cost four times as much.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
+        recommended: &["split", "rk4", "semi-implicit-euler"],
+        boxes: 1000,
+    }
+}
+
+/// A corner drop with friction.
+pub fn contact() -> Scenario {
+    let body = solid([0.5, 0.25, 0.375], 3.0);
+    let start = spinning(&body, [0.0, 2.0, 0.0], [0.0; 3])
+        .with_rotation(DQuat::from_xyzw(0.25, 0.05, 0.2, 0.95))
+        .with_velocity(DVec3::new(1.0, 0.0, 0.0));
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 6.0);
+    Scenario {
+        id: "contact",
+        title: "Corner drop",
+        lesson: "A tilted box lands on one corner and turns the fall into spin. When exactly it touched decides everything after.",
+        hints: [
+            "Step through the impact with the full stop key.",
+            "Energy may fall at an impact and must never rise.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
+        recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// The demo of 2012: one cube over a ground plane.
+pub fn dissertation_2012() -> Scenario {
+    let body = solid([0.5; 3], 1.0);
+    let start = spinning(&body, [0.0, 4.5, 0.0], [0.0; 3]);
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 30.0);
+    Scenario {
+        id: "dissertation-2012",
+        title: "The 2012 demo",
+        lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. What it called implicit Euler is Heun's explicit method.",
+        hints: [
+            "Compare its scheme with Backward Euler, the true implicit Euler.",
+            "Throw it and watch Heun (2012) land ahead of the parabola by ½·g·dt·t.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
+        recommended: &["heun-2012", "rk4", "explicit-euler", "backward-euler"],
+        boxes: 1,
+    }
+}

@@ -1,0 +1,75 @@
+//! Springs and torques.
+
+use glam::{DQuat, DVec3};
+
+use super::{brick, solid, spinning};
+use crate::forces::ForceSet;
+use crate::scenario::Scenario;
+use crate::setup::Setup;
+
+/// A box in orbit on a spring: the ellipse that must close.
+pub fn spring_orbit() -> Scenario {
+    let body = brick();
+    let start =
+        spinning(&body, [2.0, 2.0, 0.0], [0.5, 4.0, 1.0]).with_velocity(DVec3::new(0.0, 0.0, 3.0));
+    // Ω = 2 rad/s: one orbit in π seconds.
+    let forces = ForceSet::none().with_spring(DVec3::ZERO, DVec3::new(0.0, 2.0, 0.0), 12.0, 0.0);
+    Scenario {
+        id: "spring-orbit",
+        title: "Spring orbit",
+        lesson: "A spring to a fixed point makes an ellipse that closes on itself every π seconds. Symplectic schemes keep its size for ever; RK4 shrinks it slowly, Euler spirals out or in.",
+        hints: [
+            "Raise dt: Explicit Euler leaves, Backward Euler falls in.",
+            "Watch the energy of Split: it oscillates and never drifts.",
+        ],
+        setup: Setup::new(body, start, forces, 30.0),
+        recommended: &["split", "semi-implicit-euler", "rk4", "explicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// A stiff spring at a corner, near every explicit limit at 60 Hz.
+pub fn stiff_spring() -> Scenario {
+    let body = solid([0.25; 3], 2.0);
+    let start =
+        spinning(&body, [0.0, 2.2, 0.0], [0.0, 0.5, 0.0]).with_velocity(DVec3::new(0.5, 0.0, 0.0));
+    // At the corner the largest ω² is k (1/m + |r|²/I) = 5.5 k/m for a cube (|r|² = ¾ a², I = m a²/6
+    // with edge a): ω·dt = 1.0 at 60 Hz, where ω = 60 rad/s.
+    let k = 2.0 * 60.0_f64.powi(2) / 5.5;
+    let forces =
+        ForceSet::none().with_spring(DVec3::splat(0.25), DVec3::new(0.25, 2.4, 0.25), k, 0.0);
+    Scenario {
+        id: "stiff-spring",
+        title: "Stiff spring",
+        lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Kicked schemes hold up to 2, RK4 to 2.83; implicit ones hold always, some of them by stopping the motion.",
+        hints: [
+            "At 30 Hz ω·dt is 2: the kicked schemes are at their limit.",
+            "Backward Euler is stable and wrong: the oscillation is gone in a second.",
+        ],
+        setup: Setup::new(body, start, forces, 4.0),
+        recommended: &["split", "rk4", "implicit-midpoint", "backward-euler"],
+        boxes: 1,
+    }
+}
+
+/// The heavy top, as a dipole in a field: precession and nutation.
+pub fn heavy_top() -> Scenario {
+    let body = solid([0.25, 0.5, 0.25], 6.0);
+    let start = spinning(&body, [0.0, 2.0, 0.0], [0.0; 3])
+        .with_rotation(DQuat::from_rotation_x(40.0_f64.to_radians()))
+        .with_body_angular_velocity(&body, DVec3::Y * 12.0);
+    // The torque of gravity on an upright top with m g l = 4 N m, without a pivot.
+    let forces = ForceSet::none().with_dipole(DVec3::NEG_Y * 4.0, DVec3::Y);
+    Scenario {
+        id: "heavy-top",
+        title: "Heavy top",
+        lesson: "A spinning bar leans and does not fall: it precesses and nods. Energy, the spin about its axis and the vertical angular momentum are constant.",
+        hints: [
+            "Raise dt until the nodding is wrong, then try Split4.",
+            "Explicit Euler tips it over.",
+        ],
+        setup: Setup::new(body, start, forces, 5.0),
+        recommended: &["split", "split4", "rk4", "implicit-midpoint"],
+        boxes: 1,
+    }
+}

@@ -1,0 +1,144 @@
+//! Nothing but spin.
+
+use super::{brick, solid, spinning};
+use crate::forces::ForceSet;
+use crate::scenario::Scenario;
+use crate::setup::Setup;
+
+/// Where freely spinning boxes float: 2 m up.
+const AT: [f64; 3] = [0.0, 2.0, 0.0];
+
+/// Spin about the middle axis: it flips, again and again.
+pub fn dzhanibekov() -> Scenario {
+    let body = brick();
+    let start = spinning(&body, AT, [0.01, 8.0, -0.005]);
+    Scenario {
+        id: "dzhanibekov",
+        title: "Dzhanibekov flip",
+        lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: a scheme that changes the energy flips early, late, or the wrong way round.",
+        hints: [
+            "Compare Explicit Euler with Split: one gains energy and loses the flip.",
+            "Halve dt and see whose flips move.",
+        ],
+        setup: Setup::new(body, start, ForceSet::none(), 12.0),
+        recommended: &["split", "semi-implicit-euler", "engine-rescaled", "rk4"],
+        boxes: 1,
+    }
+}
+
+/// Spin about the shortest axis, slightly off: it must go on for ever.
+pub fn stable_axis() -> Scenario {
+    let body = brick();
+    let start = spinning(&body, AT, [0.4, 0.3, 6.0]);
+    Scenario {
+        id: "stable-axis",
+        title: "Stable axis",
+        lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the scheme's own.",
+        hints: [
+            "Let it run for a minute and read the energy.",
+            "Engine (rescaled) walks to the middle axis and flips: it keeps |L|, not the energy.",
+        ],
+        setup: Setup::new(body, start, ForceSet::none(), 60.0),
+        recommended: &[
+            "split",
+            "engine-rescaled",
+            "explicit-euler",
+            "backward-euler",
+        ],
+        boxes: 1,
+    }
+}
+
+/// A plate of 64:1, tumbling.
+pub fn thin_plate() -> Scenario {
+    let body = solid([0.5, 1.0 / 128.0, 0.375], 3.0);
+    let start = spinning(&body, AT, [3.0, 0.5, 4.0]);
+    Scenario {
+        id: "thin-plate",
+        title: "Thin plate",
+        lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order schemes gain energy here first.",
+        hints: [
+            "Compare Midpoint with Implicit midpoint: same order, opposite energy behaviour.",
+            "Double dt and see who still tumbles in step with the reference.",
+        ],
+        setup: Setup::new(body, start, ForceSet::none(), 10.0),
+        recommended: &["split", "midpoint", "implicit-midpoint", "rk4"],
+        boxes: 1,
+    }
+}
+
+/// A needle, moments 800 to 1, spun about its length.
+pub fn needle() -> Scenario {
+    let body = solid([1.0, 1.0 / 64.0, 1.0 / 32.0], 3.0);
+    let start = spinning(&body, AT, [20.0, 1.0, 0.5]);
+    Scenario {
+        id: "needle",
+        title: "Needle",
+        lesson: "Fast spin about a long thin axis, with moments 800 to 1. Explicit gyroscopic terms explode here at 60 Hz, and implicit ones lose a quarter of the energy.",
+        hints: [
+            "Semi-implicit Euler is gone within a second.",
+            "Split stays within a thousandth of a radian at 60 Hz.",
+        ],
+        setup: Setup::new(body, start, ForceSet::none(), 5.0),
+        recommended: &["split", "engine-newton", "semi-implicit-euler", "rk4"],
+        boxes: 1,
+    }
+}
+
+/// A square bar: steady precession.
+pub fn symmetric_top() -> Scenario {
+    let body = solid([0.25, 0.5, 0.25], 6.0);
+    let start = spinning(&body, AT, [2.0, 6.0, 0.0]);
+    Scenario {
+        id: "symmetric-top",
+        title: "Symmetric top",
+        lesson: "A square bar precesses steadily: its axis draws a cone at the rate L/I. Split is exact for such bodies at any step; most schemes are not.",
+        hints: [
+            "Set dt to 1/10 s: Split is still exact.",
+            "Look at the cone's angle under Backward Euler.",
+        ],
+        setup: Setup::new(body, start, ForceSet::none(), 10.0),
+        recommended: &["split", "backward-euler", "semi-implicit-euler", "rk4"],
+        boxes: 1,
+    }
+}
+
+/// Tumbling with damping: the free motion in a slowing time.
+pub fn damped_spin() -> Scenario {
+    let body = brick();
+    let start = spinning(&body, AT, [1.0, 8.0, 2.0]);
+    let forces = ForceSet {
+        angular_damping: 0.25,
+        ..ForceSet::none()
+    };
+    Scenario {
+        id: "damped-spin",
+        title: "Damped spin",
+        lesson: "Damping in proportion to the angular momentum only slows time down: the tumbling is the free one in the time (1 − e^(−γt))/γ, and the last attitude is known in advance.",
+        hints: [
+            "Raise γ until γ·dt passes 2: explicit schemes explode, Split and Exact do not notice.",
+            "The direction of L never changes.",
+        ],
+        setup: Setup::new(body, start, forces, 10.0),
+        recommended: &["split", "exact", "rk4", "semi-implicit-euler"],
+        boxes: 1,
+    }
+}
+
+/// Next to the separatrix between the two kinds of tumbling.
+pub fn separatrix() -> Scenario {
+    let body = brick();
+    let start = spinning(&body, AT, [1e-6, 6.0, 1e-6]);
+    Scenario {
+        id: "separatrix",
+        title: "Separatrix",
+        lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
+        hints: [
+            "Compare Implicit midpoint, exact in energy, with RK4, which is not.",
+            "No flip at all means the scheme ignores the gyroscopic term.",
+        ],
+        setup: Setup::new(body, start, ForceSet::none(), 12.0),
+        recommended: &["split", "exact", "implicit-midpoint", "rk4"],
+        boxes: 1,
+    }
+}

@@ -1,0 +1,194 @@
+//! What is simulated: a body, its start, what acts on it, and for how long.
+
+use box_physics::body::RigidBox;
+use box_physics::error::InvalidValue;
+use box_physics::state::BodyState;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::forces::{ForceSet, coefficient};
+use crate::truth::Truth;
+
+/// The floor of a scene: the plane y = `height`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FloorSpec {
+    /// Where the plane lies, y \[m\].
+    pub height: f64,
+    /// Newton's restitution e, 0 to 1: speed after over speed before.
+    pub restitution: f64,
+    /// Coulomb's friction µ, ≥ 0.
+    pub friction: f64,
+}
+
+impl FloorSpec {
+    /// The plane y = 0 with restitution `restitution` and friction `friction`.
+    pub const fn at_zero(restitution: f64, friction: f64) -> Self {
+        Self {
+            height: 0.0,
+            restitution,
+            friction,
+        }
+    }
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        for (ok, field, value, allowed) in [
+            (
+                self.height.is_finite(),
+                "floor.height",
+                self.height,
+                "finite",
+            ),
+            (
+                (0.0..=1.0).contains(&self.restitution),
+                "floor.restitution",
+                self.restitution,
+                "between 0 and 1",
+            ),
+        ] {
+            if !ok {
+                return Err(InvalidValue {
+                    field,
+                    value,
+                    allowed,
+                });
+            }
+        }
+        coefficient("floor.friction", self.friction)
+    }
+}
+
+/// An impulse at a known time, at a point that moves with the body.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TimedImpulse {
+    /// When \[s\].
+    pub t: f64,
+    /// J \[N s\], world axes.
+    pub impulse: DVec3,
+    /// Where, body axes from the centre of mass \[m\].
+    pub body_point: DVec3,
+}
+
+/// Everything that determines a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// The box.
+    pub body: RigidBox,
+    /// Its state at t = 0.
+    pub initial: BodyState,
+    /// What acts on it.
+    pub forces: ForceSet,
+    /// The floor, if there is one.
+    pub floor: Option<FloorSpec>,
+    /// Impulses, in order of time.
+    pub impulses: Vec<TimedImpulse>,
+    /// How long it is worth watching \[s\].
+    pub duration: f64,
+}
+
+impl Setup {
+    /// A body in free flight for `duration` \[s\] under `forces`, no floor, no impulses.
+    pub fn new(body: RigidBox, initial: BodyState, forces: ForceSet, duration: f64) -> Self {
+        Self {
+            body,
+            initial,
+            forces,
+            floor: None,
+            impulses: Vec::new(),
+            duration,
+        }
+    }
+
+    /// The same over a floor.
+    #[must_use]
+    pub fn with_floor(mut self, floor: FloorSpec) -> Self {
+        self.floor = Some(floor);
+        self
+    }
+
+    /// The same with impulses.
+    #[must_use]
+    pub fn with_impulses(mut self, impulses: Vec<TimedImpulse>) -> Self {
+        self.impulses = impulses;
+        self
+    }
+
+    /// The trusted answer; see [`Truth`].
+    pub fn truth(&self) -> Truth {
+        Truth::of(self)
+    }
+
+    /// Kinetic and potential energy of `state` under this law \[J\].
+    pub fn energy(&self, state: &BodyState) -> f64 {
+        box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
+    }
+
+    /// Whether the energy is constant: conservative forces, no impulses, and a floor only if it takes
+    /// nothing (e = 1, µ = 0).
+    pub fn conserves_energy(&self) -> bool {
+        box_physics::energy::is_conservative(&self.forces.forces(&self.body))
+            && self.impulses.is_empty()
+            && self
+                .floor
+                .is_none_or(|f| f.restitution >= 1.0 && f.friction <= 0.0)
+    }
+
+    /// Whether the angular momentum about the centre is constant in the world: nothing turns the body.
+    pub fn conserves_angular_momentum(&self) -> bool {
+        let d = self.forces.dissipation();
+        !self.forces.has_wrench()
+            && d.angular_damping == 0.0
+            && d.angular_drag == 0.0
+            && self.impulses.is_empty()
+            && self.floor.is_none()
+    }
+
+    /// |L − L₀|/|L₀| of `state` in world axes; 0 over 0 counts as 0.
+    pub fn angular_momentum_error(&self, state: &BodyState) -> f64 {
+        let start = self.initial.angular_momentum_world();
+        let drift = (state.angular_momentum_world() - start).length();
+        if drift == 0.0 {
+            0.0
+        } else {
+            drift / start.length()
+        }
+    }
+
+    /// Checks forces, floor, impulses and duration (body and state are checked where they are made).
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        self.forces.validate()?;
+        self.floor.map_or(Ok(()), |f| f.validate())?;
+        let bad = |field, value, allowed| {
+            Err(InvalidValue {
+                field,
+                value,
+                allowed,
+            })
+        };
+        if !(self.duration.is_finite() && self.duration > 0.0) {
+            return bad("duration", self.duration, "finite and positive");
+        }
+        if !self.initial.is_finite() {
+            return bad("initial", f64::NAN, "finite in every component");
+        }
+        let mut last = 0.0;
+        for i in &self.impulses {
+            if !(i.t.is_finite() && i.t >= last) {
+                return bad("impulses.t", i.t, "finite, not negative and in order");
+            }
+            if !(i.impulse.is_finite() && i.body_point.is_finite()) {
+                return bad("impulses", f64::NAN, "finite in every component");
+            }
+            last = i.t;
+        }
+        Ok(())
+    }
+}

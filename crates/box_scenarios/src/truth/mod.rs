@@ -1,0 +1,294 @@
+//! The trusted answer of a setup: a closed form where there is one, else a fine numerical reference.
+//!
+//! | motion | answer |
+//! |---|---|
+//! | gravity, constant force, linear drag | exponentials |
+//! | quadratic drag on a straight line | tanh, tan, ln cosh |
+//! | springs at the centre of mass | the harmonic oscillator |
+//! | free rotation, also with damping −γL | Jacobi's elliptic functions and Carlson's R_J |
+//! | rotation about one principal axis with angular drag and torque | exponentials |
+//! | flat bounces, sliding to rest | the Zeno sequence, the parabola that stops |
+//! | anything else without a floor | Dormand and Prince's method of order 8, two tolerances compared |
+
+mod axis;
+mod contact;
+mod free;
+pub mod jacobi;
+mod numerical;
+mod translation;
+
+use box_physics::state::BodyState;
+use glam::DVec3;
+
+use self::axis::AxisRotation;
+use crate::setup::Setup;
+use contact::FlatContact;
+pub use free::FreeMotion;
+use numerical::Numerical;
+use translation::Translation;
+
+/// Where a trusted answer comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TruthKind {
+    /// Formulas, good to rounding.
+    ClosedForm,
+    /// An adaptive integrator of order 8; `agreement` is the largest difference (position \[m\], velocity
+    /// [m/s], attitude \[rad\], angular momentum relative) between two tolerances.
+    Numerical {
+        /// Largest difference between the two runs.
+        agreement: f64,
+    },
+    /// There is none.
+    None,
+}
+
+/// The trusted answer of a setup.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    segments: Vec<(f64, Segment)>,
+    kind: TruthKind,
+    description: &'static str,
+}
+
+/// The answer between two impulses, time counted from the first.
+#[derive(Clone, Debug)]
+enum Segment {
+    Separate(Translation, Rotation),
+    Flat(FlatContact, FreeMotion),
+    Numerical(Box<Numerical>),
+}
+
+#[derive(Clone, Debug)]
+enum Rotation {
+    Free(FreeMotion),
+    Axis(AxisRotation),
+}
+
+impl Rotation {
+    fn of(setup: &Setup, start: &BodyState) -> Option<Self> {
+        let f = &setup.forces;
+        let torque_free = !f.has_wrench() || translation::springs_at_centre(f);
+        if torque_free && f.angular_drag == 0.0 {
+            return Some(Self::Free(FreeMotion::new(
+                &setup.body,
+                start,
+                f.angular_damping,
+            )));
+        }
+        AxisRotation::of(setup, start).map(Self::Axis)
+    }
+
+    fn write(&self, t: f64, state: &mut BodyState) {
+        match self {
+            Self::Free(r) => r.write(t, state),
+            Self::Axis(r) => r.write(t, state),
+        }
+    }
+}
+
+impl Truth {
+    /// The trusted answer of `setup`, through all its impulses.
+    pub fn of(setup: &Setup) -> Self {
+        let mut truth = Self {
+            segments: Vec::new(),
+            kind: TruthKind::ClosedForm,
+            description: "closed form",
+        };
+        let (mut start, mut from) = (setup.initial, 0.0);
+        let mut impulses = setup.impulses.iter().peekable();
+        while from < setup.duration {
+            while let Some(i) = impulses.next_if(|i| i.t <= from) {
+                start.apply_impulse_at_body_point(&setup.body, i.impulse, i.body_point);
+            }
+            let until = impulses
+                .peek()
+                .map_or(setup.duration, |i| i.t.min(setup.duration));
+            let Some(segment) = truth.segment(setup, &start, until - from) else {
+                return Self::none();
+            };
+            let Some(next) = segment.at(until - from) else {
+                return Self::none();
+            };
+            truth.segments.push((from, segment));
+            (start, from) = (next, until);
+        }
+        truth
+    }
+
+    /// No trusted answer.
+    pub fn none() -> Self {
+        Self {
+            segments: Vec::new(),
+            kind: TruthKind::None,
+            description: "none: contact with tumbling is chaotic, compare statistics and conserved quantities",
+        }
+    }
+
+    fn segment(&mut self, setup: &Setup, start: &BodyState, duration: f64) -> Option<Segment> {
+        if let Some(floor) = &setup.floor {
+            let (contact, rotation) = FlatContact::of(setup, floor, start)?;
+            return Some(Segment::Flat(contact, rotation));
+        }
+        if let (Some(x), Some(r)) = (Translation::of(setup, start), Rotation::of(setup, start)) {
+            return Some(Segment::Separate(x, r));
+        }
+        let reference = Numerical::new(setup, start, duration)?;
+        let before = match self.kind {
+            TruthKind::Numerical { agreement } => agreement,
+            _ => 0.0,
+        };
+        self.kind = TruthKind::Numerical {
+            agreement: before.max(reference.agreement()),
+        };
+        self.description = "numerical reference: Dormand–Prince order 8, two tolerances compared";
+        Some(Segment::Numerical(Box::new(reference)))
+    }
+
+    /// The state at time `t` \[s\] ≥ 0: just before an impulse at that very time. `None` where there is
+    /// no trusted answer: before 0, and for a numerical reference after the setup's duration.
+    pub fn at(&self, t: f64) -> Option<BodyState> {
+        if !(t >= 0.0 && t.is_finite()) {
+            return None;
+        }
+        let k = self.segments.iter().rposition(|(from, _)| *from < t);
+        let (from, segment) = self.segments.get(k.unwrap_or(0))?;
+        segment.at(t - from)
+    }
+
+    /// Where the answer comes from.
+    pub fn kind(&self) -> TruthKind {
+        self.kind
+    }
+
+    /// The same in words.
+    pub fn description(&self) -> &'static str {
+        self.description
+    }
+}
+
+impl Segment {
+    fn at(&self, t: f64) -> Option<BodyState> {
+        let mut state = BodyState::at(DVec3::ZERO);
+        match self {
+            Self::Separate(x, r) => {
+                (state.position, state.velocity) = x.at(t);
+                r.write(t, &mut state);
+            }
+            Self::Flat(x, r) => {
+                (state.position, state.velocity) = x.at(t);
+                r.write(t, &mut state);
+            }
+            Self::Numerical(n) => return n.at(t),
+        }
+        Some(state)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::StateError;
+    use crate::scenario::Scenario;
+
+    fn difference(a: &BodyState, b: &BodyState) -> f64 {
+        let e = StateError::between(a, b);
+        e.position
+            .max(e.velocity)
+            .max(e.attitude)
+            .max(e.angular_momentum)
+    }
+
+    #[test]
+    fn every_scene_without_floor_has_a_trusted_answer() {
+        for s in Scenario::ALL.iter().map(|build| build()) {
+            let truth = s.truth();
+            match truth.kind() {
+                TruthKind::Numerical { agreement } => {
+                    // It is the error of the coarser run, at ten times the tolerance. 240 rad of a
+                    // stiff nonlinear oscillation multiply it.
+                    let bound = if s.id == "stiff-spring" { 2e-10 } else { 1e-11 };
+                    assert!(agreement < bound, "{}: {agreement:e}", s.id);
+                }
+                TruthKind::ClosedForm => {}
+                TruthKind::None => {
+                    assert!(s.setup.floor.is_some(), "{}", s.id);
+                    continue;
+                }
+            }
+            let start = truth.at(0.0).expect("at the start");
+            assert!(difference(&start, &s.setup.initial) < 1e-14, "{}", s.id);
+            assert!(truth.at(s.setup.duration).is_some(), "{}", s.id);
+            assert!(truth.at(-1.0).is_none() && truth.at(f64::NAN).is_none());
+        }
+    }
+
+    /// Formulas against quadrature: two routes to the same motion. The bound grows with what rounding
+    /// does to each: the separatrix multiplies a difference by e^{λt}, up to its first flip by 1e6.
+    #[test]
+    fn closed_forms_agree_with_the_numerical_reference() {
+        for s in Scenario::ALL.iter().map(|build| build()) {
+            let truth = s.truth();
+            let stiff = s.setup.forces.linear_drag > 100.0;
+            if s.setup.floor.is_some() || truth.kind() != TruthKind::ClosedForm || stiff {
+                continue;
+            }
+            let duration = s.setup.duration.min(10.0);
+            let reference = Numerical::new(&s.setup, &s.setup.initial, duration).expect("smooth");
+            let bound = match s.id {
+                "separatrix" => 1e-5,
+                "dzhanibekov" => 1e-8,
+                _ => 1e-10,
+            };
+            for k in 0..=40 {
+                let t = duration * f64::from(k) / 40.0;
+                let (a, b) = (
+                    truth.at(t).expect("closed"),
+                    reference.at(t).expect("inside"),
+                );
+                let error = difference(&a, &b);
+                assert!(error < bound, "{}: {error:e} at {t} s", s.id);
+            }
+        }
+    }
+
+    #[test]
+    fn contact_answers() {
+        let at = |id: &str, t: f64| {
+            let s = Scenario::find(id).expect("known");
+            s.truth().at(t).expect("closed")
+        };
+        // 6 m/s against µg = 4.905 m/s²: stops after 36/9.81 m.
+        assert!((at("slide", 3.0).position.x - (-4.0 + 36.0 / 9.81)).abs() < 1e-14);
+        assert_eq!(at("slide", 3.0).velocity, DVec3::ZERO);
+        // Hundred and first apex: the period is 2√(2h/g).
+        let period = 2.0 * (2.0_f64 / 9.81).sqrt();
+        let apex = at("bounce", 100.0 * period);
+        assert!((apex.position.y - 1.25).abs() < 1e-12 && apex.velocity.length() < 1e-11);
+        // Drop from 3 m, e = ½: over at √(2h/g)(1+e)/(1−e); the first apex at h/4.
+        let fall = (6.0_f64 / 9.81).sqrt();
+        assert!((at("drop", 1.5 * fall).position.y - (0.25 + 0.75)).abs() < 1e-14);
+        assert_eq!(at("drop", 3.0 * fall + 1e-6).position.y, 0.25);
+        assert_eq!(
+            at("playground", 7.0),
+            Scenario::find("playground").expect("known").setup.initial
+        );
+    }
+
+    #[test]
+    fn impulses_are_seen_through() {
+        use crate::setup::TimedImpulse;
+        let mut s = Scenario::find("throw").expect("known");
+        let kick = TimedImpulse {
+            t: 1.0,
+            impulse: DVec3::new(1.0, -2.0, 0.5),
+            body_point: DVec3::new(0.5, 0.0, 0.125),
+        };
+        s.setup.impulses = vec![kick, TimedImpulse { t: 2.5, ..kick }];
+        let truth = s.truth();
+        assert_eq!(truth.kind(), TruthKind::ClosedForm);
+        let mut before = truth.at(1.0).expect("closed");
+        let after = truth.at(1.0 + 1e-12).expect("closed");
+        before.apply_impulse_at_body_point(&s.setup.body, kick.impulse, kick.body_point);
+        assert!(difference(&before, &after) < 1e-10);
+    }
+}

@@ -1,0 +1,129 @@
+//! The numerical reference: Dormand and Prince's Runge–Kutta method of order 8(5,3) (Hairer, Nørsett,
+//! Wanner, *Solving ODEs I*, II.10) on (x, q, v, L), at two tolerances whose difference it reports.
+
+use box_physics::body::RigidBox;
+use box_physics::force::{Forces, rates};
+use box_physics::rotation::quaternion_rate;
+use box_physics::state::BodyState;
+use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
+use glam::{DQuat, DVec3};
+
+use crate::metrics::StateError;
+use crate::setup::Setup;
+
+/// Relative and absolute tolerance of the better run: a hundred roundings.
+const TOLERANCE: f64 = 1e-14;
+/// Of the run it is compared with.
+const COARSE: f64 = 1e-13;
+/// Distance of the stored states \[s\]. A time between two is reached by integrating from the earlier.
+const SPACING: f64 = 1.0 / 32.0;
+
+/// Stored states and what is needed to go on from them.
+#[derive(Clone, Debug)]
+pub(crate) struct Numerical {
+    setup: Setup,
+    nodes: Vec<BodyState>,
+    duration: f64,
+    agreement: f64,
+}
+
+impl Numerical {
+    /// From `start` for `duration` \[s\]; `None` if the integrator gives up.
+    pub(crate) fn new(setup: &Setup, start: &BodyState, duration: f64) -> Option<Self> {
+        let count = (duration / SPACING).ceil() as usize;
+        let mut nodes = Vec::with_capacity(count + 1);
+        let (mut fine, mut coarse) = (*start, *start);
+        let scale = start.angular_momentum.length().max(f64::MIN_POSITIVE);
+        let mut agreement = 0.0_f64;
+        for _ in 0..count {
+            nodes.push(fine);
+            fine = integrate(setup, &fine, SPACING, TOLERANCE)?;
+            coarse = integrate(setup, &coarse, SPACING, COARSE)?;
+            let e = StateError::between(&fine, &coarse);
+            let momentum = e.angular_momentum / scale.max(fine.angular_momentum.length());
+            agreement = agreement
+                .max(e.position)
+                .max(e.velocity)
+                .max(e.attitude)
+                .max(momentum);
+        }
+        nodes.push(fine);
+        Some(Self {
+            setup: setup.clone(),
+            nodes,
+            duration,
+            agreement,
+        })
+    }
+
+    /// The largest difference between the two runs.
+    pub(crate) fn agreement(&self) -> f64 {
+        self.agreement
+    }
+
+    /// The state after `t` \[s\], up to the duration.
+    pub(crate) fn at(&self, t: f64) -> Option<BodyState> {
+        if t > self.duration * (1.0 + 1e-12) {
+            return None;
+        }
+        let k = (t / SPACING).floor();
+        let node = self.nodes.get(k as usize)?;
+        integrate(&self.setup, node, t - k * SPACING, TOLERANCE)
+    }
+}
+
+struct Law<'a> {
+    body: &'a RigidBox,
+    forces: Forces<'a>,
+}
+
+impl ODE<f64, [f64; 13]> for Law<'_> {
+    fn diff(&self, _t: f64, y: &[f64; 13], dydt: &mut [f64; 13]) {
+        let state = unpack(y);
+        let (dv, dl) = rates(self.body, &state, &self.forces);
+        let dq = quaternion_rate(state.rotation, state.body_angular_velocity(self.body));
+        *dydt = pack(&BodyState {
+            position: state.velocity,
+            rotation: dq,
+            velocity: dv,
+            angular_momentum: dl,
+        });
+    }
+}
+
+fn integrate(setup: &Setup, from: &BodyState, t: f64, tolerance: f64) -> Option<BodyState> {
+    if t <= 0.0 {
+        return Some(*from);
+    }
+    let law = Law {
+        body: &setup.body,
+        forces: setup.forces.forces(&setup.body),
+    };
+    let method = ExplicitRungeKutta::dop853()
+        .rtol(tolerance)
+        .atol(tolerance)
+        .max_steps(1_000_000);
+    let solution = IVP::ode(&law, 0.0, t, pack(from))
+        .method(method)
+        .solve()
+        .ok()?;
+    let mut end = unpack(solution.y.last()?);
+    end.rotation = end.rotation.normalize();
+    end.is_finite().then_some(end)
+}
+
+fn pack(s: &BodyState) -> [f64; 13] {
+    let (x, q, v, l) = (s.position, s.rotation, s.velocity, s.angular_momentum);
+    [
+        x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, l.x, l.y, l.z,
+    ]
+}
+
+fn unpack(y: &[f64; 13]) -> BodyState {
+    BodyState {
+        position: DVec3::new(y[0], y[1], y[2]),
+        rotation: DQuat::from_xyzw(y[3], y[4], y[5], y[6]),
+        velocity: DVec3::new(y[7], y[8], y[9]),
+        angular_momentum: DVec3::new(y[10], y[11], y[12]),
+    }
+}

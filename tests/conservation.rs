@@ -1,0 +1,153 @@
+//! What each scheme says it keeps of a freely tumbling body, it keeps; what it says it loses, it loses.
+
+use box_physics::prelude::*;
+use box_physics::schemes::EnergyBehaviour;
+use box_scenarios::trend::energy_trend;
+use box_scenarios::{ForceSet, Setup, advance};
+
+const H: f64 = 1.0 / 60.0;
+
+fn tumbling(half: DVec3, omega: DVec3) -> Setup {
+    let body = RigidBox::new(half, 3.0).expect("valid");
+    let start = BodyState::default().with_body_angular_velocity(&body, omega);
+    Setup::new(body, start, ForceSet::none(), 10.0)
+}
+
+fn brick() -> Setup {
+    tumbling(DVec3::new(0.5, 0.25, 0.125), DVec3::new(1.5, 2.5, 1.0))
+}
+
+fn plate() -> Setup {
+    tumbling(
+        DVec3::new(0.5, 1.0 / 128.0, 0.375),
+        DVec3::new(3.0, 0.5, 4.0),
+    )
+}
+
+fn go(
+    setup: &Setup,
+    i: Integrator,
+    state: &mut BodyState,
+    memory: &mut SchemeMemory,
+    h: f64,
+    n: u64,
+) {
+    advance(i, &setup.body, state, &Gravity(DVec3::ZERO), h, n, memory);
+}
+
+/// (L vector, |L|, energy): largest relative errors over `n` steps.
+fn drift(setup: &Setup, i: Integrator, n: u64) -> (f64, f64, f64) {
+    let (body, start) = (&setup.body, setup.initial);
+    let (mut state, mut memory) = (start, SchemeMemory::default());
+    let (l, e) = (
+        start.angular_momentum_world(),
+        start.rotational_energy(body),
+    );
+    let mut worst = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..n {
+        go(setup, i, &mut state, &mut memory, H, 1);
+        let now = state.angular_momentum_world();
+        worst.0 = worst.0.max((now - l).length() / l.length());
+        worst.1 = worst
+            .1
+            .max((state.angular_momentum.length() / l.length() - 1.0).abs());
+        worst.2 = worst.2.max((state.rotational_energy(body) / e - 1.0).abs());
+    }
+    worst
+}
+
+/// 600 steps leave at most a few hundred roundings; what is not kept is lost by far more.
+const KEPT: f64 = 1e-12;
+const LOST: f64 = 1e-9;
+
+#[test]
+fn angular_momentum_as_claimed() {
+    for &i in Integrator::ALL {
+        let keeps = i.info().keeps;
+        let (a, b) = (drift(&brick(), i, 600), drift(&plate(), i, 600));
+        let (vector, magnitude) = (a.0.max(b.0), a.1.max(b.1));
+        let check = |what, claimed, value: f64| {
+            if claimed {
+                assert!(value < KEPT, "{i} claims to keep {what}, but: {value:e}");
+            } else {
+                assert!(
+                    value > LOST,
+                    "{i} keeps {what} and does not say so: {value:e}"
+                );
+            }
+        };
+        check("L", keeps.momentum, vector);
+        check("|L|", keeps.momentum_magnitude, magnitude);
+    }
+}
+
+#[test]
+fn energy_as_claimed() {
+    for &i in Integrator::ALL {
+        let worst = drift(&brick(), i, 600).2.max(drift(&plate(), i, 600).2);
+        // 17 minutes of tumbling.
+        let trend = energy_trend(&brick(), i, H, 60_000);
+        let ok = match i.info().keeps.energy {
+            // A claim excludes the other: what is called bounded is not exact.
+            EnergyBehaviour::Exact => worst < 1e-11,
+            EnergyBehaviour::Bounded => worst > 1e-11 && trend.abs() < 1e-9,
+            EnergyBehaviour::Dissipates => trend < -1e-9,
+            EnergyBehaviour::Gains => trend.is_nan() || trend > 1e-9,
+            EnergyBehaviour::Drifts => trend.is_nan() || trend.abs() > 1e-9,
+        };
+        let claim = i.info().keeps.energy;
+        assert!(
+            ok,
+            "{i} claims: {claim}; oscillation {worst:e}, trend {trend:e}"
+        );
+    }
+}
+
+/// Bounded energy errors shrink with the order of the rotation.
+#[test]
+fn schemes_rank_by_energy() {
+    let rank: Vec<Integrator> = ["split", "rk4", "heun-2012", "semi-implicit-euler"]
+        .iter()
+        .map(|id| id.parse().expect("there"))
+        .collect();
+    let trends: Vec<f64> = rank
+        .iter()
+        .map(|&i| {
+            let t = energy_trend(&brick(), i, H, 60_000).abs();
+            if t.is_nan() { f64::INFINITY } else { t }
+        })
+        .collect();
+    assert!(trends.is_sorted(), "{rank:?}: {trends:?}");
+}
+
+/// A million steps without a trend.
+#[test]
+fn no_trend_in_a_million_steps() {
+    for id in ["split", "exact", "dmv6", "implicit-midpoint"] {
+        let i: Integrator = id.parse().expect("an integrator");
+        let trend = energy_trend(&brick(), i, H, 1_000_000);
+        assert!(trend.abs() < 1e-9, "{id}: {trend:e}");
+    }
+}
+
+/// 600 steps out and 600 back, tumbling and under gravity.
+#[test]
+fn reversible_as_claimed() {
+    for &i in Integrator::ALL {
+        let mut worst = 0.0_f64;
+        for setup in [brick(), plate()] {
+            let (mut state, mut memory) = (setup.initial, SchemeMemory::default());
+            go(&setup, i, &mut state, &mut memory, H, 600);
+            go(&setup, i, &mut state, &mut memory, -H, 600);
+            worst = worst.max(state.attitude_difference(&setup.initial));
+        }
+        if i.info().keeps.reversible {
+            assert!(worst < 1e-11, "{i} claims to be reversible: {worst:e}");
+        } else {
+            assert!(
+                worst > LOST,
+                "{i} is reversible and does not say so: {worst:e}"
+            );
+        }
+    }
+}
