@@ -1,0 +1,109 @@
+//! `verify`: every reference trajectory of a folder under every requested integrator and step.
+
+mod options;
+mod table;
+
+use std::io::Write;
+
+use box_physics::schemes::Integrator;
+use box_scenarios::oracle::{Case, Measurement, OracleError, Status};
+
+use options::Format;
+pub(crate) use options::Options;
+
+use crate::timing::nanoseconds_per_step;
+
+/// One line of the result.
+struct Row<'a> {
+    case: &'a Case,
+    integrator: Integrator,
+    /// The step asked for \[s\].
+    dt: f64,
+    measured: Measurement,
+    ns_per_step: Option<f64>,
+}
+
+/// Why nothing could be verified.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum VerifyError {
+    /// The folder cannot be listed.
+    #[error(transparent)]
+    Folder(#[from] OracleError),
+    /// There is no file to read.
+    #[error("{folder}: no *.json file in this folder")]
+    Empty {
+        /// Which.
+        folder: String,
+    },
+    /// `--case` excludes everything.
+    #[error("no case matches '{glob}'; there are: {names}")]
+    NoMatch {
+        /// The pattern.
+        glob: String,
+        /// The names that there are.
+        names: String,
+    },
+    /// The output cannot be written.
+    #[error("cannot write the result: {0}")]
+    Output(#[from] std::io::Error),
+}
+
+impl From<csv::Error> for VerifyError {
+    fn from(e: csv::Error) -> Self {
+        Self::Output(e.into())
+    }
+}
+
+/// Verifies and prints. Returns the files that could not be used; the others are in the result.
+pub(crate) fn run(
+    options: &Options,
+    out: &mut impl Write,
+) -> Result<Vec<OracleError>, VerifyError> {
+    let files = Case::load_folder(&options.folder)?;
+    if files.is_empty() {
+        return Err(VerifyError::Empty {
+            folder: options.folder.display().to_string(),
+        });
+    }
+    let (mut cases, mut bad) = (Vec::new(), Vec::new());
+    for file in files {
+        match file {
+            Ok(case) => cases.push(case),
+            Err(e) => bad.push(e),
+        }
+    }
+    if let Some(glob) = &options.case {
+        let names: Vec<_> = cases.iter().map(|c| c.name.clone()).collect();
+        cases.retain(|c| glob.matches(&c.name));
+        if cases.is_empty() && bad.is_empty() {
+            return Err(VerifyError::NoMatch {
+                glob: glob.to_string(),
+                names: names.join(", "),
+            });
+        }
+    }
+    match options.format {
+        Format::Csv => table::write_csv(rows(&cases, options), out)?,
+        Format::Table => table::write_table(rows(&cases, options), out)?,
+    }
+    Ok(bad)
+}
+
+/// The rows in order: by case, then integrator, then step; each is measured when it is asked for.
+fn rows<'a>(cases: &'a [Case], options: &'a Options) -> impl Iterator<Item = Row<'a>> {
+    cases.iter().flat_map(move |case| {
+        options.integrators().iter().flat_map(move |&integrator| {
+            options.steps().iter().map(move |&dt| {
+                let measured = case.measure(integrator, dt);
+                let ran = !matches!(measured.status, Status::Unsupported(_));
+                Row {
+                    case,
+                    integrator,
+                    dt,
+                    measured,
+                    ns_per_step: ran.then(|| nanoseconds_per_step(case, integrator, dt)),
+                }
+            })
+        })
+    })
+}

@@ -1,0 +1,56 @@
+//! The command line of `verify`.
+
+use std::path::PathBuf;
+
+use box_physics::schemes::{Integrator, UnknownIntegrator};
+use box_scenarios::parse_step;
+use clap::{Args, ValueEnum};
+
+/// What to verify, and how to print it.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Folder of reference trajectories, one JSON file a case
+    #[arg(value_name = "DIR")]
+    pub(super) folder: PathBuf,
+    /// Integrators, separated by commas [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = integrator)]
+    integrator: Vec<Integrator>,
+    /// Steps, separated by commas: 60hz, 1/60 or 0.0166 (seconds)
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_step, default_value = "60hz,120hz,240hz")]
+    dt: Vec<f64>,
+    /// Only cases whose name matches, as in 'pub0*'
+    #[arg(long, value_name = "GLOB")]
+    pub(super) case: Option<glob::Pattern>,
+    /// How to print
+    #[arg(long, value_enum, default_value_t = Format::Table)]
+    pub(super) format: Format,
+}
+
+/// How the result is printed.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum Format {
+    /// Aligned columns to read
+    Table,
+    /// Comma-separated values to process
+    Csv,
+}
+
+impl Options {
+    /// The integrators asked for, or all.
+    pub(super) fn integrators(&self) -> &[Integrator] {
+        if self.integrator.is_empty() {
+            Integrator::ALL
+        } else {
+            &self.integrator
+        }
+    }
+
+    /// The steps asked for \[s\].
+    pub(super) fn steps(&self) -> &[f64] {
+        &self.dt
+    }
+}
+
+fn integrator(text: &str) -> Result<Integrator, UnknownIntegrator> {
+    text.parse()
+}
