@@ -20,7 +20,7 @@ pub enum Action {
     Slower,
     /// One notch up the speed ladder.
     Faster,
-    /// Step size dt [s], 1/1920 to 0.5.
+    /// Step size dt \[s\], 1/1920 to 0.5.
     SetStep(f64),
     /// Substeps per step, 1 to 64.
     SetSubsteps(u32),
@@ -34,11 +34,11 @@ pub enum Action {
     SetLinearDrag(f64),
     /// Angular damping γ [1/s].
     SetAngularDamping(f64),
-    /// Size of the box: half-extents [m]. Restarts the scene.
+    /// Size of the box: half-extents \[m\]. Restarts the scene.
     SetHalfExtents(DVec3),
-    /// Mass of the box [kg]. Restarts the scene.
+    /// Mass of the box \[kg\]. Restarts the scene.
     SetMass(f64),
-    /// Strength of a push [N s].
+    /// Strength of a push \[N s\].
     SetImpulse(f64),
     /// Number of boxes. Restarts the scene.
     SetBoxes(u32),

@@ -1,4 +1,28 @@
 //! Push a box about and compare numerical integrators live: speed against error.
+//!
+//! [`app::GamePlugin`] is the game without a window: scene, keys, actions, log, timing. What needs a
+//! renderer is [`app::PicturePlugin`]. The panel is a pure function of plain data ([`panel`]). The
+//! comparison without a display is [`headless`].
 
 pub mod action;
+pub mod app;
+pub mod apply;
+pub mod camera;
+pub mod cli;
+pub mod csv_log;
+pub mod display;
+#[cfg(feature = "gamepad")]
+pub mod gamepad;
+pub mod headless;
+pub mod history;
+pub mod input;
+pub mod lane;
+pub mod logging;
 pub mod panel;
+pub mod panel_view;
+pub mod row_log;
+pub mod sampling;
+pub mod screenshot;
+pub mod session;
+pub mod style;
+pub mod visuals;

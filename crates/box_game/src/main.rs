@@ -1,2 +1,111 @@
-//! The game's entry point.
-fn main() {}
+//! The game's entry point: chooses between window, pictures without a window, and the comparison
+//! without either.
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use bevy::app::AppExit;
+use box_game::app;
+use box_game::cli::{self, Cli};
+use box_game::display::{self, Need};
+use box_game::headless::{self, Comparison};
+use box_physics::prelude::Integrator;
+use box_scenarios::Scenario;
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    if let Some(need) = cli.probe {
+        return match display::probe(need) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(reason) => {
+                eprintln!("{reason}");
+                ExitCode::FAILURE
+            }
+        };
+    }
+    if cli.list_scenes {
+        return say(&cli::scene_list());
+    }
+    if cli.list_integrators {
+        return say(&cli::integrator_list());
+    }
+    if cli.headless {
+        return compare(&cli);
+    }
+    let need = if cli.offscreen {
+        Need::Gpu
+    } else {
+        Need::Window
+    };
+    if let Err(missing) = display::check(need) {
+        eprintln!("{missing}");
+        if cli.offscreen || cli.screenshot.is_some() {
+            return cli::no_display();
+        }
+        eprintln!("\nRunning the comparison without a window instead (as with --headless):\n");
+        return compare(&cli);
+    }
+    match app::build(&cli) {
+        Ok(mut app) => match app.run() {
+            AppExit::Success => ExitCode::SUCCESS,
+            AppExit::Error(code) => ExitCode::from(code.get()),
+        },
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The comparison without a window.
+fn compare(cli: &Cli) -> ExitCode {
+    let id = cli.scene.as_deref().unwrap_or("throw");
+    let scenario = match Scenario::find(id) {
+        Ok(scenario) => scenario,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::from(2);
+        }
+    };
+    let comparison = Comparison {
+        scenario,
+        integrators: if cli.integrator.is_empty() {
+            Integrator::ALL.to_vec()
+        } else {
+            cli.integrator.clone()
+        },
+        dt: cli.dt,
+        substeps: cli.substeps,
+        duration: cli.duration,
+        log: cli
+            .log
+            .clone()
+            .unwrap_or_else(|| headless::default_log().to_owned()),
+        seed: cli.seed,
+    };
+    let results = match headless::compare(&comparison) {
+        Ok(results) => results,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let said = say(&format!(
+        "{}\nThe whole course, step by step: {}\n",
+        headless::report(&comparison, &results),
+        comparison.log.display()
+    ));
+    if cli.fail_on_divergence && results.iter().any(|r| r.diverged_at.is_some()) {
+        return cli::diverged();
+    }
+    said
+}
+
+/// Prints; that nobody listens any more (`| head`) is no error.
+fn say(text: &str) -> ExitCode {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => ExitCode::FAILURE,
+        _ => ExitCode::SUCCESS,
+    }
+}

@@ -18,19 +18,23 @@ pub struct PanelView {
     pub integrator: Integrator,
     /// Whether the clock stands.
     pub paused: bool,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub time: f64,
     /// Steps taken since the start of the scene.
     pub steps: u64,
-    /// dt [s].
+    /// dt \[s\].
     pub step: f64,
     /// Substeps per step.
     pub substeps: u32,
+    /// The scene's own dt \[s\], for "reset" and tooltips.
+    pub default_step: f64,
+    /// The scene's own substeps, for "reset" and tooltips.
+    pub default_substeps: u32,
     /// Target speed, 1 = real time.
     pub speed: f64,
     /// Measured speed over the last second; `None` until there is one.
     pub actual_speed: Option<f64>,
-    /// Simulated time dropped by frame hitches since the start [s].
+    /// Simulated time dropped by frame hitches since the start \[s\].
     pub dropped: f64,
     /// The parameters as they are.
     pub parameters: Parameters,
@@ -40,7 +44,11 @@ pub struct PanelView {
     pub hero: HeroView,
     /// Timing of every scheme, in the order of the menu.
     pub timings: Vec<SchemeTiming>,
-    /// Time of the plugin's last step, all bodies [µs], and of the frame [ms].
+    /// Body-steps since the start of the scene in which the scheme gave way to `split`.
+    pub fallbacks: u64,
+    /// Body-steps since then whose iteration ended at its cap.
+    pub unconverged: u64,
+    /// Time of the plugin's last step, all bodies \[µs\], and of the frame \[ms\].
     pub step_time_us: f64,
     /// See `step_time_us`.
     pub frame_time_ms: f64,
@@ -81,11 +89,11 @@ pub struct Parameters {
     pub linear_drag: f64,
     /// Angular damping γ [1/s].
     pub angular_damping: f64,
-    /// Half-extents of the box [m].
+    /// Half-extents of the box \[m\].
     pub half_extents: DVec3,
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass: f64,
-    /// Strength of a push [N s].
+    /// Strength of a push \[N s\].
     pub impulse: f64,
     /// Number of boxes.
     pub boxes: u32,
@@ -94,11 +102,11 @@ pub struct Parameters {
 /// The hero box now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HeroView {
-    /// ½mv² [J].
+    /// ½mv² \[J\].
     pub translational_energy: f64,
-    /// ½L·ω [J].
+    /// ½L·ω \[J\].
     pub rotational_energy: f64,
-    /// Potential energy over the floor, or the origin [J].
+    /// Potential energy over the floor, or the origin \[J\].
     pub potential_energy: f64,
     /// |L| [kg m²/s].
     pub angular_momentum: f64,
@@ -106,7 +114,7 @@ pub struct HeroView {
     pub speed: f64,
     /// |ω| [rad/s].
     pub spin: f64,
-    /// Centre [m].
+    /// Centre \[m\].
     pub position: DVec3,
     /// "free", "contact", "resting" or "quarantined".
     pub state: &'static str,
@@ -127,11 +135,11 @@ pub struct SchemeTiming {
 /// Histories, oldest first; times are seconds since the start of the program or the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryView {
-    /// (simulated time [s], total energy [J], |L| [kg m²/s]) of the hero.
+    /// (simulated time \[s\], total energy \[J\], |L| [kg m²/s]) of the hero.
     pub energy: Vec<(f64, f64, f64)>,
-    /// Per scheme in the order of the menu: (wall time [s], median ns per body-step).
+    /// Per scheme in the order of the menu: (wall time \[s\], median ns per body-step).
     pub timing: Vec<Vec<(f64, f64)>>,
-    /// (wall time [s], process CPU [% of all cores], system CPU [%]).
+    /// (wall time \[s\], process CPU [% of all cores], system CPU \[%\]).
     pub cpu: Vec<(f64, f64, f64)>,
 }
 

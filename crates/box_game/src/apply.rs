@@ -1,0 +1,333 @@
+//! The one system that carries out what was asked for.
+
+use bevy::ecs::system::Command;
+use bevy::prelude::*;
+use bevy::time::Virtual;
+use box_physics::prelude::{
+    ApplyImpulse, BodyState, DVec3, GlobalIntegrator, PhysicsClock, RigidBox, StepPhysics,
+};
+use box_scenarios::Scenario;
+
+use crate::action::{Action, Push};
+use crate::camera::CameraRequest;
+use crate::csv_log::CsvLog;
+use crate::screenshot::ScreenshotRequest;
+use crate::session::{
+    Hero, LONGEST_FRAME, SPEEDS, SceneEntity, Session, apply_world, insert_forces, parameters_of,
+    start_scene,
+};
+
+/// The actions asked for since the last frame, in order.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Asked(pub Vec<Action>);
+
+/// Carries them out.
+pub fn apply_actions(world: &mut World) {
+    let actions = core::mem::take(&mut world.resource_mut::<Asked>().0);
+    for action in actions {
+        apply(world, action);
+    }
+}
+
+fn apply(world: &mut World, action: Action) {
+    match action {
+        Action::SetIntegrator(i) => {
+            world.insert_resource(GlobalIntegrator(i));
+            event(world, format!("integrator {i}"));
+        }
+        Action::TogglePause => {
+            let mut clock = world.resource_mut::<PhysicsClock>();
+            clock.paused = !clock.paused;
+        }
+        Action::Step(n) => {
+            world.resource_mut::<PhysicsClock>().paused = true;
+            StepPhysics(n).apply(world);
+        }
+        Action::Restart => start_scene(world),
+        Action::SetSpeed(speed) => set_speed(world, speed),
+        Action::Slower => ladder(world, |now| {
+            SPEEDS.iter().copied().rfind(|&s| s < now * 0.999)
+        }),
+        Action::Faster => ladder(world, |now| {
+            SPEEDS.iter().copied().find(|&s| s > now * 1.001)
+        }),
+        Action::SetStep(step) => set_step(world, step),
+        Action::SetSubsteps(n) => {
+            world.resource_mut::<PhysicsClock>().substeps = n.clamp(1, 64);
+            event(world, format!("substeps {n}"));
+        }
+        Action::SetGravity(_)
+        | Action::SetRestitution(_)
+        | Action::SetFriction(_)
+        | Action::SetLinearDrag(_)
+        | Action::SetAngularDamping(_)
+        | Action::SetHalfExtents(_)
+        | Action::SetMass(_)
+        | Action::SetImpulse(_)
+        | Action::SetBoxes(_) => set_parameter(world, &action),
+        Action::ResetParameters => {
+            let mut session = world.resource_mut::<Session>();
+            session.parameters = session.defaults;
+            start_scene(world);
+        }
+        Action::SelectScene(id) => select_scene(world, &id),
+        Action::NextScene => neighbour(world, 1),
+        Action::PreviousScene => neighbour(world, -1),
+        Action::Push(push) => self::push(world, push),
+        Action::ToggleLog => toggle_log(world),
+        Action::Screenshot => {
+            world.init_resource::<ScreenshotRequest>();
+        }
+        Action::FrameCamera => world.insert_resource(CameraRequest::Frame),
+        Action::HomeCamera => world.insert_resource(CameraRequest::Home),
+        Action::ToggleAabb => flip(world, |s| &mut s.show_aabb),
+        Action::ToggleContacts => flip(world, |s| &mut s.show_contacts),
+        Action::ToggleAxes => flip(world, |s| &mut s.show_axes),
+        Action::ToggleHelp => flip(world, |s| &mut s.show_help),
+        Action::TogglePanel => flip(world, |s| &mut s.hidden),
+        Action::TogglePlots => flip(world, |s| &mut s.show_plots),
+        Action::SelectPlot(plot) => {
+            let mut session = world.resource_mut::<Session>();
+            session.plot = plot;
+            session.show_plots = true;
+        }
+        Action::Quit => {
+            world.write_message(AppExit::Success);
+        }
+    }
+}
+
+fn flip(world: &mut World, field: impl FnOnce(&mut Session) -> &mut bool) {
+    let mut session = world.resource_mut::<Session>();
+    let field = field(&mut session);
+    *field = !*field;
+}
+
+fn event(world: &mut World, text: String) {
+    world.resource_mut::<Session>().events.push(text);
+}
+
+fn set_speed(world: &mut World, speed: f64) {
+    if !speed.is_finite() {
+        return;
+    }
+    let speed = speed.clamp(SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+    world.resource_mut::<Session>().speed = speed;
+    let mut time = world.resource_mut::<Time<Virtual>>();
+    time.set_relative_speed_f64(speed);
+    time.set_max_delta(core::time::Duration::from_secs_f64(LONGEST_FRAME));
+}
+
+fn ladder(world: &mut World, next: impl FnOnce(f64) -> Option<f64>) {
+    if let Some(speed) = next(world.resource::<Session>().speed) {
+        set_speed(world, speed);
+    }
+}
+
+/// Sets dt \[s\], within the limits of the command line.
+pub fn set_step(world: &mut World, step: f64) {
+    let (low, high) = crate::cli::STEP_LIMITS;
+    if !step.is_finite() {
+        return;
+    }
+    let step = step.clamp(low, high);
+    world
+        .resource_mut::<Time<Fixed>>()
+        .set_timestep(core::time::Duration::from_secs_f64(step));
+    event(world, format!("dt {step} s"));
+}
+
+/// Takes over one parameter, if it is within its physical range; what can change live does.
+fn set_parameter(world: &mut World, action: &Action) {
+    let mut session = world.resource_mut::<Session>();
+    let p = &mut session.parameters;
+    let valid = |x: f64| x.is_finite() && x >= 0.0;
+    let mut restart = false;
+    let accepted = match *action {
+        Action::SetGravity(g) if g.is_finite() => {
+            p.gravity = g;
+            true
+        }
+        Action::SetRestitution(e) if (0.0..=1.0).contains(&e) && p.restitution.is_some() => {
+            p.restitution = Some(e);
+            true
+        }
+        Action::SetFriction(mu) if valid(mu) && p.friction.is_some() => {
+            p.friction = Some(mu);
+            true
+        }
+        Action::SetLinearDrag(c) if valid(c) => {
+            p.linear_drag = c;
+            true
+        }
+        Action::SetAngularDamping(c) if valid(c) => {
+            p.angular_damping = c;
+            true
+        }
+        Action::SetImpulse(j) if valid(j) => {
+            p.impulse = j;
+            return;
+        }
+        Action::SetHalfExtents(h) if RigidBox::new(h, p.mass).is_ok() => {
+            p.half_extents = h;
+            restart = true;
+            true
+        }
+        Action::SetMass(m) if RigidBox::new(p.half_extents, m).is_ok() => {
+            p.mass = m;
+            restart = true;
+            true
+        }
+        Action::SetBoxes(n) => {
+            p.boxes = n.clamp(1, 100_000);
+            restart = true;
+            true
+        }
+        _ => false,
+    };
+    if !accepted {
+        session.notice(format!("not possible: {action:?}"));
+        return;
+    }
+    if restart {
+        start_scene(world);
+        return;
+    }
+    session.perturb(format!("{action:?}"));
+    let setup = session.setup();
+    apply_world(world, &setup);
+    let boxes: Vec<Entity> = world
+        .query_filtered::<Entity, With<SceneEntity>>()
+        .iter(world)
+        .collect();
+    for entity in boxes {
+        insert_forces(&mut world.entity_mut(entity), &setup.forces);
+    }
+}
+
+fn select_scene(world: &mut World, id: &str) {
+    match Scenario::find(id) {
+        Ok(scenario) => {
+            let mut session = world.resource_mut::<Session>();
+            session.defaults = parameters_of(&scenario);
+            session.parameters = session.defaults;
+            session.scenario = scenario;
+            start_scene(world);
+            world.insert_resource(CameraRequest::Home);
+        }
+        Err(error) => world.resource_mut::<Session>().notice(error.to_string()),
+    }
+}
+
+fn neighbour(world: &mut World, by: isize) {
+    let ids = Scenario::ids();
+    let now = world.resource::<Session>().scenario.id;
+    let at = ids.iter().position(|&id| id == now).unwrap_or(0);
+    let next = (at as isize + by).rem_euclid(ids.len() as isize) as usize;
+    select_scene(world, ids[next]);
+}
+
+/// The impulse of a push on the hero: world axes, at the middle of the face it comes from, or at that
+/// face's edge.
+pub fn impulse_of(push: Push, body: &RigidBox, state: &BodyState, strength: f64) -> (DVec3, DVec3) {
+    let local = if push.world {
+        state.rotation.inverse() * push.direction
+    } else {
+        push.direction
+    };
+    // The face whose outward normal is most against the push, in body axes.
+    let a = local.abs();
+    let axis = if a.x >= a.y && a.x >= a.z {
+        DVec3::X
+    } else if a.y >= a.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    let h = body.half_extents();
+    let face = axis * (h * axis) * -local.dot(axis).signum();
+    // The edge: off to the side along the next axis.
+    let side = DVec3::new(axis.z, axis.x, axis.y);
+    let point = if push.off_centre {
+        face + side * h
+    } else {
+        face
+    };
+    (state.rotation * local * strength, point)
+}
+
+fn push(world: &mut World, push: Push) {
+    let strength = world.resource::<Session>().parameters.impulse;
+    let hero = world
+        .query_filtered::<(Entity, &RigidBox, &BodyState), With<Hero>>()
+        .iter(world)
+        .next()
+        .map(|(e, b, s)| (e, *b, *s));
+    let Some((entity, body, state)) = hero else {
+        return;
+    };
+    let (impulse, point) = impulse_of(push, &body, &state, strength);
+    let message = if push.off_centre {
+        ApplyImpulse::at_body_point(entity, impulse, point)
+    } else {
+        ApplyImpulse::centre(entity, impulse)
+    };
+    world.write_message(message);
+    world.resource_mut::<Session>().perturb(format!(
+        "push {:.3} {:.3} {:.3} N s",
+        impulse.x, impulse.y, impulse.z
+    ));
+}
+
+fn toggle_log(world: &mut World) {
+    if let Some(log) = world.remove_resource::<CsvLog>() {
+        let text = format!("log closed: {} ({} rows)", log.path().display(), log.rows());
+        world.resource_mut::<Session>().notice(text);
+        return;
+    }
+    let opened = CsvLog::open_next(world.resource::<Session>());
+    match opened {
+        Ok(log) => {
+            let text = format!("logging to {}", log.path().display());
+            world.resource_mut::<Session>().notice(text);
+            world.insert_resource(log);
+        }
+        Err(error) => world
+            .resource_mut::<Session>()
+            .notice(format!("log: {error}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_physics::prelude::DQuat;
+
+    #[test]
+    fn a_push_acts_along_the_box_s_own_axes_or_the_world_s() {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
+        let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt());
+        let state = BodyState::default().with_rotation(quarter);
+        let own = Push {
+            direction: DVec3::X,
+            world: false,
+            off_centre: false,
+        };
+        let (j, point) = impulse_of(own, &body, &state, 2.0);
+        assert!((j - DVec3::Y * 2.0).length() < 1e-15);
+        assert_eq!(point, DVec3::NEG_X * 0.5);
+        let (j, _) = impulse_of(Push { world: true, ..own }, &body, &state, 2.0);
+        assert!((j - DVec3::X * 2.0).length() < 1e-15);
+        // Off-centre: at the edge of the face, so there is a moment about it.
+        let (_, point) = impulse_of(
+            Push {
+                off_centre: true,
+                ..own
+            },
+            &body,
+            &state,
+            2.0,
+        );
+        assert_eq!(point, DVec3::new(-0.5, 0.25, 0.0));
+    }
+}

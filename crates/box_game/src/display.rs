@@ -1,0 +1,159 @@
+//! Whether a window and a GPU are to be had, found out before anything depends on it.
+//!
+//! winit and Bevy panic where there is no display, where one of its libraries is missing and where no
+//! graphics driver is; so the attempt is made in a process of its own, and its last words are the
+//! reason.
+
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use clap::ValueEnum;
+
+/// What a run needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Need {
+    /// A window and a GPU.
+    Window,
+    /// A GPU alone.
+    Gpu,
+}
+
+/// Why it is not to be had, in words for a person, with what to do.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{reason}\n{advice}")]
+pub struct Unavailable {
+    /// What is missing.
+    pub reason: String,
+    /// What to do about it.
+    pub advice: &'static str,
+}
+
+/// How long the display and the driver may take to answer. A cold software driver takes a second.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+const NO_DISPLAY: &str = "Start it from a desktop session, or under a virtual one: \
+    xvfb-run -a cargo run --release";
+const NO_LIBRARY: &str = "On Debian and Ubuntu: apt-get install libx11-6 libx11-xcb1 libxcursor1 \
+    libxi6 libxkbcommon-x11-0";
+const NO_GPU: &str = "Install a Vulkan driver; a software one will do. On Debian and Ubuntu: \
+    apt-get install mesa-vulkan-drivers";
+
+/// Tries in a child process.
+///
+/// # Errors
+/// [`Unavailable`] with the reason.
+pub fn check(need: Need) -> Result<(), Unavailable> {
+    if need == Need::Window && cfg!(target_os = "linux") {
+        let variables = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
+        let set = |name: &&str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
+        if !variables.iter().any(set) {
+            return Err(Unavailable {
+                reason: "There is no display: neither DISPLAY nor WAYLAND_DISPLAY is set."
+                    .to_owned(),
+                advice: NO_DISPLAY,
+            });
+        }
+    }
+    let what = match need {
+        Need::Window => "window",
+        Need::Gpu => "gpu",
+    };
+    let child = std::env::current_exe().and_then(|path| {
+        Command::new(path)
+            .args(["--probe", what])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .env("RUST_BACKTRACE", "0")
+            .spawn()
+    });
+    // Not being able to ask is no reason not to try.
+    let Ok(mut child) = child else {
+        return Ok(());
+    };
+    let start = Instant::now();
+    while let Ok(None) = child.try_wait() {
+        if start.elapsed() > PATIENCE {
+            // A display that accepts and never answers.
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(Unavailable {
+                reason: format!(
+                    "The display did not answer within {} s.",
+                    PATIENCE.as_secs()
+                ),
+                advice: NO_DISPLAY,
+            });
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    match child.wait_with_output() {
+        Ok(output) if !output.status.success() => {
+            Err(explain(&String::from_utf8_lossy(&output.stderr)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Turns the last words of the child into a reason and an advice.
+fn explain(words: &str) -> Unavailable {
+    let reason = words
+        .lines()
+        .map(str::trim)
+        .rfind(|line| !line.is_empty() && !line.starts_with("note:"))
+        .unwrap_or("The display could not be opened.")
+        .to_owned();
+    let lower = words.to_lowercase();
+    let advice = if lower.contains("adapter") || lower.contains("gpu") || lower.contains("vulkan") {
+        NO_GPU
+    } else if lower.contains("library") || lower.contains(".so") {
+        NO_LIBRARY
+    } else {
+        NO_DISPLAY
+    };
+    Unavailable { reason, advice }
+}
+
+/// The child's part: opens what is needed, or says why not. Panics of the libraries end the process
+/// with their message, which is just as good.
+///
+/// # Errors
+/// The reason, for standard error.
+pub fn probe(need: Need) -> Result<(), String> {
+    if need == Need::Window {
+        let event_loop = winit::event_loop::EventLoop::new()
+            .map_err(|e| format!("The display could not be opened: {e}"))?;
+        drop(event_loop);
+    }
+    let instance =
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let options = wgpu::RequestAdapterOptions::default();
+    bevy::tasks::block_on(instance.request_adapter(&options))
+        .map(|_| ())
+        .map_err(|e| format!("There is no GPU and no software driver (no Vulkan adapter): {e}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_and_advice() {
+        let e =
+            explain("thread main panicked\n  libxkbcommon-x11.so.0: cannot open shared library\n");
+        assert_eq!(
+            e.reason,
+            "libxkbcommon-x11.so.0: cannot open shared library"
+        );
+        assert_eq!(e.advice, NO_LIBRARY);
+        assert_eq!(
+            explain("There is no GPU (no Vulkan adapter)").advice,
+            NO_GPU
+        );
+        assert_eq!(
+            explain("Failed to open display\nnote: run with RUST_BACKTRACE=1").reason,
+            "Failed to open display"
+        );
+        assert_eq!(explain("").advice, NO_DISPLAY);
+    }
+}

@@ -1,0 +1,49 @@
+//! The keys and the mouse: one list for the help overlay and the README.
+
+/// (what to press, what it does).
+pub const KEYS: &[(&str, &str)] = &[
+    (
+        "W S · A D · E Q",
+        "push the box along its own z · x · y axis; hold to repeat",
+    ),
+    (
+        "Shift + those",
+        "push at the edge of the face, so that the box spins",
+    ),
+    ("Alt + those", "push along the world's axes"),
+    (
+        "1 … 9",
+        "simulate with the first … ninth integrator of the list",
+    ),
+    ("P or Space", "pause, resume"),
+    (". or →", "one step while paused (with Shift: ten)"),
+    ("R or Backspace", "restart the scene"),
+    ("- and =", "slower, faster"),
+    ("0", "real time"),
+    ("[ and ]", "previous scene, next scene"),
+    (
+        "B · C · X",
+        "show the bounding box · the contacts · axes and velocity",
+    ),
+    ("F", "put the box in the middle of the picture"),
+    ("Home", "the scene's own camera"),
+    ("Left drag · right drag · wheel", "orbit · pan · zoom"),
+    ("L", "start or stop the CSV log"),
+    ("F12", "save a picture of the window"),
+    ("M", "show or hide the plots"),
+    ("` (backtick)", "show or hide the panel"),
+    ("F1 or ?", "show or hide this list"),
+    ("Esc", "close this list"),
+    ("Ctrl + Q", "quit"),
+];
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_key_says_what_it_does_once() {
+        for (k, (key, what)) in super::KEYS.iter().enumerate() {
+            assert!(!key.is_empty() && !what.is_empty());
+            assert!(super::KEYS[..k].iter().all(|(other, _)| other != key));
+        }
+    }
+}

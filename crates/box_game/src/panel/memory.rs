@@ -1,0 +1,95 @@
+//! What the panel itself remembers between frames: nothing that the game needs to know.
+
+/// Folded sections, dismissed texts, and a value in the middle of being dragged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelMemory {
+    /// Which sections of the side panel are open, in the order of [`Section::ALL`].
+    pub open: [bool; Section::ALL.len()],
+    /// The scene whose lesson was dismissed.
+    pub dismissed_lesson: Option<String>,
+    /// How many notices there were, and the newest, when it was dismissed.
+    pub dismissed_notice: Option<(usize, String)>,
+    /// Push buttons push at the edge of the face.
+    pub push_off_centre: bool,
+    /// Push buttons push along the world's axes.
+    pub push_world: bool,
+    /// A value that restarts the scene, while it is dragged: its label and the value so far.
+    pub(super) draft: Option<(&'static str, f64)>,
+}
+
+impl Default for PanelMemory {
+    fn default() -> Self {
+        let folded = [Section::Box, Section::Log];
+        Self {
+            open: Section::ALL.map(|section| !folded.contains(&section)),
+            dismissed_lesson: None,
+            dismissed_notice: None,
+            push_off_centre: false,
+            push_world: false,
+            draft: None,
+        }
+    }
+}
+
+impl PanelMemory {
+    /// With every section open.
+    pub fn all_open() -> Self {
+        Self {
+            open: [true; Section::ALL.len()],
+            ..Self::default()
+        }
+    }
+}
+
+/// A section of the side panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// The schemes.
+    Integrator,
+    /// dt and substeps.
+    Step,
+    /// Gravity, floor, drag.
+    World,
+    /// Size and mass.
+    Box,
+    /// Impulses by button.
+    Push,
+    /// What is drawn.
+    View,
+    /// Number of boxes.
+    Load,
+    /// Read-outs.
+    Now,
+    /// The CSV log.
+    Log,
+}
+
+impl Section {
+    /// From top to bottom.
+    pub const ALL: [Self; 9] = [
+        Self::Integrator,
+        Self::Step,
+        Self::World,
+        Self::Box,
+        Self::Push,
+        Self::View,
+        Self::Load,
+        Self::Now,
+        Self::Log,
+    ];
+
+    /// Its heading.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Integrator => "INTEGRATOR",
+            Self::Step => "STEP",
+            Self::World => "WORLD",
+            Self::Box => "BOX",
+            Self::Push => "PUSH",
+            Self::View => "VIEW",
+            Self::Load => "LOAD",
+            Self::Now => "NOW",
+            Self::Log => "LOG",
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The sections that show: what is drawn, the hero box in numbers, the log.
+
+use bevy_egui::egui::{Grid, Label, RichText, Ui};
+
+use super::super::format::{bytes, grouped, quantity};
+use super::super::view::PanelView;
+use crate::action::Action;
+
+pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    for (on, name, hint, action) in [
+        (
+            view.show_aabb,
+            "Bounding box (B)",
+            "The axis-aligned box, re-fitted every step.",
+            Action::ToggleAabb,
+        ),
+        (
+            view.show_contacts,
+            "Contacts (C)",
+            "Contact points, normals and impulses.",
+            Action::ToggleContacts,
+        ),
+        (
+            view.show_axes,
+            "Axes and velocity (X)",
+            "The box's own axes and its velocity.",
+            Action::ToggleAxes,
+        ),
+    ] {
+        let mut ticked = on;
+        if ui.checkbox(&mut ticked, name).on_hover_text(hint).changed() {
+            out.push(action);
+        }
+    }
+    ui.horizontal_wrapped(|ui| {
+        for (name, hint, action) in [
+            (
+                "Frame",
+                "The box in the middle of the picture (F).",
+                Action::FrameCamera,
+            ),
+            ("Home", "The scene's own camera (Home).", Action::HomeCamera),
+            (
+                "Screenshot",
+                "Save a picture of the window (F12).",
+                Action::Screenshot,
+            ),
+        ] {
+            if ui.button(name).on_hover_text(hint).clicked() {
+                out.push(action);
+            }
+        }
+    });
+}
+
+pub(super) fn now(ui: &mut Ui, view: &PanelView) {
+    let hero = &view.hero;
+    let total = hero.translational_energy + hero.rotational_energy + hero.potential_energy;
+    Grid::new("now")
+        .num_columns(2)
+        .spacing([12.0, 2.0])
+        .show(ui, |ui| {
+            for (name, value, unit) in [
+                ("Energy of motion ½mv²", hero.translational_energy, "J"),
+                ("Energy of spin ½L·ω", hero.rotational_energy, "J"),
+                ("Potential energy", hero.potential_energy, "J"),
+                ("Total energy", total, "J"),
+                ("Ang. momentum |L|", hero.angular_momentum, "kg m²/s"),
+                ("Speed |v|", hero.speed, "m/s"),
+                ("Spin |ω|", hero.spin, "rad/s"),
+                ("Position x", hero.position.x, "m"),
+                ("Position y", hero.position.y, "m"),
+                ("Position z", hero.position.z, "m"),
+            ] {
+                ui.label(name);
+                ui.label(RichText::new(format!("{:>10} {unit}", quantity(value))).monospace());
+                ui.end_row();
+            }
+            for (name, count, hint) in [
+                (
+                    "Fallbacks",
+                    view.fallbacks,
+                    "Body-steps that the scheme handed to split, because it does not apply there.",
+                ),
+                (
+                    "Not converged",
+                    view.unconverged,
+                    "Body-steps whose iteration ended at its cap instead of its tolerance.",
+                ),
+            ] {
+                ui.label(name).on_hover_text(hint);
+                ui.label(RichText::new(format!("{:>10}", grouped(count))).monospace())
+                    .on_hover_text(hint);
+                ui.end_row();
+            }
+            ui.label("State");
+            ui.label(RichText::new(hero.state).strong());
+            ui.end_row();
+        });
+}
+
+pub(super) fn log(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    let name = if view.log.is_some() {
+        "Stop log"
+    } else {
+        "Start log"
+    };
+    if ui
+        .button(name)
+        .on_hover_text("Write every step to a CSV file (L).")
+        .clicked()
+    {
+        out.push(Action::ToggleLog);
+    }
+    match &view.log {
+        Some(log) => {
+            ui.add(Label::new(&log.path).wrap().selectable(true));
+            ui.label(format!("{} rows · {}", grouped(log.rows), bytes(log.bytes)));
+        }
+        None => {
+            ui.label("Nothing is written.");
+        }
+    }
+}

@@ -1,0 +1,269 @@
+//! Sliders and typed values: units, limits, resets.
+
+use bevy_egui::egui::{Key, accesskit::Role};
+use box_physics::prelude::DVec3;
+
+use super::super::{PanelMemory, PanelView};
+use super::{Person, TALL, along, sample_view};
+use crate::action::Action;
+
+/// The number an action carries, and its kind.
+fn number_of(action: &Action) -> (&'static str, f64) {
+    match action {
+        Action::SetStep(v) => ("dt", *v),
+        Action::SetSubsteps(v) => ("Substeps", f64::from(*v)),
+        Action::SetGravity(v) => ("Gravity", *v),
+        Action::SetRestitution(v) => ("Restitution", *v),
+        Action::SetFriction(v) => ("Friction", *v),
+        Action::SetLinearDrag(v) => ("Linear drag", *v),
+        Action::SetAngularDamping(v) => ("Ang. damping", *v),
+        Action::SetMass(v) => ("Mass", *v),
+        Action::SetImpulse(v) => ("Strength", *v),
+        Action::SetBoxes(v) => ("Boxes", f64::from(*v)),
+        Action::SetHalfExtents(v) => ("Half-size x", v.x),
+        other => panic!("not a number: {other:?}"),
+    }
+}
+
+/// (name, unit, ends of the slider, limits of what may be typed).
+const ROWS: [(&str, &str, (f64, f64), (f64, f64)); 11] = [
+    ("dt", " [s]", (1.0 / 1920.0, 0.5), (1.0 / 1920.0, 0.5)),
+    ("Substeps", "", (1.0, 64.0), (1.0, 64.0)),
+    ("Gravity", " [m/s²]", (0.0, 30.0), (-1e4, 1e4)),
+    ("Restitution", "", (0.0, 1.0), (0.0, 1.0)),
+    ("Friction", "", (0.0, 2.0), (0.0, 1e3)),
+    ("Linear drag", " [N s/m]", (0.0, 100.0), (0.0, 1e6)),
+    ("Ang. damping", " [1/s]", (0.0, 10.0), (0.0, 1e6)),
+    ("Half-size x", " [m]", (0.05, 5.0), (1e-3, 1e3)),
+    ("Mass", " [kg]", (0.1, 100.0), (1e-6, 1e6)),
+    ("Strength", " [N s]", (0.01, 100.0), (0.0, 1e6)),
+    ("Boxes", "", (1.0, 10_000.0), (1.0, 10_000.0)),
+];
+
+/// A view in which nothing stands at an end or its default.
+fn off_default() -> PanelView {
+    let mut view = sample_view();
+    view.step = 0.02;
+    view.substeps = 3;
+    let p = &mut view.parameters;
+    (p.gravity, p.restitution, p.friction, p.mass) = (5.0, Some(0.3), Some(0.2), 7.0);
+    (p.linear_drag, p.angular_damping, p.impulse, p.boxes) = (0.4, 0.7, 3.0, 9);
+    p.half_extents = DVec3::new(0.7, 0.8, 0.9);
+    view
+}
+
+#[test]
+fn sliders_reach_their_ends() {
+    for (label, unit, ends, _) in ROWS {
+        let mut person = Person::before(off_default(), TALL);
+        let rect = person.find(&format!("{label}{unit}")).rect();
+        for (share, end) in [(0.0, ends.0), (1.0, ends.1)] {
+            let at = along(rect, share);
+            let mut asked = person.drag(at, at);
+            asked.extend(person.release(at));
+            let asked: Vec<_> = asked.iter().map(number_of).collect();
+            assert!(
+                !asked.is_empty() && asked.iter().all(|(kind, _)| *kind == label),
+                "{label}: {asked:?}"
+            );
+            assert!(
+                asked.iter().all(|(_, value)| (value - end).abs() < 1e-9),
+                "{label}: {asked:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn typed_values_may_leave_the_slider_but_not_the_limits() {
+    for (label, unit, _, hard) in ROWS {
+        let name = format!("{label} value{unit}");
+        for (text, expected) in [("1e300", hard.1), ("-1e300", hard.0)] {
+            let mut person = Person::before(off_default(), TALL);
+            let asked: Vec<_> = person
+                .type_into(&name, text)
+                .iter()
+                .map(number_of)
+                .collect();
+            assert_eq!(asked, [(label, expected)], "{text}");
+        }
+        for text in ["NaN", "inf", "", "box", "1/0"] {
+            let mut person = Person::before(off_default(), TALL);
+            assert_eq!(person.type_into(&name, text), [], "{label} {text}");
+        }
+    }
+    let mut person = Person::before(off_default(), TALL);
+    assert_eq!(
+        person.type_into("Gravity value [m/s²]", "274"),
+        [Action::SetGravity(274.0)]
+    );
+    assert_eq!(person.type_into("dt value [s]", "50 Hz"), [], "as it is");
+    assert_eq!(
+        person.type_into("dt value [s]", "1/64"),
+        [Action::SetStep(1.0 / 64.0)]
+    );
+    let grown = Action::SetHalfExtents(DVec3::new(0.7, 0.8, 0.25));
+    assert_eq!(person.type_into("Half-size z value [m]", "0,25"), [grown]);
+}
+
+/// The shown text has four digits; opening and leaving it must not round the value.
+#[test]
+fn looking_is_not_touching() {
+    let mut person = Person::before(sample_view(), TALL);
+    for (label, unit, ..) in ROWS {
+        assert_eq!(person.click(&format!("{label} value{unit}")), []);
+        person.harness.key_press(Key::Enter);
+        assert_eq!(person.asked(), [], "{label}");
+    }
+}
+
+#[test]
+fn a_right_click_resets_one_and_moves_nothing_on_its_way() {
+    for (label, unit, ..) in ROWS {
+        for name in [format!("{label}{unit}"), format!("{label} value{unit}")] {
+            let mut person = Person::before(off_default(), TALL);
+            person.find(&name).click_secondary();
+            let asked: Vec<_> = person.asked().iter().map(number_of).collect();
+            let defaults = Person::before(sample_view(), TALL);
+            let default = defaults.find(&name);
+            assert_eq!(asked.len(), 1, "{name}: {asked:?}");
+            assert_eq!(asked[0].0, label);
+            let shown = egui_kittest::kittest::NodeT::accesskit_node(&default).numeric_value();
+            assert!(
+                shown.is_some_and(|v| (v - asked[0].1).abs() < 1e-12),
+                "{name}: {asked:?} {shown:?}"
+            );
+            // Nothing to reset, nothing asked.
+            let mut person = Person::before(sample_view(), TALL);
+            person.find(&name).click_secondary();
+            assert_eq!(person.asked(), []);
+        }
+    }
+}
+
+#[test]
+fn sections_reset_to_the_scene() {
+    let mut person = Person::before(off_default(), TALL);
+    for (name, actions) in [
+        (
+            "Reset step",
+            vec![Action::SetStep(1.0 / 60.0), Action::SetSubsteps(1)],
+        ),
+        (
+            "Reset world",
+            vec![
+                Action::SetGravity(9.81),
+                Action::SetRestitution(0.5),
+                Action::SetFriction(0.6),
+                Action::SetLinearDrag(0.0),
+                Action::SetAngularDamping(0.0),
+            ],
+        ),
+        (
+            "Reset box",
+            vec![
+                Action::SetHalfExtents(DVec3::new(0.5, 0.25, 0.125)),
+                Action::SetMass(2.0),
+            ],
+        ),
+        ("Reset push", vec![Action::SetImpulse(1.0)]),
+        ("Reset load", vec![Action::SetBoxes(1)]),
+    ] {
+        assert_eq!(person.click(name), actions, "{name}");
+    }
+}
+
+/// A restart per frame of a drag would be a storm.
+#[test]
+fn what_restarts_waits_for_the_mouse_to_let_go() {
+    for label in ["Mass [kg]", "Boxes", "Half-size y [m]"] {
+        let mut person = Person::before(off_default(), TALL);
+        let rect = person.find(label).rect();
+        assert_eq!(
+            person.drag(along(rect, 0.5), along(rect, 0.8)),
+            [],
+            "{label}"
+        );
+        let at = along(rect, 0.8);
+        assert_eq!(person.release(at).len(), 1, "{label}");
+        assert_eq!(person.asked(), [], "{label}");
+    }
+    // What does not restart follows the mouse.
+    let mut person = Person::before(off_default(), TALL);
+    let rect = person.find("Gravity [m/s²]").rect();
+    assert!(!person.drag(along(rect, 0.5), along(rect, 0.8)).is_empty());
+}
+
+#[test]
+fn dragging_a_number_moves_it() {
+    let mut person = Person::before(off_default(), TALL);
+    let rect = person.find("Gravity value [m/s²]").rect();
+    let (from, to) = (
+        rect.center(),
+        rect.center() + bevy_egui::egui::vec2(40.0, 0.0),
+    );
+    let asked = person.drag(from, to);
+    assert!(
+        matches!(asked.last(), Some(Action::SetGravity(g)) if *g > 5.0),
+        "{asked:?}"
+    );
+}
+
+#[test]
+fn tooltips_give_unit_default_and_range() {
+    for (label, unit, ..) in ROWS {
+        let mut person = Person::before(off_default(), TALL);
+        person.find(&format!("{label}{unit}")).hover();
+        person.look();
+        let unit = unit.trim_matches([' ', '[', ']']);
+        assert!(
+            person.sees_part("right-click resets)") && person.sees_part("Allowed: "),
+            "{label}"
+        );
+        let (_, text, _) = person
+            .nodes()
+            .into_iter()
+            .find(|(_, text, _)| text.contains("right-click resets)"))
+            .expect("just seen");
+        assert!(
+            text.starts_with(label) && text.matches(unit).count() >= 2,
+            "{text}"
+        );
+    }
+    let mut person = Person::before(sample_view(), TALL);
+    person.find("Gravity [m/s²]").hover();
+    person.look();
+    assert!(person.sees("Gravity 9.81 m/s² (default 9.81 m/s² · right-click resets)"));
+}
+
+#[test]
+fn without_a_floor_its_rows_are_absent() {
+    let mut view = sample_view();
+    (view.parameters.restitution, view.parameters.friction) = (None, None);
+    let mut person = Person::before(view, TALL);
+    assert!(!person.sees_part("Restitution") && !person.sees_part("Friction"));
+    let asked = person.click("Reset world");
+    assert!(
+        !asked
+            .iter()
+            .any(|a| matches!(a, Action::SetRestitution(_) | Action::SetFriction(_)))
+    );
+}
+
+/// A slider or number without a unit is a pure number, and known as such.
+#[test]
+fn every_number_names_its_unit() {
+    let person = Person::with(sample_view(), PanelMemory::all_open(), TALL);
+    let mut rows = 0;
+    for (role, name, _) in person.nodes() {
+        if role == Role::Slider || role == Role::SpinButton {
+            rows += 1;
+            let pure = ["Substeps", "Restitution", "Friction", "Boxes"];
+            assert!(
+                name.contains('[') || pure.iter().any(|pure| name.starts_with(pure)),
+                "{name}"
+            );
+        }
+    }
+    assert_eq!(rows, 2 * 13);
+}

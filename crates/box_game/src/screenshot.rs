@@ -1,0 +1,69 @@
+//! Pictures of the window or of the image rendered instead of it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
+
+use crate::session::Session;
+
+/// Asks for a picture of the next frame, under this name or the next free `box_game-NN.png`.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ScreenshotRequest(pub Option<PathBuf>);
+
+/// The image that is rendered instead of a window.
+#[derive(Resource, Clone, Debug)]
+pub struct OffscreenTarget(pub Handle<Image>);
+
+/// Takes the picture that was asked for.
+pub fn take_screenshot(
+    request: Option<Res<ScreenshotRequest>>,
+    offscreen: Option<Res<OffscreenTarget>>,
+    mut session: ResMut<Session>,
+    mut commands: Commands,
+) {
+    let Some(request) = request else {
+        return;
+    };
+    let path = request.0.clone().or_else(|| {
+        (1..10_000)
+            .map(|n| PathBuf::from(format!("box_game-{n:02}.png")))
+            .find(|p| !p.exists())
+    });
+    commands.remove_resource::<ScreenshotRequest>();
+    let Some(path) = path else {
+        session.notice("no free name for a picture: box_game-01.png to -9999.png are taken");
+        return;
+    };
+    let shot = match &offscreen {
+        Some(target) => Screenshot(RenderTarget::Image(target.0.clone().into())),
+        None => Screenshot::primary_window(),
+    };
+    commands.spawn(shot).observe(
+        move |captured: On<ScreenshotCaptured>, mut session: ResMut<Session>| match save(
+            &captured.image,
+            &path,
+        ) {
+            Ok(()) => session.notice(format!("picture: {}", path.display())),
+            Err(error) => session.notice(format!("picture {}: {error}", path.display())),
+        },
+    );
+}
+
+/// Writes a PNG beside its place and moves it there, so that nobody sees half a picture.
+fn save(image: &Image, path: &Path) -> io::Result<()> {
+    let picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    let file = tempfile::Builder::new()
+        .suffix(".png")
+        .tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    // The window's alpha says nothing.
+    picture
+        .to_rgb8()
+        .save(file.path())
+        .map_err(io::Error::other)?;
+    file.persist(path)?;
+    Ok(())
+}

@@ -1,0 +1,267 @@
+//! What there is to see besides the panel: boxes, floor, light, and what the switches add.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::light::CascadeShadowConfigBuilder;
+use bevy::mesh::Mesh;
+use bevy::prelude::*;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use box_physics::prelude::{BodyState, ContactPhase, Floor, FloorContact, RigidBox, WorldAabb};
+
+use crate::session::{Hero, Session};
+
+/// Edge of the drawn floor \[m\].
+const FLOOR_SIZE: f32 = 200.0;
+
+/// The drawn floor.
+#[derive(Component)]
+pub struct FloorSurface;
+
+/// What boxes are drawn with.
+#[derive(Resource)]
+pub struct BoxLook {
+    hero: Handle<StandardMaterial>,
+    load: Handle<StandardMaterial>,
+    mesh: Option<(Vec3, Handle<Mesh>)>,
+}
+
+/// Light, floor and materials.
+pub fn set_up(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut images: ResMut<Assets<Image>>,
+) {
+    commands.spawn((
+        DirectionalLight {
+            illuminance: 9_000.0,
+            shadow_maps_enabled: true,
+            ..default()
+        },
+        // From the left of the home view, so that shadows fall beside the boxes and not behind them.
+        Transform::from_xyz(-6.0, 9.0, 3.5).looking_at(Vec3::ZERO, Vec3::Y),
+        CascadeShadowConfigBuilder {
+            first_cascade_far_bound: 8.0,
+            maximum_distance: 120.0,
+            ..default()
+        }
+        .build(),
+    ));
+    commands.insert_resource(GlobalAmbientLight {
+        brightness: 260.0,
+        ..default()
+    });
+    let mut plane = Plane3d::new(Vec3::Y, Vec2::splat(FLOOR_SIZE / 2.0))
+        .mesh()
+        .build();
+    // One tile of the image is 2 m: four squares of 1 m.
+    if let Some(bevy::mesh::VertexAttributeValues::Float32x2(uvs)) =
+        plane.attribute_mut(Mesh::ATTRIBUTE_UV_0)
+    {
+        for uv in uvs {
+            uv[0] *= FLOOR_SIZE / 2.0;
+            uv[1] *= FLOOR_SIZE / 2.0;
+        }
+    }
+    commands.spawn((
+        FloorSurface,
+        Mesh3d(meshes.add(plane)),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color_texture: Some(images.add(checker())),
+            perceptual_roughness: 0.95,
+            ..default()
+        })),
+        Visibility::Hidden,
+    ));
+    let painted = |base_color| StandardMaterial {
+        base_color,
+        perceptual_roughness: 0.6,
+        ..default()
+    };
+    commands.insert_resource(BoxLook {
+        hero: materials.add(painted(Color::WHITE)),
+        load: materials.add(painted(Color::srgb(0.62, 0.66, 0.72))),
+        mesh: None,
+    });
+}
+
+/// Two by two squares of 1 m.
+fn checker() -> Image {
+    let (light, dark) = ([96, 102, 112, 255], [78, 84, 94, 255]);
+    let mut image = Image::new(
+        Extent3d {
+            width: 2,
+            height: 2,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        [light, dark, dark, light].concat(),
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
+        address_mode_u: ImageAddressMode::Repeat,
+        address_mode_v: ImageAddressMode::Repeat,
+        ..ImageSamplerDescriptor::nearest()
+    });
+    image
+}
+
+/// A cuboid whose three pairs of faces differ in colour, and whose positive faces are lighter, so that
+/// every attitude looks different. Colours: Okabe and Ito 2008.
+fn painted_cuboid(half: Vec3) -> Mesh {
+    let mut mesh = Cuboid::from_size(half * 2.0).mesh().build();
+    let colors: Vec<[f32; 4]> = mesh
+        .attribute(Mesh::ATTRIBUTE_NORMAL)
+        .and_then(|n| n.as_float3())
+        .map(|normals| {
+            normals
+                .iter()
+                .map(|n| face_color(Vec3::from_array(*n)))
+                .collect()
+        })
+        .unwrap_or_default();
+    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
+    mesh
+}
+
+fn face_color(normal: Vec3) -> [f32; 4] {
+    let color = if normal.x.abs() > 0.5 {
+        Color::srgb_u8(0, 114, 178)
+    } else if normal.y.abs() > 0.5 {
+        Color::srgb_u8(230, 159, 0)
+    } else {
+        Color::srgb_u8(0, 158, 115)
+    };
+    let shade = if normal.element_sum() > 0.0 {
+        1.0
+    } else {
+        0.45
+    };
+    let c = color.to_linear();
+    [c.red * shade, c.green * shade, c.blue * shade, 1.0]
+}
+
+/// Gives new boxes a mesh: one mesh and two materials for all, so that they are drawn in few calls.
+pub fn dress_boxes(
+    new: Query<(Entity, &RigidBox, Has<Hero>), Added<RigidBox>>,
+    mut look: ResMut<BoxLook>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut commands: Commands,
+) {
+    for (entity, body, hero) in &new {
+        let half = body.half_extents().as_vec3();
+        let mesh = match &look.mesh {
+            Some((size, mesh)) if *size == half => mesh.clone(),
+            _ => {
+                let mesh = meshes.add(painted_cuboid(half));
+                look.mesh = Some((half, mesh.clone()));
+                mesh
+            }
+        };
+        let material = if hero {
+            look.hero.clone()
+        } else {
+            look.load.clone()
+        };
+        commands
+            .entity(entity)
+            .insert((Mesh3d(mesh), MeshMaterial3d(material)));
+    }
+}
+
+/// Shows the floor where the physics has one.
+pub fn place_floor(
+    floor: Option<Res<Floor>>,
+    mut surface: Single<(&mut Transform, &mut Visibility), With<FloorSurface>>,
+) {
+    let (transform, visibility) = &mut *surface;
+    match floor {
+        Some(floor) => {
+            transform.translation.y = floor.height as f32;
+            visibility.set_if_neq(Visibility::Visible);
+        }
+        None => {
+            visibility.set_if_neq(Visibility::Hidden);
+        }
+    }
+}
+
+/// The re-fitted bounding boxes.
+pub fn draw_aabbs(session: Res<Session>, boxes: Query<&WorldAabb>, mut gizmos: Gizmos) {
+    if session.show_aabb {
+        for aabb in boxes.iter().take(2000) {
+            gizmos.aabb_3d(aabb.0, Transform::IDENTITY, Color::srgb_u8(240, 228, 66));
+        }
+    }
+}
+
+/// Body axes and the velocity of the hero.
+pub fn draw_axes(
+    session: Res<Session>,
+    hero: Query<(&RigidBox, &BodyState, &Transform), With<Hero>>,
+    mut gizmos: Gizmos,
+) {
+    if !session.show_axes {
+        return;
+    }
+    for (body, state, transform) in &hero {
+        let at = transform.translation;
+        let length = 1.4 * body.radius() as f32;
+        let axes = [
+            (transform.rotation * Vec3::X, Color::srgb_u8(0, 114, 178)),
+            (transform.rotation * Vec3::Y, Color::srgb_u8(230, 159, 0)),
+            (transform.rotation * Vec3::Z, Color::srgb_u8(0, 158, 115)),
+        ];
+        for (axis, color) in axes {
+            gizmos.arrow(at, at + axis * length, color);
+        }
+        gizmos.arrow(at, at + 0.25 * state.velocity.as_vec3(), Color::WHITE);
+    }
+}
+
+/// Contact points of the hero during the last step: a cross where it touches, an arrow along the
+/// normal, as long as the impulse over the body's weight in that step.
+pub fn draw_contacts(
+    mut contacts: MessageReader<FloorContact>,
+    session: Res<Session>,
+    hero: Query<(&RigidBox, Entity), With<Hero>>,
+    fixed: Res<Time<Fixed>>,
+    mut shown: Local<Vec<(FloorContact, f32)>>,
+    time: Res<Time<Real>>,
+    mut gizmos: Gizmos,
+) {
+    // A bounce lasts one step: keep what it showed for a tenth of a second.
+    for (_, age) in &mut *shown {
+        *age += time.delta_secs();
+    }
+    shown.retain(|(_, age)| *age < 0.1);
+    for contact in contacts.read() {
+        shown.retain(|(old, _)| old.corner != contact.corner);
+        if contact.phase != ContactPhase::Ended {
+            shown.push((*contact, 0.0));
+        }
+    }
+    let Some((body, entity)) = hero.iter().next() else {
+        return;
+    };
+    if !session.show_contacts {
+        return;
+    }
+    let size = 0.15 * body.radius() as f32;
+    let weight = body.mass() * 9.81 * fixed.timestep().as_secs_f64();
+    for (contact, _) in shown.iter().filter(|(c, _)| c.entity == entity) {
+        let at = contact.point.as_vec3();
+        gizmos.cross(
+            Isometry3d::from_translation(at),
+            size,
+            Color::srgb_u8(213, 94, 0),
+        );
+        let length = (contact.normal_impulse / weight).min(20.0) as f32 * 4.0 * size;
+        gizmos.arrow(
+            at,
+            at + Vec3::Y * length.max(size),
+            Color::srgb_u8(213, 94, 0),
+        );
+    }
+}

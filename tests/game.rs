@@ -1,0 +1,518 @@
+//! The game without a window: keys, actions, scenes, log, all through the same systems as with one.
+
+use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
+use bevy::input::{ButtonState, InputPlugin};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_game::action::{Action, Push};
+use box_game::app::{GamePlugin, open_log};
+use box_game::apply::Asked;
+use box_game::cli::Cli;
+use box_game::input::UiFocus;
+use box_game::sampling::SchemeSamples;
+use box_game::session::{Hero, Session};
+use box_physics::prelude::*;
+use clap::Parser;
+
+fn game(arguments: &[&str]) -> App {
+    let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid");
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    // The fixed clock does not run on the first update.
+    app.update();
+    open_log(&mut app, &cli).expect("writable");
+    app
+}
+
+fn key(app: &mut App, key_code: KeyCode, state: ButtonState) {
+    let window = Entity::PLACEHOLDER;
+    app.world_mut().write_message(KeyboardInput {
+        key_code,
+        logical_key: logical(key_code),
+        state,
+        text: None,
+        repeat: false,
+        window,
+    });
+}
+
+/// What the key types on a US keyboard.
+fn logical(code: KeyCode) -> Key {
+    let name = format!("{code:?}");
+    let character = match code {
+        KeyCode::Period => ".".to_owned(),
+        KeyCode::BracketLeft => "[".to_owned(),
+        KeyCode::BracketRight => "]".to_owned(),
+        KeyCode::Minus => "-".to_owned(),
+        KeyCode::Equal => "=".to_owned(),
+        _ => match name.strip_prefix("Key").or(name.strip_prefix("Digit")) {
+            Some(character) => character.to_lowercase(),
+            None => return Key::Unidentified(NativeKey::Unidentified),
+        },
+    };
+    Key::Character(character.into())
+}
+
+/// Presses and releases, one update.
+fn tap(app: &mut App, code: KeyCode) {
+    key(app, code, ButtonState::Pressed);
+    app.update();
+    key(app, code, ButtonState::Released);
+}
+
+fn with(app: &mut App, modifier: KeyCode, code: KeyCode) {
+    key(app, modifier, ButtonState::Pressed);
+    tap(app, code);
+    key(app, modifier, ButtonState::Released);
+    app.update();
+}
+
+fn hero(app: &mut App) -> BodyState {
+    *app.world_mut()
+        .query_filtered::<&BodyState, With<Hero>>()
+        .single(app.world())
+        .expect("one hero")
+}
+
+fn ask(app: &mut App, action: Action) {
+    app.world_mut().resource_mut::<Asked>().0.push(action);
+    app.update();
+}
+
+#[test]
+fn the_clock_is_60_hz_by_default() {
+    let app = game(&[]);
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    assert_eq!(step, Time::<Fixed>::from_hz(60.0).timestep());
+}
+
+#[test]
+fn keys_push_along_the_box_s_own_axes() {
+    for (code, direction) in [
+        (KeyCode::KeyD, DVec3::X),
+        (KeyCode::KeyA, DVec3::NEG_X),
+        (KeyCode::KeyE, DVec3::Y),
+        (KeyCode::KeyQ, DVec3::NEG_Y),
+        (KeyCode::KeyS, DVec3::Z),
+        (KeyCode::KeyW, DVec3::NEG_Z),
+    ] {
+        let mut app = game(&["dzhanibekov"]);
+        app.insert_resource(GlobalIntegrator(Integrator::Rk4));
+        let before = hero(&mut app);
+        tap(&mut app, code);
+        let after = hero(&mut app);
+        // The scene's push changes the velocity by 1 m/s along the box's own axis at that moment.
+        let expected = before.rotation * direction;
+        assert!(
+            (after.velocity - before.velocity - expected).length() < 1e-12,
+            "{code:?}"
+        );
+        assert!((after.angular_momentum_world() - before.angular_momentum_world()).length() < 1e-6);
+    }
+}
+
+#[test]
+fn shift_pushes_off_centre_and_alt_along_the_world() {
+    let mut app = game(&["dzhanibekov"]);
+    let before = hero(&mut app);
+    with(&mut app, KeyCode::ShiftLeft, KeyCode::KeyD);
+    let spun = hero(&mut app);
+    assert!((spun.angular_momentum_world() - before.angular_momentum_world()).length() > 0.1);
+    let mut app = game(&["dzhanibekov"]);
+    for _ in 0..100 {
+        app.update();
+    }
+    let before = hero(&mut app);
+    with(&mut app, KeyCode::AltLeft, KeyCode::KeyD);
+    assert!((hero(&mut app).velocity - before.velocity - DVec3::X).length() < 1e-12);
+}
+
+#[test]
+fn a_chord_within_one_slow_frame_counts() {
+    let mut app = game(&["throw"]);
+    for state in [ButtonState::Pressed, ButtonState::Released] {
+        key(&mut app, KeyCode::ControlLeft, state);
+        key(&mut app, KeyCode::KeyQ, state);
+    }
+    app.update();
+    assert_eq!(app.should_exit(), Some(AppExit::Success));
+}
+
+#[test]
+fn a_held_key_repeats_ten_times_a_second() {
+    let mut app = game(&["dzhanibekov"]);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(
+        std::time::Duration::from_millis(20),
+    ));
+    app.update();
+    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    key(&mut app, KeyCode::KeyD, ButtonState::Pressed);
+    // 1.01 s of frames: at once, and then every tenth of a second.
+    for _ in 0..51 {
+        app.update();
+    }
+    let events = app.world().resource::<Session>().events.clone();
+    let pushes = events.iter().filter(|e| e.starts_with("push")).count();
+    assert!((10..=11).contains(&pushes), "{pushes}");
+}
+
+#[test]
+fn letters_belong_to_a_text_field_that_is_typed_into() {
+    let mut app = game(&["dzhanibekov"]);
+    app.insert_resource(UiFocus {
+        text: true,
+        widget: true,
+        pointer: false,
+    });
+    let before = hero(&mut app);
+    tap(&mut app, KeyCode::KeyD);
+    tap(&mut app, KeyCode::KeyP);
+    assert!((hero(&mut app).velocity - before.velocity).length() < 1e-12);
+    assert!(!app.world().resource::<PhysicsClock>().paused);
+    // A focused slider: P still pauses, Space belongs to the slider.
+    app.insert_resource(UiFocus {
+        text: false,
+        widget: true,
+        pointer: false,
+    });
+    tap(&mut app, KeyCode::Space);
+    assert!(!app.world().resource::<PhysicsClock>().paused);
+    tap(&mut app, KeyCode::KeyP);
+    assert!(app.world().resource::<PhysicsClock>().paused);
+}
+
+#[test]
+fn digits_choose_schemes_while_it_flies() {
+    let mut app = game(&["throw"]);
+    let digits = [
+        KeyCode::Digit1,
+        KeyCode::Digit2,
+        KeyCode::Digit3,
+        KeyCode::Digit4,
+        KeyCode::Digit5,
+    ];
+    for (k, code) in digits.into_iter().enumerate() {
+        tap(&mut app, code);
+        assert_eq!(
+            app.world().resource::<GlobalIntegrator>().0,
+            Integrator::ALL[k]
+        );
+    }
+}
+
+#[test]
+fn pause_and_single_step_are_exact_to_the_step() {
+    let mut app = game(&["throw"]);
+    tap(&mut app, KeyCode::Space);
+    let (state, steps) = (
+        hero(&mut app),
+        app.world().resource::<PhysicsClock>().steps(),
+    );
+    for _ in 0..5 {
+        app.update();
+    }
+    assert_eq!(hero(&mut app), state);
+    // In the same frame, exactly one step.
+    tap(&mut app, KeyCode::Period);
+    assert_eq!(app.world().resource::<PhysicsClock>().steps(), steps + 1);
+    let mut expected = state;
+    let session = app.world().resource::<Session>();
+    let setup = session.setup();
+    let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();
+    let law = Gravity(setup.forces.gravity);
+    Integrator::Split.step(
+        &setup.body,
+        &mut expected,
+        &law,
+        h,
+        &mut SchemeMemory::default(),
+    );
+    assert_eq!(hero(&mut app), expected);
+    with(&mut app, KeyCode::ShiftLeft, KeyCode::Period);
+    assert_eq!(app.world().resource::<PhysicsClock>().steps(), steps + 11);
+}
+
+#[test]
+fn restart_repeats_the_course_bit_for_bit() {
+    let mut app = game(&["throw"]);
+    ask(&mut app, Action::Restart);
+    let mut first = Vec::new();
+    for _ in 0..50 {
+        app.update();
+        first.push(hero(&mut app));
+    }
+    ask(&mut app, Action::Restart);
+    for expected in first {
+        app.update();
+        assert_eq!(hero(&mut app), expected);
+    }
+}
+
+#[test]
+fn parameters_are_live_or_restart_and_bad_ones_are_refused() {
+    let mut app = game(&["playground"]);
+    ask(&mut app, Action::SetGravity(1.5));
+    assert_eq!(app.world().resource::<WorldGravity>().0, DVec3::NEG_Y * 1.5);
+    ask(&mut app, Action::SetRestitution(0.75));
+    ask(&mut app, Action::SetFriction(0.1));
+    let floor = *app.world().resource::<Floor>();
+    assert_eq!((floor.restitution, floor.friction), (0.75, 0.1));
+    ask(&mut app, Action::SetLinearDrag(0.5));
+    let drag = app
+        .world_mut()
+        .query_filtered::<&LinearDrag, With<Hero>>()
+        .single(app.world())
+        .map(|d| d.0);
+    assert_eq!(drag.ok(), Some(0.5));
+    ask(&mut app, Action::SetLinearDrag(0.0));
+    assert!(
+        app.world_mut()
+            .query::<&LinearDrag>()
+            .iter(app.world())
+            .next()
+            .is_none(),
+        "no drag, no drag work"
+    );
+    ask(&mut app, Action::SetMass(2.5));
+    let mass = app
+        .world_mut()
+        .query_filtered::<&RigidBox, With<Hero>>()
+        .single(app.world())
+        .map(RigidBox::mass);
+    assert_eq!(mass.ok(), Some(2.5));
+    for bad in [
+        Action::SetMass(-1.0),
+        Action::SetRestitution(2.0),
+        Action::SetGravity(f64::NAN),
+        Action::SetHalfExtents(DVec3::ZERO),
+    ] {
+        ask(&mut app, bad.clone());
+        let said = app
+            .world()
+            .resource::<Session>()
+            .notices
+            .back()
+            .cloned()
+            .unwrap_or_default();
+        assert!(said.contains("not possible"), "{bad:?}: {said}");
+    }
+    ask(&mut app, Action::ResetParameters);
+    let session = app.world().resource::<Session>();
+    assert_eq!(session.parameters, session.defaults);
+}
+
+#[test]
+fn step_and_substeps_change_live() {
+    let mut app = game(&["throw"]);
+    ask(&mut app, Action::SetStep(1.0 / 120.0));
+    ask(&mut app, Action::SetSubsteps(3));
+    let steps = app.world().resource::<PhysicsClock>().steps();
+    app.update();
+    let clock = app.world().resource::<PhysicsClock>();
+    assert_eq!(clock.steps(), steps + 3);
+    assert!((clock.step() - 1.0 / 360.0).abs() < 1e-9);
+}
+
+#[test]
+fn every_scene_starts_and_runs_with_every_scheme() {
+    let mut app = game(&[]);
+    for _ in 0..box_scenarios::Scenario::ALL.len() {
+        tap(&mut app, KeyCode::BracketRight);
+        for &integrator in Integrator::ALL {
+            ask(&mut app, Action::SetIntegrator(integrator));
+            app.update();
+        }
+        assert!(
+            hero(&mut app).is_sound(),
+            "{}",
+            app.world().resource::<Session>().scenario.id
+        );
+    }
+    assert_eq!(
+        app.world().resource::<Session>().scenario.id,
+        "dzhanibekov",
+        "once round"
+    );
+}
+
+#[test]
+fn more_boxes_are_a_load() {
+    let mut app = game(&["load", "--boxes", "250"]);
+    app.update();
+    let boxes = app
+        .world_mut()
+        .query::<&RigidBox>()
+        .iter(app.world())
+        .count();
+    assert_eq!(boxes, 250);
+    ask(&mut app, Action::SetBoxes(3));
+    assert_eq!(
+        app.world_mut()
+            .query::<&RigidBox>()
+            .iter(app.world())
+            .count(),
+        3
+    );
+}
+
+#[test]
+fn every_scheme_is_timed_whichever_is_in_use() {
+    let mut app = game(&["throw"]);
+    for _ in 0..2 * Integrator::ALL.len() {
+        app.update();
+    }
+    let samples = app.world().resource::<SchemeSamples>();
+    for &i in Integrator::ALL {
+        let (min, median, p95) = samples.statistics(i).expect("sampled");
+        assert!(0.0 < min && min <= median && median <= p95, "{i}");
+        assert!(samples.history(i).count() >= 1);
+    }
+}
+
+#[test]
+fn the_log_has_a_row_per_step_and_says_what_was_done() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("log.csv");
+    let mut app = game(&["throw", "--log", path.to_str().expect("utf-8")]);
+    app.update();
+    ask(&mut app, Action::SetIntegrator(Integrator::Rk4));
+    let push = Push {
+        direction: DVec3::Y,
+        world: true,
+        off_centre: false,
+    };
+    ask(&mut app, Action::Push(push));
+    app.update();
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(&path)
+        .expect("readable");
+    let columns = reader.headers().expect("a header").clone();
+    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
+    let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+    assert_eq!(rows.len(), 4);
+    let (time, event, error) = (at("sim_t_s"), at("event"), at("pos_err_m"));
+    assert!(rows[1][event].contains("integrator rk4"));
+    assert!(rows[2][event].contains("push 0.000 "));
+    let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();
+    let first: f64 = rows[0][time].parse().expect("a number");
+    let second: f64 = rows[1][time].parse().expect("a number");
+    assert!((second - first - h).abs() < 1e-12);
+    // Known until the push, unknown after.
+    assert!(rows[1][error].parse::<f64>().expect("known") < 1e-9);
+    assert!(rows[2][error].is_empty());
+}
+
+#[test]
+fn a_hitch_drops_time_and_says_how_much() {
+    let mut app = game(&["throw"]);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(
+        std::time::Duration::from_millis(1250),
+    ));
+    let steps = app.world().resource::<PhysicsClock>().steps();
+    app.update();
+    let taken = app.world().resource::<PhysicsClock>().steps() - steps;
+    assert!(
+        taken <= 16,
+        "{taken} steps of a sixtieth in a frame of a quarter second"
+    );
+    let dropped = app.world().resource::<Session>().dropped;
+    assert!((dropped - 1.0).abs() < 1e-9, "{dropped}");
+}
+
+#[test]
+fn it_ends_after_the_duration_asked_for() {
+    let mut app = game(&["throw", "--duration", "0.1"]);
+    let mut updates = 0;
+    while app.should_exit().is_none() && updates < 100 {
+        app.update();
+        updates += 1;
+    }
+    assert_eq!(app.should_exit(), Some(AppExit::Success));
+    let t = app
+        .world()
+        .resource::<PhysicsClock>()
+        .elapsed()
+        .as_secs_f64();
+    assert!((0.099..0.12).contains(&t), "{t}");
+}
+
+#[test]
+fn the_log_stays_right_across_a_change_of_the_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("log.csv");
+    let mut app = game(&["throw", "--log", path.to_str().expect("utf-8")]);
+    for _ in 0..30 {
+        app.update();
+    }
+    ask(&mut app, Action::SetStep(1.0 / 120.0));
+    ask(&mut app, Action::SetSubsteps(3));
+    for _ in 0..30 {
+        app.update();
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(&path)
+        .expect("readable");
+    let columns = reader.headers().expect("a header").clone();
+    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
+    let mut last = 0.0;
+    let mut rows = 0;
+    for row in reader.records() {
+        let row = row.expect("a row");
+        let number = |name| row[at(name)].parse::<f64>().expect("a number");
+        assert!(number("sim_t_s") > last, "time goes on");
+        last = number("sim_t_s");
+        assert!(number("pos_err_m") < 1e-9, "at {last}");
+        assert!(number("angmom_rel") < 1e-12);
+        rows += 1;
+    }
+    assert!(rows >= 30 + 90);
+    let clock = app.world().resource::<PhysicsClock>();
+    assert!((clock.time() - last).abs() < 1e-12);
+}
+
+#[test]
+fn a_restart_while_paused_shows_the_start() {
+    let mut app = game(&["drop"]);
+    for _ in 0..20 {
+        app.update();
+    }
+    tap(&mut app, KeyCode::KeyP);
+    ask(&mut app, Action::SetMass(2.0));
+    app.update();
+    let (transform, state, aabb) = app
+        .world_mut()
+        .query_filtered::<(&Transform, &BodyState, &WorldAabb), With<Hero>>()
+        .single(app.world())
+        .expect("one hero");
+    assert_eq!(transform.translation, state.position.as_vec3());
+    assert!(transform.translation.y > 0.5);
+    assert!(f64::from(aabb.0.min.y) > 0.0 && f64::from(aabb.0.max.y) > state.position.y);
+    let run = app.world().resource::<Session>().run_id();
+    ask(&mut app, Action::Restart);
+    assert_ne!(app.world().resource::<Session>().run_id(), run);
+}
+
+#[test]
+fn the_trusted_answer_knows_changed_parameters_until_they_change_in_flight() {
+    let mut app = game(&["throw", "--boxes", "5"]);
+    assert!(
+        app.world().resource::<Session>().truth.is_some(),
+        "load does not disturb it"
+    );
+    ask(&mut app, Action::SetGravity(3.0));
+    assert!(
+        app.world().resource::<Session>().truth.is_none(),
+        "changed in flight"
+    );
+    ask(&mut app, Action::Restart);
+    app.update();
+    let session = app.world().resource::<Session>();
+    let clock = app.world().resource::<PhysicsClock>();
+    let truth = session.truth.as_ref().expect("from the start");
+    let reference = truth.at(clock.time()).expect("closed form");
+    let now = hero(&mut app);
+    assert!((now.position - reference.position).length() < 1e-9);
+}
