@@ -1,36 +1,24 @@
-//! The app: the game without a window, which tests drive, and what a window or a picture adds.
+//! The game without a window, which tests drive: physics, scene, keys, actions, log, timing, ending.
 
 use std::path::PathBuf;
 
 use bevy::app::AppExit;
-use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
-use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, SystemInformationDiagnosticsPlugin};
 use bevy::prelude::*;
-use bevy::window::{ExitCondition, PrimaryWindow, WindowResolution};
-use bevy_egui::{
-    EguiContexts, EguiGlobalSettings, EguiPlugin, EguiPrimaryContextPass, PrimaryEguiContext, egui,
-};
 use box_physics::prelude::{
-    BodyQuarantined, BodyState, GlobalIntegrator, PhysicsClock, PhysicsPlugins, PhysicsSchedule,
-    PhysicsSystems, RigidBox,
+    BodyQuarantined, BodyState, PhysicsClock, PhysicsPlugins, PhysicsSchedule, PhysicsSystems,
+    RigidBox,
 };
 use box_scenarios::Scenario;
 
 use crate::apply::{Asked, apply_actions, set_step};
-use crate::camera::{OrbitCamera, move_camera};
 use crate::cli::Cli;
 use crate::csv_log::CsvLog;
 use crate::history::{History, count_dropped, record};
 use crate::input::{UiFocus, read_keys};
-use crate::panel::{self, PanelMemory};
-use crate::panel_view::{self, Sources};
+use crate::row_log;
 use crate::sampling::{SchemeSamples, sample_schemes};
-use crate::screenshot::{OffscreenTarget, ScreenshotRequest, take_screenshot};
+use crate::screenshot::ScreenshotRequest;
 use crate::session::{LONGEST_FRAME, SceneEntity, Session, choose, start_scene};
-use crate::{row_log, visuals};
-
-/// Size of the window and of offscreen pictures \[pixels\].
-pub const SIZE: (u32, u32) = (1280, 720);
 
 /// When to end by itself.
 #[derive(Resource, Clone, Debug, Default)]
@@ -193,227 +181,4 @@ fn end(
         }
         Some(_) => {}
     }
-}
-
-/// Everything that needs a renderer: picture and panel, in a window or into an image.
-pub struct PicturePlugin {
-    /// Into an image instead of a window.
-    pub offscreen: bool,
-}
-
-/// The camera of the panel.
-#[derive(Component)]
-struct PanelCamera;
-
-/// What the panel keeps between frames.
-#[derive(Resource, Default)]
-struct PanelState {
-    memory: PanelMemory,
-    scenes: Vec<(String, String)>,
-}
-
-impl Plugin for PicturePlugin {
-    fn build(&self, app: &mut App) {
-        let offscreen = self.offscreen;
-        app.insert_resource(ClearColor(Color::srgb(0.10, 0.115, 0.14)))
-            .insert_resource(PanelState {
-                scenes: panel_view::scenes(),
-                ..default()
-            })
-            .add_systems(
-                Startup,
-                (
-                    visuals::set_up,
-                    move |mut commands: Commands,
-                          mut images: ResMut<Assets<Image>>,
-                          mut egui: ResMut<EguiGlobalSettings>,
-                          session: Res<Session>| {
-                        egui.auto_create_primary_context = false;
-                        let target = if offscreen {
-                            let image = images.add(offscreen_image());
-                            commands.insert_resource(OffscreenTarget(image.clone()));
-                            RenderTarget::Image(image.into())
-                        } else {
-                            RenderTarget::default()
-                        };
-                        spawn_cameras(&mut commands, &session, &target);
-                    },
-                )
-                    .chain(),
-            )
-            .add_systems(
-                Update,
-                (
-                    move_camera,
-                    visuals::dress_boxes,
-                    visuals::place_floor,
-                    visuals::draw_aabbs,
-                    visuals::draw_axes,
-                    visuals::draw_contacts,
-                    take_screenshot,
-                ),
-            )
-            .add_systems(EguiPrimaryContextPass, show_panel);
-        #[cfg(feature = "gamepad")]
-        app.add_systems(Update, crate::gamepad::turn_camera.before(move_camera));
-        if !offscreen {
-            app.add_systems(Update, title);
-        }
-    }
-}
-
-fn offscreen_image() -> Image {
-    use bevy::render::render_resource::{TextureFormat, TextureUsages};
-    let mut image = Image::new_target_texture(SIZE.0, SIZE.1, TextureFormat::Rgba8UnormSrgb, None);
-    image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-    image
-}
-
-fn spawn_cameras(commands: &mut Commands, session: &Session, target: &RenderTarget) {
-    let orbit = OrbitCamera::home(session);
-    commands.spawn((
-        Camera3d::default(),
-        orbit,
-        orbit.transform(),
-        target.clone(),
-        Msaa::Sample4,
-    ));
-    commands.spawn((
-        PanelCamera,
-        PrimaryEguiContext,
-        Camera2d,
-        Camera {
-            order: 1,
-            clear_color: ClearColorConfig::None,
-            ..default()
-        },
-        target.clone(),
-        bevy::camera::visibility::RenderLayers::none(),
-    ));
-}
-
-/// Draws the panel, takes its requests, and gives the picture the room that is left.
-fn show_panel(
-    mut contexts: EguiContexts,
-    sources: Sources,
-    mut state: ResMut<PanelState>,
-    mut asked: ResMut<Asked>,
-    mut focus: ResMut<UiFocus>,
-    mut camera: Single<&mut Camera, With<OrbitCamera>>,
-    window: Query<&Window, With<PrimaryWindow>>,
-) -> Result {
-    let context = contexts.ctx_mut()?;
-    let mut ui = egui::Ui::new(
-        context.clone(),
-        "game".into(),
-        egui::UiBuilder::new()
-            .layer_id(egui::LayerId::background())
-            .max_rect(context.viewport_rect()),
-    );
-    let state = &mut *state;
-    let view = panel_view::view(&sources, &state.scenes);
-    let layout = panel::show(&mut ui, &view, &mut state.memory, &mut asked.0);
-    *focus = UiFocus {
-        text: context.text_edit_focused(),
-        widget: context.egui_wants_keyboard_input(),
-        pointer: context.egui_wants_pointer_input()
-            || context
-                .pointer_latest_pos()
-                .is_some_and(|p| !layout.central.contains(p)),
-    };
-    let scale = context.pixels_per_point();
-    let (width, height) = window
-        .iter()
-        .next()
-        .map_or(SIZE, |w| (w.physical_width(), w.physical_height()));
-    let at = UVec2::new(
-        ((layout.central.min.x * scale) as u32).min(width.saturating_sub(1)),
-        ((layout.central.min.y * scale) as u32).min(height.saturating_sub(1)),
-    );
-    let size = UVec2::new(
-        ((layout.central.width() * scale) as u32).clamp(1, (width - at.x).max(1)),
-        ((layout.central.height() * scale) as u32).clamp(1, (height - at.y).max(1)),
-    );
-    let viewport = Viewport {
-        physical_position: at,
-        physical_size: size,
-        ..default()
-    };
-    let same = camera.viewport.as_ref().is_some_and(|v| {
-        v.physical_position == viewport.physical_position
-            && v.physical_size == viewport.physical_size
-    });
-    if !same {
-        camera.viewport = Some(viewport);
-    }
-    Ok(())
-}
-
-fn title(
-    mut window: Single<&mut Window, With<PrimaryWindow>>,
-    session: Res<Session>,
-    integrator: Res<GlobalIntegrator>,
-) {
-    let title = format!(
-        "box_game – {} – {} – f64",
-        session.scenario.title, integrator.0
-    );
-    if window.title != title {
-        window.title = title;
-    }
-}
-
-/// Bevy's plugins for a window, or for pictures without one.
-pub fn renderer(offscreen: bool) -> bevy::app::PluginGroupBuilder {
-    let plugins = DefaultPlugins.set(crate::logging::plugin());
-    if offscreen {
-        plugins
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(bevy::render::RenderPlugin {
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<bevy::winit::WinitPlugin>()
-    } else {
-        plugins.set(WindowPlugin {
-            primary_window: Some(Window {
-                title: "box_game".to_owned(),
-                name: Some("box_game".to_owned()),
-                resolution: WindowResolution::from(SIZE),
-                ..default()
-            }),
-            ..default()
-        })
-    }
-}
-
-/// The game with its picture.
-pub fn build(cli: &Cli) -> std::io::Result<App> {
-    let mut app = App::new();
-    app.add_plugins(renderer(cli.offscreen))
-        .add_plugins((
-            MeshPickingPlugin,
-            EguiPlugin::default(),
-            FrameTimeDiagnosticsPlugin::default(),
-            SystemInformationDiagnosticsPlugin,
-        ))
-        .add_plugins((
-            GamePlugin { cli: cli.clone() },
-            PicturePlugin {
-                offscreen: cli.offscreen,
-            },
-        ));
-    if cli.offscreen {
-        // One step a frame, so that a picture shows a known time however slow the renderer is.
-        app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));
-        app.add_plugins(bevy::app::ScheduleRunnerPlugin::run_loop(
-            core::time::Duration::ZERO,
-        ));
-    }
-    open_log(&mut app, cli)?;
-    Ok(app)
 }

@@ -1,7 +1,7 @@
 //! Push a box about and compare numerical integrators live: speed against error.
 //!
 //! [`app::GamePlugin`] is the game without a window: scene, keys, actions, log, timing. What needs a
-//! renderer is [`app::PicturePlugin`]. The panel is a pure function of plain data ([`panel`]). The
+//! renderer is [`picture::PicturePlugin`]. The panel is a pure function of plain data ([`panel`]). The
 //! comparison without a display is [`headless`].
 
 pub mod action;
@@ -20,6 +20,7 @@ pub mod lane;
 pub mod logging;
 pub mod panel;
 pub mod panel_view;
+pub mod picture;
 pub mod row_log;
 pub mod sampling;
 pub mod screenshot;

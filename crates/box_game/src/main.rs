@@ -5,10 +5,10 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use bevy::app::AppExit;
-use box_game::app;
 use box_game::cli::{self, Cli};
 use box_game::display::{self, Need};
 use box_game::headless::{self, Comparison};
+use box_game::picture;
 use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
         eprintln!("\nRunning the comparison without a window instead (as with --headless):\n");
         return compare(&cli);
     }
-    match app::build(&cli) {
+    match picture::build(&cli) {
         Ok(mut app) => match app.run() {
             AppExit::Success => ExitCode::SUCCESS,
             AppExit::Error(code) => ExitCode::from(code.get()),

@@ -15,8 +15,10 @@
 
 mod columns;
 mod components;
+mod intake;
 mod messages;
 mod resources;
+mod run;
 mod step;
 mod systems;
 mod timing;
@@ -28,7 +30,7 @@ pub use components::{
 pub(crate) use components::{NearFloor, WrittenTransform};
 pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint};
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-pub use systems::StepPhysics;
+pub use run::StepPhysics;
 pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
 
 use bevy::app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
@@ -134,7 +136,7 @@ impl Plugin for PhysicsPlugin {
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
             .init_resource::<ContactSettings>()
-            .init_resource::<systems::PendingImpulses>()
+            .init_resource::<intake::PendingImpulses>()
             .add_message::<ApplyImpulse>()
             .add_message::<FloorContact>()
             .add_message::<BodyQuarantined>()
@@ -183,8 +185,8 @@ impl Plugin for PhysicsPlugin {
             (
                 (
                     timing::begin_step,
-                    systems::take_teleports,
-                    systems::apply_impulses,
+                    intake::take_teleports,
+                    intake::apply_impulses,
                 )
                     .chain()
                     .in_set(PhysicsSystems::Impulses),
@@ -196,9 +198,9 @@ impl Plugin for PhysicsPlugin {
         app.add_systems(
             self.schedule,
             (
-                systems::place_new_bodies,
-                systems::collect_impulses,
-                systems::run_physics,
+                intake::place_new_bodies,
+                intake::collect_impulses,
+                run::run_physics,
             )
                 .chain(),
         );

@@ -65,7 +65,9 @@ pub(super) fn write_table<'a>(
     out: &mut impl Write,
 ) -> io::Result<()> {
     let mut current = None;
+    let mut unconverged = 0;
     for row in rows {
+        unconverged += row.measured.totals.unconverged;
         if current != Some(&row.case.name) {
             let gap = if current.is_some() { "\n" } else { "" };
             writeln!(
@@ -117,13 +119,20 @@ pub(super) fn write_table<'a>(
             count(m.totals.fallbacks),
             row.ns_per_step
                 .map_or_else(|| "-".to_owned(), |ns| format!("{ns:.0}")),
-            status(m.status),
+            match m.totals.unconverged {
+                0 => status(m.status),
+                n => format!("{}, {n} not converged", status(m.status)),
+            },
         )?;
     }
     if current.is_some() {
         writeln!(
             out,
             "\nerrors: maximum over the samples; evals: force evaluations per step; L and E relative to the start"
+        )?;
+        writeln!(
+            out,
+            "steps whose iteration ended at its cap instead of its tolerance: {unconverged}"
         )?;
     }
     Ok(())

@@ -1,0 +1,102 @@
+//! What a step takes in before it moves anything: new bodies, teleports, impulses.
+
+use bevy::ecs::change_detection::DetectChangesMut;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::message::{MessageCursor, Messages};
+use bevy::ecs::query::{Added, Has};
+use bevy::ecs::resource::Resource;
+use bevy::ecs::system::{Local, Query, Res, ResMut};
+use bevy::transform::components::Transform;
+use log::warn;
+
+use super::components::{Quarantined, WorldAabb, WrittenTransform};
+use super::messages::ApplyImpulse;
+use crate::body::RigidBox;
+use crate::state::BodyState;
+
+/// Impulses that wait for the next step, in order of arrival.
+#[derive(Resource, Default)]
+pub(crate) struct PendingImpulses {
+    cursor: MessageCursor<ApplyImpulse>,
+    queue: Vec<ApplyImpulse>,
+}
+
+/// Takes impulses out of the message buffer every tick, so that those asked for while paused are not
+/// lost with it.
+pub(crate) fn collect_impulses(
+    messages: Res<Messages<ApplyImpulse>>,
+    mut pending: ResMut<PendingImpulses>,
+) {
+    let PendingImpulses { cursor, queue } = &mut *pending;
+    queue.extend(cursor.read(&messages));
+}
+
+/// Bodies whose `Transform` somebody changed are there now.
+pub(crate) fn take_teleports(
+    mut bodies: Query<(Entity, &Transform, &WrittenTransform, &mut BodyState)>,
+    mut warned: Local<bool>,
+) {
+    for (entity, transform, written, mut state) in &mut bodies {
+        let taken = written.take_teleport(transform, state.bypass_change_detection());
+        if taken.is_err() && !core::mem::replace(&mut *warned, true) {
+            warn!(
+                "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
+            );
+        }
+    }
+}
+
+/// The impulses asked for, in order of arrival. One that cannot be applied is dropped: its body is
+/// gone or quarantined, or it would leave a state that is not finite.
+pub(crate) fn apply_impulses(
+    mut pending: ResMut<PendingImpulses>,
+    mut bodies: Query<(&RigidBox, &mut BodyState, Has<Quarantined>)>,
+    mut warned: Local<bool>,
+) {
+    for impulse in pending.queue.drain(..) {
+        let reason = match bodies.get_mut(impulse.entity) {
+            Ok((body, mut state, false)) => {
+                let mut pushed = *state;
+                impulse.apply(body, &mut pushed);
+                if pushed.is_sound() || !state.is_sound() {
+                    *state = pushed;
+                    continue;
+                }
+                "is not finite"
+            }
+            Ok((.., true)) => "is for a quarantined body",
+            Err(_) => "is for an entity that is no body (any more)",
+        };
+        if !core::mem::replace(&mut *warned, true) {
+            let entity = impulse.entity;
+            warn!("box_physics: an impulse on {entity} {reason}; dropped (said once)");
+        }
+    }
+}
+
+/// Places new bodies at once, also while paused: their `Transform` and bounding box show where they
+/// start before the first step.
+pub(crate) fn place_new_bodies(
+    mut bodies: Query<
+        (
+            &RigidBox,
+            &mut BodyState,
+            &mut WrittenTransform,
+            &mut Transform,
+            Option<&mut WorldAabb>,
+        ),
+        Added<RigidBox>,
+    >,
+) {
+    for (body, mut state, mut written, mut transform, aabb) in &mut bodies {
+        if written.take_teleport(&transform, &mut state).is_err() {
+            continue;
+        }
+        *written = WrittenTransform::of(&state);
+        transform.translation = written.translation;
+        transform.rotation = written.rotation;
+        if let Some(mut aabb) = aabb {
+            *aabb = WorldAabb::of(body, &state);
+        }
+    }
+}

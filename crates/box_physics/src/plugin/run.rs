@@ -1,0 +1,73 @@
+//! The clock's ticks: when the schedule runs, and the single step.
+
+use bevy::ecs::system::{Command, Local};
+use bevy::ecs::world::World;
+use bevy::time::Time;
+use log::warn;
+
+use super::PhysicsSchedule;
+use super::intake::collect_impulses;
+use super::resources::PhysicsClock;
+
+/// Runs the physics by one tick of the clock of this schedule, unless it is paused.
+pub(crate) fn run_physics(world: &mut World, mut warned: Local<bool>) {
+    if world.resource::<PhysicsClock>().paused {
+        return;
+    }
+    let Some(time) = world.get_resource::<Time>() else {
+        if !core::mem::replace(&mut *warned, true) {
+            warn!("box_physics: there is no `Time` resource (TimePlugin), so nothing moves");
+        }
+        return;
+    };
+    let delta = time.delta();
+    tick(world, delta);
+}
+
+/// Runs one tick of `delta`, divided into the clock's substeps. A tick of zero changes nothing.
+fn tick(world: &mut World, delta: core::time::Duration) {
+    if delta.is_zero() {
+        return;
+    }
+    let substeps = world.resource::<PhysicsClock>().substeps.clamp(1, 1024);
+    world.resource_mut::<PhysicsClock>().step = delta.as_secs_f64() / f64::from(substeps);
+    for substep in 1..=substeps {
+        world.resource_mut::<PhysicsClock>().into_tick = substep;
+        world.run_schedule(PhysicsSchedule);
+        world.resource_mut::<PhysicsClock>().steps += 1;
+    }
+    let mut clock = world.resource_mut::<PhysicsClock>();
+    clock.into_tick = 0;
+    clock.elapsed += delta;
+}
+
+/// Command: takes this many ticks of `Time<Fixed>` at once, paused or not: the single step.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn on_step_button(mut commands: Commands) {
+///     commands.queue(StepPhysics(1));
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepPhysics(pub u32);
+
+impl Command for StepPhysics {
+    type Out = ();
+
+    fn apply(self, world: &mut World) {
+        let Some(time) = world.get_resource::<Time<bevy::time::Fixed>>() else {
+            warn!("box_physics: StepPhysics needs `Time<Fixed>` (TimePlugin)");
+            return;
+        };
+        let delta = time.timestep();
+        // Impulses asked for in this frame belong to this step.
+        if let Err(error) = world.run_system_cached(collect_impulses) {
+            warn!("box_physics: impulses could not be collected: {error}");
+        }
+        for _ in 0..self.0 {
+            tick(world, delta);
+        }
+    }
+}
