@@ -150,7 +150,8 @@ pub struct Stability {
     pub rotation: Limit,
     /// c₁ h / m of linear drag.
     pub drag: Limit,
-    /// √(k/m) h of an undamped spring.
+    /// √(k/m) h of an undamped spring at the centre of mass. At a corner a spring turns the box as well,
+    /// which an implicit scheme's iteration may not follow at extreme stiffness (then counted).
     pub oscillator: Limit,
 }
 
