@@ -17,8 +17,9 @@
 //!    starts from zero, so of the many distributions of load on four corners it picks the even one.
 //!    (De Saxcé's form of the law, Math. Comput. Modelling 28 (1998) 225, converges as fast below
 //!    µ = 0.5, but not for µ above 2.)
-//! 4. Where friction is so strong that this does not converge: Gauss–Seidel, corner by corner.
+//! 4. What has not converged soon is left to Newton's method on the same equation (`newton`).
 
+mod newton;
 mod single;
 mod uniform;
 
@@ -39,11 +40,8 @@ pub(super) struct ConeSolution {
     pub(super) converged: bool,
 }
 
-/// Gradient steps before Gauss–Seidel takes over: 99 of 100 random impacts need fewer than 400, but the
-/// last may need a thousand.
-const GRADIENT_STEPS: u32 = 1500;
-/// Gauss–Seidel sweeps before friction gives way.
-const SWEEPS: u32 = 150;
+/// Gradient steps before Newton's method takes over, with friction: 98 of 100 random impacts need fewer.
+const GRADIENT_STEPS: u32 = 200;
 
 /// The normal part made positive, the tangential one cut to the disc that belongs to it.
 #[inline(always)]
@@ -114,26 +112,29 @@ fn attempt(
     if set.count == 1 {
         (solution.p[0], solution.converged) = single::solve(&set.block(0, alpha), b[0], friction);
         solution.iterations += 1;
-    } else if !stick(set, b, alpha, friction, &mut solution.p)
-        && !uniform::solve(set, b, alpha, friction, target, &mut solution.p)
-    {
-        let steps = max_iterations.min(GRADIENT_STEPS);
-        gradient(set, b, alpha, friction, target, steps, solution);
         if !solution.converged {
-            let sweeps = if friction > 0.0 {
-                SWEEPS
-            } else {
-                max_iterations
-            };
-            gauss_seidel(
-                set,
-                b,
-                alpha,
-                friction,
-                target,
-                sweeps.min(max_iterations),
-                solution,
-            );
+            newton::solve(set, b, alpha, friction, target, solution);
+        }
+    } else if stick(set, b, alpha, friction, &mut solution.p)
+        || uniform::solve(set, b, alpha, friction, target, &mut solution.p)
+    {
+        return;
+    } else {
+        // Without friction the problem is convex: gradients alone end it.
+        let patience = if friction > 0.0 {
+            GRADIENT_STEPS.min(max_iterations)
+        } else {
+            max_iterations
+        };
+        for steps in [patience, max_iterations] {
+            gradient(set, b, alpha, friction, target, steps, solution);
+            if solution.converged {
+                return;
+            }
+            newton::solve(set, b, alpha, friction, target, solution);
+            if solution.converged {
+                return;
+            }
         }
     }
 }
@@ -202,36 +203,6 @@ fn gradient(
     solution.p = previous;
 }
 
-/// One corner after the other, each solved exactly with the others' impulses as they are (Jean 1999;
-/// Jourdan, Alart, Jean, Comput. Methods Appl. Mech. Eng. 155 (1998) 31).
-fn gauss_seidel(
-    set: &ContactSet,
-    b: &Corner3,
-    alpha: f64,
-    friction: f64,
-    target: f64,
-    sweeps: u32,
-    solution: &mut ConeSolution,
-) {
-    let mut p = [DVec3::ZERO; 8];
-    for _ in 0..sweeps {
-        let mut change = 0.0_f64;
-        for i in 0..set.count {
-            let block = set.block(i, alpha);
-            let w = add(b, &set.response(&p), alpha, set.count);
-            let (next, _) = single::solve(&block, w[i] - block * p[i], friction);
-            change = change.max((block * (next - p[i])).length());
-            p[i] = next;
-        }
-        solution.iterations += 1;
-        if change <= target {
-            solution.converged = true;
-            break;
-        }
-    }
-    solution.p = p;
-}
-
 fn add(b: &Corner3, c: &Corner3, alpha: f64, n: usize) -> Corner3 {
     let mut sum = [DVec3::ZERO; 8];
     for i in 0..n {
@@ -250,73 +221,95 @@ mod tests {
     use crate::state::BodyState;
     use glam::DMat3;
 
-    /// Random touching sets and velocities: how far from the law, and at what cost.
+    /// `n` random touching sets and velocities: how many were not solved, and how far the others are from
+    /// the law.
+    fn examine(mu: f64, n: usize) -> (usize, f64) {
+        let mut random = Random(11);
+        let mut counts = Vec::new();
+        let mut failed = 0;
+        let mut worst = 0.0_f64;
+        for i in 0..n {
+            let mut side = || random.magnitude(0.02, 1.0);
+            let half = DVec3::new(side(), side(), side());
+            let body = RigidBox::new(half, 3.0).expect("valid");
+            let flat = i % 3 == 0;
+            let mut state = BodyState::at(DVec3::ZERO);
+            state.rotation = if flat {
+                crate::floor::tests::about(DVec3::Y, random.range(0.0, 6.0))
+            } else {
+                random.attitude()
+            };
+            state.velocity = random.vector(1.0);
+            let omega = random.vector(2.0 / body.radius());
+            state.set_angular_velocity(&body, omega);
+            let corners = Corners::at(&Floor::default(), &body, &state);
+            let mut order: Vec<usize> = (0..8).collect();
+            order.sort_by(|&a, &b| corners.height[a].total_cmp(&corners.height[b]));
+            let count = if flat { 4 } else { 1 + i % 2 };
+            let touching = mask(|k| order[..count].contains(&k));
+            let attitude = DMat3::from_quat(state.rotation);
+            let set = ContactSet::new(&body, attitude, &corners.lever, touching);
+            let b = set.velocities((state.velocity, state.angular_velocity(&body)));
+            let s = solve(&set, &b, 1.0, mu, 1e-12, 20_000);
+            counts.push(s.iterations);
+            if s.converged {
+                worst = worst.max(distance_from_the_law(&set, &b, &s, mu, body.mass()));
+            } else {
+                failed += 1;
+            }
+        }
+        counts.sort_unstable();
+        println!(
+            "mu {mu}: failed {failed} of {n}, iterations median {} 99 % {} worst {}, law {worst:.1e}",
+            counts[n / 2],
+            counts[n * 99 / 100],
+            counts[n - 1]
+        );
+        (failed, worst)
+    }
+
+    /// The largest violation of a condition of the law, in units of speed and momentum.
+    fn distance_from_the_law(
+        set: &ContactSet,
+        b: &Corner3,
+        s: &ConeSolution,
+        mu: f64,
+        mass: f64,
+    ) -> f64 {
+        let scale = set.largest(b);
+        let mut worst = 0.0_f64;
+        for k in 0..set.count {
+            let (p, w) = (s.p[k], s.w[k]);
+            let t = (p.x * p.x + p.z * p.z).sqrt();
+            let slip = (w.x * w.x + w.z * w.z).sqrt();
+            let against = p.x * w.x + p.z * w.z + mu * p.y * slip;
+            worst = worst
+                .max(-w.y / scale)
+                .max(p.y * w.y / (mass * scale * scale))
+                .max((t - mu * p.y) / (mass * scale))
+                .max(against.abs() / ((1.0 + mu) * mass * scale * scale));
+        }
+        worst
+    }
+
     #[test]
     fn coulombs_law_holds_for_random_impacts() {
         for mu in [0.0, 0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
-            let mut random = Random(11);
-            let mut counts = Vec::new();
-            let mut failed = 0;
-            let mut worst_converged = 0.0_f64;
-            for i in 0..2000 {
-                let half = DVec3::new(
-                    random.magnitude(0.02, 1.0),
-                    random.magnitude(0.02, 1.0),
-                    random.magnitude(0.02, 1.0),
-                );
-                let body = RigidBox::new(half, 3.0).expect("valid");
-                let flat = i % 3 == 0;
-                let mut state = BodyState::at(DVec3::ZERO);
-                state.rotation = if flat {
-                    crate::floor::tests::about(DVec3::Y, random.range(0.0, 6.0))
-                } else {
-                    random.attitude()
-                };
-                state.velocity = random.vector(1.0);
-                let omega = random.vector(2.0 / body.radius());
-                state.set_angular_velocity(&body, omega);
-                let corners = Corners::at(&Floor::default(), &body, &state);
-                let mut order: Vec<usize> = (0..8).collect();
-                order.sort_by(|&a, &b| corners.height[a].total_cmp(&corners.height[b]));
-                let count = if flat { 4 } else { 1 + i % 2 };
-                let touching = mask(|k| order[..count].contains(&k));
-                let attitude = DMat3::from_quat(state.rotation);
-                let set = ContactSet::new(&body, attitude, &corners.lever, touching);
-                let b = set.velocities((state.velocity, state.angular_velocity(&body)));
-                let s = solve(&set, &b, 1.0, mu, 1e-12, 20_000);
-                counts.push(s.iterations);
-                failed += u32::from(!s.converged);
-                let scale = set.largest(&b);
-                let mut worst = 0.0_f64;
-                for k in 0..set.count {
-                    let (p, w) = (s.p[k], s.w[k]);
-                    let t = (p.x * p.x + p.z * p.z).sqrt();
-                    let slip = (w.x * w.x + w.z * w.z).sqrt();
-                    let mass = 3.0;
-                    worst = worst
-                        .max(-w.y / scale)
-                        .max(p.y * w.y / (mass * scale * scale));
-                    worst = worst.max((t - mu * p.y) / (mass * scale));
-                    let against = p.x * w.x + p.z * w.z + mu * p.y * slip;
-                    worst = worst.max(against.abs() / ((1.0 + mu) * mass * scale * scale));
-                }
-                if s.converged {
-                    worst_converged = worst_converged.max(worst);
-                }
-            }
-            counts.sort_unstable();
-            // Round cones up to µ = 0.5 always; up to 2 all but a few in a thousand.
-            let allowed = match mu {
-                0.0..=0.5 => 0,
-                0.5..=2.0 => 10,
-                _ => 200,
-            };
+            let (failed, worst) = examine(mu, 2000);
+            // Friction like glue may have to give way once in a thousand.
+            let allowed = if mu > 10.0 { 2 } else { 0 };
             assert!(failed <= allowed, "mu {mu}: {failed} failed");
-            assert!(worst_converged <= 1e-10, "mu {mu}: {worst_converged:e}");
-            println!(
-                "mu {mu}: failed {failed}, iterations median {} 99 % {} worst {}, law {worst_converged:.1e}",
-                counts[1000], counts[1980], counts[1999]
-            );
+            assert!(worst <= 1e-10 * (1.0 + mu / 10.0), "mu {mu}: {worst:e}");
+        }
+    }
+
+    /// By hand: `cargo test --release -- --ignored coulombs_law_by_hand --nocapture`.
+    #[test]
+    #[ignore = "120 000 impacts; a part of them is solved with every test"]
+    fn coulombs_law_by_hand() {
+        for mu in [0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
+            let (failed, _) = examine(mu, 20_000);
+            assert!(failed <= if mu > 10.0 { 2 } else { 0 }, "mu {mu}");
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The acceptance examinations of the contact (numerics, section 7, cases 25 to 32).
+//! What must hold of the contact whatever the scene. (The measured hard cases 25 to 32 are
+//! `box_scenarios::contact_cases`.)
 
 mod bounce;
 mod react;
