@@ -1,0 +1,87 @@
+//! Random drops: what energy does (case 30), and how deep a corner gets (case 32). The seed is fixed.
+
+use box_physics::schemes::Integrator;
+use glam::{DQuat, DVec3};
+
+use super::Trial;
+
+/// Cubes, whose free rotation every scheme but the Euler methods does exactly, so that what the energy
+/// does is the contact's doing.
+pub(super) fn gain(integrator: Integrator) -> f64 {
+    let mut random = Random(1);
+    let mut worst = 0.0_f64;
+    for _ in 0..1000 {
+        let half = DVec3::splat(random.magnitude(0.005, 5.0));
+        let mut trial = random.drop(integrator, half, 300.0);
+        let h = random.magnitude(1e-5, 0.5);
+        let mut before = trial.energy();
+        for _ in 0..30 {
+            trial.run(h, 1);
+            let after = trial.energy();
+            worst = worst.max((after - before) / before);
+            before = after;
+        }
+        if !trial.state.is_finite() {
+            return f64::INFINITY;
+        }
+    }
+    worst
+}
+
+/// Thin plates.
+pub(super) fn depth(integrator: Integrator) -> f64 {
+    let mut random = Random(2);
+    let mut worst = 0.0_f64;
+    for _ in 0..1000 {
+        let half = DVec3::new(random.range(0.1, 1.0), 0.0025, random.range(0.1, 1.0));
+        let mut trial = random.drop(integrator, half, 300.0);
+        let h = random.magnitude(1e-5, 0.5);
+        for _ in 0..30 {
+            trial.run(h, 1);
+            worst = worst.max(-trial.lowest() / trial.body.radius());
+        }
+    }
+    worst
+}
+
+/// A small generator (Marsaglia's xorshift64*, 2003), so that every run tries the same boxes.
+struct Random(u64);
+
+impl Random {
+    /// In [low, high).
+    fn range(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
+        low + (high - low) * (bits as f64 / (1_u64 << 53) as f64)
+    }
+
+    /// Log-uniform.
+    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
+        box_physics::math::exp(self.range(low.ln(), high.ln()))
+    }
+
+    fn vector(&mut self, size: f64) -> DVec3 {
+        let mut component = || self.range(-size, size);
+        DVec3::new(component(), component(), component())
+    }
+
+    /// A box above the floor, at any attitude, falling and spinning, on any floor.
+    fn drop(&mut self, integrator: Integrator, half: DVec3, speed: f64) -> Trial {
+        let e = self.range(0.0, 1.0);
+        let mu = self.magnitude(0.01, 5.0);
+        let mut trial = Trial::new(integrator, half, e, mu);
+        let axis = self.vector(1.0);
+        let w = self.range(-1.0, 1.0);
+        let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.01);
+        trial.state = trial.state.with_rotation(turn);
+        trial.state.position.y = trial.body.radius() * self.range(1.0, 2.0);
+        let fast = self.magnitude(0.01, speed);
+        trial.state.velocity = self.vector(fast);
+        let spin = self.magnitude(0.01, 1000.0 / 3.0_f64.sqrt());
+        let omega = self.vector(spin);
+        trial.state.set_angular_velocity(&trial.body, omega);
+        trial
+    }
+}

@@ -1,0 +1,186 @@
+//! The hard cases of contact, numbers 25 to 32: bounces, rest, balance, sliding, tipping, corner
+//! impacts, spin-down, and impacts that a step jumps over. Like [`crate::hard_cases`] each has a
+//! measured quantity and the bound up to which it is ok.
+
+mod bounce;
+mod drops;
+mod rest;
+mod slide;
+mod trial;
+
+use box_physics::schemes::Integrator;
+
+pub use trial::Trial;
+
+/// The step of all cases but those that say otherwise \[s\].
+pub const STEP: f64 = 1.0 / 60.0;
+/// Gravity of all cases [m/s²].
+const G: f64 = crate::scenes::GRAVITY;
+
+/// One examination.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactCase {
+    /// Its number, 25 to 32; some measure several quantities.
+    pub number: u8,
+    /// What happens.
+    pub title: &'static str,
+    /// What is measured, with its unit.
+    pub quantity: &'static str,
+    /// Ok up to.
+    pub bound: f64,
+    measure: fn(Integrator) -> f64,
+}
+
+impl ContactCase {
+    /// The measured quantity; not a number or infinite where the motion fell apart.
+    pub fn measure(&self, integrator: Integrator) -> f64 {
+        (self.measure)(integrator)
+    }
+}
+
+/// All of them, in the order of their numbers.
+pub fn contact_cases() -> Vec<ContactCase> {
+    let case = |number, title, quantity, bound, measure: fn(Integrator) -> f64| ContactCase {
+        number,
+        title,
+        quantity,
+        bound,
+        measure,
+    };
+    vec![
+        case(
+            25,
+            "flat bounces, e = 0.5, to rest (pub16)",
+            "position error over the run [m]",
+            2e-4,
+            bounce::position_error,
+        ),
+        case(
+            25,
+            "the same",
+            "position error before the eighth bounce [m]",
+            1e-6,
+            bounce::position_error_early,
+        ),
+        case(
+            25,
+            "the same",
+            "settling time against √(2h/g)(1+e)/(1−e), relative",
+            0.01,
+            bounce::settling_time,
+        ),
+        case(
+            25,
+            "ten bounces with e = 0.9, 0.5, 0.1, a hundred with e = 1",
+            "height of the apexes against e²ⁿh [m]",
+            1e-6,
+            bounce::apexes,
+        ),
+        case(
+            26,
+            "at rest on each of the six faces, 1e5 steps",
+            "components of the state that changed",
+            0.0,
+            rest::changed_components,
+        ),
+        case(
+            27,
+            "falling off an edge without slip, from 1e-1 to 1e-8 rad",
+            "time against the quadrature of θ̇(θ), relative",
+            0.01,
+            rest::edge_fall_sticking,
+        ),
+        case(
+            27,
+            "the same without friction",
+            "time against the quadrature of θ̇(θ), relative",
+            0.01,
+            rest::edge_fall_frictionless,
+        ),
+        case(
+            27,
+            "balanced on an edge, on a corner",
+            "time until it falls [s]",
+            60.0,
+            rest::balance,
+        ),
+        case(
+            28,
+            "sliding to rest, µ = 0.5 (pub17)",
+            "position error over the run [m]",
+            1e-3,
+            slide::position_error,
+        ),
+        case(
+            28,
+            "the same",
+            "stopping time, off by [steps]",
+            1.0,
+            slide::stopping_time,
+        ),
+        case(
+            28,
+            "twelve directions of sliding",
+            "stopping point against v²/2µg along the line [m]",
+            1e-3,
+            slide::diagonals,
+        ),
+        case(
+            28,
+            "sliding with growing friction until it tips",
+            "threshold against µ = hx/hy, relative",
+            0.02,
+            slide::tipping_by_friction,
+        ),
+        case(
+            29,
+            "pushed above its centre until it tips",
+            "threshold against F·H = m g hx, relative",
+            0.02,
+            slide::tipping_by_push,
+        ),
+        case(
+            30,
+            "corner impact without friction (pub18)",
+            "velocity after the impact, relative error",
+            1e-6,
+            bounce::corner_velocity,
+        ),
+        case(
+            30,
+            "the same",
+            "angular velocity after the impact, relative error",
+            1e-6,
+            bounce::corner_spin,
+        ),
+        case(
+            30,
+            "the same",
+            "position error 0.07 s later [m]",
+            1e-6,
+            bounce::corner_position,
+        ),
+        case(
+            30,
+            "a thousand random drops of cubes, 30 steps each",
+            "largest gain of energy in a step, relative",
+            1e-11,
+            drops::gain,
+        ),
+        case(
+            31,
+            "spinning plate, 3 and 20 rad/s",
+            "time to rest outside the two laws, by [steps]",
+            2.0,
+            slide::spin_down,
+        ),
+        case(31, "the same", "walk of the centre [m]", 1e-3, slide::walk),
+        case(
+            32,
+            "5 mm thick, 300 m/s, up to 1000 rad/s, steps of 1e-5 to 0.5 s",
+            "deepest corner over the circumradius",
+            1e-9,
+            drops::depth,
+        ),
+    ]
+}

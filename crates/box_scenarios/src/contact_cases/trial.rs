@@ -1,0 +1,134 @@
+//! A box over a floor under gravity and perhaps a push, stepped by any integrator.
+
+use box_physics::body::RigidBox;
+use box_physics::floor::{ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
+use box_physics::force::{Forces, PointForce};
+use box_physics::math::sin_cos;
+use box_physics::rotation::exponential_map;
+use box_physics::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor};
+use box_physics::state::BodyState;
+use glam::{DQuat, DVec3};
+
+use super::G;
+
+/// What an examination needs, outside any `App`.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The floor.
+    pub floor: Floor,
+    /// How hard contact tries.
+    pub settings: ContactSettings,
+    /// The box.
+    pub body: RigidBox,
+    /// Its state.
+    pub state: BodyState,
+    /// Gravity [m/s²].
+    pub gravity: DVec3,
+    /// A constant force at a body point.
+    pub push: Option<PointForce>,
+    /// The scheme.
+    pub integrator: Integrator,
+    /// What contact did so far.
+    pub total: FloorOutcome,
+    memory: SchemeMemory,
+    contact: ContactState,
+}
+
+impl Trial {
+    /// A box of half-extents `half` \[m\] and 3 kg lying on a floor at y = 0 with restitution `e` and
+    /// friction `mu`.
+    pub fn new(integrator: Integrator, half: DVec3, e: f64, mu: f64) -> Self {
+        Self {
+            floor: Floor {
+                height: 0.0,
+                restitution: e,
+                friction: mu,
+            },
+            settings: ContactSettings::default(),
+            body: RigidBox::new(half, 3.0).expect("the examinations' boxes are valid"),
+            state: BodyState::at(DVec3::Y * half.y),
+            gravity: DVec3::NEG_Y * G,
+            push: None,
+            integrator,
+            total: FloorOutcome::default(),
+            memory: SchemeMemory::default(),
+            contact: ContactState::default(),
+        }
+    }
+
+    /// The same, turned so, its lowest corner on the floor.
+    #[must_use]
+    pub fn turned(mut self, rotation: DQuat) -> Self {
+        self.state.rotation = rotation;
+        self.state.position.y -= self.lowest();
+        self
+    }
+
+    /// `n` steps of `h` \[s\].
+    pub fn run(&mut self, h: f64, n: u32) -> FloorOutcome {
+        let mut sum = FloorOutcome::default();
+        for _ in 0..n {
+            sum += self.integrator.dispatch(Step { trial: self, h });
+        }
+        self.total += sum;
+        sum
+    }
+
+    /// Height of the lowest corner over the floor \[m\].
+    pub fn lowest(&self) -> f64 {
+        let reach =
+            box_physics::aabb::world_half_extents(self.state.rotation, self.body.half_extents());
+        self.state.position.y - self.floor.height - reach.y
+    }
+
+    /// Kinetic energy and that of gravity over the floor \[J\].
+    pub fn energy(&self) -> f64 {
+        let x = self.state.position - DVec3::Y * self.floor.height;
+        self.state.kinetic_energy(&self.body) - self.body.mass() * self.gravity.dot(x)
+    }
+
+    /// Whether the box lies still for good.
+    pub fn rests(&self) -> bool {
+        self.contact.is_resting()
+    }
+}
+
+struct Step<'a> {
+    trial: &'a mut Trial,
+    h: f64,
+}
+
+impl SchemeVisitor for Step<'_> {
+    type Output = FloorOutcome;
+
+    fn visit<S: Scheme>(self) -> FloorOutcome {
+        let t = self.trial;
+        let law = Forces {
+            acceleration: t.gravity,
+            point_forces: t.push.as_slice(),
+            ..Default::default()
+        };
+        step_on_floor::<S, _>(
+            &t.floor,
+            &t.settings,
+            &t.body,
+            &mut t.state,
+            &law,
+            self.h,
+            &mut t.memory,
+            &mut t.contact,
+            None,
+        )
+    }
+}
+
+/// A turn by `angle` \[rad\] about `axis` (a unit vector).
+pub(super) fn about(axis: DVec3, angle: f64) -> DQuat {
+    exponential_map(axis * angle)
+}
+
+/// The unit vector at `angle` \[rad\] from x in the floor's plane.
+pub(super) fn heading(angle: f64) -> DVec3 {
+    let (s, c) = sin_cos(angle);
+    DVec3::new(c, 0.0, s)
+}
