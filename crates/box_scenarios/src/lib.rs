@@ -5,6 +5,7 @@
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
 //! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
+//! - [`families`]: the motions over which the report compares schemes.
 //! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
 //! - [`oracle`]: reference trajectories from files.
 //! - [`mod@style`]: colour, dash and marker of each integrator.
@@ -21,6 +22,7 @@
 
 #![expect(clippy::doc_markdown, reason = "the formulas' subscripts are not code")]
 
+pub mod families;
 pub mod forces;
 pub mod hard_cases;
 pub mod metrics;
@@ -35,6 +37,7 @@ pub mod style;
 pub mod trend;
 pub mod truth;
 
+pub use families::{Family, FamilyRun, Metric, Reference};
 pub use forces::ForceSet;
 pub use hard_cases::{HardCase, hard_cases};
 pub use metrics::{Errors, StateError};
