@@ -7,6 +7,7 @@
 //! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
 //! - [`families`]: the motions over which the report compares schemes.
 //! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
+//! - [`dissertation`]: the demo of 2012 as it computed, wrongly.
 //! - [`oracle`]: reference trajectories from files.
 //! - [`mod@style`]: colour, dash and marker of each integrator.
 //!
@@ -22,6 +23,7 @@
 
 #![expect(clippy::doc_markdown, reason = "the formulas' subscripts are not code")]
 
+pub mod dissertation;
 pub mod families;
 pub mod forces;
 pub mod hard_cases;

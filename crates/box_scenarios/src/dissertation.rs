@@ -1,0 +1,412 @@
+//! The dissertation's own demo of 2012, as it computed: its three steppers, its pushes, its contact.
+//!
+//! This is reproduction, kept apart from the schemes of `box_physics`: nearly every line of it is wrong
+//! as physics, and the point of having it is to show by how much. Source: V. Stojanovic, *Evaluation of
+//! Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion Within a Game
+//! Environment*, 2012 (text and listing). One cycle of the demo, of length h \[s\]:
+//!
+//! ```text
+//! v, x      by the stepper, with the acceleration a that the last push left behind
+//! x        += h · (0, −9.81, 0)           gravity is added to the position: a speed, not an acceleration
+//! ω        += α / 60                      whatever h is; no gyroscopic term
+//! q         ← q ∘ Rx(h ωx) ∘ Ry(h ωy) ∘ Rz(h ωz)          three turns, one after the other
+//! v, ω     *= 1 − 0.005 · (1000 h)        damping per millisecond
+//! contact   bounding box against the plane: see [`contact`]
+//! ```
+//!
+//! Where the text is silent, the plainest reading is taken:
+//!
+//! - The acceleration depends on nothing, so k₁ = k₂ = k₃ = k₄ and the three steppers give the same
+//!   velocity to rounding. [`Demo::drag`] (0 in the demo) adds the −c v of the text's analysis.
+//! - A push leaves its acceleration standing until the next push *replaces* it: if it ended by itself,
+//!   there would be nothing to replace. With the damping, the motion that was there before is gone
+//!   after a few tenths of a second.
+//! - Explicit Euler moves the position by the old velocity, as in textbooks; Heun and RK4 by the new.
+//! - The three turns are about the box's own axes, in the order x, y, z, by the angles h·ω.
+//! - The inertia is 0.83 m (a² + b²) with half-extents for a and b: the listing's sizes are not the
+//!   box's, and this is the commonest way to get them wrong.
+//! - The contact draws the box half of the way out of the floor a cycle ([`LERP`]).
+
+use box_physics::aabb::world_half_extents;
+use box_physics::body::RigidBox;
+use box_physics::math::sin_cos;
+use box_physics::state::BodyState;
+use glam::{DQuat, DVec3};
+
+/// What the demo adds to the position \[m/s\]: the number of an acceleration, used as a speed.
+pub const FALL: DVec3 = DVec3::new(0.0, -9.81, 0.0);
+
+/// What stands where a box has 1/12, in I = factor · m (a² + b²).
+pub const INERTIA_FACTOR: f64 = 0.83;
+
+/// Share of the angular acceleration that a cycle adds to the angular velocity \[s\], whatever its length.
+pub const SPIN_STEP: f64 = 1.0 / 60.0;
+
+/// Loss of velocity and spin per **millisecond** of the cycle \[1/ms\].
+pub const DAMPING_PER_MS: f64 = 0.005;
+
+/// The part of its depth by which the contact lifts the box in a cycle, 0 to 1.
+pub const LERP: f64 = 0.5;
+
+/// Which of the demo's integrators.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stepper {
+    /// x += h v, v += h f(v).
+    ExplicitEuler,
+    /// What the text calls implicit Euler: k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂),
+    /// x += h v_new. It is Heun's explicit method.
+    #[default]
+    Heun,
+    /// The four classical stages for v; x += h v_new.
+    Rk4,
+}
+
+impl Stepper {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::ExplicitEuler, Self::Heun, Self::Rk4];
+
+    /// As typed.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => "2012-explicit-euler",
+            Self::Heun => "2012-heun",
+            Self::Rk4 => "2012-rk4",
+        }
+    }
+
+    /// As shown in a menu, under its true name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => "Explicit Euler (2012)",
+            Self::Heun => "Heun, called implicit Euler (2012)",
+            Self::Rk4 => "RK4 (2012)",
+        }
+    }
+
+    /// What is wrong with it, in a sentence.
+    pub const fn fault(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => {
+                "First order, and the spin is not integrated at all: ω grows by α/60 whatever the step."
+            }
+            Self::Heun => {
+                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new makes two evaluations first order."
+            }
+            Self::Rk4 => {
+                "Four evaluations of an acceleration that depends on nothing; x += h·v_new makes them first order."
+            }
+        }
+    }
+
+    /// Evaluations of f a cycle.
+    pub const fn evaluations(self) -> u32 {
+        match self {
+            Self::ExplicitEuler => 1,
+            Self::Heun => 2,
+            Self::Rk4 => 4,
+        }
+    }
+
+    /// Velocity and displacement after `h` \[s\] from `v` \[m/s\] under the acceleration `f(v)` [m/s²].
+    #[inline]
+    pub fn advance(self, v: DVec3, h: f64, f: impl Fn(DVec3) -> DVec3) -> (DVec3, DVec3) {
+        match self {
+            Self::ExplicitEuler => (v + h * f(v), h * v),
+            Self::Heun => {
+                let k1 = f(v);
+                let k2 = f(v + h * k1);
+                let new = v + (0.5 * h) * (k1 + k2);
+                (new, h * new)
+            }
+            Self::Rk4 => {
+                let k1 = f(v);
+                let k2 = f(v + (0.5 * h) * k1);
+                let k3 = f(v + (0.5 * h) * k2);
+                let k4 = f(v + h * k3);
+                let new = v + (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4);
+                (new, h * new)
+            }
+        }
+    }
+}
+
+/// The box of the demo and the constants of its law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demo {
+    /// Mass \[kg\]; the demo's cube has 10.
+    pub mass: f64,
+    /// Half-extents \[m\].
+    pub half_extents: DVec3,
+    /// c/m in f(v) = a − (c/m) v [1/s]: 0 in the demo, whose text analyses the other case.
+    pub drag: f64,
+    /// Height of the floor \[m\], if there is one.
+    pub floor: Option<f64>,
+}
+
+impl Default for Demo {
+    /// The cube of the demo, edge 1 m and 10 kg, over the plane y = 0.
+    fn default() -> Self {
+        Self {
+            mass: 10.0,
+            half_extents: DVec3::splat(0.5),
+            drag: 0.0,
+            floor: Some(0.0),
+        }
+    }
+}
+
+impl Demo {
+    /// The demo's law for a box of ours, over the floor at `floor` \[m\].
+    pub fn of(body: &RigidBox, floor: Option<f64>) -> Self {
+        Self {
+            mass: body.mass(),
+            half_extents: body.half_extents(),
+            drag: 0.0,
+            floor,
+        }
+    }
+
+    /// The moments of inertia the demo divides a torque by [kg m²].
+    pub fn inertia(&self) -> DVec3 {
+        let s = self.half_extents * self.half_extents;
+        INERTIA_FACTOR * self.mass * DVec3::new(s.y + s.z, s.z + s.x, s.x + s.y)
+    }
+
+    /// One cycle of `h` \[s\] by `stepper`, contact included.
+    pub fn cycle(&self, stepper: Stepper, state: &mut State, h: f64) {
+        let (a, drag) = (state.acceleration, self.drag);
+        let (velocity, displacement) = stepper.advance(state.velocity, h, |v| a - drag * v);
+        state.velocity = velocity;
+        state.position += displacement + h * FALL;
+        state.spin += SPIN_STEP * state.angular_acceleration;
+        state.rotation = (state.rotation * three_turns(h * state.spin)).normalize();
+        let kept = damping(h);
+        state.velocity *= kept;
+        state.spin *= kept;
+        if let Some(height) = self.floor {
+            contact(state, self.half_extents, height);
+        }
+    }
+
+    /// A push: the accelerations that the last one left are **replaced** by those of `force` \[N\] (world
+    /// axes) at the body point `at` \[m\] (body axes).
+    pub fn push(&self, state: &mut State, force: DVec3, at: DVec3) {
+        state.acceleration = force / self.mass;
+        let torque = at.cross(state.rotation.inverse() * force);
+        state.angular_acceleration = torque / self.inertia();
+    }
+
+    /// The force \[N\] whose push ends, damped, in the velocity that the impulse `impulse` \[N s\] gives
+    /// in ours: damping takes 5 1/s in the limit of short cycles.
+    pub fn force_for(impulse: DVec3) -> DVec3 {
+        impulse * (DAMPING_PER_MS * 1000.0)
+    }
+}
+
+/// What the demo keeps of its box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Centre \[m\].
+    pub position: DVec3,
+    /// Attitude, body to world.
+    pub rotation: DQuat,
+    /// Velocity [m/s], world axes.
+    pub velocity: DVec3,
+    /// Angular velocity [rad/s], body axes.
+    pub spin: DVec3,
+    /// What the last push left [m/s²], world axes.
+    pub acceleration: DVec3,
+    /// What the last push left [rad/s²], body axes.
+    pub angular_acceleration: DVec3,
+}
+
+impl State {
+    /// From a state of ours, unpushed.
+    pub fn new(body: &RigidBox, state: &BodyState) -> Self {
+        Self {
+            position: state.position,
+            rotation: state.rotation,
+            velocity: state.velocity,
+            spin: state.body_angular_velocity(body),
+            acceleration: DVec3::ZERO,
+            angular_acceleration: DVec3::ZERO,
+        }
+    }
+
+    /// As a state of ours, for drawing and measuring.
+    pub fn body_state(&self, body: &RigidBox) -> BodyState {
+        BodyState::at(self.position)
+            .with_rotation(self.rotation)
+            .with_velocity(self.velocity)
+            .with_body_angular_velocity(body, self.spin)
+    }
+}
+
+/// What a cycle of `h` \[s\] leaves of velocity and spin: 1 − 0.005·(1000 h). Negative above 0.2 s, and
+/// beyond −1 above 0.4 s, where the motion grows without end.
+pub fn damping(h: f64) -> f64 {
+    1.0 - DAMPING_PER_MS * (1000.0 * h)
+}
+
+/// The demo's contact, a function of its own because it knows neither velocity nor mass: the bounding box
+/// of the cube, re-fitted to its attitude (half-height |R|·h, exact), is compared with the plane
+/// y = `height` \[m\]. Where it dips in, the centre is drawn by linear interpolation ([`LERP`]) to where the
+/// bounding box would stand on the plane, and a fall ends (v_y ≥ 0). No bounce, no friction, no torque: a
+/// tilted cube stands on its corner, and since gravity moves the position every cycle, a cube at rest
+/// stands 9.81 h (1 − LERP)/LERP deep in the floor.
+pub fn contact(state: &mut State, half_extents: DVec3, height: f64) {
+    let half_height = world_half_extents(state.rotation, half_extents).y;
+    let standing = height + half_height;
+    if state.position.y < standing {
+        state.position.y += LERP * (standing - state.position.y);
+        state.velocity.y = state.velocity.y.max(0.0);
+    }
+}
+
+/// Turns about x, y and z, one after the other, by these angles \[rad\].
+fn three_turns(angles: DVec3) -> DQuat {
+    let about = |axis: DVec3, angle: f64| {
+        let (s, c) = sin_cos(0.5 * angle);
+        DQuat::from_xyzw(s * axis.x, s * axis.y, s * axis.z, c)
+    };
+    about(DVec3::X, angles.x) * about(DVec3::Y, angles.y) * about(DVec3::Z, angles.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at_rest() -> State {
+        State::new(&RigidBox::default(), &BodyState::at(DVec3::Y * 50.0))
+    }
+
+    fn floorless() -> Demo {
+        Demo {
+            floor: None,
+            ..Demo::default()
+        }
+    }
+
+    /// With r = 1 − 5h: v_n = v∞ (1 − rⁿ), v∞ = r h a/(1 − r); x_n = Σ h (v_k + h a) for the new-velocity
+    /// steppers, Σ h v_k for explicit Euler; and −9.81 n h of fall, straight, whatever happens.
+    #[test]
+    fn a_pushed_box_follows_the_discrete_closed_form() {
+        let (h, n, demo) = (1.0 / 60.0, 90, floorless());
+        for stepper in Stepper::ALL {
+            let mut s = at_rest();
+            demo.push(&mut s, DVec3::X * 50.0, DVec3::ZERO);
+            for _ in 0..n {
+                demo.cycle(stepper, &mut s, h);
+            }
+            let (a, r) = (5.0, 1.0 - 5.0 * h);
+            let limit = r * h * a / (1.0 - r);
+            let power = r.powi(n);
+            let sum = f64::from(n) * limit - limit * (1.0 - power) / (1.0 - r);
+            let ahead = if stepper == Stepper::ExplicitEuler {
+                0.0
+            } else {
+                h * a
+            };
+            let x = h * (sum + f64::from(n) * ahead);
+            assert!((s.velocity.x - limit * (1.0 - power)).abs() < 1e-13);
+            assert!((s.position.x - x).abs() < 1e-12, "{stepper:?}");
+            assert!((s.position.y - (50.0 - 9.81 * f64::from(n) * h)).abs() < 1e-12);
+            assert_eq!(s.velocity.y, 0.0, "it falls without having a speed");
+        }
+    }
+
+    /// R(z) = 1 + z, 1 + z + z²/2, and the exponential's first five terms.
+    #[test]
+    fn the_steppers_amplify_as_the_analysis_says() {
+        let (h, c) = (0.1, 7.0);
+        let z: f64 = -c * h;
+        for (stepper, factor) in [
+            (Stepper::ExplicitEuler, 1.0 + z),
+            (Stepper::Heun, 1.0 + z + z * z / 2.0),
+            (
+                Stepper::Rk4,
+                1.0 + z + z * z / 2.0 + z.powi(3) / 6.0 + z.powi(4) / 24.0,
+            ),
+        ] {
+            let (v, dx) = stepper.advance(DVec3::X, h, |v| -c * v);
+            assert!((v.x - factor).abs() < 1e-15, "{stepper:?}");
+            let by = if stepper == Stepper::ExplicitEuler {
+                1.0
+            } else {
+                v.x
+            };
+            assert!((dx.x - h * by).abs() < 1e-16);
+        }
+    }
+
+    /// ω grows by α/60 a cycle: at 240 Hz four times as fast as at 60 Hz.
+    #[test]
+    fn the_spin_depends_on_the_number_of_cycles_not_on_time() {
+        let demo = floorless();
+        let alpha = 25.0 / demo.inertia().z;
+        assert!((demo.inertia() - DVec3::splat(4.15)).length() < 1e-14);
+        for h in [1.0 / 60.0, 1.0 / 240.0] {
+            let mut s = at_rest();
+            demo.push(&mut s, DVec3::Y * 50.0, DVec3::X * 0.5);
+            let mut spin = 0.0;
+            for _ in 0..40 {
+                demo.cycle(Stepper::Heun, &mut s, h);
+                spin = (spin + alpha / 60.0) * (1.0 - 5.0 * h);
+            }
+            assert!((s.spin - DVec3::Z * spin).length() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_push_replaces_the_one_before() {
+        let demo = floorless();
+        let (mut twice, mut once) = (at_rest(), at_rest());
+        demo.push(&mut twice, DVec3::X * 80.0, DVec3::Y);
+        demo.push(&mut twice, DVec3::Z * 20.0, DVec3::ZERO);
+        demo.push(&mut once, DVec3::Z * 20.0, DVec3::ZERO);
+        assert_eq!(twice, once);
+        // Damped at short cycles, it ends in the velocity that an impulse of 4 N s would give 10 kg.
+        demo.push(&mut once, Demo::force_for(DVec3::Z * 4.0), DVec3::ZERO);
+        for _ in 0..40_000 {
+            demo.cycle(Stepper::Rk4, &mut once, 1e-4);
+        }
+        assert!((once.velocity.z - 0.4).abs() < 1e-3);
+    }
+
+    /// Rx Ry Rz is not the rotation by the vector ω h: for 0.1 rad about each axis they differ by
+    /// half the commutators, |(−1, 1, −1)| θ²/2 to the leading order.
+    #[test]
+    fn three_turns_are_not_one() {
+        let angle = 0.1;
+        let turned = three_turns(DVec3::splat(angle));
+        let one = box_physics::rotation::exponential_map(DVec3::splat(angle));
+        let d = turned.inverse() * one;
+        let between = 2.0 * d.xyz().length().asin();
+        let leading = 3.0_f64.sqrt() * angle * angle / 2.0;
+        assert!((between / leading - 1.0).abs() < 0.1, "{between} {leading}");
+    }
+
+    #[test]
+    fn at_rest_it_stands_in_the_floor_and_a_tilted_cube_on_its_corner() {
+        let (demo, h) = (Demo::default(), 1.0 / 60.0);
+        let mut s = State::new(&RigidBox::default(), &BodyState::at(DVec3::Y * 2.0));
+        for _ in 0..200 {
+            demo.cycle(Stepper::Heun, &mut s, h);
+        }
+        assert!((0.5 - s.position.y - 9.81 * h).abs() < 1e-12);
+        let tilt = 0.5;
+        s.rotation = three_turns(DVec3::Z * tilt);
+        for _ in 0..200 {
+            demo.cycle(Stepper::Heun, &mut s, h);
+        }
+        let half_height = 0.5 * (tilt.sin() + tilt.cos());
+        assert!((half_height - s.position.y - 9.81 * h).abs() < 1e-12);
+        assert_eq!(s.spin, DVec3::ZERO, "nothing turns it over");
+    }
+
+    #[test]
+    fn damping_turns_round_above_a_fifth_of_a_second() {
+        assert!((damping(1.0 / 60.0) - 11.0 / 12.0).abs() < 1e-15);
+        assert!(damping(0.25) < 0.0 && damping(0.41) < -1.0);
+    }
+}
