@@ -5,6 +5,7 @@
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
 //! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
+//! - [`families`]: the motions over which the report compares schemes.
 //! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
 //! - [`mod@contact_cases`]: what breaks contact.
 //! - [`dissertation`]: the demo of 2012 as it computed, wrongly.
@@ -25,6 +26,7 @@
 
 pub mod contact_cases;
 pub mod dissertation;
+pub mod families;
 pub mod forces;
 pub mod hard_cases;
 pub mod metrics;
@@ -40,6 +42,7 @@ pub mod trend;
 pub mod truth;
 
 pub use contact_cases::{ContactCase, contact_cases};
+pub use families::{Family, FamilyRun, Metric, Reference};
 pub use forces::ForceSet;
 pub use hard_cases::{HardCase, hard_cases};
 pub use metrics::{Errors, StateError};

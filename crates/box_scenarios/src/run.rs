@@ -213,6 +213,21 @@ impl Plan {
         Self { legs }
     }
 
+    /// `samples` samples, one after every `stride` steps of exactly `h` \[s\]: the clock of a game. Every
+    /// step is bit for bit as long as the last, so that a scheme's memory stays valid throughout.
+    pub fn clock(h: f64, stride: u64, samples: u64) -> Self {
+        let leg = |k: u64| Leg {
+            h,
+            steps: stride,
+            end: (k * stride) as f64 * h,
+            sample: true,
+            impulses: Vec::new(),
+        };
+        Self {
+            legs: (1..=samples).map(leg).collect(),
+        }
+    }
+
     /// Steps altogether.
     pub fn steps(&self) -> u64 {
         self.legs.iter().map(|l| l.steps).sum()

@@ -1,0 +1,98 @@
+//! Attitude and energy of free tumbles against the reference, over time.
+
+use std::path::Path;
+
+use box_scenarios::StateError;
+use box_scenarios::oracle::Case;
+use serde::Serialize;
+
+use crate::engine::{Body, Engine, Spec};
+
+/// The reference trajectories: free motion, symmetric bodies among them.
+const CASES: [&str; 5] = [
+    "pub01_free_asymmetric",
+    "pub03_symmetric_prolate",
+    "pub04_thin_plate",
+    "pub05_needle",
+    "pub06_cube",
+];
+/// Steps per second.
+const RATES: [u32; 3] = [30, 60, 120];
+/// Looks per run.
+const LOOKS: u32 = 50;
+
+/// Errors of one engine in one case over time.
+#[derive(Debug, Serialize)]
+pub struct Accuracy {
+    engine: &'static str,
+    case: String,
+    rate_hz: u32,
+    /// Time \[s\], attitude error \[rad\], energy error over the energy at the start, signed.
+    points: Vec<(f64, f64, f64)>,
+}
+
+/// Every engine in every case at every rate.
+///
+/// # Errors
+/// A case cannot be read, or an engine refuses.
+pub fn measure(engines: &[Box<dyn Engine>]) -> Result<Vec<Accuracy>, String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracle");
+    let mut all = Vec::new();
+    for name in CASES {
+        let case = Case::load(&folder.join(format!("{name}.json"))).map_err(|e| e.to_string())?;
+        for rate in RATES {
+            for engine in engines {
+                let points = follow(engine.as_ref(), &case, rate)?;
+                all.push(Accuracy {
+                    engine: engine.id(),
+                    case: name.to_owned(),
+                    rate_hz: rate,
+                    points,
+                });
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, f64)>, String> {
+    let setup = &case.setup;
+    let body = Body {
+        shape: setup.body,
+        start: setup.initial,
+    };
+    let mut world = engine.build(&Spec {
+        rate,
+        gravity: 0.0,
+        floor: false,
+        bodies: &[body],
+    })?;
+    // The closed form, which the tests hold to the file: it is known at every time, also at that of a
+    // clock of whole nanoseconds or of single precision.
+    let truth = setup.truth();
+    let energy = setup.initial.rotational_energy(&setup.body);
+    let steps = (setup.duration * f64::from(rate)).round() as u32;
+    let every = (steps / LOOKS).max(1);
+    let mut points = Vec::new();
+    for k in 1..=steps {
+        world.step();
+        if k % every != 0 {
+            continue;
+        }
+        let t = world.time();
+        let state = world.state(0);
+        let reference = truth
+            .at(t)
+            .ok_or_else(|| format!("{}: no reference at {t} s", case.name))?;
+        let attitude = StateError::between(&state, &reference).attitude;
+        let change = state.rotational_energy(&setup.body) / energy - 1.0;
+        // JSON knows no infinity: what is lost is as wrong as can be.
+        let finite = |x: f64, or: f64| if x.is_finite() { x } else { or };
+        points.push((
+            t,
+            finite(attitude, std::f64::consts::PI),
+            finite(change, 1e9),
+        ));
+    }
+    Ok(points)
+}

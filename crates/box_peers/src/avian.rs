@@ -1,0 +1,105 @@
+//! Avian, as its users have it: a plugin in a Bevy app.
+
+use avian3d::prelude::*;
+use bevy::prelude::*;
+use box_physics::state::BodyState;
+
+use crate::engine::{Engine, SLAB, Simulation, Spec};
+use crate::in_bevy;
+
+/// Avian with its default settings.
+pub struct Avian;
+
+struct World {
+    app: App,
+    entities: Vec<Entity>,
+    shapes: Vec<box_physics::body::RigidBox>,
+}
+
+/// Boxes are of the first layer and meet the second, the floor.
+const BOXES: LayerMask = LayerMask(1);
+const FLOOR: LayerMask = LayerMask(2);
+
+impl Engine for Avian {
+    fn id(&self) -> &'static str {
+        "avian"
+    }
+
+    fn name(&self) -> &'static str {
+        "Avian"
+    }
+
+    fn version(&self) -> String {
+        crate::engine::locked_version("avian3d")
+    }
+
+    fn driven(&self) -> &'static str {
+        "PhysicsPlugins in a Bevy app, f32, parallel"
+    }
+
+    fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
+        let mut app = in_bevy::app(spec.rate, |app| {
+            app.add_plugins(PhysicsPlugins::default())
+                .insert_resource(Gravity(Vec3::NEG_Y * spec.gravity));
+        });
+        if spec.floor {
+            app.world_mut().spawn((
+                RigidBody::Static,
+                Collider::cuboid(2.0 * SLAB[0], 2.0 * SLAB[1], 2.0 * SLAB[2]),
+                CollisionLayers::new(FLOOR, BOXES),
+                Transform::from_xyz(0.0, -SLAB[1], 0.0),
+            ));
+        }
+        let bundles: Vec<_> = spec
+            .bodies
+            .iter()
+            .map(|b| {
+                let size = (2.0 * b.shape.half_extents()).as_vec3();
+                let density = b.shape.mass() as f32 / (size.x * size.y * size.z);
+                let s = &b.start;
+                (
+                    RigidBody::Dynamic,
+                    Collider::cuboid(size.x, size.y, size.z),
+                    ColliderDensity(density),
+                    CollisionLayers::new(BOXES, FLOOR),
+                    Transform::from_translation(s.position.as_vec3())
+                        .with_rotation(s.rotation.as_quat()),
+                    LinearVelocity(s.velocity.as_vec3()),
+                    AngularVelocity(s.angular_velocity(&b.shape).as_vec3()),
+                )
+            })
+            .collect();
+        let entities = app.world_mut().spawn_batch(bundles).collect();
+        Ok(Box::new(World {
+            app,
+            entities,
+            shapes: spec.bodies.iter().map(|b| b.shape).collect(),
+        }))
+    }
+}
+
+impl Simulation for World {
+    fn step(&mut self) {
+        self.app.update();
+    }
+
+    fn time(&self) -> f64 {
+        in_bevy::time(&self.app)
+    }
+
+    fn state(&self, body: usize) -> BodyState {
+        let (world, entity) = (self.app.world(), self.entities[body]);
+        let position = world.get::<Position>(entity).map_or(Vec3::NAN, |p| p.0);
+        let rotation = world.get::<Rotation>(entity).map_or(Quat::NAN, |r| r.0);
+        let v = world
+            .get::<LinearVelocity>(entity)
+            .map_or(Vec3::NAN, |v| v.0);
+        let w = world
+            .get::<AngularVelocity>(entity)
+            .map_or(Vec3::NAN, |w| w.0);
+        BodyState::at(position.as_dvec3())
+            .with_rotation(rotation.as_dquat())
+            .with_velocity(v.as_dvec3())
+            .with_angular_velocity(&self.shapes[body], w.as_dvec3())
+    }
+}

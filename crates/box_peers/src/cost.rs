@@ -1,0 +1,145 @@
+//! What a body and a step cost, in free flight and on a floor.
+
+use std::time::Instant;
+
+use bevy::app::App;
+use box_bench::measure::Cost;
+use box_physics::body::RigidBox;
+use box_physics::state::BodyState;
+use glam::{DQuat, DVec3};
+use serde::Serialize;
+
+use crate::engine::{Body, Engine, Spec};
+use crate::in_bevy;
+
+/// Bodies, and samples with so many.
+const SIZES: [(usize, usize); 3] = [(100, 9), (1000, 9), (10_000, 5)];
+/// Steps per second; steps before the clock starts, steps that are timed.
+const RATE: u32 = 60;
+const WARM_UP: usize = 10;
+const TIMED: usize = 120;
+/// Distance between boxes \[m\].
+const SPACING: f64 = 3.0;
+
+/// One engine in one place with so many bodies.
+#[derive(Debug, Serialize)]
+pub struct CostRow {
+    engine: &'static str,
+    place: &'static str,
+    bodies: usize,
+    ns_per_body_step_min: f64,
+    ns_per_body_step_median: f64,
+    ns_per_body_step_p95: f64,
+}
+
+/// Times every engine in turns. Also returns what a reader must know.
+///
+/// # Errors
+/// An engine refuses.
+pub fn measure(
+    engines: &[Box<dyn Engine>],
+    quick: bool,
+) -> Result<(Vec<CostRow>, Vec<String>), String> {
+    let mut rows = Vec::new();
+    for (place, floor) in [("free", false), ("floor", true)] {
+        for (n, samples) in SIZES {
+            if quick && n > SIZES[0].0 {
+                continue;
+            }
+            let bodies = boxes(n, floor);
+            let spec = Spec {
+                rate: RATE,
+                gravity: 9.81,
+                floor,
+                bodies: &bodies,
+            };
+            let mut times = vec![Vec::new(); engines.len()];
+            for _ in 0..if quick { 1 } else { samples } {
+                for (engine, times) in engines.iter().zip(&mut times) {
+                    times.push(run(engine.as_ref(), &spec)?);
+                }
+            }
+            for (engine, times) in engines.iter().zip(&times) {
+                let cost = Cost::of(times);
+                rows.push(CostRow {
+                    engine: engine.id(),
+                    place,
+                    bodies: n,
+                    ns_per_body_step_min: cost.min,
+                    ns_per_body_step_median: cost.median,
+                    ns_per_body_step_p95: cost.p95,
+                });
+            }
+        }
+    }
+    let notes = vec![
+        format!(
+            "Cost: {TIMED} steps of 1/{RATE} s after {WARM_UP} of warm-up, world built anew for each of {} to {} samples, engines in turns; \
+             in free flight the boxes tumble and fall, on the floor they drop from half a metre and come to rest (who puts boxes to sleep by default, does so).",
+            SIZES[2].1, SIZES[0].1
+        ),
+        format!(
+            "An update of the same Bevy app without any physics takes {:.1} µs and is part of the cost of the engines in Bevy.",
+            empty_update() * 1e-3
+        ),
+    ];
+    Ok((rows, notes))
+}
+
+/// ns per body and step of one run.
+fn run(engine: &dyn Engine, spec: &Spec) -> Result<f64, String> {
+    let mut world = engine.build(spec)?;
+    for _ in 0..WARM_UP {
+        world.step();
+    }
+    let clock = Instant::now();
+    for _ in 0..TIMED {
+        world.step();
+    }
+    let elapsed = clock.elapsed().as_nanos() as f64;
+    let state = world.state(spec.bodies.len() / 2);
+    if !state.is_finite() {
+        return Err(format!("{}: a box is lost", engine.id()));
+    }
+    Ok(elapsed / (TIMED * spec.bodies.len()) as f64)
+}
+
+/// Median time of an update without physics \[ns\].
+fn empty_update() -> f64 {
+    let mut app: App = in_bevy::app(RATE, |_| {});
+    let times: Vec<f64> = (0..1000)
+        .map(|_| {
+            let clock = Instant::now();
+            app.update();
+            clock.elapsed().as_nanos() as f64
+        })
+        .collect();
+    Cost::of(&times).median
+}
+
+/// Boxes on a grid, each turned and spinning its own way.
+fn boxes(n: usize, floor: bool) -> Vec<Body> {
+    let shape = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0)
+        .expect("half-extents and mass are positive");
+    let side = (n as f64).sqrt().ceil() as usize;
+    let height = if floor { 1.25 } else { 500.0 };
+    let one = |k: usize| {
+        let a = k as f64;
+        let (row, column) = ((k / side) as f64, (k % side) as f64);
+        let middle = side as f64 / 2.0;
+        let at = DVec3::new(
+            SPACING * (column - middle),
+            height,
+            SPACING * (row - middle),
+        );
+        let turn = DQuat::from_xyzw(a.sin(), (1.7 * a).cos(), (2.3 * a).sin(), 1.1).normalize();
+        let spin = DVec3::new((3.1 * a).sin(), (0.7 * a).cos(), (1.3 * a).sin()) * 2.0;
+        Body {
+            shape,
+            start: BodyState::at(at)
+                .with_rotation(turn)
+                .with_angular_velocity(&shape, spin),
+        }
+    };
+    (0..n).map(one).collect()
+}

@@ -1,0 +1,69 @@
+//! What every engine is asked to do.
+
+use box_physics::body::RigidBox;
+use box_physics::state::BodyState;
+
+/// A box and how it starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Size, mass, inertia.
+    pub shape: RigidBox,
+    /// Place and motion at the start.
+    pub start: BodyState,
+}
+
+/// A world to build.
+#[derive(Clone, Copy, Debug)]
+pub struct Spec<'a> {
+    /// Steps per second.
+    pub rate: u32,
+    /// Gravity downwards [m/s²].
+    pub gravity: f32,
+    /// Whether there is a floor at y = 0.
+    pub floor: bool,
+    /// The boxes, which do not collide with one another.
+    pub bodies: &'a [Body],
+}
+
+/// A world at work.
+pub trait Simulation {
+    /// One step, as a user has it.
+    fn step(&mut self);
+    /// Time simulated since the start \[s\].
+    fn time(&self) -> f64;
+    /// Where the box of this number is, and how it moves.
+    fn state(&self, body: usize) -> BodyState;
+}
+
+/// An engine.
+pub trait Engine {
+    /// As typed.
+    fn id(&self) -> &'static str;
+    /// As shown.
+    fn name(&self) -> &'static str;
+    /// Its crate's version.
+    fn version(&self) -> String;
+    /// How it is driven, in a few words.
+    fn driven(&self) -> &'static str;
+    /// Builds a world.
+    ///
+    /// # Errors
+    /// What the engine says.
+    fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String>;
+}
+
+/// The floor of engines that have no plane: half-extents \[m\] of a slab whose top is y = 0.
+pub const SLAB: [f32; 3] = [2000.0, 1.0, 2000.0];
+
+/// The version that the lock file gives the package `name`.
+pub fn locked_version(name: &str) -> String {
+    const LOCK: &str = include_str!("../Cargo.lock");
+    let heading = format!("name = \"{name}\"");
+    let version = LOCK
+        .lines()
+        .skip_while(|l| *l != heading)
+        .nth(1)
+        .and_then(|l| l.strip_prefix("version = \""))
+        .and_then(|l| l.strip_suffix('"'));
+    version.unwrap_or("?").to_owned()
+}

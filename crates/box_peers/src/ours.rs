@@ -1,0 +1,62 @@
+//! This project's plugin, whole: bounding boxes, `Transform`, diagnostics.
+
+use bevy::prelude::*;
+use box_physics::prelude::*;
+
+use crate::engine::{Engine, Simulation, Spec};
+use crate::in_bevy;
+
+/// `box_physics` with its default scheme.
+pub struct Ours;
+
+struct World {
+    app: App,
+    entities: Vec<Entity>,
+}
+
+impl Engine for Ours {
+    fn id(&self) -> &'static str {
+        "box_physics"
+    }
+
+    fn name(&self) -> &'static str {
+        "box_physics (split)"
+    }
+
+    fn version(&self) -> String {
+        crate::engine::locked_version("box_physics")
+    }
+
+    fn driven(&self) -> &'static str {
+        "whole plugin in a Bevy app, f64"
+    }
+
+    fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
+        let mut app = in_bevy::app(spec.rate, |app| {
+            app.add_plugins(PhysicsPlugins::default())
+                .insert_resource(WorldGravity(DVec3::NEG_Y * f64::from(spec.gravity)));
+            if spec.floor {
+                app.insert_resource(Floor::default());
+            }
+        });
+        let spawned = spec.bodies.iter().map(|b| (b.shape, b.start));
+        let bundles: Vec<_> = spawned.collect();
+        let entities = app.world_mut().spawn_batch(bundles).collect();
+        Ok(Box::new(World { app, entities }))
+    }
+}
+
+impl Simulation for World {
+    fn step(&mut self) {
+        self.app.update();
+    }
+
+    fn time(&self) -> f64 {
+        in_bevy::time(&self.app)
+    }
+
+    fn state(&self, body: usize) -> BodyState {
+        let found = self.app.world().get::<BodyState>(self.entities[body]);
+        found.copied().unwrap_or_default()
+    }
+}

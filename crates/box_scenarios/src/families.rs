@@ -1,0 +1,453 @@
+//! The twelve families of motion over which the report compares schemes: one setup each, with an answer
+//! that can be trusted, and the errors that tell schemes apart there.
+
+use std::sync::OnceLock;
+
+use box_physics::body::RigidBox;
+use box_physics::schemes::Integrator;
+use box_physics::state::BodyState;
+use glam::{DQuat, DVec3};
+
+use crate::forces::ForceSet;
+use crate::metrics::{Errors, StateError, energy_scale};
+use crate::run::{Plan, Totals, run_plan};
+use crate::scenario::Scenario;
+use crate::setup::{FloorSpec, Setup};
+use crate::simulate::sanity;
+use crate::truth::TruthKind;
+
+/// An error that can be plotted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Metric {
+    /// Distance of the centre of mass from where it should be \[m\].
+    Position,
+    /// Angle between the attitude and what it should be \[rad\].
+    Attitude,
+    /// Change of a constant energy, relative to its start.
+    Energy,
+}
+
+impl Metric {
+    /// As typed in a file: lower case.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Attitude => "attitude",
+            Self::Energy => "energy",
+        }
+    }
+
+    /// As the title of an axis, with its unit.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Position => "largest position error [m]",
+            Self::Attitude => "largest attitude error [rad]",
+            Self::Energy => "largest energy error, relative",
+        }
+    }
+
+    /// The unit: m, rad, or nothing.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Position => "m",
+            Self::Attitude => "rad",
+            Self::Energy => "",
+        }
+    }
+}
+
+/// A kind of motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// As typed: lower case, hyphens.
+    pub id: &'static str,
+    /// As a heading.
+    pub title: &'static str,
+    /// What moves how, in a sentence.
+    pub what: &'static str,
+    /// Body, start, forces, floor, duration.
+    pub setup: Setup,
+    /// The errors that differ here, the one to judge by first.
+    pub metrics: &'static [Metric],
+    /// For how long a player might watch it \[s\]: until its end, at most a minute.
+    pub watch: f64,
+}
+
+/// The trusted states at a clock's ticks.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Between two states \[s\].
+    interval: f64,
+    /// After 1, 2, … intervals.
+    states: Vec<BodyState>,
+    /// Where they come from, in words.
+    pub source: String,
+}
+
+/// One run against its reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FamilyRun {
+    /// The largest errors over the ticks; energy relative. `None` if the run failed: diverged, not finite
+    /// or not sound.
+    pub errors: Option<Errors>,
+    /// Steps and evaluations.
+    pub totals: Totals,
+}
+
+impl FamilyRun {
+    /// The error in `metric`, if the run did not fail.
+    pub fn error(&self, metric: Metric) -> Option<f64> {
+        self.errors.map(|e| match metric {
+            Metric::Position => e.position,
+            Metric::Attitude => e.attitude,
+            Metric::Energy => e.energy,
+        })
+    }
+}
+
+/// Steps of the fine reference per interval, where there is no other answer.
+const FINE: u64 = 128 * 64;
+
+impl Family {
+    /// Every family.
+    pub fn all() -> &'static [Self] {
+        static ALL: OnceLock<Vec<Family>> = OnceLock::new();
+        ALL.get_or_init(families)
+    }
+
+    /// The trusted states at 1, 2, … times `interval` \[s\] up to `duration` \[s\].
+    ///
+    /// # Errors
+    /// A sentence, if there is no answer that can be trusted.
+    pub fn reference(&self, interval: f64, duration: f64) -> Result<Reference, String> {
+        let samples = (duration / interval).round() as u64;
+        let setup = Setup {
+            duration: samples as f64 * interval,
+            ..self.setup.clone()
+        };
+        let truth = setup.truth();
+        if truth.kind() == TruthKind::None {
+            return self.fine(interval, samples);
+        }
+        let at = |k: u64| truth.at(k as f64 * interval);
+        let states: Option<Vec<_>> = (1..=samples).map(at).collect();
+        let source = match truth.kind() {
+            TruthKind::Numerical { agreement } => {
+                format!(
+                    "Dormand–Prince order 8; two tolerances agree to {}",
+                    short(agreement)
+                )
+            }
+            _ => truth.description().to_owned(),
+        };
+        Ok(Reference {
+            interval,
+            states: states.ok_or_else(|| format!("{}: the reference ends too early", self.id))?,
+            source,
+        })
+    }
+
+    /// The scheme that is exact between events, at a step 64 times smaller than the finest in use;
+    /// halving it again must not matter.
+    fn fine(&self, interval: f64, samples: u64) -> Result<Reference, String> {
+        let run = |stride: u64| {
+            let mut states = Vec::new();
+            let plan = Plan::clock(interval / stride as f64, stride, samples);
+            run_plan(&self.setup, Integrator::Exact, &plan, |_, state| {
+                states.push(*state);
+                state.is_sound()
+            });
+            states
+        };
+        let (states, halved) = (run(FINE), run(2 * FINE));
+        let agreement = states
+            .iter()
+            .zip(&halved)
+            .map(|(a, b)| {
+                let e = StateError::between(a, b);
+                e.position.max(e.attitude)
+            })
+            .fold(0.0, f64::max);
+        if states.len() as u64 != samples || agreement > 1e-6 {
+            return Err(format!(
+                "{}: fine steps do not agree with finer ones ({agreement:e})",
+                self.id
+            ));
+        }
+        Ok(Reference {
+            interval,
+            states,
+            source: format!(
+                "exact between impacts, steps 64 times finer than the finest; half the step agrees to {}",
+                short(agreement)
+            ),
+        })
+    }
+
+    /// Runs `integrator` with `divisor` steps in each interval of `reference`, along all of it.
+    pub fn run(&self, reference: &Reference, integrator: Integrator, divisor: u64) -> FamilyRun {
+        let setup = &self.setup;
+        let sanity = sanity(setup, &reference.states);
+        let conserves = setup.conserves_energy();
+        let start = setup.energy(&setup.initial);
+        let scale = energy_scale(start, setup.initial.kinetic_energy(&setup.body));
+        let (mut errors, mut failed) = (Errors::default(), false);
+        let mut expected = reference.states.iter();
+        let totals = run_plan(
+            setup,
+            integrator,
+            &reference.plan(divisor),
+            |_, state| match expected.next() {
+                Some(truth) if state.is_sound() && !sanity.is_diverged(state) => {
+                    errors.see(&StateError::between(state, truth));
+                    if conserves {
+                        errors.see_energy(setup.energy(state) / scale, start / scale);
+                    }
+                    true
+                }
+                _ => {
+                    failed = true;
+                    false
+                }
+            },
+        );
+        FamilyRun {
+            errors: (!failed).then_some(errors),
+            totals,
+        }
+    }
+
+    /// When the error of `integrator` first passes `attitude` \[rad\] or `position` \[m\] \[s\], and
+    /// whether it was the attitude; `None` if neither happens before the reference ends. A failed run
+    /// passes both.
+    pub fn first_passing(
+        &self,
+        reference: &Reference,
+        integrator: Integrator,
+        divisor: u64,
+        attitude: f64,
+        position: f64,
+    ) -> Option<(f64, Metric)> {
+        let sanity = sanity(&self.setup, &reference.states);
+        let mut found = None;
+        // Every step is looked at: the reference must be as fine as the run.
+        let plan = reference.plan(divisor);
+        let mut expected = reference.states.iter();
+        run_plan(&self.setup, integrator, &plan, |t, state| {
+            let Some(truth) = expected.next() else {
+                return false;
+            };
+            let e = StateError::between(state, truth);
+            let failed = !state.is_sound() || sanity.is_diverged(state);
+            if failed || e.attitude > attitude {
+                found = Some((t, Metric::Attitude));
+            } else if e.position > position {
+                found = Some((t, Metric::Position));
+            }
+            found.is_none()
+        });
+        found
+    }
+}
+
+impl Reference {
+    fn plan(&self, divisor: u64) -> Plan {
+        let samples = self.states.len() as u64;
+        Plan::clock(self.interval / divisor as f64, divisor, samples)
+    }
+
+    /// Every `k`-th state alone, for a run with longer steps.
+    #[must_use]
+    pub fn every(&self, k: usize) -> Self {
+        Self {
+            interval: self.interval * k as f64,
+            states: self.states.iter().copied().skip(k - 1).step_by(k).collect(),
+            source: self.source.clone(),
+        }
+    }
+
+    /// The states, after 1, 2, … intervals.
+    pub fn states(&self) -> &[BodyState] {
+        &self.states
+    }
+
+    /// Time between two states \[s\].
+    pub fn interval(&self) -> f64 {
+        self.interval
+    }
+}
+
+fn short(x: f64) -> String {
+    format!("{x:.0e}")
+}
+
+fn families() -> Vec<Family> {
+    use Metric::{Attitude, Energy, Position};
+    let solid = |half: [f64; 3], mass: f64| {
+        RigidBox::new(DVec3::from_array(half), mass)
+            .expect("the numbers of a built-in family are valid: a test builds every one")
+    };
+    let scene = |build: fn() -> Scenario, duration: f64| Setup {
+        duration,
+        ..build().setup
+    };
+    let brick = solid([0.5, 0.25, 0.125], 3.0);
+    let cube = solid([0.5; 3], 2.0);
+    let tumble = BodyState::at(DVec3::Y * 2.0)
+        .with_body_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
+    let thrown = BodyState::at(DVec3::Y).with_velocity(DVec3::new(10.0, 12.0, 3.0));
+    let drag = ForceSet {
+        linear_drag: 1.0,
+        ..ForceSet::gravity(9.81)
+    };
+    let corner = solid([0.5, 0.25, 0.375], 3.0);
+    let tilted = BodyState::at(DVec3::Y * 1.5)
+        .with_rotation(DQuat::from_xyzw(0.25, 0.075, 0.2, 1.063))
+        .with_velocity(DVec3::X)
+        .with_body_angular_velocity(&corner, DVec3::new(0.5, 1.5, -0.25));
+    let family = |id, title, what, setup: Setup, metrics, watch| Family {
+        id,
+        title,
+        what,
+        setup,
+        metrics,
+        watch,
+    };
+    vec![
+        family(
+            "free-tumble",
+            "Free tumble",
+            "An ordinary box, 4:2:1, tumbles for 10 s without any force.",
+            Setup::new(brick, tumble, ForceSet::none(), 10.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "flip",
+            "Near-separatrix flip",
+            "The same box spun at 8 rad/s about its middle axis turns over every few seconds.",
+            scene(crate::scenes::free::dzhanibekov, 10.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "thin-plate",
+            "Thin plate",
+            "A plate of 64:1 tumbles: the largest moment is the sum of the others.",
+            scene(crate::scenes::free::thin_plate, 10.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "needle",
+            "Needle",
+            "A rod with moments 800:1 spins at 20 rad/s about its length, slightly off.",
+            scene(crate::scenes::free::needle, 5.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "symmetric-top",
+            "Symmetric top",
+            "A square bar precesses steadily.",
+            scene(crate::scenes::free::symmetric_top, 10.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "linear-drag",
+            "Projectile, linear drag",
+            "A throw with drag in proportion to the speed, c/m = 0.5 1/s.",
+            Setup::new(cube, thrown, drag, 10.0),
+            &[Position],
+            60.0,
+        ),
+        family(
+            "quadratic-drag",
+            "Projectile, quadratic drag",
+            "Straight up at 45 m/s through air and down again.",
+            scene(crate::scenes::flight::quadratic_drag, 8.0),
+            &[Position],
+            60.0,
+        ),
+        family(
+            "heavy-top",
+            "Heavy top",
+            "A spinning bar leans, precesses and nods under a torque.",
+            scene(crate::scenes::forced::heavy_top, 5.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "spring",
+            "Spring orbit",
+            "A tumbling box on a spring: an ellipse that closes every π seconds.",
+            scene(crate::scenes::forced::spring_orbit, 10.0),
+            &[Position, Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "damped-spin",
+            "Damped spin",
+            "Tumbling under a torque −γL, γ = 0.25 1/s.",
+            scene(crate::scenes::free::damped_spin, 10.0),
+            &[Attitude],
+            60.0,
+        ),
+        family(
+            "bounce",
+            "Bounce",
+            "A flat drop from a metre with e = 1: ten seconds of bounces at one height.",
+            scene(crate::scenes::floor::bounce, 10.0),
+            &[Position, Energy],
+            60.0,
+        ),
+        family(
+            "corner-drop",
+            "Corner drop",
+            "A tilted, slowly turning box falls on a frictionless floor with e = 0.5, corner after corner.",
+            Setup::new(corner, tilted, ForceSet::gravity(9.81), 16.0 / 15.0)
+                .with_floor(FloorSpec::at_zero(0.5, 0.0)),
+            &[Attitude, Position],
+            16.0 / 15.0,
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_physics::schemes::Integrator;
+
+    #[test]
+    fn every_family_has_an_answer_and_converges_to_it() {
+        for f in Family::all() {
+            f.setup.validate().expect(f.id);
+            let reference = f.reference(1.0 / 15.0, f.setup.duration).expect(f.id);
+            let duration = reference.states.len() as f64 / 15.0;
+            assert!((duration - f.setup.duration).abs() < 1e-9, "{}", f.id);
+            for &m in f.metrics {
+                let error = |divisor| f.run(&reference, Integrator::Split4, divisor).error(m);
+                let fine = error(64).expect(f.id);
+                assert!(fine < 1e-4, "{} {}: {fine:e}", f.id, m.id());
+                let coarse = error(4).expect(f.id);
+                assert!(fine < 1e-7 || fine < coarse / 30.0, "{}: {coarse:e}", f.id);
+            }
+        }
+    }
+
+    #[test]
+    fn a_lost_run_is_seen_at_once_and_a_good_one_never() {
+        let needle = &Family::all()[3];
+        let reference = needle.reference(1.0 / 60.0, 5.0).expect("free motion");
+        let passing = |i| needle.first_passing(&reference, i, 1, 0.0175, 0.01);
+        assert_eq!(passing(Integrator::Exact), None);
+        let (t, m) = passing(Integrator::SemiImplicitEuler).expect("lost");
+        assert!(t < 1.0 && m == Metric::Attitude, "{t}");
+        let failed = needle.run(&reference, Integrator::SemiImplicitEuler, 1);
+        assert!(failed.errors.is_none());
+        let slow = reference.every(2);
+        assert_eq!(slow.states().len(), 150);
+        assert_eq!(slow.states()[0], reference.states()[1]);
+    }
+}
