@@ -3,6 +3,8 @@
 
 use box_physics::prelude::{DVec3, Integrator};
 
+use crate::compare::CompareAction;
+
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
@@ -74,6 +76,8 @@ pub enum Action {
     TogglePlots,
     /// Choose the plot in the drawer.
     SelectPlot(Plot),
+    /// Of the comparison of schemes.
+    Compare(CompareAction),
     /// End the program.
     Quit,
 }
@@ -92,13 +96,17 @@ pub struct Push {
 /// What the drawer shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plot {
-    /// Energy and |L| over time.
+    /// Distance and angle to the reference over time.
+    Error,
+    /// Energy and angular momentum that are not accounted for, over time.
     #[default]
     Energy,
     /// ns per body-step of every scheme over time.
     Timing,
     /// CPU use of the process and the system over time.
     Cpu,
+    /// Error against cost.
+    WorkPrecision,
     /// The figures of every scheme.
     Table,
 }

@@ -12,6 +12,8 @@ use box_scenarios::Scenario;
 
 use crate::apply::{Asked, apply_actions, set_step};
 use crate::cli::Cli;
+use crate::compare::plugin::after_step;
+use crate::compare::{ComparePlugin, Comparison};
 use crate::csv_log::CsvLog;
 use crate::history::{History, count_dropped, record};
 use crate::input::{UiFocus, read_keys};
@@ -65,6 +67,13 @@ impl Plugin for GamePlugin {
         if let Some(&integrator) = cli.integrator.first() {
             choose(app.world_mut(), integrator);
         }
+        let mut comparison = Comparison::default();
+        if let [_, beside @ ..] = cli.integrator.as_slice() {
+            let scene = app.world().resource::<Session>().scenario.id;
+            comparison = Comparison::with_lanes(scene, beside);
+        }
+        comparison.settings.layout = cli.layout;
+        app.insert_resource(comparison).add_plugins(ComparePlugin);
         set_step(app.world_mut(), cli.dt);
         app.world_mut().resource_mut::<PhysicsClock>().substeps = cli.substeps;
         app.world_mut()
@@ -81,7 +90,9 @@ impl Plugin for GamePlugin {
             PhysicsSchedule,
             (
                 timed_impulses.in_set(PhysicsSystems::First),
-                row_log::write_row.in_set(PhysicsSystems::Last),
+                row_log::write_rows
+                    .in_set(PhysicsSystems::Last)
+                    .after(after_step),
             ),
         )
         .add_systems(Update, (count_dropped, record, sample_schemes, end).chain());

@@ -4,12 +4,13 @@ use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::Virtual;
 use box_physics::prelude::{
-    ApplyImpulse, BodyState, DVec3, GlobalIntegrator, PhysicsClock, RigidBox, StepPhysics,
+    ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox, StepPhysics,
 };
 use box_scenarios::Scenario;
 
 use crate::action::{Action, Push};
 use crate::camera::CameraRequest;
+use crate::compare::{self, CompareAction, copy};
 use crate::csv_log::CsvLog;
 use crate::screenshot::ScreenshotRequest;
 use crate::session::{
@@ -32,7 +33,7 @@ pub fn apply_actions(world: &mut World) {
 fn apply(world: &mut World, action: Action) {
     match action {
         Action::SetIntegrator(i) => {
-            world.insert_resource(GlobalIntegrator(i));
+            compare::make_hero(world, i);
             event(world, format!("integrator {i}"));
         }
         Action::TogglePause => {
@@ -91,6 +92,8 @@ fn apply(world: &mut World, action: Action) {
             session.plot = plot;
             session.show_plots = true;
         }
+        Action::Compare(CompareAction::Copy) => copy::copy_plot(world),
+        Action::Compare(action) => compare::apply(world, action),
         Action::Quit => {
             world.write_message(AppExit::Success);
         }

@@ -7,6 +7,8 @@ use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;
 
+use crate::compare::Layout;
+
 /// Push a box about and compare numerical integrators live: speed against error.
 ///
 /// Exit codes: 0 ok, 1 run-time error, 2 usage, 3 diverged with --fail-on-divergence, 4 no display or
@@ -18,8 +20,8 @@ pub struct Cli {
     #[arg(value_parser = parse_scene)]
     pub scene: Option<String>,
 
-    /// Schemes, separated by commas: the first moves the box, all are compared by --headless
-    /// (default there: every scheme). See --list-integrators.
+    /// Schemes, separated by commas: the first moves the box, the others run beside it; all are compared
+    /// by --headless (default there: every scheme). See --list-integrators.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_integrator)]
     pub integrator: Vec<Integrator>,
 
@@ -30,6 +32,10 @@ pub struct Cli {
     /// Substeps per step.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
+
+    /// How the schemes are shown together: solo, ghosts or lanes.
+    #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
+    pub layout: Layout,
 
     /// Number of boxes [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -117,6 +123,13 @@ fn parse_scene(text: &str) -> Result<String, String> {
 fn parse_integrator(text: &str) -> Result<Integrator, String> {
     text.parse()
         .map_err(|e: box_physics::schemes::UnknownIntegrator| e.to_string())
+}
+
+fn parse_layout(text: &str) -> Result<Layout, String> {
+    Layout::ALL
+        .into_iter()
+        .find(|layout| layout.name().eq_ignore_ascii_case(text.trim()))
+        .ok_or_else(|| "allowed: solo, ghosts, lanes".to_owned())
 }
 
 fn parse_duration(text: &str) -> Result<f64, String> {

@@ -21,7 +21,7 @@ pub struct Row {
     pub sim_t_s: f64,
     /// Time since the program started \[s\].
     pub wall_t_s: Option<f64>,
-    /// 0 for the hero; in the comparison one per scheme.
+    /// 0 for the hero, then the lanes beside it; in the headless comparison one per scheme.
     pub lane: u32,
     /// Id of the scheme.
     pub integrator: String,
@@ -29,23 +29,25 @@ pub struct Row {
     pub dt_s: f64,
     /// Substeps per step.
     pub substeps: u32,
-    /// Force evaluations of this row's step, all boxes.
+    /// Force evaluations of this row's step: all boxes (hero), a step's mean (other lanes).
     pub rhs_evals: u64,
     /// Shortest recent time [ns per body-step].
     pub step_ns_min: Option<f64>,
     /// Median recent time [ns per body-step].
     pub step_ns_med: Option<f64>,
-    /// Distance from the trusted answer \[m\].
+    /// Distance from the reference \[m\].
     pub pos_err_m: Option<f64>,
-    /// Angle to the trusted attitude \[°\].
+    /// Angle to the reference \[°\].
     pub rot_err_deg: Option<f64>,
-    /// Distance after one step from the trusted state \[m\]. Empty so far.
+    /// Distance after one step from the reference's state \[m\].
     pub local_pos_err_m: Option<f64>,
     /// Kinetic and potential energy \[J\].
     pub energy_j: f64,
-    /// (E − E₀)/|E₀|, where the energy should be constant.
+    /// Energy that inputs, forces and floor do not account for, over |E₀|; headless (E − E₀)/|E₀|, where
+    /// the energy should be constant.
     pub energy_rel: Option<f64>,
-    /// |L − L₀|/|L₀| in world axes, where it should be constant.
+    /// |L| that they do not account for, over |L₀|; headless |L − L₀|/|L₀| in world axes, where it should
+    /// be constant.
     pub angmom_rel: Option<f64>,
     /// Corners at the floor.
     pub contacts: u32,

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use box_physics::prelude::{ContactSettings, Floor, Integrator};
 use box_scenarios::simulate::sanity;
-use box_scenarios::{Scenario, Setup, Truth};
+use box_scenarios::{Scenario, Truth};
 
 use crate::csv_log::{CsvLog, Row};
-use crate::lane::Lane;
+use crate::compare::track::{ReferenceStep, local_error};
+use crate::lane::{Lane, Law};
 use crate::sampling;
 
 /// What to compare.
@@ -61,9 +62,8 @@ pub struct SchemeResult {
 pub fn compare(comparison: &Comparison) -> io::Result<Vec<SchemeResult>> {
     let setup = &comparison.scenario.setup;
     let mut log = CsvLog::create(&comparison.log, comparison.scenario.id, comparison.seed)?;
-    let floor = floor_of(setup);
     let truth = Truth::of(setup);
-    let costs = costs(comparison, floor.as_ref());
+    let costs = costs(comparison, Law::of(setup).floor.as_ref());
     let mut results = Vec::new();
     for (k, &integrator) in comparison.integrators.iter().enumerate() {
         let mut result = run(
@@ -71,7 +71,6 @@ pub fn compare(comparison: &Comparison) -> io::Result<Vec<SchemeResult>> {
             integrator,
             k as u32,
             &truth,
-            floor.as_ref(),
             costs[k],
             &mut log,
         )?;
@@ -79,13 +78,6 @@ pub fn compare(comparison: &Comparison) -> io::Result<Vec<SchemeResult>> {
         results.push(result);
     }
     Ok(results)
-}
-
-fn floor_of(setup: &Setup) -> Option<Floor> {
-    // A scene's floor is checked by its own tests.
-    setup
-        .floor
-        .and_then(|f| Floor::new(f.height, f.restitution, f.friction).ok())
 }
 
 /// (Minimum, median) of 21 interleaved samples per scheme [ns per body-step].
@@ -121,7 +113,6 @@ fn run(
     integrator: Integrator,
     number: u32,
     truth: &Truth,
-    floor: Option<&Floor>,
     (ns_min, ns_median): (f64, f64),
     log: &mut CsvLog,
 ) -> io::Result<SchemeResult> {
@@ -141,14 +132,23 @@ fn run(
     } else {
         setup.initial.kinetic_energy(&setup.body)
     };
-    let mut lane = Lane::new(setup, integrator);
+    let law = Law::of(setup);
+    let mut lane = Lane::new(setup.initial, integrator);
+    let mut impulses = setup.impulses.iter().peekable();
     let mut diverged_at = None;
     let (mut position, mut attitude, mut energy) = (None, None, None);
     let worst = |now: &mut Option<f64>, x: f64| *now = Some(now.unwrap_or(0.0).max(x));
     for n in 0..=steps {
         let before = lane.outcome.evaluations;
         if n > 0 && diverged_at.is_none() {
-            let sound = (0..substeps).all(|_| lane.step(setup, floor, h));
+            let sound = (0..substeps).all(|part| {
+                let t = (n - 1) as f64 * comparison.dt + f64::from(part) * h;
+                while let Some(i) = impulses.next_if(|i| i.t <= t + 1e-9 * h) {
+                    lane.state
+                        .apply_impulse_at_body_point(&law.body, i.impulse, i.body_point);
+                }
+                lane.step(&law, h).sound
+            });
             if !sound || limits.is_diverged(&lane.state) {
                 diverged_at = Some(n as f64 * comparison.dt);
             }
@@ -156,6 +156,14 @@ fn run(
         // Time is n·dt, not a sum.
         let t = n as f64 * comparison.dt;
         let reference = trusted[n as usize];
+        // Of a step with an impulse inside it the reference's beginning is not known.
+        let from = n.checked_sub(1).and_then(|k| trusted[k as usize]);
+        let local = match (from, reference) {
+            (Some(from), Some(to)) if setup.impulses.is_empty() && substeps == 1 => {
+                Some(local_error(integrator, &law, &ReferenceStep { from, to }, h))
+            }
+            _ => None,
+        };
         let e = setup.energy(&lane.state);
         let distance = reference.map(|r| (lane.state.position - r.position).length());
         let angle = reference.map(|r| lane.state.attitude_difference(&r));
@@ -176,6 +184,7 @@ fn run(
             step_ns_med: Some(ns_median),
             pos_err_m: distance,
             rot_err_deg: angle.map(f64::to_degrees),
+            local_pos_err_m: local.map(|e| e.position),
             energy_j: e,
             energy_rel: drift,
             angmom_rel: turns_freely.then(|| setup.angular_momentum_error(&lane.state)),

@@ -7,18 +7,16 @@ use bevy::diagnostic::{
     SystemInformationDiagnosticsPlugin,
 };
 use bevy::prelude::*;
-use box_physics::prelude::{BodyState, PhysicsClock, RigidBox};
+use box_physics::prelude::PhysicsClock;
 
-use crate::session::{Hero, Session};
+use crate::session::Session;
 
-/// Points kept per curve: 10 minutes of CPU at 4 a second, a minute of energy at 60 a second.
+/// Points kept per curve: 15 minutes of CPU at 4 a second.
 const LENGTH: usize = 3600;
 
 /// The rings.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct History {
-    /// (simulated time \[s\], energy \[J\], |L| [kg m²/s]) of the hero.
-    pub energy: VecDeque<(f64, f64, f64)>,
     /// (wall time \[s\], process CPU \[%\], system CPU \[%\]).
     pub cpu: VecDeque<(f64, f64, f64)>,
     /// (wall time \[s\], simulated time \[s\]) of the last second, for the actual speed.
@@ -44,8 +42,6 @@ fn push<T>(ring: &mut VecDeque<T>, point: T) {
 /// Adds this frame.
 pub fn record(
     mut history: ResMut<History>,
-    hero: Query<(&RigidBox, &BodyState), With<Hero>>,
-    session: Res<Session>,
     clock: Res<PhysicsClock>,
     time: Res<Time<Real>>,
     diagnostics: Option<Res<DiagnosticsStore>>,
@@ -53,17 +49,8 @@ pub fn record(
     let (wall, simulated) = (time.elapsed_secs_f64(), clock.elapsed().as_secs_f64());
     let history = &mut *history;
     // A restart begins anew.
-    if history.energy.back().is_some_and(|last| last.0 > simulated) {
-        history.energy.clear();
+    if history.pace.back().is_some_and(|last| last.1 > simulated) {
         history.pace.clear();
-    }
-    let fresh = history.energy.back().is_none_or(|last| last.0 < simulated);
-    if let (Some((_, state)), true) = (hero.iter().next(), fresh) {
-        let energy = session.setup().energy(state);
-        push(
-            &mut history.energy,
-            (simulated, energy, state.angular_momentum.length()),
-        );
     }
     history.pace.push_back((wall, simulated));
     while history.pace.front().is_some_and(|p| p.0 < wall - 1.0) {

@@ -9,6 +9,7 @@ use box_physics::prelude::{DVec3, Integrator};
 
 use crate::action::{Action, Push};
 use crate::apply::Asked;
+use crate::compare::CompareAction;
 
 /// What the panel has of the keyboard and the mouse.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,7 +108,11 @@ pub fn read_keys(
     }
     for (k, key) in DIGITS.into_iter().enumerate() {
         if let (true, Some(&i)) = (keys.just_pressed(key), Integrator::ALL.get(k)) {
-            asked.push(Action::SetIntegrator(i));
+            asked.push(if shift {
+                Action::Compare(CompareAction::ToggleLane(i))
+            } else {
+                Action::SetIntegrator(i)
+            });
         }
     }
     let steps = if shift { 10 } else { 1 };
@@ -127,6 +132,8 @@ pub fn read_keys(
         ("l", Action::ToggleLog),
         ("m", Action::TogglePlots),
         ("`", Action::TogglePanel),
+        ("g", Action::Compare(CompareAction::ToggleGhosts)),
+        ("v", Action::Compare(CompareAction::NextLayout)),
         ("f", Action::FrameCamera),
         ("?", Action::ToggleHelp),
     ] {

@@ -1,11 +1,76 @@
-//! One scheme on one scene, outside the ECS: the core with a clock of its own.
+//! One scheme on one scene, outside the ECS: the core with a clock of its own, stepped as the plugin
+//! steps a body, bit for bit.
 
 use box_physics::floor::{ContactSettings, ContactState, Floor, may_touch, step_on_floor};
-use box_physics::prelude::{BodyState, Forces, Integrator, SchemeMemory, StepOutcome};
+use box_physics::prelude::{
+    BodyState, DVec3, Dissipation, ForceLaw, Gravity, Integrator, RigidBox, SchemeMemory,
+    StepOutcome,
+};
 use box_physics::schemes::{Scheme, SchemeVisitor};
-use box_scenarios::Setup;
+use box_scenarios::{FloorSpec, ForceSet, Setup};
 
-/// A body of `setup` under `integrator`, stepped by hand.
+/// A box and what acts on it; without its state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Law {
+    /// The box.
+    pub body: RigidBox,
+    /// What acts on it.
+    pub forces: ForceSet,
+    /// The floor, if there is one.
+    pub floor: Option<Floor>,
+}
+
+impl Law {
+    /// That of a setup. A floor out of range (a scene's tests see to it that there is none) is left out.
+    pub fn of(setup: &Setup) -> Self {
+        Self {
+            body: setup.body,
+            forces: setup.forces.clone(),
+            floor: setup
+                .floor
+                .and_then(|f| Floor::new(f.height, f.restitution, f.friction).ok()),
+        }
+    }
+
+    /// The motion from `state` under this law for `duration` \[s\], without impulses.
+    pub fn setup(&self, state: BodyState, duration: f64) -> Setup {
+        let setup = Setup::new(self.body, state, self.forces.clone(), duration);
+        match &self.floor {
+            Some(f) => setup.with_floor(FloorSpec {
+                height: f.height,
+                restitution: f.restitution,
+                friction: f.friction,
+            }),
+            None => setup,
+        }
+    }
+
+    /// Kinetic and potential energy \[J\].
+    pub fn energy(&self, state: &BodyState) -> f64 {
+        box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
+    }
+
+    /// Whether no force takes or gives energy (the floor apart).
+    pub fn is_conservative(&self) -> bool {
+        box_physics::energy::is_conservative(&self.forces.forces(&self.body))
+    }
+
+    /// Whether the floor may act on a box in this state within `h` \[s\].
+    pub fn meets_floor(&self, state: &BodyState, h: f64) -> bool {
+        let law = self.forces.forces(&self.body);
+        self.floor
+            .is_some_and(|floor| may_touch(&floor, &self.body, state, &law, h))
+    }
+
+    /// Whether gravity is all that acts: the plugin's table has then no force component, and its loop
+    /// is compiled for that.
+    fn only_gravity(&self) -> bool {
+        let f = &self.forces;
+        !f.has_wrench() && f.dissipation() == Dissipation::NONE && f.force == DVec3::ZERO
+    }
+}
+
+/// A box under `integrator`, stepped by hand.
 #[derive(Clone, Debug)]
 pub struct Lane {
     /// The scheme.
@@ -14,23 +79,30 @@ pub struct Lane {
     pub state: BodyState,
     /// Simulated time \[s\].
     pub time: f64,
-    next_impulse: usize,
     /// Steps taken.
     pub steps: u64,
     /// What they cost.
     pub outcome: StepOutcome,
-    memory: SchemeMemory,
-    contact: ContactState,
+    pub(crate) memory: SchemeMemory,
+    pub(crate) contact: ContactState,
+}
+
+/// What one step met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stepped {
+    /// Whether the new state is sound; if not, the lane has stopped at its last good state.
+    pub sound: bool,
+    /// Impacts on the floor.
+    pub impacts: u32,
 }
 
 impl Lane {
-    /// At the start of `setup`.
-    pub fn new(setup: &Setup, integrator: Integrator) -> Self {
+    /// In `state` at time 0.
+    pub fn new(state: BodyState, integrator: Integrator) -> Self {
         Self {
             integrator,
-            state: setup.initial,
+            state,
             time: 0.0,
-            next_impulse: 0,
             steps: 0,
             outcome: StepOutcome::default(),
             memory: SchemeMemory::default(),
@@ -38,72 +110,87 @@ impl Lane {
         }
     }
 
-    /// One step of `h` \[s\], at the floor if there is one. The scene's timed impulses act at the first
-    /// step boundary at or after their time. Returns whether the state is still sound; if not, the lane
-    /// has stopped at its last good state.
-    pub fn step(&mut self, setup: &Setup, floor: Option<&Floor>, h: f64) -> bool {
+    /// The same at another time \[s\].
+    #[must_use]
+    pub fn at_time(mut self, time: f64) -> Self {
+        self.time = time;
+        self
+    }
+
+    /// Corners at the floor at the end of the last step.
+    pub fn contacts(&self) -> u32 {
+        self.contact.touching().count_ones()
+    }
+
+    /// One step of `h` \[s\].
+    pub fn step(&mut self, law: &Law, h: f64) -> Stepped {
         let before = self.state;
-        while let Some(i) = setup.impulses.get(self.next_impulse) {
-            if i.t > self.time + 1e-9 * h {
-                break;
-            }
-            self.state
-                .apply_impulse_at_body_point(&setup.body, i.impulse, i.body_point);
-            self.next_impulse += 1;
-        }
-        let law = setup.forces.forces(&setup.body);
-        let settings = ContactSettings::default();
-        let outcome = self.integrator.dispatch(OneStep {
-            setup,
-            law: &law,
-            floor: floor.map(|f| (f, &settings)),
-            h,
-            state: &mut self.state,
-            memory: &mut self.memory,
-            contact: &mut self.contact,
-        });
+        let forces = law.forces.forces(&law.body);
+        let (outcome, impacts) = if law.only_gravity() {
+            let gravity = Gravity(forces.acceleration);
+            self.integrator.dispatch(OneStep::new(self, law, &gravity, h))
+        } else {
+            self.integrator.dispatch(OneStep::new(self, law, &forces, h))
+        };
         self.outcome += outcome;
         self.steps += 1;
         self.time += h;
-        if self.state.is_sound() {
-            return true;
+        let sound = self.state.is_sound();
+        if !sound {
+            self.state = before;
         }
-        self.state = before;
-        false
+        Stepped { sound, impacts }
     }
 }
 
-struct OneStep<'a> {
-    setup: &'a Setup,
-    law: &'a Forces<'a>,
-    floor: Option<(&'a Floor, &'a ContactSettings)>,
+struct OneStep<'a, F> {
+    body: &'a RigidBox,
+    floor: Option<&'a Floor>,
+    law: &'a F,
     h: f64,
     state: &'a mut BodyState,
     memory: &'a mut SchemeMemory,
     contact: &'a mut ContactState,
 }
 
-impl SchemeVisitor for OneStep<'_> {
-    type Output = StepOutcome;
+impl<'a, F> OneStep<'a, F> {
+    fn new(lane: &'a mut Lane, whole: &'a Law, law: &'a F, h: f64) -> Self {
+        Self {
+            body: &whole.body,
+            floor: whole.floor.as_ref(),
+            law,
+            h,
+            state: &mut lane.state,
+            memory: &mut lane.memory,
+            contact: &mut lane.contact,
+        }
+    }
+}
 
-    fn visit<S: Scheme>(self) -> StepOutcome {
-        let body = &self.setup.body;
+impl<F: ForceLaw> SchemeVisitor for OneStep<'_, F> {
+    type Output = (StepOutcome, u32);
+
+    fn visit<S: Scheme>(self) -> Self::Output {
+        let (body, law, h) = (self.body, self.law, self.h);
         match self.floor {
-            Some((floor, settings)) if may_touch(floor, body, self.state, self.law, self.h) => {
-                step_on_floor::<S, _>(
+            Some(floor)
+                if self.contact.touching() != 0 || may_touch(floor, body, self.state, law, h) =>
+            {
+                let settings = ContactSettings::default();
+                let outcome = step_on_floor::<S, _>(
                     floor,
-                    settings,
+                    &settings,
                     body,
                     self.state,
-                    self.law,
-                    self.h,
+                    law,
+                    h,
                     self.memory,
                     self.contact,
                     None,
-                )
-                .step
+                );
+                (outcome.step, outcome.impacts)
             }
-            _ => S::step(body, self.state, self.law, self.h, self.memory),
+            _ => (S::step(body, self.state, law, h, self.memory), 0),
         }
     }
 }

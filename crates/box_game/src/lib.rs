@@ -9,10 +9,12 @@ pub mod app;
 pub mod apply;
 pub mod camera;
 pub mod cli;
+pub mod compare;
 pub mod csv_log;
 pub mod display;
 #[cfg(feature = "gamepad")]
 pub mod gamepad;
+pub mod ghosts;
 pub mod headless;
 pub mod history;
 pub mod input;

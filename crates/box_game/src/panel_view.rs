@@ -12,6 +12,8 @@ use box_physics::prelude::{
 };
 use box_scenarios::Scenario;
 
+use crate::compare::Comparison;
+use crate::compare::fill::compare_view;
 use crate::csv_log::CsvLog;
 use crate::history::{History, frame_time};
 use crate::panel::{HeroView, HistoryView, LogView, PanelView, SchemeTiming};
@@ -23,6 +25,7 @@ use crate::session::{Hero, Session};
 pub struct Sources<'w, 's> {
     session: Res<'w, Session>,
     integrator: Res<'w, GlobalIntegrator>,
+    comparison: Res<'w, Comparison>,
     clock: Res<'w, PhysicsClock>,
     fixed: Res<'w, Time<Fixed>>,
     history: Res<'w, History>,
@@ -87,6 +90,7 @@ pub fn view(s: &Sources, scenes: &[(String, String)]) -> PanelView {
         } else {
             HistoryView::default()
         },
+        compare: compare_view(&s.comparison, &s.samples, open.then_some(session.plot), session.parameters.boxes),
         show_aabb: session.show_aabb,
         show_contacts: session.show_contacts,
         show_axes: session.show_axes,
@@ -140,7 +144,6 @@ fn hero(s: &Sources) -> HeroView {
 
 fn history(s: &Sources) -> HistoryView {
     HistoryView {
-        energy: s.history.energy.iter().copied().collect(),
         timing: Integrator::ALL
             .iter()
             .map(|&i| s.samples.history(i).collect())

@@ -13,6 +13,7 @@ use crate::app::{GamePlugin, open_log};
 use crate::apply::Asked;
 use crate::camera::{OrbitCamera, move_camera};
 use crate::cli::Cli;
+use crate::ghosts::GhostPlugin;
 use crate::input::UiFocus;
 use crate::panel::{self, PanelMemory};
 use crate::panel_view::{self, Sources};
@@ -128,8 +129,10 @@ fn show_panel(
     mut asked: ResMut<Asked>,
     mut focus: ResMut<UiFocus>,
     mut camera: Single<&mut Camera, With<OrbitCamera>>,
+    mut drawn: Local<f64>,
     window: Query<&Window, With<PrimaryWindow>>,
 ) -> Result {
+    let start = std::time::Instant::now();
     let context = contexts.ctx_mut()?;
     let mut ui = egui::Ui::new(
         context.clone(),
@@ -139,7 +142,8 @@ fn show_panel(
             .max_rect(context.viewport_rect()),
     );
     let state = &mut *state;
-    let view = panel_view::view(&sources, &state.scenes);
+    let mut view = panel_view::view(&sources, &state.scenes);
+    view.compare.panel_ms = *drawn;
     let layout = panel::show(&mut ui, &view, &mut state.memory, &mut asked.0);
     *focus = UiFocus {
         text: context.text_edit_focused(),
@@ -174,6 +178,7 @@ fn show_panel(
     if !same {
         camera.viewport = Some(viewport);
     }
+    *drawn = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
 }
 
@@ -234,6 +239,7 @@ pub fn build(cli: &Cli) -> std::io::Result<App> {
             PicturePlugin {
                 offscreen: cli.offscreen,
             },
+            GhostPlugin,
         ));
     if cli.offscreen {
         // One step a frame, so that a picture shows a known time however slow the renderer is.

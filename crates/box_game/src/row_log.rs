@@ -1,4 +1,5 @@
-//! After every step: its counts, and one row of the log while one is open.
+//! After every step: its counts, and the rows of the log while one is open: one for the hero, one for
+//! each lane that has taken a step.
 
 use bevy::diagnostic::{DiagnosticsStore, FrameCount};
 use bevy::prelude::*;
@@ -7,15 +8,19 @@ use box_physics::prelude::{
     PhysicsTimings, Quarantined,
 };
 
+use crate::compare::runner::Runner;
+use crate::compare::track::Track;
+use crate::compare::{Comparison, Quantity};
 use crate::csv_log::{CsvLog, Row};
 use crate::history::{History, frame_time};
+use crate::lane::Law;
 use crate::sampling::SchemeSamples;
 use crate::session::{Hero, Session};
 
-/// Writes the row of the step that just ended. Runs in `PhysicsSystems::Last`.
-pub fn write_row(
+/// Writes the rows of the step that just ended. Runs in `PhysicsSystems::Last`, after the comparison.
+pub fn write_rows(
     log: Option<ResMut<CsvLog>>,
-    mut session: ResMut<Session>,
+    (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
     hero: Query<(&BodyState, Has<Quarantined>), With<Hero>>,
     (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
     (timings, samples, history): (
@@ -46,50 +51,115 @@ pub fn write_row(
     let (Some(mut log), Some((state, quarantined))) = (log, hero.iter().next()) else {
         return;
     };
-    let step = clock.step();
-    let t = clock.time();
-    let setup = session.setup();
-    let energy = setup.energy(state);
-    let e0 = setup.energy(&setup.initial);
-    let reference = session.truth.as_ref().and_then(|truth| truth.at(t));
-    let constant = session.truth.is_some() && setup.conserves_energy();
-    let statistics = samples.statistics(integrator.0);
+    let Some(run) = &mut comparison.run else {
+        return;
+    };
+    let substeps = clock.substeps.max(1);
     let outcome = timings.as_ref().map(|t| t.scheme(integrator.0).outcome);
     let cpu = history.cpu.back();
-    let row = Row {
+    let common = Row {
         run_id: session.run_id(),
         frame: frame.map_or(0, |f| u64::from(f.0)),
-        sim_t_s: t,
         wall_t_s: real.map(|r| r.elapsed_secs_f64()),
-        lane: 0,
-        integrator: integrator.0.id().to_owned(),
-        dt_s: step * f64::from(clock.substeps.max(1)),
-        substeps: clock.substeps.max(1),
+        cpu_process_pct: cpu.map(|c| c.1),
+        cpu_system_pct: cpu.map(|c| c.2),
+        frame_ms: frame_time(diagnostics.as_deref()),
+        ..Row::default()
+    };
+    let mut rows = vec![Row {
+        sim_t_s: clock.time(),
+        dt_s: clock.step() * f64::from(substeps),
+        substeps,
         rhs_evals: outcome.map_or(0, |o| u64::from(o.evaluations)),
-        step_ns_min: statistics.map(|s| s.0),
-        step_ns_med: statistics.map(|s| s.1),
-        pos_err_m: reference.map(|r| (state.position - r.position).length()),
-        rot_err_deg: reference.map(|r| state.attitude_difference(&r).to_degrees()),
-        local_pos_err_m: None,
-        energy_j: energy,
-        energy_rel: (constant && e0 != 0.0).then(|| (energy - e0) / e0.abs()),
-        angmom_rel: (session.truth.is_some() && setup.conserves_angular_momentum())
-            .then(|| setup.angular_momentum_error(state)),
         contacts: touching,
         state: match (quarantined, touching) {
             (true, _) => "quarantined",
+            _ if run.hero.track.diverged.is_some() => "diverged",
             (false, 0) => "ok",
             (false, _) if state.velocity.length() == 0.0 => "resting",
             (false, _) => "contact",
         }
         .to_owned(),
-        cpu_process_pct: cpu.map(|c| c.1),
-        cpu_system_pct: cpu.map(|c| c.2),
-        frame_ms: frame_time(diagnostics.as_deref()),
         event,
-    };
-    if let Err(error) = log.write(&row) {
-        session.notice(format!("log closed: {error}"));
-        commands.remove_resource::<CsvLog>();
+        ..measured(&common, 0, integrator.0, &run.law, state, &run.hero.track, &samples)
+    }];
+    for (k, runner) in run.lanes.iter_mut().enumerate() {
+        if runner.lane.steps != runner.logged {
+            rows.push(lane_row(&common, k as u32 + 1, runner, run.step, &samples));
+            runner.logged = runner.lane.steps;
+        }
+    }
+    for row in rows {
+        if let Err(error) = log.write(&row) {
+            session.notice(format!("log closed: {error}"));
+            commands.remove_resource::<CsvLog>();
+            return;
+        }
+    }
+}
+
+fn lane_row(
+    common: &Row,
+    number: u32,
+    runner: &mut Runner,
+    step: f64,
+    samples: &SchemeSamples,
+) -> Row {
+    let lane = &runner.lane;
+    let skew = core::mem::take(&mut runner.skew);
+    Row {
+        sim_t_s: lane.time,
+        dt_s: runner.factor * step,
+        substeps: 1,
+        rhs_evals: u64::from(lane.outcome.evaluations) / lane.steps.max(1),
+        contacts: lane.contacts(),
+        state: match runner.track.diverged {
+            Some(_) => "diverged",
+            None if lane.contacts() == 0 => "ok",
+            None if lane.state.velocity.length() == 0.0 => "resting",
+            None => "contact",
+        }
+        .to_owned(),
+        event: if skew > 0.0 {
+            format!("input {skew:e} s late")
+        } else {
+            String::new()
+        },
+        ..measured(
+            common,
+            number,
+            lane.integrator,
+            &runner.law,
+            &lane.state,
+            &runner.track,
+            samples,
+        )
+    }
+}
+
+/// The columns that every trajectory has.
+fn measured(
+    common: &Row,
+    lane: u32,
+    integrator: Integrator,
+    law: &Law,
+    state: &BodyState,
+    track: &Track,
+    samples: &SchemeSamples,
+) -> Row {
+    let statistics = samples.statistics(integrator);
+    let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
+    Row {
+        lane,
+        integrator: integrator.id().to_owned(),
+        step_ns_min: statistics.map(|s| s.0),
+        step_ns_med: statistics.map(|s| s.1),
+        pos_err_m: known(Quantity::Position),
+        rot_err_deg: known(Quantity::Attitude),
+        local_pos_err_m: known(Quantity::LocalPosition),
+        energy_j: law.energy(state),
+        energy_rel: known(Quantity::Energy),
+        angmom_rel: known(Quantity::Momentum),
+        ..common.clone()
     }
 }

@@ -96,7 +96,7 @@ impl Session {
             show_help: false,
             hidden: false,
             show_plots: true,
-            plot: Plot::Timing,
+            plot: Plot::Energy,
             notices: VecDeque::new(),
             dropped: 0.0,
             fallbacks: 0,

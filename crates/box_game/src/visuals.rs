@@ -109,7 +109,7 @@ fn checker() -> Image {
 
 /// A cuboid whose three pairs of faces differ in colour, and whose positive faces are lighter, so that
 /// every attitude looks different. Colours: Okabe and Ito 2008.
-fn painted_cuboid(half: Vec3) -> Mesh {
+pub(crate) fn painted_cuboid(half: Vec3) -> Mesh {
     let mut mesh = Cuboid::from_size(half * 2.0).mesh().build();
     let colors: Vec<[f32; 4]> = mesh
         .attribute(Mesh::ATTRIBUTE_NORMAL)

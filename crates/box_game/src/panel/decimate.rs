@@ -13,7 +13,7 @@ const BUCKETS: f64 = 330.0;
 
 /// At most [`MAX_POINTS`] points that look like `points`, which must not go back in x. Points that are
 /// not finite become one gap `[x, NaN]`; see [`segments`].
-pub(super) fn decimate(
+pub(crate) fn decimate(
     points: impl DoubleEndedIterator<Item = [f64; 2]> + ExactSizeIterator + Clone,
 ) -> Vec<[f64; 2]> {
     if points.len() <= MAX_POINTS {

@@ -13,8 +13,13 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Alt + those", "push along the world's axes"),
     (
         "1 … 9",
-        "simulate with the first … ninth integrator of the list",
+        "move the box by the first … ninth integrator of the list",
     ),
+    (
+        "Shift + 1 … 9",
+        "simulate the first … ninth beside it, or no longer",
+    ),
+    ("G · V", "ghosts on or off · next layout"),
     ("P or Space", "pause, resume"),
     (". or →", "one step while paused (with Shift: ten)"),
     ("R or Backspace", "restart the scene"),

@@ -1,5 +1,9 @@
 //! What the panel itself remembers between frames: nothing that the game needs to know.
 
+use super::view::HistoryView;
+use crate::action::Plot;
+use crate::compare::CompareView;
+
 /// Folded sections, dismissed texts, and a value in the middle of being dragged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelMemory {
@@ -15,6 +19,20 @@ pub struct PanelMemory {
     pub push_world: bool,
     /// A value that restarts the scene, while it is dragged: its label and the value so far.
     pub(super) draft: Option<(&'static str, f64)>,
+    /// Work–precision shows the position error instead of the attitude's.
+    pub sweep_position: bool,
+    /// The plots as they stood when the pointer came over them.
+    pub(super) frozen: Option<Frozen>,
+}
+
+/// Plots that stand still while they are looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Frozen {
+    pub(super) plot: Plot,
+    pub(super) compare: CompareView,
+    pub(super) history: HistoryView,
+    /// When they go on \[s\].
+    pub(super) until: f64,
 }
 
 impl Default for PanelMemory {
@@ -27,6 +45,8 @@ impl Default for PanelMemory {
             push_off_centre: false,
             push_world: false,
             draft: None,
+            sweep_position: false,
+            frozen: None,
         }
     }
 }

@@ -4,7 +4,7 @@
 //! ┌ top bar ─────────────────────────────┬───────────┐
 //! │ lesson, notice                       │ side      │
 //! │ the picture: `PanelLayout::central`  │ sections  │
-//! ├ drawer: Energy Timing CPU Table ─────┤           │
+//! ├ drawer: Error Energy … Table ────────┤           │
 //! └──────────────────────────────────────┴───────────┘
 //! ```
 //!
@@ -12,7 +12,7 @@
 //! an accessible name, by which the tests find it: a button its text without key or sign ("Pause"), a
 //! slider `Gravity [m/s²]`, its typed value `Gravity value [m/s²]`, a scheme its name.
 
-mod decimate;
+pub(crate) mod decimate;
 mod drawer;
 mod fields;
 mod format;
@@ -80,7 +80,7 @@ pub fn show(
             .resizable(true)
             .default_size((height * 0.38).clamp(90.0, 300.0))
             .size_range(80.0..=(height * 0.6).max(80.0))
-            .show(ui, |ui| drawer::show(ui, view, out));
+            .show(ui, |ui| drawer::show(ui, view, memory, out));
     }
     overlay::strips(ui, view, memory);
 

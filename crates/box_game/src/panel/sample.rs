@@ -4,6 +4,7 @@ use box_physics::prelude::{DVec3, Integrator};
 
 use super::view::{HeroView, HistoryView, PanelView, Parameters, SchemeTiming};
 use crate::action::Plot;
+use crate::compare::{CompareView, LaneView, Quantity};
 
 /// A plausible moment of a game: everything filled, nothing extreme.
 #[doc(hidden)]
@@ -69,9 +70,6 @@ pub fn sample_view() -> PanelView {
         step_time_us: 0.8,
         frame_time_ms: 16.7,
         history: HistoryView {
-            energy: (0..120)
-                .map(|k| (f64::from(k) / 60.0, 6.65, 0.125))
-                .collect(),
             timing: (0..Integrator::ALL.len())
                 .map(|s| {
                     (0..60)
@@ -81,6 +79,7 @@ pub fn sample_view() -> PanelView {
                 .collect(),
             cpu: (0..30).map(|k| (f64::from(k), 12.0, 30.0)).collect(),
         },
+        compare: sample_comparison(),
         show_aabb: false,
         show_contacts: false,
         show_axes: false,
@@ -91,5 +90,47 @@ pub fn sample_view() -> PanelView {
         log: None,
         software_rendering: false,
         notices: Vec::new(),
+    }
+}
+
+/// The hero and two lanes, two seconds in.
+fn sample_comparison() -> CompareView {
+    let lanes = [
+        Integrator::default(),
+        Integrator::Rk4,
+        Integrator::SemiImplicitEuler,
+    ];
+    CompareView {
+        lanes: lanes
+            .iter()
+            .enumerate()
+            .map(|(k, &integrator)| {
+                let error = 1e-6 * 100_f64.powi(k as i32);
+                LaneView {
+                    integrator,
+                    hero: k == 0,
+                    dt: 1.0 / 60.0,
+                    skew: 0.0,
+                    status: "ok".into(),
+                    nanoseconds: Some((50.0, 60.0, 80.0)),
+                    evaluations: 1.0,
+                    now: [error; Quantity::ALL.len()],
+                    worst: (error, error),
+                    energies: [1.5, 0.25, 4.9],
+                    lines: Quantity::ALL
+                        .iter()
+                        .map(|&quantity| {
+                            let points = (0..120)
+                                .map(|n| [f64::from(n) / 60.0, error * f64::from(n) / 119.0])
+                                .collect();
+                            (quantity, points)
+                        })
+                        .collect(),
+                }
+            })
+            .collect(),
+        reference: "closed form".into(),
+        conservative: true,
+        ..CompareView::default()
     }
 }

@@ -4,6 +4,7 @@
 use box_physics::prelude::{DVec3, Integrator};
 
 use crate::action::Plot;
+use crate::compare::CompareView;
 
 /// Everything the panel shows in one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +55,8 @@ pub struct PanelView {
     pub frame_time_ms: f64,
     /// Histories for the plots.
     pub history: HistoryView,
+    /// The comparison of schemes.
+    pub compare: CompareView,
     /// What is drawn besides the boxes.
     pub show_aabb: bool,
     /// See `show_aabb`.
@@ -135,8 +138,6 @@ pub struct SchemeTiming {
 /// Histories, oldest first; times are seconds since the start of the program or the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryView {
-    /// (simulated time \[s\], total energy \[J\], |L| [kg m²/s]) of the hero.
-    pub energy: Vec<(f64, f64, f64)>,
     /// Per scheme in the order of the menu: (wall time \[s\], median ns per body-step).
     pub timing: Vec<Vec<(f64, f64)>>,
     /// (wall time \[s\], process CPU [% of all cores], system CPU \[%\]).

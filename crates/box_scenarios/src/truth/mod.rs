@@ -89,6 +89,16 @@ impl Rotation {
 impl Truth {
     /// The trusted answer of `setup`, through all its impulses.
     pub fn of(setup: &Setup) -> Self {
+        Self::through(setup, true)
+    }
+
+    /// The closed form of `setup`, if there is one: what can be had at once, without an integration.
+    pub fn closed_form(setup: &Setup) -> Option<Self> {
+        let truth = Self::through(setup, false);
+        (truth.kind == TruthKind::ClosedForm).then_some(truth)
+    }
+
+    fn through(setup: &Setup, numerical: bool) -> Self {
         let mut truth = Self {
             segments: Vec::new(),
             kind: TruthKind::ClosedForm,
@@ -103,7 +113,7 @@ impl Truth {
             let until = impulses
                 .peek()
                 .map_or(setup.duration, |i| i.t.min(setup.duration));
-            let Some(segment) = truth.segment(setup, &start, until - from) else {
+            let Some(segment) = truth.segment(setup, &start, until - from, numerical) else {
                 return Self::none();
             };
             let Some(next) = segment.at(until - from) else {
@@ -124,13 +134,22 @@ impl Truth {
         }
     }
 
-    fn segment(&mut self, setup: &Setup, start: &BodyState, duration: f64) -> Option<Segment> {
+    fn segment(
+        &mut self,
+        setup: &Setup,
+        start: &BodyState,
+        duration: f64,
+        numerical: bool,
+    ) -> Option<Segment> {
         if let Some(floor) = &setup.floor {
             let (contact, rotation) = FlatContact::of(setup, floor, start)?;
             return Some(Segment::Flat(contact, rotation));
         }
         if let (Some(x), Some(r)) = (Translation::of(setup, start), Rotation::of(setup, start)) {
             return Some(Segment::Separate(x, r));
+        }
+        if !numerical {
+            return None;
         }
         let reference = Numerical::new(setup, start, duration)?;
         let before = match self.kind {
@@ -247,6 +266,18 @@ mod tests {
                 );
                 let error = difference(&a, &b);
                 assert!(error < bound, "{}: {error:e} at {t} s", s.id);
+            }
+        }
+    }
+
+    #[test]
+    fn a_closed_form_is_the_trusted_answer_or_none() {
+        for s in Scenario::ALL.iter().map(|build| build()) {
+            let (closed, truth) = (Truth::closed_form(&s.setup), s.truth());
+            let known = truth.kind() == TruthKind::ClosedForm;
+            assert_eq!(closed.is_some(), known, "{}", s.id);
+            if let Some(closed) = closed {
+                assert_eq!(closed.at(1.25), truth.at(1.25), "{}", s.id);
             }
         }
     }

@@ -1,18 +1,27 @@
-//! The drawer below the picture: curves over time and the table of schemes.
+//! The drawer below the picture: curves over time, error against cost, and the table of schemes.
 
+mod compare;
 mod plots;
 mod table;
+mod work_precision;
 
-use bevy_egui::egui::{Button, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Button, RichText, Ui, WidgetInfo, WidgetType};
 
+use super::memory::{Frozen, PanelMemory};
 use super::view::PanelView;
 use crate::action::{Action, Plot};
+use crate::compare::{CompareAction, CompareView, Window};
 
-const TABS: [(Plot, &str, &str); 4] = [
+const TABS: [(Plot, &str, &str); 6] = [
+    (
+        Plot::Error,
+        "Error",
+        "Distance and angle to the reference over simulated time.",
+    ),
     (
         Plot::Energy,
         "Energy",
-        "Total energy and |L| of the box over simulated time.",
+        "Energy and angular momentum that nothing accounts for, over simulated time.",
     ),
     (
         Plot::Timing,
@@ -21,15 +30,30 @@ const TABS: [(Plot, &str, &str); 4] = [
     ),
     (Plot::Cpu, "CPU", "Use of the processor over time."),
     (
+        Plot::WorkPrecision,
+        "Work–precision",
+        "Error against cost of every lane, and over step sizes.",
+    ),
+    (
         Plot::Table,
         "Table",
         "The figures of every scheme side by side.",
     ),
 ];
 
+/// How long the plots stay frozen after the pointer has left them \[s\].
+const THAW: f64 = 0.3;
+
 /// Draws the tabs and the chosen one's content.
-pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    ui.horizontal(|ui| {
+pub(super) fn show(
+    ui: &mut Ui,
+    view: &PanelView,
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) {
+    let now = ui.input(|i| i.time);
+    memory.frozen.take_if(|f| f.until < now || f.plot != view.plot);
+    ui.horizontal_wrapped(|ui| {
         for (plot, name, hint) in TABS {
             let chosen = view.plot == plot;
             let tab = ui.add(Button::selectable(chosen, name));
@@ -40,6 +64,10 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 out.push(Action::SelectPlot(plot));
             }
         }
+        ui.separator();
+        let mut asked = Vec::new();
+        tools(ui, &view.compare, view.plot, &mut asked);
+        out.extend(asked.into_iter().map(Action::Compare));
         if ui
             .button("Close plots")
             .on_hover_text("Hide the drawer (M).")
@@ -47,11 +75,96 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         {
             out.push(Action::TogglePlots);
         }
+        if memory.frozen.is_some() {
+            ui.label(RichText::new("⏸ frozen").strong())
+                .on_hover_text("The plots stand still while the pointer is over them; the simulation does not.");
+        }
     });
+    let frozen = memory.frozen.take();
+    // The newest view, but for what was frozen.
+    let held;
+    let shown = match &frozen {
+        Some(f) => {
+            held = PanelView {
+                compare: f.compare.clone(),
+                history: f.history.clone(),
+                ..view.clone()
+            };
+            &held
+        }
+        None => view,
+    };
+    let place = ui.available_rect_before_wrap();
+    let mut asked = Vec::new();
     match view.plot {
-        Plot::Energy => plots::energy(ui, view),
-        Plot::Timing => plots::timing(ui, view),
-        Plot::Cpu => plots::cpu(ui, view),
-        Plot::Table => table::show(ui, view),
+        Plot::Error => compare::error(ui, &shown.compare),
+        Plot::Energy => compare::energy(ui, &shown.compare),
+        Plot::Timing => plots::timing(ui, shown),
+        Plot::Cpu => plots::cpu(ui, shown),
+        Plot::WorkPrecision => work_precision::show(ui, &view.compare, memory, &mut asked),
+        Plot::Table => table::show(ui, view, &mut asked),
+    }
+    out.extend(asked.into_iter().map(Action::Compare));
+    let over = ui
+        .ctx()
+        .pointer_latest_pos()
+        .is_some_and(|p| place.contains(p) && ui.rect_contains_pointer(place));
+    let freezes = !matches!(view.plot, Plot::Table | Plot::WorkPrecision);
+    memory.frozen = match frozen {
+        Some(f) if over => Some(Frozen {
+            until: now + THAW,
+            ..f
+        }),
+        None if over && freezes => Some(Frozen {
+            plot: view.plot,
+            compare: view.compare.clone(),
+            history: view.history.clone(),
+            until: now + THAW,
+        }),
+        other => other,
+    };
+}
+
+/// What can be chosen of the open tab.
+fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareAction>) {
+    let settings = &view.settings;
+    let over_time = matches!(plot, Plot::Error | Plot::Energy);
+    let mut toggle = |ui: &mut Ui, on: bool, name: &str, hint: &str, action: CompareAction| {
+        let button = ui.add(Button::selectable(on, name).frame_when_inactive(true));
+        button.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
+        if button.on_hover_text(hint).clicked() {
+            out.push(action);
+        }
+    };
+    match plot {
+        Plot::Error => {
+            let hint = "Logarithmic instead of linear.";
+            let action = CompareAction::ToggleLogarithmic;
+            toggle(ui, settings.logarithmic, "log", hint, action);
+            let hint = "The error of each step alone, from the reference's state, instead of that since the start: it says something even after chaos.";
+            toggle(ui, settings.local, "per step", hint, CompareAction::ToggleLocal);
+        }
+        Plot::Energy => {
+            let hint = "The size on a logarithmic axis instead of the value on a linear one.";
+            let action = CompareAction::ToggleLogarithmicEnergy;
+            toggle(ui, settings.logarithmic_energy, "log", hint, action);
+        }
+        _ => {}
+    }
+    if over_time {
+        for window in Window::ALL {
+            let on = settings.window == window;
+            let hint = "How much of the past is shown.";
+            toggle(ui, on, window.name(), hint, CompareAction::SetWindow(window));
+        }
+    }
+    if plot != Plot::Cpu && plot != Plot::Timing {
+        let copy = ui.button("Copy CSV");
+        if copy
+            .on_hover_text("What is shown, as CSV, to the clipboard.")
+            .clicked()
+        {
+            out.push(CompareAction::Copy);
+        }
     }
 }

@@ -2,8 +2,7 @@
 //! says in words what it shows, for screen readers.
 
 use bevy_egui::egui::{
-    Color32, Label, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder, Vec2b,
-    WidgetInfo, WidgetType, pos2, vec2,
+    Color32, Label, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder,     WidgetInfo, WidgetType, pos2, vec2,
 };
 use box_physics::prelude::Integrator;
 use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints, PlotUi, Points};
@@ -11,11 +10,9 @@ use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints
 use super::super::decimate::{decimate, segments, staircase};
 use super::super::format::number;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
-use super::super::view::{PanelView, Parameters};
+use super::super::view::PanelView;
 use crate::style::{self, SchemeStyle};
 
-/// Two plots stand side by side from this width on, else one above the other [points].
-const SIDE_BY_SIDE: f32 = 400.0;
 /// Width of a column of the legend beside the plot [points].
 const LEGEND: f32 = 125.0;
 /// The plot keeps this much beside a legend, or there is none [points].
@@ -23,71 +20,16 @@ const PLOT_BESIDE_LEGEND: f32 = 220.0;
 /// A plot lower than this is no use; the drawer scrolls instead.
 const LOWEST: f32 = 90.0;
 
-/// Total energy and |L| of the hero, with a common time axis and cursor.
-pub(super) fn energy(ui: &mut Ui, view: &PanelView) {
-    let history = &view.history.energy;
-    let caption = if conserved(&view.parameters) {
-        "Constant but for pushes: what drifts is the integrator's error."
-    } else {
-        "Drag, damping, contacts and pushes change these; the rest is the integrator's error."
-    };
-    ui.label(caption);
-    let looks = style::of(view.integrator);
-    let curves: [(&str, &str, Vec<[f64; 2]>); 2] = [
-        (
-            "Total energy",
-            "J",
-            decimate(history.iter().map(|&(t, e, _)| [t, e])),
-        ),
-        (
-            "|L|",
-            "kg m²/s",
-            decimate(history.iter().map(|&(t, _, l)| [t, l])),
-        ),
-    ];
-    let draw = |ui: &mut Ui, (name, unit, points): &(&str, &str, Vec<[f64; 2]>)| {
-        let mut plot = frame(name)
-            .link_axis("time of the box", Vec2b::new(true, false))
-            .link_cursor("time of the box", Vec2b::new(true, false))
-            .x_axis_label("simulated time [s]")
-            .y_axis_label(format!("{name} [{unit}]"))
-            .label_formatter(move |at| Some(time_and(at, |y| format!("{} {unit}", precise(y)))));
-        // Rounding noise on a constant must not fill the plot.
-        if let Some([_, y]) = points.iter().rev().find(|p| p[1].is_finite()) {
-            let room = (y.abs() * 1e-6).max(1e-9);
-            plot = plot.include_y(y - room).include_y(y + room);
-        }
-        let response = plot
-            .show(ui, |plot| line(plot, name, points, looks, 2.0))
-            .response;
-        let last = points.last().map_or(f64::NAN, |p| p[1]);
-        describe(
-            &response,
-            &format!("{name} over simulated time, now {} {unit}", number(last)),
-        );
-    };
-    if ui.available_width() >= SIDE_BY_SIDE {
-        let whole = ui.available_rect_before_wrap();
-        let half = vec2((whole.width() - 8.0) / 2.0, whole.height().max(LOWEST));
-        for (k, curve) in curves.iter().enumerate() {
-            let corner = whole.min + vec2(k as f32 * (half.x + 8.0), 0.0);
-            let place = Rect::from_min_size(corner, half);
-            ui.scope_builder(UiBuilder::new().max_rect(place), |ui| draw(ui, curve));
-        }
-    } else {
-        scrolled(ui, |ui| {
-            for curve in &curves {
-                ui.allocate_ui(vec2(ui.available_width(), LOWEST + 20.0), |ui| {
-                    draw(ui, curve);
-                });
-            }
-        });
-    }
-}
-
 /// Median cost of a body-step of every scheme, on a log axis. The legend stands beside the plot, as
 /// with all schemes it would cover it; a narrow drawer has none, and the list of schemes serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
+    ui.add(Label::new(RichText::new(format!(
+        "physics {} µs · lanes and their measurement {} µs · panel {} µs · frame {} ms",
+        number(view.step_time_us),
+        number(view.compare.lanes_ms * 1e3),
+        number(view.compare.panel_ms * 1e3),
+        number(view.frame_time_ms),
+    )).small()).truncate());
     let whole = ui.available_rect_before_wrap();
     let line = ui.text_style_height(&TextStyle::Small) + 1.0;
     let rows = ((whole.height() / line) as usize).max(1);
@@ -194,15 +136,8 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
     });
 }
 
-/// Whether nothing but a push changes the energy.
-fn conserved(parameters: &Parameters) -> bool {
-    parameters.linear_drag == 0.0
-        && parameters.angular_damping == 0.0
-        && parameters.restitution.is_none()
-}
-
 /// A plot with the settings that all share.
-fn frame<'a>(name: &str) -> Plot<'a> {
+pub(super) fn frame<'a>(name: &str) -> Plot<'a> {
     Plot::new(name.to_owned())
         .allow_scroll(false)
         .min_size(vec2(60.0, LOWEST))
@@ -210,7 +145,7 @@ fn frame<'a>(name: &str) -> Plot<'a> {
 }
 
 /// In a scroll area, for windows too low for a plot.
-fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
+pub(super) fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let height = ui.available_height().max(LOWEST + 30.0);
     ScrollArea::vertical()
         .auto_shrink([false, false])
@@ -225,7 +160,7 @@ fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 const DASHED: f32 = 4000.0;
 
 /// A line, broken where it is not finite, with its mark at the newest point.
-fn line(plot: &mut PlotUi<'_>, name: &str, points: &[[f64; 2]], looks: SchemeStyle, width: f32) {
+pub(super) fn line(plot: &mut PlotUi<'_>, name: &str, points: &[[f64; 2]], looks: SchemeStyle, width: f32) {
     let color: Color32 = looks.color();
     let dash = if path_length(plot, points) <= DASHED {
         looks.dash
@@ -266,7 +201,7 @@ fn path_length(plot: &PlotUi<'_>, points: &[[f64; 2]]) -> f32 {
 }
 
 /// The label at the cursor: name of the line, time, value.
-fn time_and(at: &HoverPosition<'_>, value: impl Fn(f64) -> String) -> String {
+pub(super) fn time_and(at: &HoverPosition<'_>, value: impl Fn(f64) -> String) -> String {
     match at {
         HoverPosition::NearDataPoint {
             plot_name,
@@ -285,11 +220,6 @@ fn time_and(at: &HoverPosition<'_>, value: impl Fn(f64) -> String) -> String {
     }
 }
 
-/// Enough digits to see a drift.
-fn precise(value: f64) -> String {
-    format!("{value:.9}")
-}
-
-fn describe(response: &Response, what: &str) {
+pub(super) fn describe(response: &Response, what: &str) {
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, what));
 }

@@ -1,22 +1,102 @@
-//! Every scheme as a row to choose: its looks, name, and what it costs now.
+//! Every scheme as a row: whether it runs beside the hero, its looks, name, and what it costs now; and how
+//! those that run are shown and made comparable.
 
-use bevy_egui::egui::{AtomExt as _, Button, RichText, Ui, WidgetInfo, WidgetType, vec2};
+use bevy_egui::egui::{
+    AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2,
+};
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity};
 use super::super::view::{PanelView, SchemeTiming};
 use crate::action::Action;
+use crate::compare::{CompareAction, Fairness, Layout};
 use crate::style;
 
 pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     for &integrator in Integrator::ALL {
-        if row(ui, view, integrator) && integrator != view.integrator {
-            out.push(Action::SetIntegrator(integrator));
-        }
+        ui.horizontal(|ui| {
+            if tick(ui, view, integrator) {
+                out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
+            }
+            if row(ui, view, integrator) && integrator != view.integrator {
+                out.push(Action::SetIntegrator(integrator));
+            }
+        });
     }
     ui.label(
-        RichText::new("median ns per body-step of this scene's load, for every scheme").small(),
+        RichText::new("☑ simulated beside the box · click a name to move the box by it · median ns per body-step")
+            .small(),
     );
+    together(ui, view, out);
+}
+
+/// Whether the scheme runs beside the hero; returns whether that is to change.
+fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
+    let hero = integrator == view.integrator;
+    let lanes = &view.compare.lanes;
+    let mut on = hero || lanes.iter().any(|l| l.integrator == integrator);
+    let response = ui.add_enabled(!hero, Checkbox::without_text(&mut on));
+    response.widget_info(|| {
+        let name = format!("Compare {}", integrator.name());
+        WidgetInfo::selected(WidgetType::Checkbox, !hero, on, name)
+    });
+    response
+        .on_hover_text("Simulate it beside the box, through the same inputs (Shift + 1 … 9).")
+        .changed()
+}
+
+/// Layout, fairness, re-sync.
+fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    let settings = &view.compare.settings;
+    let mut ask = |action| out.push(Action::Compare(action));
+    let choice = |ui: &mut Ui, on: bool, name: &str, hint: &str| {
+        let button = ui.add(Button::selectable(on, name).frame_when_inactive(true));
+        button.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
+        button.on_hover_text(hint).clicked() && !on
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Layout");
+        for layout in Layout::ALL {
+            let hint = match layout {
+                Layout::Solo => "The box alone (G).",
+                Layout::Ghosts => "All in one place, the others translucent (G).",
+                Layout::Lanes => "Side by side; only the picture is shifted (V).",
+            };
+            if choice(ui, settings.layout == layout, layout.name(), hint) {
+                ask(CompareAction::SetLayout(layout));
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for fairness in Fairness::ALL {
+            let hint = match fairness {
+                Fairness::Step => "Every lane takes the same steps.",
+                Fairness::Evaluations => "A scheme with four force evaluations a step takes steps four times as long.",
+                Fairness::Cost => "A scheme that costs twice as much takes steps twice as long, as measured when chosen.",
+            };
+            if choice(ui, settings.fairness == fairness, fairness.name(), hint) {
+                ask(CompareAction::SetFairness(fairness));
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (name, hint, action) in [
+            ("All lanes", "Every scheme beside the box.", CompareAction::AllLanes),
+            ("No lanes", "The box alone.", CompareAction::NoLanes),
+            (
+                "Re-sync",
+                "Put every lane, and the box, into the reference's state.",
+                CompareAction::Resync,
+            ),
+        ] {
+            if ui.button(name).on_hover_text(hint).clicked() {
+                ask(action);
+            }
+        }
+    });
+    if !view.compare.note.is_empty() {
+        ui.label(RichText::new(&view.compare.note).small());
+    }
 }
 
 /// Draws one row and returns whether it was chosen.

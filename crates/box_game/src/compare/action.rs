@@ -1,0 +1,193 @@
+//! What can be asked of the comparison.
+
+use box_physics::prelude::Integrator;
+use serde::{Deserialize, Serialize};
+
+/// One request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum CompareAction {
+    /// Simulate this scheme beside the hero, or stop doing so.
+    ToggleLane(#[serde(with = "scheme_id")] Integrator),
+    /// Every scheme beside the hero.
+    AllLanes,
+    /// No scheme beside the hero.
+    NoLanes,
+    /// How the lanes are drawn.
+    SetLayout(Layout),
+    /// The next layout of [`Layout::ALL`].
+    NextLayout,
+    /// Ghosts on or off.
+    ToggleGhosts,
+    /// What is equal between the lanes.
+    SetFairness(Fairness),
+    /// Put every lane into the reference's state and open new books.
+    Resync,
+    /// How much of the past the plots show.
+    SetWindow(Window),
+    /// Errors on a logarithmic or a linear axis.
+    ToggleLogarithmic,
+    /// Energy and angular momentum on a logarithmic or a linear axis.
+    ToggleLogarithmicEnergy,
+    /// Error since the start, or of each step alone.
+    ToggleLocal,
+    /// The scheme that the hero is compared with in words.
+    Select(#[serde(with = "scheme_id")] Integrator),
+    /// Compute the work–precision lines in a thread of its own.
+    StartSweep,
+    /// Stop doing so.
+    CancelSweep,
+    /// What the open tab shows, as CSV, to the clipboard.
+    Copy,
+}
+
+/// How the lanes are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// The hero alone.
+    Solo,
+    /// All in one place: the hero solid, the others translucent.
+    #[default]
+    Ghosts,
+    /// Side by side; only the picture is shifted.
+    Lanes,
+}
+
+impl Layout {
+    /// In the order of the key.
+    pub const ALL: [Self; 3] = [Self::Solo, Self::Ghosts, Self::Lanes];
+
+    /// On its button.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Solo => "Solo",
+            Self::Ghosts => "Ghosts",
+            Self::Lanes => "Lanes",
+        }
+    }
+
+    /// The one after it.
+    pub fn next(self) -> Self {
+        match self {
+            Self::Solo => Self::Ghosts,
+            Self::Ghosts => Self::Lanes,
+            Self::Lanes => Self::Solo,
+        }
+    }
+}
+
+/// What is equal between the lanes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fairness {
+    /// The step.
+    #[default]
+    Step,
+    /// Force evaluations per simulated second: a scheme with four a step takes steps four times as long.
+    Evaluations,
+    /// Measured cost per simulated second.
+    Cost,
+}
+
+impl Fairness {
+    /// In the order of the panel.
+    pub const ALL: [Self; 3] = [Self::Step, Self::Evaluations, Self::Cost];
+
+    /// On its button.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Step => "equal dt",
+            Self::Evaluations => "equal evaluations",
+            Self::Cost => "equal cost",
+        }
+    }
+}
+
+/// How much of the past the plots show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Window {
+    /// Ten seconds.
+    Ten,
+    /// A minute.
+    #[default]
+    Minute,
+    /// The whole run.
+    All,
+}
+
+impl Window {
+    /// In the order of the panel.
+    pub const ALL: [Self; 3] = [Self::Ten, Self::Minute, Self::All];
+
+    /// On its button.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ten => "10 s",
+            Self::Minute => "60 s",
+            Self::All => "all",
+        }
+    }
+
+    /// Its length \[s\].
+    pub const fn seconds(self) -> Option<f64> {
+        match self {
+            Self::Ten => Some(10.0),
+            Self::Minute => Some(60.0),
+            Self::All => None,
+        }
+    }
+}
+
+/// A scheme in a file: by its id.
+pub mod scheme_id {
+    use super::Integrator;
+    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
+
+    /// Writes the id.
+    ///
+    /// # Errors
+    /// The serialiser's.
+    pub fn serialize<S: Serializer>(integrator: &Integrator, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(integrator.id())
+    }
+
+    /// Reads the id.
+    ///
+    /// # Errors
+    /// Where no scheme has it; the message lists those there are.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
+        String::deserialize(from)?.parse().map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_can_stand_in_a_file() {
+        let request = CompareAction::ToggleLane(Integrator::Rk4);
+        let text = ron::to_string(&request).expect("plain data");
+        assert_eq!(text, r#"ToggleLane("rk4")"#);
+        assert_eq!(ron::from_str::<CompareAction>(&text), Ok(request));
+        let error = ron::from_str::<CompareAction>(r#"Select("leapfrog")"#)
+            .expect_err("no such scheme")
+            .to_string();
+        assert!(error.contains("leapfrog"), "{error}");
+        assert_eq!(
+            ron::from_str("SetLayout(lanes)"),
+            Ok(CompareAction::SetLayout(Layout::Lanes))
+        );
+    }
+
+    #[test]
+    fn the_key_goes_round_the_layouts() {
+        let mut seen = vec![Layout::default()];
+        while seen.len() < 4 {
+            seen.push(seen[seen.len() - 1].next());
+        }
+        assert_eq!(seen[0], seen[3]);
+        assert!(Layout::ALL.iter().all(|l| seen.contains(l)));
+    }
+}

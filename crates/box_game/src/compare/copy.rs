@@ -1,0 +1,115 @@
+//! What the open tab shows, as text for the clipboard.
+
+use std::fmt::Write as _;
+
+use bevy::clipboard::Clipboard;
+use bevy::prelude::*;
+
+use super::Comparison;
+use super::series::Quantity;
+use crate::action::Plot;
+use crate::session::Session;
+
+/// The visible window of every trajectory: one row per moment and scheme.
+pub fn window_csv(comparison: &Comparison) -> String {
+    let mut text = String::from("sim_t_s,integrator");
+    for quantity in Quantity::ALL {
+        text.push(',');
+        text.push_str(quantity.column());
+    }
+    text.push('\n');
+    let Some(run) = &comparison.run else {
+        return text;
+    };
+    let window = comparison.settings.window.seconds();
+    let lanes = run.lanes.iter().map(|r| (r.lane.integrator, &r.track));
+    for (integrator, track) in [(run.hero.integrator, &run.hero.track)]
+        .into_iter()
+        .chain(lanes)
+    {
+        for sample in track.series.recent(window) {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{:.9},{integrator}", sample.t);
+            for value in sample.values {
+                text.push(',');
+                if value.is_finite() {
+                    let _ = write!(text, "{value:e}");
+                }
+            }
+            text.push('\n');
+        }
+    }
+    text
+}
+
+/// The lines of the sweep.
+pub fn sweep_csv(comparison: &Comparison) -> String {
+    let mut text = String::from("integrator,dt_s,pos_err_m,rot_err_deg,cost_ns_per_s\n");
+    for line in comparison.sweep.lines() {
+        for p in &line.points {
+            let figure = |v: f64| if v.is_finite() { format!("{v:e}") } else { String::new() };
+            let _ = writeln!(
+                text,
+                "{},{:e},{},{},{}",
+                line.integrator,
+                p.dt,
+                figure(p.position),
+                figure(p.attitude),
+                figure(p.cost)
+            );
+        }
+    }
+    text
+}
+
+/// The table: one row per trajectory, as it stands now.
+pub fn table_csv(comparison: &Comparison) -> String {
+    let mut text = String::from(
+        "integrator,hero,dt_s,sim_t_s,max_pos_err_m,max_rot_err_deg,energy_rel,angmom_rel,diverged_at_s\n",
+    );
+    let Some(run) = &comparison.run else {
+        return text;
+    };
+    let lanes = run
+        .lanes
+        .iter()
+        .map(|r| (r.lane.integrator, false, r.factor * run.step, &r.track));
+    for (integrator, hero, dt, track) in
+        [(run.hero.integrator, true, run.step, &run.hero.track)]
+            .into_iter()
+            .chain(lanes)
+    {
+        let sample = &track.now.sample;
+        let _ = writeln!(
+            text,
+            "{integrator},{hero},{dt},{},{:e},{:e},{:e},{:e},{}",
+            sample.t,
+            track.now.worst.0,
+            track.now.worst.1,
+            sample.get(Quantity::Energy),
+            sample.get(Quantity::Momentum),
+            track.diverged.map_or_else(String::new, |t| t.to_string())
+        );
+    }
+    text
+}
+
+/// Copies what the open tab shows and says so.
+pub fn copy_plot(world: &mut World) {
+    let plot = world.resource::<Session>().plot;
+    let comparison = world.resource::<Comparison>();
+    let text = match plot {
+        Plot::WorkPrecision => sweep_csv(comparison),
+        Plot::Table => table_csv(comparison),
+        Plot::Error | Plot::Energy | Plot::Timing | Plot::Cpu => window_csv(comparison),
+    };
+    let rows = text.lines().count() - 1;
+    let said = match world.get_resource_mut::<Clipboard>() {
+        Some(mut clipboard) => match clipboard.set_text(text) {
+            Ok(()) => format!("copied {rows} rows as CSV"),
+            Err(error) => format!("nothing copied: {error:?}"),
+        },
+        None => "nothing copied: there is no clipboard".to_owned(),
+    };
+    world.resource_mut::<Session>().notice(said);
+}

@@ -1,0 +1,193 @@
+//! The same scene under several schemes at once, through the same inputs, measured against one trusted
+//! trajectory.
+//!
+//! ```text
+//! the plugin's hero ──┐
+//! lane, lane, lane ───┼── same start, same inputs at the same simulated time ── reference
+//! (core, own clock)   │
+//!                     └── per trajectory: errors, books of energy and momentum, the past
+//! ```
+//!
+//! - [`run`]: one run of a scene; [`runner`]: a lane with its clock; [`track`]: what is measured of it.
+//! - [`reference`]: the trusted trajectory; [`ledger`]: the books; [`series`]: the past in fixed memory.
+//! - [`input`]: what is done to all alike; [`action`]: what can be asked.
+//! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
+//! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
+//!   [`Hero`](crate::session::Hero) can use it.
+
+pub mod action;
+pub mod copy;
+pub mod fill;
+pub mod input;
+pub mod ledger;
+pub mod plugin;
+pub mod reference;
+pub mod run;
+pub mod runner;
+pub mod series;
+pub mod sweep;
+pub mod track;
+pub mod view;
+
+use std::time::{Duration, Instant};
+
+use bevy::ecs::message::MessageCursor;
+use bevy::prelude::*;
+use box_physics::prelude::{ApplyImpulse, Integrator};
+use box_scenarios::{Setup, Truth};
+
+pub use action::{CompareAction, Fairness, Layout, Window};
+pub use plugin::{ComparePlugin, apply, make_hero};
+pub use run::{Rule, RuleKind, Run};
+pub use series::Quantity;
+pub use view::{CompareView, LaneView, Settings, SweepView};
+
+use sweep::Sweep;
+
+/// Time that lanes may take of a frame; what they cannot do in it they catch up with later, and the
+/// status says so.
+const BUDGET: Duration = Duration::from_micros(2500);
+/// Lanes beside the hero that a scene opens with.
+const RECOMMENDED: usize = 2;
+/// Smallest and largest step of a lane over the clock's.
+const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
+/// Largest step of a lane \[s\].
+const LONGEST_STEP: f64 = 0.5;
+
+/// The comparison of the present scene.
+#[derive(Resource, Default)]
+pub struct Comparison {
+    /// What is chosen about it.
+    pub settings: Settings,
+    /// The run, once there is a hero.
+    pub run: Option<Run>,
+    /// The sweep.
+    pub sweep: Sweep,
+    /// What simulating and measuring cost in the last frame \[ms\].
+    pub lanes_ms: f64,
+    chosen: Vec<Integrator>,
+    /// The scene that `chosen` is for.
+    scene: Option<String>,
+    hero: Option<Entity>,
+    pending: Vec<ApplyImpulse>,
+    cursor: MessageCursor<ApplyImpulse>,
+    spent: Duration,
+    /// What the steps of the lanes were last made equal for.
+    fair: Option<(Fairness, Vec<Integrator>, Integrator)>,
+}
+
+impl Comparison {
+    /// Opens on `scene` with these schemes beside the hero.
+    pub fn with_lanes(scene: &str, lanes: &[Integrator]) -> Self {
+        let mut comparison = Self::default();
+        comparison.scene = Some(scene.to_owned());
+        comparison.choose(lanes.iter().copied());
+        comparison
+    }
+
+    /// The schemes beside the hero, in the order of the menu. One that is the hero's own waits.
+    pub fn chosen(&self) -> &[Integrator] {
+        &self.chosen
+    }
+
+    /// Compares with these schemes.
+    pub fn choose(&mut self, lanes: impl IntoIterator<Item = Integrator>) {
+        self.chosen = lanes.into_iter().collect();
+        self.chosen.sort();
+        self.chosen.dedup();
+    }
+
+    fn toggle(&mut self, scheme: Integrator) {
+        match self.chosen.iter().position(|&i| i == scheme) {
+            Some(k) => {
+                self.chosen.remove(k);
+            }
+            None => self.choose(self.chosen.clone().into_iter().chain([scheme])),
+        }
+    }
+
+    /// A new run. The lanes stay if it is the same scene, else they are the first `recommended`.
+    fn begin(
+        &mut self,
+        scene: Option<(&str, Vec<Integrator>)>,
+        setup: &Setup,
+        truth: Option<Truth>,
+        hero: Integrator,
+        step: f64,
+    ) {
+        if let Some((scene, recommended)) = scene
+            && self.scene.as_deref() != Some(scene)
+        {
+            self.scene = Some(scene.to_owned());
+            let others = recommended.into_iter().filter(|&i| i != hero);
+            self.choose(others.take(RECOMMENDED));
+            self.settings.selected = None;
+            self.sweep.clear();
+        }
+        self.run = Some(Run::new(setup, truth, hero, step));
+        self.fair = None;
+        self.pending.clear();
+        self.settle();
+    }
+
+    /// Lanes for what is chosen.
+    fn settle(&mut self) {
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let wanted = || self.chosen.iter().copied().filter(|&i| i != run.hero.integrator);
+        if !wanted().eq(run.lanes.iter().map(|r| r.lane.integrator)) {
+            let wanted: Vec<_> = wanted().collect();
+            run.choose(wanted);
+        }
+    }
+
+    /// Simulates the lanes up to the clock, within what is left of the frame's time.
+    fn advance(&mut self) {
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let start = Instant::now();
+        let left = BUDGET.saturating_sub(self.spent);
+        run.advance(Some(start + left));
+        self.spent += start.elapsed();
+    }
+
+    /// Gives every lane its step, where the costs are known. `cost` is (evaluations, ns) per step.
+    fn make_fair(&mut self, cost: impl Fn(Integrator) -> Option<(f64, f64)>) {
+        let Some(run) = &mut self.run else {
+            return;
+        };
+        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.integrator).collect();
+        let key = (self.settings.fairness, lanes, run.hero.integrator);
+        if self.fair.as_ref() == Some(&key) {
+            return;
+        }
+        let figure = |i: Integrator| {
+            let figure = match key.0 {
+                Fairness::Step => Some(1.0),
+                Fairness::Evaluations => cost(i).map(|c| c.0),
+                Fairness::Cost => cost(i).map(|c| c.1),
+            };
+            figure.filter(|f| *f > 0.0 && f.is_finite())
+        };
+        let Some(own) = figure(key.2) else {
+            return;
+        };
+        let figures: Option<Vec<f64>> = key.1.iter().map(|&i| figure(i)).collect();
+        let Some(figures) = figures else {
+            return;
+        };
+        let most = FACTORS.1.min((LONGEST_STEP / run.step).max(1.0));
+        let mut changed = false;
+        for (runner, figure) in run.lanes.iter_mut().zip(figures) {
+            let factor = (figure / own).clamp(FACTORS.0, most);
+            changed |= runner.factor != factor;
+            runner.factor = factor;
+        }
+        if changed && run.clock > 0.0 {
+            run.rule(run.clock, RuleKind::Step);
+        }
+        self.fair = Some(key);
+    }
+}

@@ -1,0 +1,356 @@
+//! The Bevy side: the hero is watched before and after each step, and the lanes follow it.
+
+use std::time::Duration;
+
+use bevy::ecs::query::QueryData;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use box_physics::floor::ContactState;
+use box_physics::prelude::{
+    AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyState, BodyTorque, ContactPhase,
+    ExternalForce, Floor, FloorContact, GlobalIntegrator, GravityScale, ImpulsePoint, Integrator,
+    LinearDrag, PhysicsClock, PhysicsSchedule, PhysicsSystems, PointForces, QuadraticDrag, RigidBox,
+    SchemeMemory, Springs, WorldGravity,
+};
+use box_scenarios::{ForceSet, Truth};
+
+use super::input::Change;
+use super::{CompareAction, Comparison, Layout, RuleKind};
+use crate::lane::Law;
+use crate::sampling::SchemeSamples;
+use crate::session::{Hero, Session};
+
+/// Compares the hero, a body marked [`Hero`], with other schemes. Needs `PhysicsPlugins`. What is to be
+/// seen of it is up to others: [`PanelPlugin`](crate::panel_plugin::PanelPlugin) shows figures and plots,
+/// [`GhostPlugin`](crate::ghosts::GhostPlugin) the boxes.
+pub struct ComparePlugin;
+
+impl Plugin for ComparePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Comparison>()
+            .add_systems(FixedPostUpdate, collect_pushes.ambiguous_with_all())
+            .add_systems(
+                PhysicsSchedule,
+                (
+                    collect_pushes
+                        .in_set(PhysicsSystems::First)
+                        .ambiguous_with_all(),
+                    before_step
+                        .after(PhysicsSystems::Forces)
+                        .before(PhysicsSystems::Integrate)
+                        .ambiguous_with_all(),
+                    after_step
+                        .in_set(PhysicsSystems::Last)
+                        .ambiguous_with_all(),
+                ),
+            )
+            .add_systems(Update, follow);
+    }
+}
+
+/// What may act on the hero.
+#[derive(QueryData)]
+pub struct HeroForces {
+    scale: Option<&'static GravityScale>,
+    linear_drag: Option<&'static LinearDrag>,
+    quadratic_drag: Option<&'static QuadraticDrag>,
+    angular_damping: Option<&'static AngularDamping>,
+    angular_drag: Option<&'static AngularDrag>,
+    external: Option<&'static ExternalForce>,
+    body_torque: Option<&'static BodyTorque>,
+    point_forces: Option<&'static PointForces>,
+    springs: Option<&'static Springs>,
+}
+
+impl HeroForcesItem<'_, '_> {
+    /// The same as the plugin gives its bodies.
+    fn set(&self, gravity: bevy::math::DVec3) -> ForceSet {
+        let external = self.external.copied().unwrap_or_default();
+        ForceSet {
+            gravity: self.scale.map_or(gravity, |s| gravity * s.0),
+            force: external.force,
+            linear_drag: self.linear_drag.map_or(0.0, |c| c.0),
+            quadratic_drag: self.quadratic_drag.map_or(0.0, |c| c.0),
+            angular_damping: self.angular_damping.map_or(0.0, |c| c.0),
+            angular_drag: self.angular_drag.map_or(0.0, |c| c.0),
+            body_torque: self.body_torque.map(|c| c.0).unwrap_or_default(),
+            world_torque: external.torque,
+            point_forces: self.point_forces.map(|c| c.0.clone()).unwrap_or_default(),
+            springs: self.springs.map(|c| c.0.clone()).unwrap_or_default(),
+        }
+    }
+}
+
+/// The hero and what it is in.
+#[derive(SystemParam)]
+pub struct Scene<'w, 's> {
+    hero: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static RigidBox,
+            &'static BodyState,
+            HeroForces,
+            Option<&'static BodyIntegrator>,
+        ),
+        With<Hero>,
+    >,
+    gravity: Res<'w, WorldGravity>,
+    floor: Option<Res<'w, Floor>>,
+    integrator: Res<'w, GlobalIntegrator>,
+    clock: Res<'w, PhysicsClock>,
+    fixed: Option<Res<'w, Time<Fixed>>>,
+    session: Option<Res<'w, Session>>,
+}
+
+impl Scene<'_, '_> {
+    /// (entity, state, law, scheme) of the first hero.
+    fn hero(&self) -> Option<(Entity, BodyState, Law, Integrator)> {
+        let (entity, body, state, forces, own) = self.hero.iter().next()?;
+        let law = Law {
+            body: *body,
+            forces: forces.set(self.gravity.0),
+            floor: self.floor.as_deref().copied(),
+        };
+        let integrator = own.map_or(self.integrator.0, |own| own.0);
+        Some((entity, *state, law, integrator))
+    }
+
+    /// The clock's (sub)step \[s\].
+    fn step(&self) -> f64 {
+        let substeps = f64::from(self.clock.substeps.max(1));
+        match &self.fixed {
+            Some(fixed) => fixed.timestep().as_secs_f64() / substeps,
+            None => self.clock.step(),
+        }
+    }
+
+    /// Begins a new run where there is a new hero. A session knows the scene; otherwise it is what the
+    /// hero's components say.
+    fn begin(&self, comparison: &mut Comparison, new: (Entity, BodyState, &Law, Integrator)) {
+        let (entity, state, law, integrator) = new;
+        if comparison.hero == Some(entity) {
+            return;
+        }
+        comparison.hero = Some(entity);
+        let step = self.step();
+        match &self.session {
+            Some(session) => {
+                let scene = (session.scenario.id, session.scenario.recommended());
+                let (setup, truth) = (session.setup(), session.truth.clone());
+                comparison.begin(Some(scene), &setup, truth, integrator, step);
+            }
+            None => {
+                let setup = law.setup(state, 3600.0);
+                let truth = Truth::closed_form(&setup);
+                comparison.begin(None, &setup, truth, integrator, step);
+            }
+        }
+    }
+}
+
+/// Takes the pushes out of the message buffer, as the plugin does: those asked for while paused wait.
+fn collect_pushes(messages: Res<Messages<ApplyImpulse>>, mut comparison: ResMut<Comparison>) {
+    let Comparison {
+        cursor, pending, ..
+    } = &mut *comparison;
+    pending.extend(cursor.read(&messages));
+}
+
+/// Looks at the hero when everything that is done to it has been done.
+fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
+    let comparison = &mut *comparison;
+    let pending = core::mem::take(&mut comparison.pending);
+    let Some((entity, state, law, integrator)) = scene.hero() else {
+        return;
+    };
+    scene.begin(comparison, (entity, state, &law, integrator));
+    let h = scene.clock.step();
+    let t = scene.clock.time() - h;
+    let Some(run) = &mut comparison.run else {
+        return;
+    };
+    if t < run.clock - 0.5 * h {
+        run.rewind(t, &state);
+    }
+    let body = law.body;
+    run.before_step(t, law, &state, |expected| {
+        let mut changes = Vec::new();
+        for push in pending.iter().filter(|p| p.entity == entity) {
+            let body_point = match push.at {
+                ImpulsePoint::Centre => bevy::math::DVec3::ZERO,
+                ImpulsePoint::Body(point) => point,
+                ImpulsePoint::World(point) => {
+                    expected.rotation.inverse() * (point - expected.position)
+                }
+            };
+            let mut pushed = *expected;
+            push.apply(&body, &mut pushed);
+            if pushed.is_sound() {
+                *expected = pushed;
+                changes.push(Change::Impulse {
+                    impulse: push.impulse,
+                    body_point,
+                });
+            }
+        }
+        changes
+    });
+}
+
+/// Looks at the hero after its step, and lets the lanes follow.
+pub(crate) fn after_step(
+    scene: Scene,
+    mut comparison: ResMut<Comparison>,
+    mut contacts: MessageReader<FloorContact>,
+) {
+    let Some((entity, state, _, integrator)) = scene.hero() else {
+        return;
+    };
+    let (t, h) = (scene.clock.time(), scene.clock.step());
+    let met = contacts
+        .read()
+        .filter(|c| c.entity == entity && c.phase == ContactPhase::Began)
+        .count();
+    let start = std::time::Instant::now();
+    let Some(run) = &mut comparison.run else {
+        return;
+    };
+    if met > 0 {
+        run.rule(t, RuleKind::Contact);
+    }
+    run.after_step(t, h, &state, integrator);
+    comparison.spent += start.elapsed();
+    comparison.settle();
+    comparison.advance();
+}
+
+/// Between the steps: a new scene, other lanes, other steps, and what is left to catch up with.
+fn follow(
+    scene: Scene,
+    samples: Option<Res<SchemeSamples>>,
+    mut comparison: ResMut<Comparison>,
+) {
+    let comparison = &mut *comparison;
+    comparison.lanes_ms = comparison.spent.as_secs_f64() * 1e3;
+    comparison.spent = Duration::ZERO;
+    let Some((entity, state, law, integrator)) = scene.hero() else {
+        return;
+    };
+    scene.begin(comparison, (entity, state, &law, integrator));
+    if let Some(run) = &mut comparison.run {
+        let t = scene.clock.time();
+        if t < run.clock - 0.5 * run.step {
+            // Stepped back while paused.
+            run.rewind(t, &state);
+        }
+        run.set_step(scene.step());
+    }
+    comparison.settle();
+    if let Some(samples) = samples {
+        comparison.make_fair(|i| {
+            let (min, _, _) = samples.statistics(i)?;
+            Some((samples.evaluations(i), min))
+        });
+    }
+    comparison.advance();
+}
+
+/// Carries out a request.
+pub fn apply(world: &mut World, action: CompareAction) {
+    if action == CompareAction::Resync {
+        return resync(world);
+    }
+    let setup = world.get_resource::<Session>().map(Session::setup);
+    let mut notice = None;
+    let mut comparison = world.resource_mut::<Comparison>();
+    let settings = &mut comparison.settings;
+    match action {
+        CompareAction::ToggleLane(scheme) => comparison.toggle(scheme),
+        CompareAction::AllLanes => comparison.choose(Integrator::ALL.iter().copied()),
+        CompareAction::NoLanes => comparison.choose([]),
+        CompareAction::SetLayout(layout) => settings.layout = layout,
+        CompareAction::NextLayout => settings.layout = settings.layout.next(),
+        CompareAction::ToggleGhosts => {
+            settings.layout = match settings.layout {
+                Layout::Solo => Layout::Ghosts,
+                Layout::Ghosts | Layout::Lanes => Layout::Solo,
+            };
+        }
+        CompareAction::SetFairness(fairness) => settings.fairness = fairness,
+        CompareAction::SetWindow(window) => settings.window = window,
+        CompareAction::ToggleLogarithmic => settings.logarithmic ^= true,
+        CompareAction::ToggleLogarithmicEnergy => settings.logarithmic_energy ^= true,
+        CompareAction::ToggleLocal => settings.local ^= true,
+        CompareAction::Select(scheme) => settings.selected = Some(scheme),
+        CompareAction::StartSweep => {
+            let Some(run) = &comparison.run else {
+                return;
+            };
+            let setup = setup.unwrap_or_else(|| run.law.setup(*run.start(), 10.0));
+            let schemes = [run.hero.integrator]
+                .into_iter()
+                .chain(run.lanes.iter().map(|r| r.lane.integrator))
+                .collect();
+            if let Err(error) = comparison.sweep.start(setup, schemes) {
+                notice = Some(format!("sweep: {error}"));
+            }
+        }
+        CompareAction::CancelSweep => comparison.sweep.cancel(),
+        CompareAction::Resync | CompareAction::Copy => {}
+    }
+    if let (Some(text), Some(mut session)) = (notice, world.get_resource_mut::<Session>()) {
+        session.notice(text);
+    }
+}
+
+/// Every lane, and the hero, into the reference's state.
+fn resync(world: &mut World) {
+    let Some(state) = world
+        .resource_mut::<Comparison>()
+        .run
+        .as_mut()
+        .and_then(super::Run::resync)
+    else {
+        return;
+    };
+    let mut hero = world.query_filtered::<&mut BodyState, With<Hero>>();
+    if let Some(mut now) = hero.iter_mut(world).next() {
+        *now = state;
+    }
+}
+
+/// The scheme moves the hero from now on. Where a lane runs under it, hero and lane change places, so
+/// that each trajectory stays one scheme's alone; else the hero carries its state over.
+pub fn make_hero(world: &mut World, scheme: Integrator) {
+    let swapped = world.resource_scope(|world, mut comparison: Mut<Comparison>| {
+        let Some(run) = &mut comparison.run else {
+            return false;
+        };
+        let old = run.hero.integrator;
+        let mut hero = world
+            .query_filtered::<(&mut BodyState, &mut SchemeMemory, &mut ContactState), With<Hero>>();
+        let Some((mut state, mut memory, mut contact)) = hero.iter_mut(world).next() else {
+            return false;
+        };
+        let swapped = run.swap(scheme, (&mut state, &mut memory, &mut contact));
+        if swapped {
+            let others = comparison.chosen.clone().into_iter();
+            let others: Vec<_> = others.filter(|&i| i != scheme).chain([old]).collect();
+            comparison.choose(others);
+            // In the order of the menu again.
+            comparison.settle();
+        }
+        swapped
+    });
+    let own = world
+        .query_filtered::<&mut BodyIntegrator, With<Hero>>()
+        .iter_mut(world)
+        .next()
+        .map(|mut own| own.0 = scheme);
+    if own.is_none() {
+        world.insert_resource(GlobalIntegrator(scheme));
+    }
+    debug!("hero under {scheme}, swapped: {swapped}");
+}

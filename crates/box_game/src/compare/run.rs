@@ -1,0 +1,492 @@
+//! One run of a scene: the hero, the lanes beside it, and the reference, all from the same start through
+//! the same inputs.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Instant;
+
+use box_physics::floor::ContactState;
+use box_physics::prelude::{BodyState, Integrator, SchemeMemory};
+use box_scenarios::metrics::Sanity;
+use box_scenarios::simulate::sanity;
+use box_scenarios::{Setup, StateError, TimedImpulse, Truth};
+
+use super::input::{Change, Input, Inputs};
+use super::ledger::Ledger;
+use super::reference::Reference;
+use super::runner::{Runner, SAME, Saved, Shared};
+use super::track::{ReferenceStep, Track, local_error};
+use crate::lane::Law;
+
+/// Vertical lines in the plots that are kept.
+const RULES: usize = 512;
+/// Contacts closer than this are one line \[s\].
+const RULE_SPACING: f64 = 0.02;
+/// Distance of the states to which stepping back returns \[s\], and how many there are: four minutes.
+const CHECKPOINT: f64 = 1.0;
+const CHECKPOINTS: usize = 240;
+/// Lane steps between two looks at the clock.
+const BATCH: u32 = 16;
+
+/// What a vertical line in the plots stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RuleKind {
+    /// The hero met the floor.
+    Contact,
+    /// A push, a changed parameter, a placing by hand.
+    Input,
+    /// Another step size.
+    Step,
+    /// The hero got another scheme.
+    Scheme,
+    /// The lanes were put into the reference's state.
+    Resync,
+}
+
+/// A vertical line in the plots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Simulated time \[s\].
+    pub t: f64,
+    /// What happened.
+    pub kind: RuleKind,
+}
+
+/// The hero as the comparison sees it: a body of the plugin, looked at before and after each step.
+#[derive(Clone, Debug)]
+pub struct HeroTrack {
+    /// Its scheme.
+    pub integrator: Integrator,
+    /// Books and past.
+    pub track: Track,
+    /// At the end of its last step.
+    pub state: BodyState,
+    before: BodyState,
+    reference: Option<BodyState>,
+    next_impulse: usize,
+    /// The step began with one of the scene's impulses.
+    kicked: bool,
+}
+
+#[derive(Clone, Debug)]
+struct Checkpoint {
+    t: f64,
+    reference: Reference,
+    law: Arc<Law>,
+    hero: (Ledger, (f64, f64)),
+    lanes: Vec<Saved>,
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The clock's time \[s\] and step \[s\].
+    pub clock: f64,
+    /// See `clock`.
+    pub step: f64,
+    /// What acts now.
+    pub law: Arc<Law>,
+    /// The hero.
+    pub hero: HeroTrack,
+    /// The lanes beside it.
+    pub lanes: Vec<Runner>,
+    /// What is trusted.
+    pub reference: Reference,
+    /// Vertical lines, oldest first.
+    pub rules: VecDeque<Rule>,
+    start: (Arc<Law>, BodyState),
+    impulses: Arc<[TimedImpulse]>,
+    inputs: Inputs,
+    limits: Sanity,
+    /// Fastest and largest angular momentum of the reference so far.
+    envelope: BodyState,
+    checkpoints: VecDeque<Checkpoint>,
+}
+
+impl Run {
+    /// From the start of `setup`, whose trusted answer is `truth` if that is known.
+    pub fn new(setup: &Setup, truth: Option<Truth>, hero: Integrator, step: f64) -> Self {
+        let law = Arc::new(Law::of(setup));
+        let state = setup.initial;
+        let impulses: Arc<[TimedImpulse]> = setup.impulses.as_slice().into();
+        // A fall of a second, and a blow at a corner with that speed, are sane from the start.
+        let body = &setup.body;
+        let speed =
+            setup.forces.acceleration(body).length() + state.velocity.length() + body.radius();
+        let mut envelope = state;
+        envelope.velocity = glam::DVec3::X * speed;
+        envelope.angular_momentum = glam::DVec3::X
+            * state
+                .angular_momentum
+                .length()
+                .max(body.mass() * body.radius() * speed);
+        Self {
+            clock: 0.0,
+            step,
+            hero: HeroTrack {
+                integrator: hero,
+                track: Track::new(&law, &state, 0.0),
+                state,
+                before: state,
+                reference: Some(state),
+                next_impulse: 0,
+                kicked: false,
+            },
+            lanes: Vec::new(),
+            reference: Reference::new(&law, state, &impulses, truth, step),
+            rules: VecDeque::new(),
+            start: (law.clone(), state),
+            impulses,
+            inputs: Inputs::default(),
+            limits: sanity(setup, [&envelope]),
+            envelope,
+            checkpoints: VecDeque::new(),
+            law,
+        }
+    }
+
+    /// The state that the run began with.
+    pub fn start(&self) -> &BodyState {
+        &self.start.1
+    }
+
+    /// Simulates exactly these schemes beside the hero, in this order. One that is new begins at the
+    /// start and catches up.
+    pub fn choose(&mut self, schemes: impl IntoIterator<Item = Integrator>) {
+        let mut old = core::mem::take(&mut self.lanes);
+        for integrator in schemes {
+            let kept = old.iter().position(|r| r.lane.integrator == integrator);
+            let runner = match kept {
+                Some(k) => old.swap_remove(k),
+                None if self.inputs.is_whole() => {
+                    Runner::new(integrator, &self.start.0, self.start.1, 0.0, 0, &self.impulses)
+                }
+                // The beginning is forgotten: begin at the reference.
+                None => {
+                    let state = self.reference.at(self.clock).unwrap_or(self.hero.state);
+                    let next = self.inputs.end();
+                    Runner::new(integrator, &self.law, state, self.clock, next, &self.impulses)
+                }
+            };
+            self.lanes.push(runner);
+        }
+    }
+
+    /// The reference at the clock's time, if it is known.
+    pub fn trusted(&self) -> Option<&BodyState> {
+        self.hero.reference.as_ref()
+    }
+
+    /// Draws a line.
+    pub fn rule(&mut self, t: f64, kind: RuleKind) {
+        let repeated = self
+            .rules
+            .back()
+            .is_some_and(|last| last.kind == kind && t - last.t < RULE_SPACING);
+        if !repeated {
+            self.rules.push_back(Rule { t, kind });
+        }
+        if self.rules.len() > RULES {
+            self.rules.pop_front();
+        }
+    }
+
+    /// Another step of the clock \[s\].
+    pub fn set_step(&mut self, step: f64) {
+        if step != self.step {
+            self.step = step;
+            self.reference.set_clock_step(step);
+            if self.clock > 0.0 {
+                self.rule(self.clock, RuleKind::Step);
+            }
+        }
+    }
+
+    /// Something is done to the box at `t` \[s\], the beginning of the step to come.
+    fn push(&mut self, t: f64, change: Change) {
+        self.reference.push(t, &change);
+        self.inputs.push(Input { t, change });
+        self.rule(t, RuleKind::Input);
+    }
+
+    /// The hero stands in `state` at `t` \[s\], about to be stepped under `law`. `pushes` (impulse,
+    /// body point) came since its last step; `pushed` is what they and the scene's own impulses should
+    /// have made of it. If it is elsewhere, somebody put it there, and every lane is put there too.
+    pub fn before_step(
+        &mut self,
+        t: f64,
+        law: Law,
+        state: &BodyState,
+        pushes: impl FnOnce(&mut BodyState) -> Vec<Change>,
+    ) {
+        let margin = 1e-9 * self.step;
+        let mut expected = self.hero.state;
+        self.hero.kicked = false;
+        while let Some(i) = self
+            .impulses
+            .get(self.hero.next_impulse)
+            .filter(|i| i.t <= t + margin)
+        {
+            expected.apply_impulse_at_body_point(&self.law.body, i.impulse, i.body_point);
+            self.hero.next_impulse += 1;
+            self.hero.kicked = true;
+        }
+        let changes = pushes(&mut expected);
+        let inputs = self.inputs.end();
+        if expected == *state {
+            changes.into_iter().for_each(|change| self.push(t, change));
+        } else {
+            self.push(t, Change::Place(*state));
+        }
+        let old = self.law.clone();
+        if *self.law != law {
+            self.law = Arc::new(law);
+            self.push(t, Change::Law(self.law.clone()));
+        }
+        if self.inputs.end() != inputs || self.hero.kicked {
+            let before = self.hero.state;
+            self.hero
+                .track
+                .ledger
+                .input((&old, &before), (&self.law, state));
+            self.hero.reference = self.reference.at(t);
+        }
+        self.hero.before = *state;
+    }
+
+    /// The hero stands in `state` at `t` \[s\], at the end of a step of `h` \[s\].
+    pub fn after_step(&mut self, t: f64, h: f64, state: &BodyState, integrator: Integrator) {
+        if integrator != self.hero.integrator {
+            self.hero.integrator = integrator;
+            self.rule(self.clock, RuleKind::Scheme);
+        }
+        self.set_step(h);
+        self.clock = t;
+        let hero = &mut self.hero;
+        hero.track.ledger.step(&self.law, &hero.before, h);
+        let to = self.reference.at(t);
+        let local: Option<StateError> = match (hero.reference, to) {
+            (Some(from), Some(to)) if !hero.kicked => {
+                let ends = ReferenceStep { from, to };
+                Some(local_error(integrator, &self.law, &ends, h))
+            }
+            _ => None,
+        };
+        hero.track.observe(&self.law, state, t, to.as_ref(), local);
+        hero.state = *state;
+        hero.reference = to;
+        if hero.track.diverged.is_none() && self.limits.is_diverged(state) {
+            hero.track.diverged = Some(t);
+        }
+        if let Some(to) = to {
+            self.widen(&to);
+        }
+    }
+
+    /// What the reference does is sane.
+    fn widen(&mut self, reference: &BodyState) {
+        let (v, l) = (
+            reference.velocity.length(),
+            reference.angular_momentum.length(),
+        );
+        let e = &mut self.envelope;
+        if v > 1.01 * e.velocity.length() || l > 1.01 * e.angular_momentum.length() {
+            e.velocity = glam::DVec3::X * v.max(e.velocity.length());
+            e.angular_momentum = glam::DVec3::X * l.max(e.angular_momentum.length());
+            self.limits = sanity(&self.law.setup(self.start.1, 1.0), [&self.envelope]);
+        }
+    }
+
+    /// Simulates the lanes up to the clock's time, the one that is farthest behind first, but not past
+    /// `deadline`. Returns whether all have arrived.
+    pub fn advance(&mut self, deadline: Option<Instant>) -> bool {
+        let Self {
+            lanes,
+            inputs,
+            impulses,
+            reference,
+            limits,
+            clock,
+            step,
+            ..
+        } = self;
+        let mut shared = Shared {
+            inputs,
+            impulses,
+            reference,
+            limits,
+            clock: *clock,
+        };
+        for n in 1_u32.. {
+            let due = |r: &&mut Runner| {
+                let end = r.lane.time + r.factor * *step;
+                r.track.diverged.is_none() && end <= *clock + SAME * *step
+            };
+            let end = |r: &&mut Runner| r.lane.time + r.factor * *step;
+            let next = lanes
+                .iter_mut()
+                .filter(due)
+                .min_by(|a, b| end(a).total_cmp(&end(b)));
+            let Some(runner) = next else {
+                break;
+            };
+            runner.step(runner.factor * *step, &mut shared);
+            if n.is_multiple_of(BATCH) && deadline.is_some_and(|d| Instant::now() >= d) {
+                return false;
+            }
+        }
+        self.save();
+        true
+    }
+
+    fn save(&mut self) {
+        let due = self
+            .checkpoints
+            .back()
+            .is_none_or(|last| self.clock >= last.t + CHECKPOINT);
+        if due {
+            let track = &self.hero.track;
+            self.checkpoints.push_back(Checkpoint {
+                t: self.clock,
+                reference: self.reference.clone(),
+                law: self.law.clone(),
+                hero: (track.ledger, track.now.worst),
+                lanes: self.lanes.iter().map(Runner::save).collect(),
+            });
+            if self.checkpoints.len() > CHECKPOINTS {
+                self.checkpoints.pop_front();
+            }
+        }
+    }
+
+    /// Back to `t` \[s\], where the hero was in `state`: the lanes return to the checkpoint before it
+    /// (or to the start) and are simulated again up to there.
+    pub fn rewind(&mut self, t: f64, state: &BodyState) {
+        let margin = SAME * self.step;
+        self.inputs.rewind(t - margin);
+        while self.checkpoints.back().is_some_and(|c| c.t > t + margin) {
+            self.checkpoints.pop_back();
+        }
+        while self.rules.back().is_some_and(|r| r.t > t + margin) {
+            self.rules.pop_back();
+        }
+        let schemes: Vec<Integrator> = self.lanes.iter().map(|r| r.lane.integrator).collect();
+        let Some(c) = self.checkpoints.back().cloned() else {
+            // Before the first: anew from the start.
+            self.reference = Reference::new(
+                &self.start.0,
+                self.start.1,
+                &self.impulses,
+                Truth::closed_form(&{
+                    let mut setup = self.start.0.setup(self.start.1, 3600.0);
+                    setup.impulses = self.impulses.to_vec();
+                    setup
+                }),
+                self.step,
+            );
+            self.law = self.start.0.clone();
+            self.lanes.clear();
+            self.choose(schemes);
+            self.hero.track = Track::new(&self.law, &self.start.1, 0.0);
+            self.arrive(t, state);
+            return;
+        };
+        self.reference = c.reference.clone();
+        self.law = c.law.clone();
+        let mut lanes = core::mem::take(&mut self.lanes);
+        lanes.retain_mut(|r| {
+            let saved = c
+                .lanes
+                .iter()
+                .find(|s| s.integrator() == r.lane.integrator);
+            saved.map(|s| r.restore(s)).is_some()
+        });
+        self.lanes = lanes;
+        self.choose(schemes);
+        let track = &mut self.hero.track;
+        (track.ledger, track.now.worst) = c.hero;
+        self.arrive(t, state);
+    }
+
+    /// The hero is in `state` at `t` \[s\], a time between a checkpoint and the next.
+    fn arrive(&mut self, t: f64, state: &BodyState) {
+        // Inputs since the checkpoint belong to the reference as well.
+        let from = self.checkpoints.back().map_or(0.0, |c| c.t);
+        for n in 0..self.inputs.end() {
+            if let Some(input) = self.inputs.get(n).filter(|i| i.t >= from - 1e-12).cloned() {
+                self.reference.push(input.t, &input.change);
+                if let Change::Law(law) = input.change {
+                    self.law = law;
+                }
+            }
+        }
+        self.clock = t;
+        self.hero.track.series.rewind(t);
+        // Its own steps since then are not known: what they left over stays as the last sample had it.
+        let left = self.hero.track.series.last().map_or(0.0, |s| {
+            let energy = s.get(super::series::Quantity::Energy);
+            if energy.is_finite() { energy } else { 0.0 }
+        });
+        self.hero.track.ledger.rebase(&self.law, state, left);
+        self.hero.track.diverged = self.hero.track.diverged.filter(|d| *d <= t);
+        self.hero.state = *state;
+        self.hero.before = *state;
+        self.hero.reference = self.reference.at(t);
+        self.hero.next_impulse = self.impulses.partition_point(|i| i.t < t - 1e-9);
+    }
+
+    /// Puts every lane into the reference's state and opens new books; returns that state for the hero.
+    pub fn resync(&mut self) -> Option<BodyState> {
+        let state = self.reference.at(self.clock)?;
+        let (t, next) = (self.clock, self.inputs.end());
+        for runner in &mut self.lanes {
+            runner.resync(&self.law, state, t, next);
+        }
+        self.hero.track.reopen(&self.law, &state, t);
+        (self.hero.state, self.hero.before) = (state, state);
+        self.hero.reference = Some(state);
+        self.rule(t, RuleKind::Resync);
+        Some(state)
+    }
+
+    /// The lane under `scheme` becomes the hero, and the hero a lane under its own scheme, if the lane
+    /// is where the clock is. Takes what the plugin keeps of the hero and puts there what it should keep.
+    pub fn swap(
+        &mut self,
+        scheme: Integrator,
+        (state, memory, contact): (&mut BodyState, &mut SchemeMemory, &mut ContactState),
+    ) -> bool {
+        let here = |r: &&mut Runner| {
+            r.lane.integrator == scheme
+                && r.track.diverged.is_none()
+                && (r.lane.time - self.clock).abs() <= SAME * self.step
+        };
+        let Some(runner) = self.lanes.iter_mut().find(here) else {
+            return false;
+        };
+        // Pushes that wait for the next step stay with the body.
+        if *state != self.hero.state {
+            return false;
+        }
+        let hero = &mut self.hero;
+        core::mem::swap(&mut runner.lane.state, state);
+        core::mem::swap(&mut runner.lane.memory, memory);
+        core::mem::swap(&mut runner.lane.contact, contact);
+        core::mem::swap(&mut runner.track, &mut hero.track);
+        runner.lane.integrator = core::mem::replace(&mut hero.integrator, scheme);
+        (hero.state, hero.before) = (*state, *state);
+        // Both stand at the same input.
+        runner.next_input = self.inputs.end();
+        runner.law = self.law.clone();
+        core::mem::swap(&mut runner.next_impulse, &mut hero.next_impulse);
+        core::mem::swap(&mut runner.reference, &mut hero.reference);
+        self.checkpoints.clear();
+        true
+    }
+
+    /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
+    pub fn kept(&self) -> usize {
+        let lanes: usize = self.lanes.iter().map(|r| r.track.series.len()).sum();
+        lanes + self.hero.track.series.len() + self.rules.len() + self.checkpoints.len()
+    }
+}

@@ -1,0 +1,280 @@
+//! What a lane was like over time, in memory of fixed size: the last minute as it was, and the whole run
+//! as smallest and largest values of stretches that double when there are too many.
+
+use std::collections::VecDeque;
+
+/// Shortest time between two samples kept \[s\]: plots have no more pixels than that.
+const SPACING: f64 = 1.0 / 60.0;
+/// Samples of the last minute, and a few.
+const RECENT: usize = 3700;
+/// Stretches of the whole run.
+const STRETCHES: usize = 1024;
+
+/// What is kept of a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Distance from the reference \[m\].
+    Position,
+    /// Angle to the reference \[°\].
+    Attitude,
+    /// Distance after one step from the reference's state \[m\].
+    LocalPosition,
+    /// Angle after one step from the reference's state \[°\].
+    LocalAttitude,
+    /// Energy that is not accounted for, over its scale.
+    Energy,
+    /// |L| that is not accounted for, over its scale.
+    Momentum,
+    /// Angle between L and what it should be \[°\].
+    Direction,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Position,
+        Self::Attitude,
+        Self::LocalPosition,
+        Self::LocalAttitude,
+        Self::Energy,
+        Self::Momentum,
+        Self::Direction,
+    ];
+
+    /// As an axis is labelled.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Position => "position error [m]",
+            Self::Attitude => "attitude error [°]",
+            Self::LocalPosition => "position error of one step [m]",
+            Self::LocalAttitude => "attitude error of one step [°]",
+            Self::Energy => "energy not accounted for [of E]",
+            Self::Momentum => "|L| not accounted for [of L]",
+            Self::Direction => "direction of L [°]",
+        }
+    }
+
+    /// As a column is called.
+    pub const fn column(self) -> &'static str {
+        match self {
+            Self::Position => "pos_err_m",
+            Self::Attitude => "rot_err_deg",
+            Self::LocalPosition => "local_pos_err_m",
+            Self::LocalAttitude => "local_rot_err_deg",
+            Self::Energy => "energy_rel",
+            Self::Momentum => "angmom_rel",
+            Self::Direction => "angmom_dir_deg",
+        }
+    }
+}
+
+/// One moment of a lane; NaN where something is not known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Simulated time \[s\].
+    pub t: f64,
+    /// In the order of [`Quantity::ALL`].
+    pub values: [f64; Quantity::ALL.len()],
+}
+
+impl Sample {
+    /// One of the values.
+    pub fn get(&self, quantity: Quantity) -> f64 {
+        self.values[quantity as usize]
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    low: [f64; Quantity::ALL.len()],
+    high: [f64; Quantity::ALL.len()],
+}
+
+impl Stretch {
+    fn of(s: &Sample) -> Self {
+        Self {
+            from: s.t,
+            to: s.t,
+            low: s.values,
+            high: s.values,
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.to = other.to;
+        for k in 0..self.low.len() {
+            // `min` and `max` pass over NaN.
+            self.low[k] = self.low[k].min(other.low[k]);
+            self.high[k] = self.high[k].max(other.high[k]);
+        }
+    }
+}
+
+/// See the module.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    recent: VecDeque<Sample>,
+    whole: Vec<Stretch>,
+    /// Samples per full stretch: a power of two.
+    length: usize,
+    /// In the newest stretch.
+    filled: usize,
+}
+
+impl Series {
+    /// Adds a moment, unless it is too soon after the last.
+    pub fn push(&mut self, sample: Sample) {
+        let due = |last: &Sample| sample.t - last.t >= SPACING * (1.0 - 1e-6);
+        if !self.recent.back().is_none_or(due) {
+            return;
+        }
+        self.recent.push_back(sample);
+        if self.recent.len() > RECENT {
+            self.recent.pop_front();
+        }
+        self.length = self.length.max(1);
+        let stretch = Stretch::of(&sample);
+        match self.whole.last_mut() {
+            Some(last) if self.filled < self.length => {
+                last.add(&stretch);
+                self.filled += 1;
+            }
+            _ => {
+                self.whole.push(stretch);
+                self.filled = 1;
+            }
+        }
+        if self.whole.len() > STRETCHES {
+            self.length *= 2;
+            self.filled = self.length / 2;
+            self.whole = self
+                .whole
+                .chunks(2)
+                .map(|pair| {
+                    let mut first = pair[0];
+                    pair[1..].iter().for_each(|s| first.add(s));
+                    first
+                })
+                .collect();
+            // An odd one stands alone and is half full at most.
+            self.filled = if STRETCHES.is_multiple_of(2) {
+                self.length / 2
+            } else {
+                self.length
+            };
+        }
+    }
+
+    /// Forgets what was after `t` \[s\].
+    pub fn rewind(&mut self, t: f64) {
+        while self.recent.back().is_some_and(|s| s.t > t) {
+            self.recent.pop_back();
+        }
+        while self.whole.last().is_some_and(|s| s.to > t) {
+            self.whole.pop();
+            self.filled = self.length;
+        }
+    }
+
+    /// The last `window` \[s\] of one quantity, or everything.
+    pub fn points(
+        &self,
+        quantity: Quantity,
+        window: Option<f64>,
+    ) -> Vec<[f64; 2]> {
+        let k = quantity as usize;
+        let end = self.recent.back().map_or(0.0, |s| s.t);
+        let recent_is_all = self.whole.first().map(|s| s.from) == self.recent.front().map(|s| s.t);
+        match window {
+            None if !recent_is_all => self
+                .whole
+                .iter()
+                .flat_map(|s| {
+                    let (a, b) = ([s.from, s.low[k]], [s.to, s.high[k]]);
+                    [a, b]
+                })
+                .collect(),
+            _ => {
+                let from = window.map_or(f64::NEG_INFINITY, |w| end - w);
+                let first = self.recent.partition_point(|s| s.t < from);
+                self.recent
+                    .range(first..)
+                    .map(|s| [s.t, s.values[k]])
+                    .collect()
+            }
+        }
+    }
+
+    /// The last `window` \[s\] as it was; at most the last minute.
+    pub fn recent(&self, window: Option<f64>) -> impl Iterator<Item = &Sample> {
+        let end = self.recent.back().map_or(0.0, |s| s.t);
+        let from = window.map_or(f64::NEG_INFINITY, |w| end - w);
+        self.recent.iter().filter(move |s| s.t >= from)
+    }
+
+    /// The newest moment.
+    pub fn last(&self) -> Option<&Sample> {
+        self.recent.back()
+    }
+
+    /// Samples and stretches in memory.
+    pub fn len(&self) -> usize {
+        self.recent.len() + self.whole.len()
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.recent.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(t: f64, v: f64) -> Sample {
+        Sample {
+            t,
+            values: [v; Quantity::ALL.len()],
+        }
+    }
+
+    /// Ten minutes at 60 Hz, and an hour at 1920 Hz of which 60 a second are kept.
+    #[test]
+    fn memory_is_flat_and_extremes_survive() {
+        let mut series = Series::default();
+        let mut largest = 0;
+        for n in 0..36_000 {
+            let v = if n == 5000 { 100.0 } else { f64::from(n % 7) };
+            series.push(at(f64::from(n) / 60.0, v));
+            largest = largest.max(series.len());
+        }
+        assert!(largest <= RECENT + STRETCHES, "{largest}");
+        let whole = series.points(Quantity::Energy, None);
+        assert!(whole.len() <= 2 * STRETCHES);
+        assert!(whole.is_sorted_by(|a, b| a[0] <= b[0]));
+        assert!(whole.iter().any(|p| p[1] == 100.0), "the peak is kept");
+        let end = 35_999.0 / 60.0;
+        assert_eq!(whole.last().map(|p| p[0]), Some(end));
+        let ten = series.points(Quantity::Position, Some(10.0));
+        assert!((599..=601).contains(&ten.len()), "{}", ten.len());
+        for n in 1..1000 {
+            series.push(at(end + f64::from(n) / 1920.0, 0.0));
+        }
+        let kept = series.points(Quantity::Energy, Some(0.5)).len();
+        assert!((29..=32).contains(&kept), "{kept}");
+    }
+
+    #[test]
+    fn short_runs_are_shown_as_they_were_and_can_be_taken_back() {
+        let mut series = Series::default();
+        (0..600).for_each(|n| series.push(at(f64::from(n) / 60.0, f64::from(n))));
+        assert_eq!(series.points(Quantity::Energy, None).len(), 600);
+        series.rewind(5.0);
+        assert_eq!(series.last().map(|s| s.t), Some(5.0));
+        series.push(at(5.5, 1.0));
+        assert_eq!(series.points(Quantity::Energy, None).len(), 302);
+    }
+}

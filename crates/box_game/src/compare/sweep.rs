@@ -1,0 +1,351 @@
+//! Work–precision: every scheme at every step size over the whole scene, error against cost, in a thread
+//! of its own.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use box_physics::prelude::Integrator;
+use box_scenarios::simulate::sanity;
+use box_scenarios::{Setup, StateError, Truth};
+
+use super::reference::Reference;
+use crate::lane::{Lane, Law};
+
+/// Rates of the steps [1/s], coarsest first; every step fits a whole number of times into the first.
+pub const RATES: [u32; 8] = [15, 30, 60, 120, 240, 480, 960, 1920];
+/// How much of a scene is run at most \[s\].
+const LONGEST: f64 = 10.0;
+/// A timing is the least of this many, or of as many as fit into the time allowed.
+const REPEATS: u32 = 5;
+/// A point is not timed for longer than this.
+const PATIENCE: Duration = Duration::from_millis(40);
+/// Errors below are rounding, above (attitude \[rad\], position in radii of the box) lost: neither shows
+/// an order.
+const ROUNDING: f64 = 1e-11;
+const LOST: f64 = 0.3;
+
+/// One step size of one scheme.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepPoint {
+    /// dt \[s\].
+    pub dt: f64,
+    /// Largest distance from the reference \[m\]; NaN if it diverged.
+    pub position: f64,
+    /// Largest angle to the reference \[°\]; NaN if it diverged.
+    pub attitude: f64,
+    /// Shortest time [ns per simulated second].
+    pub cost: f64,
+}
+
+/// All step sizes of one scheme.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepLine {
+    /// The scheme.
+    pub integrator: Integrator,
+    /// Coarsest first.
+    pub points: Vec<SweepPoint>,
+    /// Order fitted to the position, where it can be.
+    pub order_position: Option<f64>,
+    /// Order fitted to the attitude, where it can be.
+    pub order_attitude: Option<f64>,
+}
+
+/// A sweep: none, running or done.
+#[derive(Debug, Default)]
+pub struct Sweep {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+    total: u32,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    cancel: AtomicBool,
+    done: AtomicU32,
+    lines: Mutex<Vec<SweepLine>>,
+}
+
+impl Sweep {
+    /// Begins; a sweep that runs is cancelled first.
+    ///
+    /// # Errors
+    /// Where the system gives no thread.
+    pub fn start(&mut self, setup: Setup, schemes: Vec<Integrator>) -> std::io::Result<()> {
+        self.cancel();
+        self.shared = Arc::default();
+        self.total = (schemes.len() * RATES.len()) as u32;
+        let shared = self.shared.clone();
+        self.thread = Some(
+            std::thread::Builder::new()
+                .name("sweep".to_owned())
+                .spawn(move || run(&setup, &schemes, &shared))?,
+        );
+        Ok(())
+    }
+
+    /// Stops it; what is done stays. Takes as long as one point.
+    pub fn cancel(&mut self) {
+        self.shared.cancel.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic in there was printed there.
+            let _ = thread.join();
+        }
+    }
+
+    /// Whether it runs.
+    pub fn is_running(&self) -> bool {
+        self.thread.as_ref().is_some_and(|t| !t.is_finished())
+    }
+
+    /// Points done of points to do.
+    pub fn progress(&self) -> (u32, u32) {
+        (self.shared.done.load(Ordering::Relaxed), self.total)
+    }
+
+    /// The lines so far.
+    pub fn lines(&self) -> Vec<SweepLine> {
+        self.shared
+            .lines
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Forgets the lines: they are of another scene.
+    pub fn clear(&mut self) {
+        self.cancel();
+        *self = Self::default();
+    }
+}
+
+impl Drop for Sweep {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+fn run(setup: &Setup, schemes: &[Integrator], shared: &Shared) {
+    let law = Arc::new(Law::of(setup));
+    let truth = Truth::of(setup);
+    // Fine enough for the finest step: 1/30720 s.
+    let mut reference =
+        Reference::new(&law, setup.initial, &setup.impulses, Some(truth), 1.0 / 480.0);
+    let seconds = setup.duration.min(LONGEST);
+    let samples = (seconds * f64::from(RATES[0])).floor().max(1.0) as u32;
+    let mut trusted = Vec::new();
+    for k in 0..=samples {
+        if shared.cancel.load(Ordering::Relaxed) {
+            return;
+        }
+        match reference.at(f64::from(k) / f64::from(RATES[0])) {
+            Some(state) => trusted.push(state),
+            None => break,
+        }
+    }
+    let limits = sanity(setup, &trusted);
+    let radius = setup.body.radius();
+    for &integrator in schemes {
+        let mut points = Vec::new();
+        for rate in RATES {
+            if shared.cancel.load(Ordering::Relaxed) {
+                break;
+            }
+            let (dt, parts) = (1.0 / f64::from(rate), rate / RATES[0]);
+            let mut point = SweepPoint {
+                dt,
+                position: 0.0,
+                attitude: 0.0,
+                cost: f64::NAN,
+            };
+            let diverged = simulate(setup, &law, integrator, dt, parts, trusted.len(), |k, s| {
+                let error = StateError::between(s, &trusted[k]);
+                point.position = point.position.max(error.position);
+                point.attitude = point.attitude.max(error.attitude.to_degrees());
+                !limits.is_diverged(s)
+            });
+            if diverged {
+                (point.position, point.attitude) = (f64::NAN, f64::NAN);
+            } else {
+                let time = || {
+                    let start = Instant::now();
+                    simulate(setup, &law, integrator, dt, parts, trusted.len(), |_, _| true);
+                    start.elapsed()
+                };
+                let began = Instant::now();
+                let mut best = time();
+                for _ in 1..REPEATS {
+                    if began.elapsed() > PATIENCE {
+                        break;
+                    }
+                    best = best.min(time());
+                }
+                let simulated = (trusted.len() - 1) as f64 / f64::from(RATES[0]);
+                point.cost = best.as_nanos() as f64 / simulated;
+            }
+            points.push(point);
+            shared.done.fetch_add(1, Ordering::Relaxed);
+        }
+        let fit = |error: fn(&SweepPoint) -> f64, unit: f64| {
+            order(points.iter().map(|p| (p.dt, error(p) / unit)))
+        };
+        let line = SweepLine {
+            integrator,
+            order_position: fit(|p| p.position, radius),
+            order_attitude: fit(|p| p.attitude, 1.0_f64.to_degrees()),
+            points,
+        };
+        shared
+            .lines
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(line);
+    }
+}
+
+/// Steps through the scene and shows the state at every sample to `look`, which says whether to go on.
+/// Returns whether it went wrong.
+fn simulate(
+    setup: &Setup,
+    law: &Law,
+    integrator: Integrator,
+    dt: f64,
+    parts: u32,
+    samples: usize,
+    mut look: impl FnMut(usize, &box_physics::prelude::BodyState) -> bool,
+) -> bool {
+    let mut lane = Lane::new(setup.initial, integrator);
+    let mut impulses = setup.impulses.iter().peekable();
+    for k in 0..samples {
+        if !look(k, &lane.state) {
+            return true;
+        }
+        if k + 1 == samples {
+            break;
+        }
+        for part in 0..parts {
+            let t = (k as f64) / f64::from(RATES[0]) + f64::from(part) * dt;
+            while let Some(i) = impulses.next_if(|i| i.t <= t + 1e-9 * dt) {
+                lane.state
+                    .apply_impulse_at_body_point(&law.body, i.impulse, i.body_point);
+            }
+            if !lane.step(law, dt).sound {
+                return true;
+            }
+        }
+    }
+    std::hint::black_box(&lane);
+    false
+}
+
+/// The slope of log error over log dt, by least squares over the finest four steps at which the error is
+/// neither rounding nor everything; `None` with fewer than three.
+pub fn order(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let mut usable: Vec<(f64, f64)> = points
+        .filter(|(_, e)| (ROUNDING..LOST).contains(e))
+        .map(|(dt, e)| (dt.ln(), e.ln()))
+        .collect();
+    usable.sort_by(|a, b| a.0.total_cmp(&b.0));
+    usable.truncate(4);
+    if usable.len() < 3 {
+        return None;
+    }
+    let n = usable.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| usable.iter().map(f).sum::<f64>() / n;
+    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
+    let sxy: f64 = usable.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    let sxx: f64 = usable.iter().map(|p| (p.0 - mx).powi(2)).sum();
+    Some(sxy / sxx)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_scenarios::Scenario;
+
+    fn wait(sweep: &Sweep) {
+        for _ in 0..6000 {
+            if !sweep.is_running() {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        panic!("the sweep does not end");
+    }
+
+    /// The fitted orders of the flip are those that the schemes claim for the rotation.
+    #[test]
+    fn orders_are_found() {
+        let mut setup = Scenario::find("throw").expect("a scene").setup;
+        setup.duration = 2.0;
+        let schemes = [
+            Integrator::Split,
+            Integrator::Rk4,
+            Integrator::SemiImplicitEuler,
+            Integrator::Exact,
+        ];
+        let mut sweep = Sweep::default();
+        sweep.start(setup, schemes.to_vec()).expect("a thread");
+        wait(&sweep);
+        assert_eq!(sweep.progress(), (32, 32));
+        let lines = sweep.lines();
+        for (line, order) in lines.iter().zip([Some(2.0), Some(4.0), Some(1.0), None]) {
+            assert_eq!(line.points.len(), RATES.len());
+            match (line.order_attitude, order) {
+                (Some(found), Some(order)) => {
+                    assert!((found - order).abs() < 0.2, "{}: {found}", line.integrator);
+                }
+                (found, order) => assert_eq!(found, order, "{}", line.integrator),
+            }
+            assert!(line.points.iter().all(|p| p.cost > 0.0));
+        }
+    }
+
+    /// Without a formula there is the fine simulation; a diverged point is a gap.
+    #[test]
+    fn scenes_without_a_formula_and_divergence() {
+        let mut setup = Scenario::find("contact").expect("a scene").setup;
+        setup.duration = 0.5;
+        let mut sweep = Sweep::default();
+        sweep.start(setup, vec![Integrator::Split]).expect("a thread");
+        wait(&sweep);
+        assert!(sweep.lines()[0].points.iter().all(|p| p.position < 1.0));
+        let setup = Scenario::find("needle").expect("a scene").setup;
+        sweep
+            .start(setup, vec![Integrator::SemiImplicitEuler])
+            .expect("a thread");
+        wait(&sweep);
+        let points = &sweep.lines()[0].points;
+        assert!(points[0].attitude.is_nan() && points[0].cost.is_nan());
+    }
+
+    #[test]
+    fn it_can_be_cancelled_and_dropped() {
+        let setup = Scenario::find("heavy-top").expect("a scene").setup;
+        let mut sweep = Sweep::default();
+        sweep
+            .start(setup.clone(), Integrator::ALL.to_vec())
+            .expect("a thread");
+        sweep.cancel();
+        assert!(!sweep.is_running());
+        let (done, total) = sweep.progress();
+        assert!(done < total);
+        sweep.start(setup, vec![Integrator::Rk4]).expect("a thread");
+        drop(sweep);
+    }
+
+    #[test]
+    fn an_order_needs_three_points_between_rounding_and_lost() {
+        let line = |c: f64, p: i32| {
+            RATES.map(move |r| {
+                let dt = 1.0 / f64::from(r);
+                (dt, c * dt.powi(p))
+            })
+        };
+        let found = order(line(0.5, 3).into_iter()).expect("a slope");
+        assert!((found - 3.0).abs() < 1e-9);
+        assert!(order(line(1e-13, 0).into_iter()).is_none());
+        assert!(order(line(100.0, 0).into_iter()).is_none());
+    }
+}

@@ -1,0 +1,391 @@
+//! The comparison through the whole game without a window: hero, lanes, reference, inputs, fairness,
+//! log, memory.
+
+use bevy::input::InputPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_game::action::{Action, Push};
+use box_game::app::{GamePlugin, open_log};
+use box_game::apply::Asked;
+use box_game::cli::Cli;
+use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, Run, RuleKind};
+use box_game::session::Hero;
+use box_physics::prelude::*;
+use clap::Parser;
+
+fn game(arguments: &[&str]) -> App {
+    let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid");
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    // The fixed clock does not run on the first update.
+    app.update();
+    open_log(&mut app, &cli).expect("writable");
+    app
+}
+
+fn ask(app: &mut App, action: Action) {
+    app.world_mut().resource_mut::<Asked>().0.push(action);
+    app.update();
+}
+
+fn compare(app: &mut App, action: CompareAction) {
+    ask(app, Action::Compare(action));
+}
+
+fn run(app: &App) -> &Run {
+    let comparison = app.world().resource::<Comparison>();
+    comparison.run.as_ref().expect("a hero")
+}
+
+fn hero(app: &mut App) -> BodyState {
+    *app.world_mut()
+        .query_filtered::<&BodyState, With<Hero>>()
+        .single(app.world())
+        .expect("one hero")
+}
+
+fn push(direction: DVec3, off_centre: bool) -> Action {
+    Action::Push(Push {
+        direction,
+        world: true,
+        off_centre,
+    })
+}
+
+fn updates(app: &mut App, n: usize) {
+    for _ in 0..n {
+        app.update();
+    }
+}
+
+/// The lane of a scheme.
+fn lane(app: &App, scheme: Integrator) -> &box_game::compare::runner::Runner {
+    run(app)
+        .lanes
+        .iter()
+        .find(|r| r.lane.integrator == scheme)
+        .expect("a lane")
+}
+
+/// The hero, a body of the plugin, and a lane under the same scheme are the same bit for bit, through
+/// pushes, changed parameters and contact.
+#[test]
+fn the_hero_is_its_own_lane_bit_for_bit() {
+    for scene in ["dzhanibekov", "bounce", "contact", "heavy-top", "quadratic-drag"] {
+        for scheme in [Integrator::Split, Integrator::Rk4, Integrator::SemiImplicitEuler] {
+            let other = Integrator::Midpoint;
+            let list = format!("{other},{scheme}");
+            let mut app = game(&[scene, "--integrator", &list]);
+            // A lane of `scheme` from the start, and the hero of the same scheme by restart.
+            let mut twin = game(&[scene, "--integrator", scheme.id()]);
+            for app in [&mut app, &mut twin] {
+                updates(app, 30);
+            }
+            for k in 0..60 {
+                if k == 10 {
+                    // The same impulse for both, whatever the heroes do.
+                    for app in [&mut app, &mut twin] {
+                        let entity = app
+                            .world_mut()
+                            .query_filtered::<Entity, With<Hero>>()
+                            .single(app.world())
+                            .expect("a hero");
+                        app.world_mut().write_message(ApplyImpulse::at_body_point(
+                            entity,
+                            DVec3::new(0.4, 1.5, -0.3),
+                            DVec3::new(0.2, 0.0, 0.1),
+                        ));
+                    }
+                }
+                if k == 20 {
+                    for app in [&mut app, &mut twin] {
+                        app.world_mut()
+                            .resource_mut::<Asked>()
+                            .0
+                            .push(Action::SetGravity(3.0));
+                    }
+                }
+                app.update();
+                twin.update();
+                let state = hero(&mut twin);
+                assert_eq!(lane(&app, scheme).lane.state, state, "{scene} {scheme} {k}");
+                assert_eq!(lane(&app, scheme).lane.time, run(&app).clock);
+            }
+        }
+    }
+}
+
+/// A pushed run is still measured: the reference goes through the same push at the same time.
+#[test]
+fn the_reference_takes_every_push() {
+    let mut app = game(&["throw", "--integrator", "exact,split,explicit-euler"]);
+    updates(&mut app, 20);
+    ask(&mut app, push(DVec3::Y, true));
+    updates(&mut app, 60);
+    let now = |app: &App| run(app).hero.track.now.sample;
+    assert!(now(&app).get(Quantity::Position) < 1e-9);
+    assert!(now(&app).get(Quantity::Attitude) < 1e-6);
+    assert!(now(&app).get(Quantity::LocalPosition) < 1e-12);
+    assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
+    assert!(run(&app).reference.is_trusted());
+    let euler = lane(&app, Integrator::ExplicitEuler).track.now.sample;
+    assert!(euler.get(Quantity::Position) > 0.05);
+    assert!(euler.get(Quantity::Energy).abs() > 1e-4);
+    assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Input));
+    // A changed parameter, too.
+    ask(&mut app, Action::SetGravity(1.5));
+    updates(&mut app, 30);
+    assert!(now(&app).get(Quantity::Position) < 1e-9);
+    assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
+}
+
+/// Putting the box elsewhere by hand puts every lane there.
+#[test]
+fn a_teleport_takes_the_lanes_along() {
+    let mut app = game(&["throw", "--integrator", "split,explicit-euler"]);
+    updates(&mut app, 20);
+    let mut query = app
+        .world_mut()
+        .query_filtered::<&mut Transform, With<Hero>>();
+    for mut transform in query.iter_mut(app.world_mut()) {
+        transform.translation.y = 30.0;
+    }
+    app.update();
+    let euler = lane(&app, Integrator::ExplicitEuler).lane.state;
+    assert!((euler.position.y - 30.0).abs() < 0.5, "{}", euler.position);
+    assert!(run(&app).hero.track.now.sample.get(Quantity::Position) < 1e-9);
+}
+
+/// A scheme ticked in flight is simulated from the start, through everything that happened since.
+#[test]
+fn a_late_lane_catches_up_with_all_inputs() {
+    let mut early = game(&["throw", "--integrator", "split,rk4"]);
+    let mut late = game(&["throw", "--integrator", "split"]);
+    for app in [&mut early, &mut late] {
+        updates(app, 15);
+        ask(app, push(DVec3::X, true));
+        updates(app, 15);
+    }
+    compare(&mut late, CompareAction::ToggleLane(Integrator::Rk4));
+    early.update();
+    updates(&mut early, 20);
+    updates(&mut late, 20);
+    let (a, b) = (lane(&early, Integrator::Rk4), lane(&late, Integrator::Rk4));
+    assert_eq!(a.lane.time, b.lane.time);
+    // Its boundaries are sums of steps: the push may be a rounding away.
+    assert!((a.lane.state.position - b.lane.state.position).length() < 1e-9);
+    compare(&mut late, CompareAction::ToggleLane(Integrator::Rk4));
+    assert!(run(&late).lanes.is_empty());
+    compare(&mut late, CompareAction::AllLanes);
+    assert_eq!(run(&late).lanes.len(), Integrator::ALL.len() - 1);
+}
+
+/// 5.7 no. 6: a lane that diverges stops, says so, and nothing else notices.
+#[test]
+fn a_diverged_lane_stops_at_its_last_good_state() {
+    let mut app = game(&["needle", "--integrator", "split,semi-implicit-euler"]);
+    updates(&mut app, 200);
+    let lost = lane(&app, Integrator::SemiImplicitEuler);
+    let t = lost.track.diverged.expect("it diverges within three seconds");
+    assert!(t < 3.0 && lost.lane.state.is_sound());
+    assert!(run(&app).hero.track.diverged.is_none());
+    assert!(run(&app).clock > 3.0);
+    compare(&mut app, CompareAction::Resync);
+    let back = lane(&app, Integrator::SemiImplicitEuler);
+    assert!(back.track.diverged.is_none());
+    assert!(back.track.now.sample.get(Quantity::Position) < 1e-9);
+}
+
+/// Where a scheme runs as a ghost, making it the hero changes places; each trajectory stays one scheme's.
+#[test]
+fn hero_and_ghost_change_places() {
+    let mut app = game(&["dzhanibekov", "--integrator", "split,explicit-euler"]);
+    let mut euler = game(&["dzhanibekov", "--integrator", "explicit-euler"]);
+    for app in [&mut app, &mut euler] {
+        updates(app, 40);
+    }
+    let before = hero(&mut app);
+    ask(&mut app, Action::SetIntegrator(Integrator::ExplicitEuler));
+    euler.update();
+    assert_eq!(hero(&mut app), hero(&mut euler));
+    let split = lane(&app, Integrator::Split);
+    assert!((split.lane.state.position - before.position).length() < 1e-12);
+    assert!(split.track.now.sample.get(Quantity::Attitude) < 0.1);
+    assert!(run(&app).hero.track.now.sample.get(Quantity::Attitude) > 0.1);
+    updates(&mut app, 10);
+    updates(&mut euler, 10);
+    assert_eq!(hero(&mut app), hero(&mut euler));
+}
+
+/// Equal evaluations: the lane's step is longer by what its evaluations are more. Inputs reach it at its
+/// own boundary, late by less than a step, and the log says by how much.
+#[test]
+fn equal_evaluations_and_late_inputs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("log.csv");
+    let mut app = game(&[
+        "throw",
+        "--integrator",
+        "split,rk4",
+        "--log",
+        path.to_str().expect("utf-8"),
+    ]);
+    // Until every scheme has been sampled.
+    updates(&mut app, 30);
+    compare(&mut app, CompareAction::SetFairness(Fairness::Evaluations));
+    updates(&mut app, 3);
+    assert_eq!(lane(&app, Integrator::Rk4).factor, 4.0);
+    let mut late = Vec::new();
+    for _ in 0..4 {
+        ask(&mut app, push(DVec3::Y, false));
+        updates(&mut app, 6);
+        let r = lane(&app, Integrator::Rk4);
+        assert!(run(&app).clock - r.lane.time < 4.0 / 60.0 + 1e-9);
+        assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(&path)
+        .expect("readable");
+    let columns = reader.headers().expect("a header").clone();
+    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
+    let mut lanes = [0, 0];
+    for row in reader.records() {
+        let row = row.expect("a row");
+        let number = |name| row[at(name)].parse::<f64>();
+        lanes[row[at("lane")].parse::<usize>().expect("0 or 1")] += 1;
+        if row[at("event")].contains(" s late") {
+            let skew = row[at("event")].split(' ').nth(1).expect("a number");
+            late.push(skew.parse::<f64>().expect("seconds"));
+        }
+        assert!(number("pos_err_m").expect("measured") < 0.6);
+        assert!(number("energy_rel").expect("measured").abs() < 1e-6);
+    }
+    assert!(late.iter().all(|s| *s > 0.0 && *s < 4.0 / 60.0), "{late:?}");
+    assert!(!late.is_empty());
+    assert!(lanes[0] > 60 && lanes[1] > 30 && lanes[1] < lanes[0], "{lanes:?}");
+    compare(&mut app, CompareAction::SetFairness(Fairness::Step));
+    app.update();
+    assert_eq!(lane(&app, Integrator::Rk4).factor, 1.0);
+    compare(&mut app, CompareAction::SetFairness(Fairness::Cost));
+    updates(&mut app, 2);
+    assert!(lane(&app, Integrator::Rk4).factor > 0.5);
+}
+
+/// The local error is in the log of every lane; after chaos it still says something.
+#[test]
+fn the_log_has_a_row_for_every_lane() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("log.csv");
+    let mut app = game(&[
+        "contact",
+        "--integrator",
+        "split,rk4,explicit-euler",
+        "--log",
+        path.to_str().expect("utf-8"),
+    ]);
+    updates(&mut app, 120);
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .from_path(&path)
+        .expect("readable");
+    let columns = reader.headers().expect("a header").clone();
+    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
+    let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+    assert_eq!(rows.len(), 3 * 120);
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!(row[at("lane")], (k % 3).to_string());
+        let local: f64 = row[at("local_pos_err_m")].parse().expect("measured");
+        assert!(local < 0.2, "{local}");
+    }
+    assert!(rows.iter().any(|r| &r[at("state")] == "contact"));
+    assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Contact));
+}
+
+/// 5.7 no. 9: ten minutes at 60 Hz with five lanes stay within a fixed memory and point budget.
+#[test]
+fn ten_minutes_keep_memory_flat() {
+    let mut app = game(&[
+        "tumble-storm",
+        "--integrator",
+        "split,rk4,engine-newton,semi-implicit-euler,explicit-euler",
+    ]);
+    // Ten steps a frame.
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(10));
+    let mut kept = Vec::new();
+    for minute in 0..10 {
+        updates(&mut app, 360);
+        if minute % 3 == 0 {
+            ask(&mut app, push(DVec3::Y, true));
+        }
+        kept.push(run(&app).kept());
+        for track in [&run(&app).hero.track, &run(&app).lanes[0].track] {
+            for window in [None, Some(60.0)] {
+                let points = track.series.points(Quantity::Energy, window).len();
+                assert!(points <= 3700, "{points}");
+            }
+        }
+    }
+    assert!(run(&app).clock > 599.0);
+    // 5 tracks of 3700 samples and 1024 stretches, and lines and checkpoints.
+    let most = 5 * (3700 + 1024) + 512 + 240;
+    assert!(kept.iter().all(|k| *k <= most), "{kept:?}");
+}
+
+/// Stepping back: the lanes follow the clock, and are where they were.
+#[test]
+fn lanes_follow_the_clock_back() {
+    let setup = box_scenarios::Scenario::find("throw").expect("a scene").setup;
+    let h = 1.0 / 60.0;
+    let mut run = Run::new(&setup, Some(setup.truth()), Integrator::Split, h);
+    run.choose([Integrator::Rk4, Integrator::ExplicitEuler]);
+    let law = box_game::lane::Law::of(&setup);
+    let mut body = box_game::lane::Lane::new(setup.initial, Integrator::Split);
+    let mut past = Vec::new();
+    for n in 0..300 {
+        let t = f64::from(n) * h;
+        run.before_step(t, law.clone(), &body.state, |_| Vec::new());
+        body.step(&law, h);
+        run.after_step(t + h, h, &body.state, Integrator::Split);
+        assert!(run.advance(None));
+        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.state).collect();
+        past.push((t + h, body.state, lanes, run.hero.track.now.sample));
+    }
+    for n in [250, 249, 100, 3] {
+        let (t, state, lanes, sample) = &past[n];
+        run.rewind(*t, state);
+        assert!(run.advance(None));
+        for (r, state) in run.lanes.iter().zip(lanes) {
+            let apart = (r.lane.state.position - state.position).length();
+            assert!(apart < 1e-9, "{} at step {n}: {apart:e}", r.lane.integrator);
+        }
+        let energy = run.hero.track.ledger.residual(&law, state).energy;
+        assert!((energy - sample.get(Quantity::Energy)).abs() < 1e-9);
+    }
+}
+
+/// The first run: `dzhanibekov`, the hero and two ghosts, the drawer on Energy, and within five seconds at
+/// 60 Hz something has visibly gone wrong.
+#[test]
+fn the_first_run_shows_something_in_five_seconds() {
+    let mut app = game(&[]);
+    app.update();
+    assert_eq!(run(&app).lanes.len(), 2);
+    let session = app.world().resource::<box_game::session::Session>();
+    assert_eq!(session.scenario.id, "dzhanibekov");
+    assert!(session.show_plots && session.plot == box_game::action::Plot::Energy);
+    let comparison = app.world().resource::<Comparison>();
+    assert_eq!(comparison.settings.layout, Layout::Ghosts);
+    updates(&mut app, 300);
+    assert!(run(&app).hero.track.now.worst.1 < 1.0, "the hero is right");
+    for r in &run(&app).lanes {
+        assert!(r.track.now.worst.1 > 45.0, "{}", r.lane.integrator);
+    }
+    assert!(
+        run(&app)
+            .lanes
+            .iter()
+            .any(|r| r.track.now.sample.get(Quantity::Energy).abs() > 0.1)
+    );
+}
