@@ -19,7 +19,7 @@ const CASES: [&str; 5] = [
 /// Steps per second.
 const RATES: [u32; 3] = [30, 60, 120];
 /// Looks per run.
-const LOOKS: u32 = 50;
+const LOOKS: u32 = 30;
 
 /// Errors of one engine in one case over time.
 #[derive(Debug, Serialize)]
@@ -87,12 +87,17 @@ fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, 
         let attitude = StateError::between(&state, &reference).attitude;
         let change = state.rotational_energy(&setup.body) / energy - 1.0;
         // JSON knows no infinity: what is lost is as wrong as can be.
-        let finite = |x: f64, or: f64| if x.is_finite() { x } else { or };
+        let finite = |x: f64, or: f64| rounded(if x.is_finite() { x } else { or });
         points.push((
-            t,
+            rounded(t),
             finite(attitude, std::f64::consts::PI),
             finite(change, 1e9),
         ));
     }
     Ok(points)
+}
+
+/// To six digits: more is not to be had from a plot.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }

@@ -83,7 +83,7 @@ fn run(options: &Options) -> Result<(), String> {
         cost,
         notes,
     };
-    let json = serde_json::to_string_pretty(&measured).map_err(|e| e.to_string())?;
+    let json = serde_json::to_string(&measured).map_err(|e| e.to_string())?;
     let path = options.output.join("peers-measured.json");
     std::fs::write(&path, json).map_err(|e| format!("{}: {e}", path.display()))
 }

@@ -1,44 +1,107 @@
 //! Speed against error, offline: every integrator measured against trusted references.
 
+mod check;
+mod context;
+mod dissertation;
+mod document;
+mod efficiency;
+mod files;
+mod fit;
+mod herd;
+mod machine;
+mod peers;
+mod plot;
+mod progress;
+mod report;
+mod simulate;
+mod stability;
+mod summary;
+mod text;
 mod timing;
 mod verify;
+mod visible;
+mod work_precision;
 
 use std::process::ExitCode;
 
+use box_physics::schemes::{Integrator, UnknownIntegrator};
 use clap::{Parser, Subcommand};
 
+use context::Stop;
+use report::Part;
+
+/// Measures every integrator against references that can be trusted, speed against error, and writes a
+/// report. Without a command: everything, in less than five minutes on a quiet machine.
 #[derive(Parser)]
-#[command(name = "box_report", version, about)]
+#[command(name = "box_report", version, args_conflicts_with_subcommands = true)]
 struct Cli {
+    #[command(flatten)]
+    options: report::Options,
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Error against time and force evaluations: diagrams of twelve families of motion
+    WorkPrecision(report::Options),
+    /// The cheapest way to stay below an error, and the schemes that nothing beats
+    Efficiency(report::Options),
+    /// The hard cases, and the largest stable steps against theory
+    Stability(report::Options),
+    /// What a step costs, in flight, with forces, on the floor
+    Timing(report::Options),
+    /// When a player can see the error
+    Visible(report::Options),
+    /// The comparison of 2012 redone, and its question answered
+    Dissertation(report::Options),
+    /// The same boxes in Avian, Rapier and Box3D: builds and runs crates/box_peers
+    Peers(report::Options),
+    /// Compare the errors of a short deterministic run with the stored ones
+    Check(check::Options),
+    /// One trajectory as CSV
+    Simulate(simulate::Options),
     /// Run every reference trajectory of a folder under the integrators and print their errors
     Verify(verify::Options),
 }
 
 /// Everything was done.
 const OK: u8 = 0;
-/// A file could not be used; the others were.
-const BAD_FILE: u8 = 1;
+/// A file could not be used, or a number is not what it was; the others were.
+const BAD: u8 = 1;
 /// The command line makes no sense (clap's own code for it).
 const USAGE: u8 = 2;
+/// Ctrl-C, as a shell reports it.
+const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let result = match &cli.command {
-        Command::Verify(options) => verify::run(options, &mut std::io::stdout().lock()),
+    let Some(command) = &cli.command else {
+        return end(report::run(&cli.options, None));
     };
-    match result {
+    let (options, part) = match command {
+        Command::WorkPrecision(options) => (options, Part::WorkPrecision),
+        Command::Efficiency(options) => (options, Part::Efficiency),
+        Command::Stability(options) => (options, Part::Stability),
+        Command::Timing(options) => (options, Part::Timing),
+        Command::Visible(options) => (options, Part::Visible),
+        Command::Dissertation(options) => (options, Part::Dissertation),
+        Command::Peers(options) => (options, Part::Peers),
+        Command::Check(options) => return end(check::run(options)),
+        Command::Simulate(options) => return end(simulate::run(options)),
+        Command::Verify(options) => return verify(options),
+    };
+    end(report::run(options, Some(part)))
+}
+
+fn verify(options: &verify::Options) -> ExitCode {
+    match verify::run(options, &mut std::io::stdout().lock()) {
         Ok(bad_files) if bad_files.is_empty() => ExitCode::from(OK),
         Ok(bad_files) => {
             for e in bad_files {
                 eprintln!("error: {e}");
             }
-            ExitCode::from(BAD_FILE)
+            ExitCode::from(BAD)
         }
         // Who reads our output has seen enough (`… | head`).
         Err(verify::VerifyError::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => {
@@ -49,4 +112,25 @@ fn main() -> ExitCode {
             ExitCode::from(USAGE)
         }
     }
+}
+
+fn end(result: Result<(), Stop>) -> ExitCode {
+    let Err(stop) = result else {
+        return ExitCode::from(OK);
+    };
+    let code = match &stop {
+        Stop::File { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe => {
+            return ExitCode::from(OK);
+        }
+        Stop::Interrupted => INTERRUPTED,
+        Stop::Usage(_) | Stop::File { .. } => USAGE,
+        Stop::Changed(_) | Stop::Failed(_) | Stop::Internal(_) => BAD,
+    };
+    eprintln!("error: {stop}");
+    ExitCode::from(code)
+}
+
+/// A scheme by its name, for the command line.
+fn scheme(text: &str) -> Result<Integrator, UnknownIntegrator> {
+    text.parse()
 }

@@ -1,42 +1,169 @@
-//! How long a step takes.
+//! `timing`: what a step costs, in flight, with forces, and on the floor.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use box_bench::measure::Cost;
 use box_physics::schemes::Integrator;
-use box_scenarios::oracle::Case;
-use box_scenarios::run_plan;
+use box_scenarios::{Family, ForceSet, Scenario, Setup};
+use serde::Serialize;
 
-/// A sample of the clock shorter than this is mostly clock.
-const SHORTEST_SAMPLE: Duration = Duration::from_micros(100);
-/// Samples, of which the shortest counts: what disturbs a measurement only ever lengthens it.
-const SAMPLES: u32 = 20;
+use crate::context::{Context, SAMPLES_IN_WORDS, Stop};
+use crate::document::{Section, Table};
+use crate::{files, herd, text};
 
-/// Nanoseconds per step of `case` under `integrator` with steps of at most `dt` \[s\]: whole runs, from
-/// start to last sample, repeated until a sample is long enough; the minimum of twenty.
-pub(crate) fn nanoseconds_per_step(case: &Case, integrator: Integrator, dt: f64) -> f64 {
-    let plan = case.plan(dt);
-    let run = || {
-        let mut end = glam::DVec3::ZERO;
-        let totals = run_plan(&case.setup, integrator, &plan, |_, state| {
-            end = state.position;
-            state.is_finite()
-        });
-        std::hint::black_box(end);
-        totals.steps
-    };
-    let mut best = f64::INFINITY;
-    for _ in 0..SAMPLES {
-        let (start, mut steps) = (Instant::now(), 0);
-        let elapsed = loop {
-            steps += run();
-            let elapsed = start.elapsed();
-            if elapsed >= SHORTEST_SAMPLE {
-                break elapsed;
-            }
-        };
-        if steps > 0 {
-            best = best.min(elapsed.as_nanos() as f64 / steps as f64);
-        }
+/// The step \[s\].
+const H: f64 = 1.0 / 60.0;
+/// Time for the measurements of a situation.
+const SHARE: Duration = Duration::from_secs(3);
+/// Steps of a run over the floor.
+const FLOOR_STEPS: u64 = 240;
+
+/// What a box is doing.
+struct Situation {
+    id: &'static str,
+    title: &'static str,
+    setup: Setup,
+}
+
+/// Costs per situation, schemes in order.
+pub(crate) struct Timings {
+    situations: Vec<(Situation, Vec<(Integrator, Cost)>)>,
+}
+
+impl Timings {
+    /// ns per step of `scheme` in free flight.
+    pub(crate) fn free(&self, scheme: Integrator) -> Option<f64> {
+        let (_, costs) = self.situations.first()?;
+        let found = costs.iter().find(|(s, _)| *s == scheme);
+        found.map(|(_, c)| c.min)
     }
-    best
+}
+
+#[derive(Serialize)]
+struct Row {
+    situation: &'static str,
+    integrator: &'static str,
+    ns_per_step_min: f64,
+    ns_per_step_median: f64,
+    ns_per_step_p95: f64,
+}
+
+fn situations() -> Result<Vec<Situation>, Stop> {
+    let tumbling = &Family::all()[0].setup;
+    let under = |forces: ForceSet| Setup {
+        forces,
+        ..tumbling.clone()
+    };
+    let scene = |id: &str| {
+        Scenario::find(id)
+            .map(|s| s.setup)
+            .map_err(|e| Stop::Internal(e.to_string()))
+    };
+    let dissipation = ForceSet {
+        linear_drag: 0.3,
+        quadratic_drag: 0.1,
+        angular_damping: 0.2,
+        angular_drag: 0.01,
+        ..ForceSet::gravity(9.81)
+    };
+    let situation = |id, title, setup| Situation { id, title, setup };
+    Ok(vec![
+        situation("free", "free flight", under(ForceSet::gravity(9.81))),
+        situation("drag", "with every drag", under(dissipation)),
+        situation("torque", "under a torque", scene("heavy-top")?),
+        situation("spring", "on a spring", scene("spring-orbit")?),
+        situation("bouncing", "bouncing on a floor", scene("contact")?),
+        situation("sliding", "sliding on a floor", scene("slide")?),
+    ])
+}
+
+/// Ticks of the progress that [`measure`] takes.
+pub(crate) fn ticks() -> u64 {
+    6
+}
+
+/// Times every scheme in every situation.
+pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
+    let mut timed = Vec::new();
+    for situation in situations()? {
+        let contender = |&s: &Integrator| herd::contender(&situation.setup, &[], s, H, FLOOR_STEPS);
+        let mut contenders: Vec<_> = ctx.schemes.iter().map(contender).collect();
+        let costs = ctx.measure(&mut contenders, SHARE);
+        drop(contenders);
+        ctx.tick(situation.title)?;
+        let costs = ctx.schemes.iter().copied().zip(costs).collect();
+        timed.push((situation, costs));
+    }
+    Ok(Timings { situations: timed })
+}
+
+/// Writes the CSV and makes the table.
+pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
+    let mut section = Section::new(
+        "timing",
+        "What a step costs",
+        format!(
+            "Nanoseconds per body and step of 1/60 s on one core, without bounding box and `Transform`: eight boxes \
+             stepped together in flight, one box for its first four seconds over a floor. Fastest sample, and how far the \
+             median lies above it: {SAMPLES_IN_WORDS}."
+        ),
+    );
+    let mut rows = Vec::new();
+    for (situation, costs) in &data.situations {
+        rows.extend(costs.iter().map(|(s, c)| Row {
+            situation: situation.id,
+            integrator: s.id(),
+            ns_per_step_min: c.min,
+            ns_per_step_median: c.median,
+            ns_per_step_p95: c.p95,
+        }));
+    }
+    files::write_csv(&ctx.file("timing.csv"), &rows)?;
+    let mut columns = vec!["scheme".to_owned()];
+    columns.extend(
+        data.situations
+            .iter()
+            .map(|(s, _)| format!("{} [ns]", s.title)),
+    );
+    columns.push("boxes in free flight per ms".to_owned());
+    let lines = ctx.schemes.iter().enumerate().map(|(k, s)| {
+        let mut line = vec![text::code(s)];
+        for (_, costs) in &data.situations {
+            let c = costs[k].1;
+            line.push(format!("{:.0} (+{:.0} %)", c.min, 100.0 * c.spread()));
+        }
+        let free = data.situations.first().map(|(_, c)| c[k].1.min);
+        line.push(free.map_or_else(String::new, |ns| text::significant((1e6 / ns).round(), 3)));
+        line
+    });
+    section.tables.push(Table {
+        title: "Time per body and step".to_owned(),
+        note: String::new(),
+        columns,
+        rows: lines.collect(),
+        csv: "timing.csv".to_owned(),
+        digest: true,
+    });
+    section.verdicts = verdicts(ctx, data);
+    Ok(section)
+}
+
+fn verdicts(ctx: &Context, data: &Timings) -> Vec<String> {
+    let mut by_cost: Vec<(Integrator, f64)> = ctx
+        .schemes
+        .iter()
+        .filter_map(|&s| Some((s, data.free(s)?)))
+        .collect();
+    by_cost.sort_by(|a, b| a.1.total_cmp(&b.1));
+    match (by_cost.first(), by_cost.last()) {
+        (Some(first), Some(last)) => vec![format!(
+            "In free flight `{}` is cheapest with {}, `{}` dearest with {}: even that is {} boxes in a millisecond.",
+            first.0,
+            text::time(first.1),
+            last.0,
+            text::time(last.1),
+            text::significant((1e6 / last.1).round(), 3)
+        )],
+        _ => Vec::new(),
+    }
 }

@@ -293,8 +293,8 @@ fn families() -> Vec<Family> {
     };
     let brick = solid([0.5, 0.25, 0.125], 3.0);
     let cube = solid([0.5; 3], 2.0);
-    let tumble = BodyState::at(DVec3::Y * 2.0)
-        .with_body_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
+    let tumble =
+        BodyState::at(DVec3::Y * 2.0).with_body_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
     let thrown = BodyState::at(DVec3::Y).with_velocity(DVec3::new(10.0, 12.0, 3.0));
     let drag = ForceSet {
         linear_drag: 1.0,

@@ -5,13 +5,13 @@ mod table;
 
 use std::io::Write;
 
+use box_bench::measure::{Contender, Settings, interleaved};
 use box_physics::schemes::Integrator;
-use box_scenarios::oracle::{Case, Measurement, OracleError, Status};
+use box_scenarios::oracle::{Case, Measurement, OracleError};
+use box_scenarios::run_plan;
 
 use options::Format;
 pub(crate) use options::Options;
-
-use crate::timing::nanoseconds_per_step;
 
 /// One line of the result.
 struct Row<'a> {
@@ -89,21 +89,47 @@ pub(crate) fn run(
     Ok(bad)
 }
 
-/// The rows in order: by case, then integrator, then step; each is measured when it is asked for.
+/// The rows in order: by case, then integrator, then step. A case is measured when its first row is asked
+/// for: its integrators and steps are timed in turns.
 fn rows<'a>(cases: &'a [Case], options: &'a Options) -> impl Iterator<Item = Row<'a>> {
     cases.iter().flat_map(move |case| {
-        options.integrators().iter().flat_map(move |&integrator| {
-            options.steps().iter().map(move |&dt| {
-                let measured = case.measure(integrator, dt);
-                let ran = !matches!(measured.status, Status::Unsupported(_));
-                Row {
+        let mut rows: Vec<Row> = options
+            .integrators()
+            .iter()
+            .flat_map(|&integrator| {
+                options.steps().iter().map(move |&dt| Row {
                     case,
                     integrator,
                     dt,
-                    measured,
-                    ns_per_step: ran.then(|| nanoseconds_per_step(case, integrator, dt)),
-                }
+                    measured: case.measure(integrator, dt),
+                    ns_per_step: None,
+                })
             })
-        })
+            .collect();
+        let mut timed: Vec<(&mut Row, Contender)> = rows
+            .iter_mut()
+            .filter(|r| r.measured.totals.steps > 0)
+            .map(|row| {
+                let contender = whole_run(row);
+                (row, contender)
+            })
+            .collect();
+        let (rows_timed, mut contenders): (Vec<_>, Vec<_>) = timed.drain(..).unzip();
+        let costs = interleaved(&mut contenders, &Settings::default());
+        for (row, cost) in rows_timed.into_iter().zip(costs) {
+            row.ns_per_step = Some(cost.min);
+        }
+        rows
+    })
+}
+
+/// The whole run of a row, from start to last sample; its units are steps.
+fn whole_run<'a>(row: &Row<'a>) -> Contender<'a> {
+    let (case, integrator, plan) = (row.case, row.integrator, row.case.plan(row.dt));
+    Contender::new(row.measured.totals.steps as f64, move || {
+        run_plan(&case.setup, integrator, &plan, |_, state| {
+            std::hint::black_box(state.position);
+            state.is_finite()
+        });
     })
 }

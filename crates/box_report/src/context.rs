@@ -1,0 +1,124 @@
+//! What every part of the report works with: options, folder, progress, the wish to stop.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use box_bench::measure::{Contender, Cost, Settings, interleaved};
+use box_physics::schemes::Integrator;
+
+use crate::progress::Progress;
+
+/// Why a part ended without a result.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Stop {
+    /// Ctrl-C.
+    #[error("interrupted; what was finished is in the folder")]
+    Interrupted,
+    /// A file or folder cannot be written or read.
+    #[error("{path}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The command line makes no sense here; the message lists what is allowed.
+    #[error("{0}")]
+    Usage(String),
+    /// A number is not what it was.
+    #[error("{0}")]
+    Changed(String),
+    /// A program that was called did not do its work.
+    #[error("{0}")]
+    Failed(String),
+    /// A mistake of ours.
+    #[error("{0}")]
+    Internal(String),
+}
+
+/// Set by Ctrl-C; a second Ctrl-C ends the program at once.
+#[derive(Clone, Default)]
+pub(crate) struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Listens for Ctrl-C and for being asked to end.
+    pub(crate) fn listen() -> Result<Self, Stop> {
+        let this = Self::default();
+        let flag = this.0.clone();
+        ctrlc::set_handler(move || {
+            if flag.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(crate::INTERRUPTED));
+            }
+        })
+        .map_err(|e| Stop::Internal(format!("cannot listen for Ctrl-C: {e}")))?;
+        Ok(this)
+    }
+
+    fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The surroundings of a part.
+pub(crate) struct Context {
+    /// Where the files go.
+    pub(crate) folder: PathBuf,
+    /// The schemes to compare.
+    pub(crate) schemes: Vec<Integrator>,
+    /// Fewer steps and samples: seconds instead of minutes, noisier.
+    pub(crate) quick: bool,
+    pub(crate) progress: Progress,
+    pub(crate) interrupt: Interrupt,
+}
+
+/// Samples per contender: as many as the share of time allows, between these. On a machine that is not
+/// much slower or busier than usual the share is enough for twenty and more.
+const SAMPLES: (usize, usize) = (7, 60);
+
+impl Context {
+    /// A file of the folder.
+    pub(crate) fn file(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// One step of work is done; stops if that is wished.
+    pub(crate) fn tick(&self, what: &str) -> Result<(), Stop> {
+        self.progress.tick(what);
+        if self.interrupt.is_set() {
+            return Err(Stop::Interrupted);
+        }
+        Ok(())
+    }
+
+    /// Times contenders in turns. As many samples as fit into `share`, 20 to 60, at least 7 on a machine
+    /// so slow that 20 do not fit.
+    pub(crate) fn measure(&self, contenders: &mut [Contender<'_>], share: Duration) -> Vec<Cost> {
+        if self.quick {
+            let quick = Settings {
+                shortest_sample: Duration::from_micros(20),
+                samples: 3,
+            };
+            return interleaved(contenders, &quick);
+        }
+        // A single round tells how long a round takes: calibration and warm-up are about two more.
+        let pilot = Settings {
+            samples: 1,
+            ..Settings::default()
+        };
+        let clock = Instant::now();
+        interleaved(contenders, &pilot);
+        let round = clock.elapsed() / 3;
+        let fit = share.as_secs_f64() / round.as_secs_f64().max(1e-9);
+        let samples = (fit as usize).clamp(SAMPLES.0, SAMPLES.1);
+        interleaved(contenders, &Settings { samples, ..pilot })
+    }
+}
+
+/// How times are measured, for the text of the report.
+pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 20 to 60 samples of at least 100 µs (fewer where the budget of time is short), schemes in turns within one run";

@@ -1,0 +1,164 @@
+//! What the text of 2012 says, measured.
+
+use box_physics::body::RigidBox;
+use box_physics::force::Dissipation;
+use box_physics::force::Forces;
+use box_physics::schemes::{Integrator, SchemeMemory};
+use box_physics::state::BodyState;
+use box_scenarios::dissertation::{Demo, State, Stepper};
+use box_scenarios::{Family, StateError};
+use glam::DVec3;
+
+/// Gravity of the falls [m/s²].
+const G: f64 = 9.81;
+
+/// |v₁/v₀| after one step of `scheme` under drag with c·dt/m = `z`.
+pub(super) fn amplification(scheme: Integrator, z: f64) -> f64 {
+    let body = RigidBox::default();
+    let law = Forces {
+        dissipation: Dissipation {
+            linear_drag: z * body.mass(),
+            ..Dissipation::NONE
+        },
+        ..Forces::default()
+    };
+    let mut state = BodyState::at(DVec3::ZERO).with_velocity(DVec3::X);
+    scheme.step(&body, &mut state, &law, 1.0, &mut SchemeMemory::default());
+    state.velocity.x.abs()
+}
+
+/// The same of its own stepper.
+pub(super) fn amplification_2012(stepper: Stepper, z: f64) -> f64 {
+    let (v, _) = stepper.advance(DVec3::X, 1.0, |v| -z * v);
+    v.x.abs()
+}
+
+/// How far `scheme` is from ½·g·t² after a second of free fall in steps of `h` \[m\].
+pub(super) fn fall_error(scheme: Integrator, h: f64) -> f64 {
+    let body = RigidBox::default();
+    let law = box_physics::force::Gravity(DVec3::NEG_Y * G);
+    let mut state = BodyState::at(DVec3::ZERO);
+    let n = (1.0 / h).round() as u64;
+    let mut memory = SchemeMemory::default();
+    box_scenarios::advance(scheme, &body, &mut state, &law, h, n, &mut memory);
+    (state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
+}
+
+/// The same of its own stepper under the acceleration g: with its position rule, without its other faults.
+pub(super) fn fall_error_2012(stepper: Stepper, h: f64) -> f64 {
+    let n = (1.0 / h).round() as u64;
+    let (mut x, mut v) = (0.0, DVec3::ZERO);
+    for _ in 0..n {
+        let (new, dx) = stepper.advance(v, h, |_| DVec3::NEG_Y * G);
+        v = new;
+        x += dx.y;
+    }
+    (x + 0.5 * G * (n as f64 * h).powi(2)).abs()
+}
+
+/// How far its whole demo is from ½·g·t² after a second: gravity is added to the position \[m\].
+pub(super) fn demo_fall_error(h: f64) -> f64 {
+    let demo = Demo {
+        floor: None,
+        ..Demo::default()
+    };
+    let body = RigidBox::default();
+    let mut state = State::new(&body, &BodyState::at(DVec3::ZERO));
+    let n = (1.0 / h).round() as u64;
+    for _ in 0..n {
+        demo.cycle(Stepper::Heun, &mut state, h);
+    }
+    (state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
+}
+
+/// Attitude error \[rad\] and energy over its start of a freely tumbling box, by time.
+pub(super) struct Tumble {
+    /// Time, attitude error, relative energy.
+    pub(super) points: Vec<(f64, f64, f64)>,
+}
+
+/// The free tumble at steps of `h` by `scheme`.
+pub(super) fn tumble(scheme: Integrator, h: f64) -> Result<Tumble, String> {
+    let family = &Family::all()[0];
+    let body = family.setup.body;
+    let mut state = family.setup.initial;
+    let mut memory = SchemeMemory::default();
+    let law = box_physics::force::Gravity(DVec3::ZERO);
+    follow(h, |_| {
+        box_scenarios::advance(scheme, &body, &mut state, &law, h, 1, &mut memory);
+        state
+    })
+}
+
+/// The same by its demo, three turns a cycle and no gyroscopic term; with or without its damping.
+pub(super) fn tumble_2012(h: f64, damped: bool) -> Result<Tumble, String> {
+    let family = &Family::all()[0];
+    let body = family.setup.body;
+    let demo = Demo::of(&body, None);
+    let mut state = State::new(&body, &family.setup.initial);
+    let spin = state.spin;
+    follow(h, |_| {
+        demo.cycle(Stepper::Heun, &mut state, h);
+        if !damped {
+            state.spin = spin;
+        }
+        state.body_state(&body)
+    })
+}
+
+/// Follows the free tumble for its ten seconds.
+fn follow(h: f64, mut next: impl FnMut(u64) -> BodyState) -> Result<Tumble, String> {
+    let family = &Family::all()[0];
+    let body = &family.setup.body;
+    let reference = family.reference(h, family.setup.duration)?;
+    let start = family.setup.initial.rotational_energy(body);
+    let points = reference.states().iter().enumerate().map(|(k, truth)| {
+        let state = next(k as u64);
+        let error = StateError::between(&state, truth).attitude;
+        let t = (k + 1) as f64 * h;
+        (t, error, state.rotational_energy(body) / start)
+    });
+    Ok(Tumble {
+        points: points.collect(),
+    })
+}
+
+impl Tumble {
+    /// The largest attitude error \[rad\].
+    pub(super) fn worst(&self) -> f64 {
+        self.points.iter().map(|p| p.1).fold(0.0, f64::max)
+    }
+
+    /// Energy at the end over that at the start, less one.
+    pub(super) fn energy_change(&self) -> f64 {
+        self.points.last().map_or(0.0, |p| p.2 - 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_claims_are_those_of_theory() {
+        // R(z) = 1 − z + z²/2; ½·g·h·t; 1/(1 + z).
+        assert!((amplification(Integrator::Heun2012, 3.0) - 2.5).abs() < 1e-12);
+        assert!((amplification_2012(Stepper::Heun, 3.0) - 2.5).abs() < 1e-12);
+        assert!((amplification(Integrator::BackwardEuler, 3.0) - 0.25).abs() < 1e-12);
+        for h in [0.005, 0.01] {
+            let expected = 0.5 * G * h;
+            for e in [
+                fall_error(Integrator::Heun2012, h),
+                fall_error_2012(Stepper::Heun, h),
+                fall_error_2012(Stepper::Rk4, h),
+            ] {
+                assert!((e - expected).abs() < 1e-9, "{e}");
+            }
+            assert!(fall_error(Integrator::Rk4, h) < 1e-12);
+            assert!((demo_fall_error(h) - 0.5 * G).abs() < 1e-9);
+        }
+        let lossy = tumble(Integrator::BackwardEuler, 1.0 / 60.0).expect("free motion");
+        assert!((-0.3..-0.15).contains(&lossy.energy_change()));
+        assert!(tumble_2012(1.0 / 60.0, false).expect("free motion").worst() > 1.0);
+    }
+}

@@ -1,0 +1,159 @@
+//! Its experiment: the time of each integration cycle over a run of one box, and the share of the processor.
+
+use std::time::Instant;
+
+use box_bench::measure::Cost;
+use box_physics::body::RigidBox;
+use box_physics::floor::{ContactSettings, ContactState, Floor, step_on_floor};
+use box_physics::force::Gravity;
+use box_physics::schemes::{Rk4, Scheme, SchemeMemory, Split};
+use box_physics::state::BodyState;
+use box_scenarios::dissertation::{Demo, State, Stepper};
+use glam::DVec3;
+use serde::Serialize;
+
+/// Its steps \[s\], from its smallest to its largest.
+pub(super) const STEPS: [f64; 3] = [0.005, 0.0075, 0.01];
+/// How long a run is \[s\], and with `--quick`.
+const RUN: (f64, f64) = (30.0, 3.0);
+/// A push every so often \[s\], in turn along each axis.
+const PUSH_EVERY: f64 = 2.0;
+/// The push: this impulse on 1 kg \[N s\].
+const PUSH: f64 = 3.0;
+
+/// What takes part, in the order of [`Cycles::times`].
+pub(super) const CONTENDERS: [&str; 5] = [
+    "reading the clock alone",
+    "2012-heun, its implicit Euler",
+    "2012-rk4",
+    "split, with exact contact",
+    "rk4, with exact contact",
+];
+
+/// The times of every cycle of a run.
+pub(super) struct Cycles {
+    pub(super) h: f64,
+    /// ns per cycle, a list for each contender.
+    pub(super) times: Vec<Vec<f64>>,
+}
+
+/// A line of the CSV file.
+#[derive(Serialize)]
+pub(super) struct Row {
+    dt_s: f64,
+    contender: &'static str,
+    cycles: usize,
+    ns_min: f64,
+    ns_median: f64,
+    ns_p95: f64,
+    /// The median without reading the clock, over the step.
+    processor_share: f64,
+}
+
+impl Cycles {
+    /// Median and so on of one contender.
+    pub(super) fn cost(&self, contender: usize) -> Cost {
+        Cost::of(&self.times[contender])
+    }
+
+    /// Median of a cycle without the clock \[ns\].
+    pub(super) fn net(&self, contender: usize) -> f64 {
+        (self.cost(contender).median - self.cost(0).median).max(0.0)
+    }
+
+    pub(super) fn rows(&self) -> Vec<Row> {
+        let row = |(k, name): (usize, &&'static str)| {
+            let c = self.cost(k);
+            Row {
+                dt_s: self.h,
+                contender: name,
+                cycles: self.times[k].len(),
+                ns_min: c.min,
+                ns_median: c.median,
+                ns_p95: c.p95,
+                processor_share: self.net(k) * 1e-9 / self.h,
+            }
+        };
+        CONTENDERS.iter().enumerate().map(row).collect()
+    }
+}
+
+/// One box of ours over the floor, under one scheme.
+struct Ours {
+    body: RigidBox,
+    floor: Floor,
+    settings: ContactSettings,
+    state: BodyState,
+    memory: SchemeMemory,
+    contact: ContactState,
+}
+
+impl Ours {
+    fn new(body: RigidBox, state: BodyState) -> Self {
+        Self {
+            body,
+            floor: Floor {
+                height: 0.0,
+                restitution: 0.5,
+                friction: 0.0,
+            },
+            settings: ContactSettings::default(),
+            state,
+            memory: SchemeMemory::default(),
+            contact: ContactState::default(),
+        }
+    }
+
+    fn step<S: Scheme>(&mut self, h: f64) {
+        step_on_floor::<S, Gravity>(
+            &self.floor,
+            &self.settings,
+            &self.body,
+            &mut self.state,
+            &Gravity(DVec3::NEG_Y * 9.81),
+            h,
+            &mut self.memory,
+            &mut self.contact,
+            None,
+        );
+    }
+}
+
+/// Runs everything side by side, cycle by cycle, and times each cycle by itself, as it did.
+pub(super) fn run(h: f64, quick: bool) -> Cycles {
+    let body = RigidBox::default();
+    let start = BodyState::at(DVec3::Y * 4.5);
+    let demo = Demo::of(&body, Some(0.0));
+    let mut theirs = [State::new(&body, &start); 2];
+    let mut ours = [Ours::new(body, start), Ours::new(body, start)];
+    let n = (if quick { RUN.1 } else { RUN.0 } / h).round() as usize;
+    let every = (PUSH_EVERY / h).round() as usize;
+    let mut times = vec![Vec::with_capacity(n); CONTENDERS.len()];
+    let timed = |work: &mut dyn FnMut()| {
+        let clock = Instant::now();
+        work();
+        clock.elapsed().as_nanos() as f64
+    };
+    for k in 0..n {
+        if k % every == every / 2 {
+            let axis = [DVec3::X, DVec3::Y, DVec3::Z][(k / every) % 3];
+            let impulse = axis * PUSH * body.mass();
+            for s in &mut theirs {
+                demo.push(s, Demo::force_for(impulse), DVec3::ZERO);
+            }
+            for o in &mut ours {
+                o.state
+                    .apply_impulse_at_body_point(&body, impulse, DVec3::ZERO);
+            }
+        }
+        let [heun, rk4] = &mut theirs;
+        let [split, proper] = &mut ours;
+        times[0].push(timed(&mut || {}));
+        times[1].push(timed(&mut || demo.cycle(Stepper::Heun, heun, h)));
+        times[2].push(timed(&mut || demo.cycle(Stepper::Rk4, rk4, h)));
+        times[3].push(timed(&mut || split.step::<Split>(h)));
+        times[4].push(timed(&mut || proper.step::<Rk4>(h)));
+    }
+    std::hint::black_box((theirs, &ours[0].state, &ours[1].state));
+    Cycles { h, times }
+}

@@ -1,0 +1,210 @@
+//! What a part of the report hands over, and the pages made of it: `report.md`, `report.html` (one file,
+//! figures inside) and the digest `results.md`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{Environment, Value, context};
+use serde::Serialize;
+
+use crate::context::Stop;
+use crate::files;
+use crate::machine::Machine;
+
+/// A part of the report.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Section {
+    /// As typed: the subcommand.
+    pub(crate) id: &'static str,
+    pub(crate) title: &'static str,
+    /// What was measured and how, in a few sentences.
+    pub(crate) intro: String,
+    /// What the numbers say, each a sentence with its number.
+    pub(crate) verdicts: Vec<String>,
+    pub(crate) figures: Vec<Figure>,
+    pub(crate) tables: Vec<Table>,
+    /// Further files of the part: name and what is in it.
+    pub(crate) files: Vec<(String, String)>,
+}
+
+/// A figure, drawn.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Figure {
+    /// Name of the file, without its ending.
+    pub(crate) id: String,
+    /// What there is to see.
+    pub(crate) caption: String,
+    #[serde(skip)]
+    pub(crate) svg: String,
+    /// Whether the digest shows it.
+    pub(crate) digest: bool,
+}
+
+/// A table to read; its data are in a CSV file.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Table {
+    pub(crate) title: String,
+    /// What the columns mean, where their headings do not say it.
+    pub(crate) note: String,
+    pub(crate) columns: Vec<String>,
+    pub(crate) rows: Vec<Vec<String>>,
+    /// The file with these data.
+    pub(crate) csv: String,
+    /// Whether the digest shows it.
+    pub(crate) digest: bool,
+}
+
+impl Section {
+    pub(crate) fn new(id: &'static str, title: &'static str, intro: impl Into<String>) -> Self {
+        Self {
+            id,
+            title,
+            intro: intro.into(),
+            verdicts: Vec::new(),
+            figures: Vec::new(),
+            tables: Vec::new(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Writes the figures into `folder`.
+    pub(crate) fn write_figures(&self, folder: &Path) -> Result<(), Stop> {
+        for f in &self.figures {
+            files::write(&folder.join(format!("{}.svg", f.id)), &f.svg)?;
+        }
+        Ok(())
+    }
+}
+
+/// Everything there is to say at the end of a run.
+pub(crate) struct Document<'a> {
+    pub(crate) sections: &'a [Section],
+    /// Parts that were asked for and not finished.
+    pub(crate) missing: &'a [&'static str],
+    pub(crate) machine: &'a Machine,
+    /// Seconds that the run took.
+    pub(crate) seconds: f64,
+    pub(crate) quick: bool,
+}
+
+const MARKDOWN: &str = include_str!("../templates/report.md");
+const HTML: &str = include_str!("../templates/report.html");
+const DIGEST: &str = include_str!("../templates/results.md");
+
+impl Document<'_> {
+    /// Writes `report.md` and `report.html` into `folder`.
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), Stop> {
+        files::write(
+            &folder.join("report.md"),
+            &self.render("report.md", MARKDOWN)?,
+        )?;
+        files::write(
+            &folder.join("report.html"),
+            &self.render("report.html", HTML)?,
+        )
+    }
+
+    /// Writes the digest: `results.md` and the figures that it shows, `results/*.svg`, into `docs`.
+    pub(crate) fn write_digest(&self, docs: &Path) -> Result<(), Stop> {
+        let figures = docs.join("results");
+        files::create_folder(&figures)?;
+        for f in self.sections.iter().flat_map(|s| &s.figures) {
+            if f.digest {
+                files::write(&figures.join(format!("{}.svg", f.id)), &f.svg)?;
+            }
+        }
+        files::write(
+            &docs.join("results.md"),
+            &self.render("results.md", DIGEST)?,
+        )
+    }
+
+    fn render(&self, name: &str, template: &str) -> Result<String, Stop> {
+        let mut environment = Environment::new();
+        environment.add_filter("cell", |s: String| s.replace('|', "\\|"));
+        environment.add_filter("inline", inline_markup);
+        let failed = |e: minijinja::Error| Stop::Internal(format!("template {name}: {e:#}"));
+        let syntax = SyntaxConfig::builder()
+            .trim_blocks(true)
+            .lstrip_blocks(true)
+            .keep_trailing_newline(true)
+            .build()
+            .map_err(failed)?;
+        environment.set_syntax(syntax);
+        environment.add_template(name, template).map_err(failed)?;
+        let svg: BTreeMap<_, _> = self
+            .sections
+            .iter()
+            .flat_map(|s| &s.figures)
+            .map(|f| (f.id.clone(), Value::from_safe_string(f.svg.clone())))
+            .collect();
+        let page = environment.get_template(name).map_err(failed)?;
+        page.render(context! {
+            sections => plain(&self.sections)?,
+            missing => plain(&self.missing)?,
+            machine => plain(self.machine)?,
+            seconds => self.seconds.round() as u64,
+            quick => self.quick,
+            svg,
+        })
+        .map_err(failed)
+    }
+}
+
+/// Data for a template.
+fn plain(data: &impl Serialize) -> Result<Value, Stop> {
+    fn value(json: serde_json::Value) -> Value {
+        match json {
+            serde_json::Value::Null => Value::from(()),
+            serde_json::Value::Bool(b) => Value::from(b),
+            serde_json::Value::Number(n) => n
+                .as_i64()
+                .map_or_else(|| Value::from(n.as_f64().unwrap_or(f64::NAN)), Value::from),
+            serde_json::Value::String(s) => Value::from(s),
+            serde_json::Value::Array(a) => a.into_iter().map(value).collect(),
+            serde_json::Value::Object(o) => {
+                let fields = o.into_iter().map(|(k, v)| (k, value(v)));
+                Value::from(fields.collect::<BTreeMap<String, Value>>())
+            }
+        }
+    }
+    serde_json::to_value(data)
+        .map(value)
+        .map_err(|e| Stop::Internal(format!("data of the pages: {e}")))
+}
+
+/// `code` and **strong** as HTML; everything else escaped.
+fn inline_markup(text: &str) -> Value {
+    let escaped = text
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;");
+    let paired = |text: &str, mark: &str, tag: &str| {
+        let mut html = String::new();
+        for (k, part) in text.split(mark).enumerate() {
+            match k {
+                0 => {}
+                k if k % 2 == 1 => html += &format!("<{tag}>"),
+                _ => html += &format!("</{tag}>"),
+            }
+            html += part;
+        }
+        html
+    };
+    Value::from_safe_string(paired(&paired(&escaped, "**", "strong"), "`", "code"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn markup_is_translated_and_the_rest_escaped() {
+        let html = inline_markup("**a** `b` <c> & 1");
+        assert_eq!(
+            html.to_string(),
+            "<strong>a</strong> <code>b</code> &lt;c&gt; &amp; 1"
+        );
+    }
+}

@@ -1,0 +1,209 @@
+//! `efficiency`: the cheapest way to stay below an error, and the schemes that nothing beats.
+
+use box_physics::schemes::Integrator;
+use serde::Serialize;
+
+use crate::context::{Context, Stop};
+use crate::document::{Section, Table};
+use crate::work_precision::{FamilyPoints, Point, WorkPrecision};
+use crate::{files, text};
+
+/// The errors to stay below, in the unit of each family's first metric.
+const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
+/// A scheme beats another only if it is cheaper by more than this: what measurements of one machine
+/// cannot tell apart is no victory.
+const CLEARLY: f64 = 0.95;
+/// Errors below this count as this: nobody needs less, and rounding would decide.
+const GOOD_ENOUGH: f64 = 1e-9;
+
+#[derive(Serialize)]
+struct Row {
+    family: &'static str,
+    metric: &'static str,
+    below: f64,
+    integrator: Option<&'static str>,
+    dt_s: Option<f64>,
+    error: Option<f64>,
+    us_per_simulated_s: Option<f64>,
+    /// The next cheapest scheme and its cost.
+    runner_up: Option<&'static str>,
+    runner_up_us_per_simulated_s: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct FrontierRow {
+    integrator: &'static str,
+    families_on_frontier: usize,
+    families: String,
+}
+
+/// The points that tell anything, each with error and cost.
+fn told(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
+    f.points.iter().filter_map(|p| {
+        let error = p.run.error(f.family.metrics[0])?.max(GOOD_ENOUGH);
+        Some((p, error, p.microseconds()?))
+    })
+}
+
+/// The cheapest point of each scheme below `limit`, cheapest first.
+fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
+    let mut best: Vec<(&Point, f64)> = Vec::new();
+    for (p, error, cost) in told(f) {
+        if error > limit {
+            continue;
+        }
+        match best.iter_mut().find(|(b, _)| b.scheme == p.scheme) {
+            Some(b) if b.1 <= cost => {}
+            Some(b) => *b = (p, cost),
+            None => best.push((p, cost)),
+        }
+    }
+    best.sort_by(|a, b| a.1.total_cmp(&b.1));
+    best
+}
+
+/// Whether some point of `scheme` is beaten by no point of another.
+fn on_frontier(f: &FamilyPoints, scheme: Integrator) -> bool {
+    told(f)
+        .filter(|(p, ..)| p.scheme == scheme)
+        .any(|(_, e, c)| {
+            !told(f).any(|(q, error, cost)| q.scheme != scheme && error <= e && cost < CLEARLY * c)
+        })
+}
+
+/// The section, made of the work–precision measurement.
+pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, Stop> {
+    let mut section = Section::new(
+        "efficiency",
+        "Efficiency",
+        "For each scene the cheapest scheme and step that stay below an error, from the points of the \
+         work–precision diagrams: what it costs per body and simulated second on one core. The error is the \
+         first one named for the scene (attitude in rad, position in m).",
+    );
+    let mut rows = Vec::new();
+    let mut cells = Vec::new();
+    let mut wins: Vec<(Integrator, usize)> = Vec::new();
+    for f in &data.families {
+        let metric = f.family.metrics[0];
+        let mut line = vec![format!("{} ({})", f.family.title, metric.id())];
+        for below in BELOW {
+            let ranking = ranking(f, below);
+            let (first, second) = (ranking.first(), ranking.get(1));
+            rows.push(Row {
+                family: f.family.id,
+                metric: metric.id(),
+                below,
+                integrator: first.map(|b| b.0.scheme.id()),
+                dt_s: first.map(|b| b.0.dt),
+                error: first.and_then(|b| b.0.run.error(metric)),
+                us_per_simulated_s: first.map(|b| b.1),
+                runner_up: second.map(|b| b.0.scheme.id()),
+                runner_up_us_per_simulated_s: second.map(|b| b.1),
+            });
+            if let Some((p, _)) = first {
+                match wins.iter_mut().find(|w| w.0 == p.scheme) {
+                    Some(w) => w.1 += 1,
+                    None => wins.push((p.scheme, 1)),
+                }
+            }
+            line.push(first.map_or_else(
+                || "not reached".to_owned(),
+                |(p, cost)| {
+                    format!(
+                        "`{}` {} s: {} µs/s",
+                        p.scheme,
+                        text::step(p.dt),
+                        text::significant(*cost, 2)
+                    )
+                },
+            ));
+        }
+        cells.push(line);
+    }
+    files::write_csv(&ctx.file("efficiency.csv"), &rows)?;
+    let mut columns = vec!["scene (error)".to_owned()];
+    columns.extend(BELOW.map(|b| format!("below {b:.0e}")));
+    section.tables.push(Table {
+        title: "The cheapest way to stay below an error".to_owned(),
+        note: "Scheme, step and time per body and simulated second.".to_owned(),
+        columns,
+        rows: cells,
+        csv: "efficiency.csv".to_owned(),
+        digest: true,
+    });
+    section.tables.push(frontier(ctx, data)?);
+    section.verdicts = verdicts(ctx, data, wins);
+    Ok(section)
+}
+
+fn frontier_families(data: &WorkPrecision, scheme: Integrator) -> Vec<&'static str> {
+    data.families
+        .iter()
+        .filter(|f| on_frontier(f, scheme))
+        .map(|f| f.family.id)
+        .collect()
+}
+
+fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
+    let rows: Vec<FrontierRow> = ctx
+        .schemes
+        .iter()
+        .map(|&s| {
+            let families = frontier_families(data, s);
+            FrontierRow {
+                integrator: s.id(),
+                families_on_frontier: families.len(),
+                families: families.join(" "),
+            }
+        })
+        .collect();
+    files::write_csv(&ctx.file("frontier.csv"), &rows)?;
+    Ok(Table {
+        title: "The frontier: where nothing beats a scheme".to_owned(),
+        note: format!(
+            "A scheme is on the frontier of a scene if at one of its steps no other scheme is at least as accurate \
+             for clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
+            100.0 * (1.0 - CLEARLY)
+        ),
+        columns: ["scheme", "scenes", "which"].map(str::to_owned).to_vec(),
+        rows: rows
+            .iter()
+            .map(|r| {
+                vec![
+                    text::code(r.integrator),
+                    r.families_on_frontier.to_string(),
+                    if r.families.is_empty() {
+                        "beaten everywhere".to_owned()
+                    } else {
+                        r.families.replace(' ', ", ")
+                    },
+                ]
+            })
+            .collect(),
+        csv: "frontier.csv".to_owned(),
+        digest: true,
+    })
+}
+
+fn verdicts(
+    ctx: &Context,
+    data: &WorkPrecision,
+    mut wins: Vec<(Integrator, usize)>,
+) -> Vec<String> {
+    wins.sort_by_key(|w| std::cmp::Reverse(w.1));
+    let questions = data.families.len() * BELOW.len();
+    let cheapest: Vec<String> = wins.iter().map(|(s, n)| format!("`{s}` {n}")).collect();
+    let (on, off): (Vec<_>, Vec<_>) = ctx
+        .schemes
+        .iter()
+        .partition(|&&s| !frontier_families(data, s).is_empty());
+    let names = |s: &[&Integrator]| text::list(&s.iter().map(text::code).collect::<Vec<_>>());
+    vec![
+        format!(
+            "Cheapest way to an accuracy, of {questions} questions (scene and error): {}.",
+            text::list(&cheapest)
+        ),
+        format!("On the frontier of at least one scene: {}.", names(&on)),
+        format!("Beaten in every scene at every step: {}.", names(&off)),
+    ]
+}

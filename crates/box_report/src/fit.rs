@@ -1,0 +1,110 @@
+//! The order of convergence that a scheme shows.
+
+use core::fmt;
+
+/// What the errors at several steps say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Fitted {
+    /// Error ∝ dtᵖ.
+    Order(f64),
+    /// Only rounding errors at every step.
+    Rounding,
+    /// Too few points between lost and rounding.
+    Unknown,
+}
+
+impl fmt::Display for Fitted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Order(p) => write!(f, "dt^p, p = {p:.1}"),
+            Self::Rounding => f.write_str("rounding"),
+            Self::Unknown => f.write_str("no order"),
+        }
+    }
+}
+
+/// Where errors are no longer proportional to anything: a tenth of a radian or metre, or of the energy.
+const LOST: f64 = 0.1;
+/// Errors below this are rounding, summed over ten thousands of steps and stretched by the motion.
+const ROUNDING: f64 = 1e-10;
+/// A point of the line is this far above the smallest error, which may be rounding.
+const ABOVE_FLOOR: f64 = 20.0;
+
+/// Fits the order to (dt, error), in any order; a failed run is left out. The line is a least-squares fit
+/// of the logarithms over the errors that are neither lost nor near the smallest, the smaller half of
+/// the steps among them if they are many: order is what holds for small steps.
+pub(crate) fn order(points: &[(f64, f64)]) -> Fitted {
+    let mut points: Vec<_> = points
+        .iter()
+        .copied()
+        .filter(|(_, e)| e.is_finite())
+        .collect();
+    points.sort_by(|a, b| b.0.total_cmp(&a.0));
+    if points.len() < 3 {
+        return Fitted::Unknown;
+    }
+    if points.iter().all(|p| p.1 < ROUNDING) {
+        return Fitted::Rounding;
+    }
+    // From the largest step down to the smallest error: what follows it is rounding, growing.
+    let smallest = points
+        .iter()
+        .enumerate()
+        .min_by(|a, b| a.1.1.total_cmp(&b.1.1))
+        .map_or(0, |(k, _)| k);
+    let floor = if points[smallest].1 < 100.0 * ROUNDING {
+        ABOVE_FLOOR * points[smallest].1.max(1e-13)
+    } else {
+        0.0
+    };
+    let usable: Vec<_> = points[..=smallest]
+        .iter()
+        .filter(|p| p.1 < LOST && p.1 > floor)
+        .map(|(h, e)| (h.ln(), e.ln()))
+        .collect();
+    if usable.len() < 2 {
+        return Fitted::Unknown;
+    }
+    let keep = usable.len().div_ceil(2).max(3).min(usable.len());
+    let tail = &usable[usable.len() - keep..];
+    let n = tail.len() as f64;
+    let (mx, my) = tail
+        .iter()
+        .fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+    let (sxy, sxx) = tail.iter().fold((0.0, 0.0), |s, p| {
+        (s.0 + (p.0 - mx) * (p.1 - my), s.1 + (p.0 - mx).powi(2))
+    });
+    Fitted::Order(sxy / sxx)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(f: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        (0..8)
+            .map(|k| 1.0 / 15.0 / f64::from(1 << k))
+            .map(|h| (h, f(h)))
+            .collect()
+    }
+
+    fn fitted(f: impl Fn(f64) -> f64) -> f64 {
+        match order(&errors(f)) {
+            Fitted::Order(p) => p,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn orders_are_found_between_lost_and_rounding() {
+        assert!((fitted(|h| 3.0 * h * h) - 2.0).abs() < 1e-9);
+        // Lost at first, rounding at last.
+        let fourth = |h: f64| (1e4 * h.powi(4)).min(3.0) + 1e-14 / h;
+        assert!((fitted(fourth) - 4.0).abs() < 0.1);
+        let sixth = |h: f64| h.powi(6) + 1e-14;
+        assert!((fitted(sixth) - 6.0).abs() < 0.2);
+        assert_eq!(order(&errors(|h| 1e-15 / h)), Fitted::Rounding);
+        assert_eq!(order(&errors(|_| 2.5)), Fitted::Unknown);
+        assert_eq!(order(&errors(|_| f64::INFINITY)), Fitted::Unknown);
+    }
+}

@@ -1,0 +1,389 @@
+//! `peers`: the same boxes in other engines, measured by a program outside the workspace; its last result is
+//! committed.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+use crate::context::{Context, Stop};
+use crate::document::{Figure, Section, Table};
+use crate::machine::Machine;
+use crate::plot::{Axis, Line, Plot, Point, plain};
+use crate::{files, text};
+use box_physics::schemes::Integrator;
+use box_scenarios::style::{Dash, Marker, Style};
+
+/// What `box_peers` measures.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Measured {
+    engines: Vec<Engine>,
+    accuracy: Vec<Accuracy>,
+    cost: Vec<CostRow>,
+    /// What was left out, and why.
+    notes: Vec<String>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Engine {
+    id: String,
+    name: String,
+    version: String,
+    /// How it was driven.
+    driven: String,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Accuracy {
+    engine: String,
+    case: String,
+    rate_hz: u32,
+    /// Time \[s\], attitude error \[rad\], relative energy error, signed.
+    points: Vec<(f64, f64, f64)>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct CostRow {
+    engine: String,
+    /// `free` or `floor`.
+    place: String,
+    bodies: usize,
+    ns_per_body_step_min: f64,
+    ns_per_body_step_median: f64,
+    ns_per_body_step_p95: f64,
+}
+
+/// A result with its circumstances, as committed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Stored {
+    machine: Machine,
+    measured: Measured,
+}
+
+fn manifest() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../box_peers/Cargo.toml")
+}
+
+/// Where the last result is committed.
+fn committed() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results/peers.json")
+}
+
+/// Runs `box_peers` through cargo and keeps what it measured in the folder of the report and, if asked for,
+/// where it is committed.
+pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
+    let manifest = manifest();
+    if !manifest.is_file() {
+        return Err(Stop::Failed(format!(
+            "{} is not there: the other engines are measured from a checkout of the sources",
+            manifest.display()
+        )));
+    }
+    ctx.progress
+        .say("building and running box_peers (the first build takes a quarter of an hour) …");
+    let mut command = Command::new("cargo");
+    command
+        .args(["run", "--release", "--locked", "--quiet", "--manifest-path"])
+        .arg(&manifest)
+        .arg("--")
+        .arg("--output")
+        .arg(ctx.folder());
+    if ctx.quick {
+        command.arg("--quick");
+    }
+    // Its packages are others: in the workspace's folder they would be built over and over.
+    if let Some(target) = std::env::var_os("CARGO_TARGET_DIR") {
+        command.env("CARGO_TARGET_DIR", Path::new(&target).join("peers"));
+    }
+    let status = command
+        .status()
+        .map_err(|e| Stop::Failed(format!("cannot start cargo: {e}")))?;
+    if !status.success() {
+        return Err(Stop::Failed(format!("box_peers ended with {status}")));
+    }
+    let text = files::read(&ctx.file("peers-measured.json"))?;
+    let measured: Measured = serde_json::from_str(&text)
+        .map_err(|e| Stop::Failed(format!("peers-measured.json: {e}")))?;
+    let stored = Stored {
+        machine: Machine::this(),
+        measured,
+    };
+    let json = serde_json::to_string_pretty(&stored)
+        .map_err(|e| Stop::Internal(format!("peers.json: {e}")))?;
+    files::write(&ctx.file("peers.json"), &json)?;
+    if let Some(docs) = docs {
+        let folder = docs.join("results");
+        files::create_folder(&folder)?;
+        files::write(&folder.join("peers.json"), &json)?;
+    }
+    Ok(())
+}
+
+/// The section: of a result in the folder, if `fresh`, else of the committed one; `None` if there is none.
+pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Option<Section>, Stop> {
+    let path = if fresh {
+        ctx.file("peers.json")
+    } else {
+        committed()
+    };
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let stored: Stored = serde_json::from_str(&files::read(&path)?)
+        .map_err(|e| Stop::Failed(format!("{}: {e}", path.display())))?;
+    let (m, measured) = (&stored.machine, &stored.measured);
+    let engines: Vec<String> = measured
+        .engines
+        .iter()
+        .map(|e| format!("{} {} ({})", e.name, e.version, e.driven))
+        .collect();
+    let mut section = Section::new(
+        "peers",
+        "Other engines",
+        format!(
+            "The same boxes in other engines with their default settings: {}. {} on {} ({} threads, {}). \
+             Repeat it with `cargo box-report peers`. Attitude and energy against the reference trajectories of free \
+             motion; cost per body and step of everything that an update does, box–box collisions off. {}",
+            engines.join("; "),
+            if fresh {
+                format!("Measured in this run, {},", m.date)
+            } else {
+                format!("**The last measured result**, of {},", m.date)
+            },
+            m.processor,
+            m.threads,
+            m.system,
+            measured.notes.join(" ")
+        ),
+    );
+    section.tables.push(accuracy_table(measured));
+    section.tables.push(cost_table(measured));
+    for case in cases(measured) {
+        section.figures.push(figure(measured, &case, false)?);
+        section.figures.push(figure(measured, &case, true)?);
+    }
+    section.verdicts = verdicts(measured);
+    write_csvs(ctx, measured)?;
+    section.write_figures(ctx.folder())?;
+    Ok(Some(section))
+}
+
+fn cases(measured: &Measured) -> Vec<String> {
+    let mut cases: Vec<String> = Vec::new();
+    for a in &measured.accuracy {
+        if !cases.contains(&a.case) {
+            cases.push(a.case.clone());
+        }
+    }
+    cases
+}
+
+/// The largest attitude error and the last energy error.
+fn ends(a: &Accuracy) -> (f64, f64) {
+    let worst = a.points.iter().map(|p| p.1).fold(0.0, f64::max);
+    (worst, a.points.last().map_or(0.0, |p| p.2))
+}
+
+fn accuracy_table(measured: &Measured) -> Table {
+    let cases = cases(measured);
+    let mut columns = vec!["engine".to_owned()];
+    columns.extend(cases.iter().map(|c| format!("{c} [rad · energy]")));
+    let row = |e: &Engine| {
+        let mut cells = vec![e.name.clone()];
+        cells.extend(cases.iter().map(|c| {
+            let found = measured
+                .accuracy
+                .iter()
+                .find(|a| a.engine == e.id && a.case == *c && a.rate_hz == 60);
+            found.map_or_else(String::new, |a| {
+                let (attitude, energy) = ends(a);
+                format!("{} · {:+.2e}", text::error(attitude), energy)
+            })
+        }));
+        cells
+    };
+    Table {
+        title: "Largest attitude error, and energy error at the end, 60 Hz".to_owned(),
+        note: "π ≈ 3.1 rad is as wrong as an attitude can be.".to_owned(),
+        columns,
+        rows: measured.engines.iter().map(row).collect(),
+        csv: "peers-accuracy.csv".to_owned(),
+        digest: true,
+    }
+}
+
+fn cost_table(measured: &Measured) -> Table {
+    let mut keys: Vec<(String, usize)> = Vec::new();
+    for c in &measured.cost {
+        let key = (c.place.clone(), c.bodies);
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let mut columns = vec!["engine".to_owned()];
+    columns.extend(keys.iter().map(|(p, n)| format!("{p}, {n} boxes [ns]")));
+    let mut engines: Vec<&str> = Vec::new();
+    for c in &measured.cost {
+        if !engines.contains(&c.engine.as_str()) {
+            engines.push(&c.engine);
+        }
+    }
+    let name = |id: &str| {
+        let found = measured.engines.iter().find(|e| e.id == id);
+        found.map_or_else(|| id.to_owned(), |e| e.name.clone())
+    };
+    let row = |id: &str| {
+        let mut cells = vec![name(id)];
+        cells.extend(keys.iter().map(|(p, n)| {
+            let found = measured
+                .cost
+                .iter()
+                .find(|c| c.engine == id && c.place == *p && c.bodies == *n);
+            found.map_or_else(String::new, |c| {
+                let spread = 100.0 * (c.ns_per_body_step_median / c.ns_per_body_step_min - 1.0);
+                format!(
+                    "{} (+{spread:.0} %)",
+                    text::significant(c.ns_per_body_step_min, 3)
+                )
+            })
+        }));
+        cells
+    };
+    Table {
+        title: "Cost per body and step".to_owned(),
+        note: "Fastest sample, and how far the median lies above it.".to_owned(),
+        columns,
+        rows: engines.into_iter().map(row).collect(),
+        csv: "peers-cost.csv".to_owned(),
+        digest: true,
+    }
+}
+
+fn look(id: &str) -> Style {
+    let (color, dash, marker) = match id {
+        "box_physics" => return box_scenarios::style(Integrator::Split),
+        "avian" => ([0x00, 0x72, 0xB2], Dash::Solid, Marker::Up),
+        "rapier" => ([0x00, 0x9E, 0x73], Dash::Dashed, Marker::Square),
+        "box3d" => ([0xCC, 0x79, 0xA7], Dash::Dotted, Marker::Diamond),
+        _ => return plain(Dash::Solid, Marker::Cross),
+    };
+    Style {
+        color,
+        dash,
+        marker,
+    }
+}
+
+fn figure(measured: &Measured, case: &str, energy: bool) -> Result<Figure, Stop> {
+    let lines = measured.engines.iter().filter_map(|e| {
+        let a = measured
+            .accuracy
+            .iter()
+            .find(|a| a.engine == e.id && a.case == case && a.rate_hz == 60)?;
+        let point =
+            |p: &(f64, f64, f64)| Some(Point::new(p.0, if energy { p.2.abs() } else { p.1 }));
+        Some(Line {
+            label: e.name.clone(),
+            style: look(&e.id),
+            points: a.points.iter().map(point).collect(),
+            markers: true,
+        })
+    });
+    let what = if energy { "energy" } else { "attitude" };
+    let title = if energy {
+        "energy error, relative"
+    } else {
+        "attitude error [rad]"
+    };
+    let plot = Plot {
+        title: format!("{case}: {what} error over time at 60 Hz"),
+        x: Axis::linear("time [s]"),
+        y: Axis::log(title).within(1e-12, 10.0),
+        lines: lines.collect(),
+    };
+    Ok(Figure {
+        id: format!("peers-{}-{what}", case.to_lowercase().replace(' ', "-")),
+        caption: format!(
+            "{case} in every engine, 60 Hz, {what} error against the reference trajectory."
+        ),
+        svg: plot.svg().map_err(Stop::Internal)?,
+        digest: !energy,
+    })
+}
+
+/// How much faster and how much nearer, in numbers.
+fn verdicts(measured: &Measured) -> Vec<String> {
+    let mut said = Vec::new();
+    let most = measured.cost.iter().map(|c| c.bodies).max().unwrap_or(0);
+    let cost = |engine: &str, place: &str| {
+        let found = measured
+            .cost
+            .iter()
+            .find(|c| c.engine == engine && c.place == place && c.bodies == most);
+        found.map(|c| c.ns_per_body_step_min)
+    };
+    for e in measured.engines.iter().filter(|e| e.id != "box_physics") {
+        let mut parts = Vec::new();
+        for place in ["free", "floor"] {
+            if let (Some(own), Some(other)) = (cost("box_physics", place), cost(&e.id, place)) {
+                let where_ = if place == "free" {
+                    "in free flight"
+                } else {
+                    "on the floor"
+                };
+                parts.push(format!(
+                    "{} times our cost {where_}",
+                    text::significant(other / own, 2)
+                ));
+            }
+        }
+        let worst = |id: &str| {
+            let of = measured
+                .accuracy
+                .iter()
+                .filter(|a| a.engine == id && a.rate_hz == 60);
+            of.map(|a| ends(a).0).fold(0.0, f64::max)
+        };
+        parts.push(format!(
+            "worst attitude error {} rad against our {}",
+            text::error(worst(&e.id)),
+            text::error(worst("box_physics"))
+        ));
+        said.push(format!(
+            "{} {}, {most} boxes: {}.",
+            e.name,
+            e.version,
+            parts.join(", ")
+        ));
+    }
+    said
+}
+
+#[derive(Serialize)]
+struct AccuracyRow<'a> {
+    engine: &'a str,
+    case: &'a str,
+    rate_hz: u32,
+    t_s: f64,
+    attitude_error_rad: f64,
+    energy_error_rel: f64,
+}
+
+fn write_csvs(ctx: &Context, measured: &Measured) -> Result<(), Stop> {
+    let rows: Vec<AccuracyRow> = measured
+        .accuracy
+        .iter()
+        .flat_map(|a| {
+            a.points.iter().map(|p| AccuracyRow {
+                engine: &a.engine,
+                case: &a.case,
+                rate_hz: a.rate_hz,
+                t_s: p.0,
+                attitude_error_rad: p.1,
+                energy_error_rel: p.2,
+            })
+        })
+        .collect();
+    files::write_csv(&ctx.file("peers-accuracy.csv"), &rows)?;
+    files::write_csv(&ctx.file("peers-cost.csv"), &measured.cost)
+}

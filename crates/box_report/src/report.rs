@@ -1,0 +1,215 @@
+//! The report as a whole: which parts, in which order, and the pages at the end.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use box_physics::schemes::Integrator;
+use clap::Args;
+
+use crate::context::{Context, Interrupt, Stop};
+use crate::document::{Document, Section};
+use crate::machine::Machine;
+use crate::progress::Progress;
+use crate::summary::Results;
+use crate::{
+    dissertation, efficiency, files, peers, stability, summary, timing, visible, work_precision,
+};
+
+/// Options of every part that measures.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Folder for report.md, report.html, the figures and one CSV file a table
+    #[arg(short, long, value_name = "DIR", default_value = "report")]
+    output: PathBuf,
+    /// Fewer steps and samples: seconds instead of minutes, times noisier
+    #[arg(long)]
+    quick: bool,
+    /// Only these schemes, separated by commas [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = crate::scheme)]
+    schemes: Vec<Integrator>,
+    /// Rewrite the digest as well: DIR/results.md and its figures, DIR/results/*.svg
+    #[arg(long, value_name = "DIR")]
+    docs: Option<PathBuf>,
+}
+
+/// What can be measured by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    WorkPrecision,
+    Efficiency,
+    Stability,
+    Timing,
+    Visible,
+    Dissertation,
+    Peers,
+}
+
+impl Part {
+    /// Everything, in the order in which it is measured: what others need first.
+    const ALL: [Self; 7] = [
+        Self::WorkPrecision,
+        Self::Efficiency,
+        Self::Stability,
+        Self::Timing,
+        Self::Visible,
+        Self::Dissertation,
+        Self::Peers,
+    ];
+
+    const fn id(self) -> &'static str {
+        match self {
+            Self::WorkPrecision => "work-precision",
+            Self::Efficiency => "efficiency",
+            Self::Stability => "stability",
+            Self::Timing => "timing",
+            Self::Visible => "visible",
+            Self::Dissertation => "dissertation",
+            Self::Peers => "peers",
+        }
+    }
+
+    /// Steps of the progress.
+    fn ticks(self, quick: bool) -> u64 {
+        match self {
+            Self::WorkPrecision => work_precision::ticks(),
+            Self::Efficiency | Self::Peers => 0,
+            Self::Stability => stability::ticks(quick),
+            Self::Timing => timing::ticks(),
+            Self::Visible => visible::ticks(),
+            Self::Dissertation => dissertation::ticks(),
+        }
+    }
+}
+
+/// Measures `only` (everything, if `None`) and writes the pages, also after Ctrl-C.
+///
+/// # Errors
+/// An unwritable folder; Ctrl-C, when what was finished has been written.
+pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
+    let clock = Instant::now();
+    files::create_folder(&options.output)?;
+    if let Some(docs) = &options.docs {
+        if only.is_some_and(|p| p != Part::Peers) {
+            return Err(Stop::Usage(
+                "--docs rewrites the digest of everything: allowed without a command, and with 'peers'"
+                    .to_owned(),
+            ));
+        }
+        files::create_folder(docs)?;
+    }
+    let wanted: Vec<Part> = only.map_or_else(|| Part::ALL.to_vec(), |p| vec![p]);
+    let needed = measurements(&wanted);
+    let ctx = Context {
+        folder: options.output.clone(),
+        schemes: if options.schemes.is_empty() {
+            Integrator::ALL.to_vec()
+        } else {
+            options.schemes.clone()
+        },
+        quick: options.quick,
+        progress: Progress::new(needed.iter().map(|p| p.ticks(options.quick)).sum()),
+        interrupt: Interrupt::listen()?,
+    };
+    let mut done = Vec::new();
+    let result = measure_all(&ctx, options, only, &wanted, &mut done);
+    ctx.progress.end();
+    let missing: Vec<&str> = wanted
+        .iter()
+        .map(|p| p.id())
+        .filter(|id| !done.iter().any(|s: &Section| s.id == *id))
+        .collect();
+    let machine = Machine::this();
+    let document = Document {
+        sections: &done,
+        missing: &missing,
+        machine: &machine,
+        seconds: clock.elapsed().as_secs_f64(),
+        quick: options.quick,
+    };
+    document.write(&options.output)?;
+    result?;
+    if let (Some(docs), None) = (&options.docs, only) {
+        document.write_digest(docs)?;
+    }
+    for v in done.iter().flat_map(|s| &s.verdicts) {
+        println!("{}", v.replace("**", ""));
+    }
+    println!(
+        "written in {:.0} s: {}",
+        clock.elapsed().as_secs_f64(),
+        options.output.join("report.html").display()
+    );
+    Ok(())
+}
+
+/// What must be measured for the parts that are wanted: some are made of others.
+fn measurements(wanted: &[Part]) -> Vec<Part> {
+    let needs = |p: Part| {
+        wanted.contains(&p)
+            || match p {
+                Part::WorkPrecision => {
+                    wanted.contains(&Part::Efficiency) || wanted.contains(&Part::Dissertation)
+                }
+                Part::Stability | Part::Visible => wanted.contains(&Part::Dissertation),
+                _ => false,
+            }
+    };
+    Part::ALL.into_iter().filter(|p| needs(*p)).collect()
+}
+
+/// Fills `done`; what is there when it ends early is finished.
+fn measure_all(
+    ctx: &Context,
+    options: &Options,
+    only: Option<Part>,
+    wanted: &[Part],
+    done: &mut Vec<Section>,
+) -> Result<(), Stop> {
+    let mut results = Results::default();
+    for part in measurements(wanted) {
+        let section = match part {
+            Part::WorkPrecision => {
+                let data = work_precision::measure(ctx)?;
+                let section = work_precision::section(ctx, &data)?;
+                results.work_precision = Some(data);
+                Some(section)
+            }
+            Part::Efficiency => results
+                .work_precision
+                .as_ref()
+                .map(|data| efficiency::section(ctx, data))
+                .transpose()?,
+            Part::Stability => {
+                let data = stability::measure(ctx)?;
+                let section = stability::section(ctx, &data)?;
+                results.stability = Some(data);
+                Some(section)
+            }
+            Part::Timing => {
+                let data = timing::measure(ctx)?;
+                let section = timing::section(ctx, &data)?;
+                results.timings = Some(data);
+                Some(section)
+            }
+            Part::Visible => {
+                let data = visible::measure(ctx)?;
+                let section = visible::section(ctx, &data)?;
+                results.visible = Some(data);
+                Some(section)
+            }
+            Part::Dissertation => Some(dissertation::section(ctx, &results)?),
+            Part::Peers => {
+                let fresh = only == Some(Part::Peers);
+                if fresh {
+                    peers::measure(ctx, options.docs.as_deref())?;
+                }
+                peers::section(ctx, fresh)?
+            }
+        };
+        done.extend(section.filter(|_| wanted.contains(&part)));
+    }
+    if only.is_none() {
+        done.insert(0, summary::section(ctx, &results)?);
+    }
+    Ok(())
+}

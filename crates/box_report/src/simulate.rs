@@ -1,0 +1,184 @@
+//! `simulate`: one trajectory as CSV.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use box_physics::schemes::Integrator;
+use box_physics::state::BodyState;
+use box_scenarios::oracle::Case;
+use box_scenarios::run::steps_in;
+use box_scenarios::{Family, Plan, Scenario, Setup, StateError, parse_step, run_plan};
+use clap::Args;
+
+use crate::context::Stop;
+
+/// Longest run [steps].
+const MOST_STEPS: u64 = 100_000_000;
+
+/// What to simulate.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// A scene's name, or a file: a reference trajectory (JSON)
+    #[arg(value_name = "SCENE|FILE")]
+    scene: String,
+    /// The scheme
+    #[arg(long, value_name = "SCHEME", default_value = "split", value_parser = crate::scheme)]
+    integrator: Integrator,
+    /// The step: 60hz, 1/60 or 0.0166 (seconds)
+    #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
+    dt: f64,
+    /// How long \[s\] [default: as the scene says]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    duration: Option<f64>,
+    /// Where the CSV goes [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let value = text.trim_end_matches('s').parse::<f64>().ok();
+    value
+        .filter(|s| s.is_finite() && *s > 0.0)
+        .ok_or_else(|| format!("a duration is a number of seconds above 0, but this is '{text}'"))
+}
+
+/// The columns; the errors are empty where there is no trusted answer.
+const COLUMNS: [&str; 20] = [
+    "t_s",
+    "x_m",
+    "y_m",
+    "z_m",
+    "qx",
+    "qy",
+    "qz",
+    "qw",
+    "vx_m_s",
+    "vy_m_s",
+    "vz_m_s",
+    "wx_rad_s",
+    "wy_rad_s",
+    "wz_rad_s",
+    "lx_kg_m2_s",
+    "ly_kg_m2_s",
+    "lz_kg_m2_s",
+    "energy_j",
+    "position_error_m",
+    "attitude_error_rad",
+];
+
+/// The setup that `name` means: a scene of the list, a family of the report, or a file. **Other formats
+/// of files are read here**, by their ending.
+fn find(name: &str) -> Result<Setup, Stop> {
+    let path = Path::new(name);
+    if path.is_file() {
+        return match path.extension().and_then(|e| e.to_str()) {
+            Some("json") => Case::load(path)
+                .map(|c| c.setup)
+                .map_err(|e| Stop::Usage(e.to_string())),
+            _ => Err(Stop::Usage(format!(
+                "{name}: a scene file ends in .json (a reference trajectory)"
+            ))),
+        };
+    }
+    if let Some(family) = Family::all().iter().find(|f| f.id == name) {
+        return Ok(family.setup.clone());
+    }
+    Scenario::find(name).map(|s| s.setup).map_err(|_| {
+        let mut known = Scenario::ids();
+        for f in Family::all() {
+            if !known.contains(&f.id) {
+                known.push(f.id);
+            }
+        }
+        Stop::Usage(format!(
+            "unknown scene '{name}', and no file of that name; allowed: {}",
+            known.join(", ")
+        ))
+    })
+}
+
+/// Simulates and writes.
+pub(crate) fn run(options: &Options) -> Result<(), Stop> {
+    let mut setup = find(&options.scene)?;
+    if let Some(duration) = options.duration {
+        setup.duration = duration;
+    }
+    let steps = steps_in(setup.duration, options.dt);
+    if steps > MOST_STEPS {
+        return Err(Stop::Usage(format!(
+            "{} s in steps of {} s are more than 1e8 steps",
+            setup.duration, options.dt
+        )));
+    }
+    let failed = |source| Stop::File {
+        path: options
+            .output
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("standard output")),
+        source,
+    };
+    match &options.output {
+        None => write(&setup, options, steps, &mut std::io::stdout().lock()).map_err(failed),
+        Some(path) => {
+            let file = std::fs::File::create(path).map_err(failed)?;
+            let mut out = std::io::BufWriter::new(file);
+            write(&setup, options, steps, &mut out).map_err(failed)
+        }
+    }
+}
+
+fn write(
+    setup: &Setup,
+    options: &Options,
+    steps: u64,
+    out: &mut impl Write,
+) -> Result<(), std::io::Error> {
+    let truth = setup.truth();
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(COLUMNS)?;
+    let mut line = |t: f64, state: &BodyState| -> Result<(), csv::Error> {
+        let (x, q, v) = (state.position, state.rotation, state.velocity);
+        let w = state.angular_velocity(&setup.body);
+        let l = state.angular_momentum_world();
+        let numbers = [
+            t,
+            x.x,
+            x.y,
+            x.z,
+            q.x,
+            q.y,
+            q.z,
+            q.w,
+            v.x,
+            v.y,
+            v.z,
+            w.x,
+            w.y,
+            w.z,
+            l.x,
+            l.y,
+            l.z,
+            setup.energy(state),
+        ];
+        let error = truth.at(t).map(|r| StateError::between(state, &r));
+        let errors = [error.map(|e| e.position), error.map(|e| e.attitude)];
+        let text = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
+        let cells = numbers.into_iter().map(Some).chain(errors);
+        csv.write_record(cells.map(text))
+    };
+    line(0.0, &setup.initial)?;
+    let times: Vec<f64> = (1..=steps).map(|k| k as f64 * options.dt).collect();
+    let plan = if setup.impulses.is_empty() {
+        Plan::clock(options.dt, 1, steps)
+    } else {
+        Plan::new(&times, &setup.impulses, options.dt)
+    };
+    let mut result = Ok(());
+    run_plan(setup, options.integrator, &plan, |t, state| {
+        result = line(t, state);
+        // A state that is not finite is the last line: what follows says nothing.
+        result.is_ok() && state.is_finite()
+    });
+    result?;
+    csv.flush()
+}

@@ -1,0 +1,175 @@
+//! `visible`: how long until a player can see the error: 1° of attitude, or 1 % of the box's size.
+
+use box_physics::schemes::Integrator;
+use box_scenarios::{Family, Metric};
+use serde::Serialize;
+
+use crate::context::{Context, Stop};
+use crate::document::{Section, Table};
+use crate::{files, text};
+
+/// Steps per second.
+pub(crate) const RATES: [u32; 3] = [30, 60, 120];
+/// Visible beyond this \[rad\].
+const ATTITUDE: f64 = core::f64::consts::PI / 180.0;
+/// Visible beyond this part of the longest edge.
+const SIZE: f64 = 0.01;
+/// How long a player watches one throw or spin before pushing again \[s\]: what a recommendation counts.
+pub(crate) const THROW: f64 = 10.0;
+/// To the end of every scene.
+pub(crate) const MINUTE: f64 = 60.0;
+/// With `--quick`, no longer than this \[s\].
+const QUICK_WATCH: f64 = THROW;
+
+/// One scheme in one scene at one rate.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    family: usize,
+    scheme: Integrator,
+    rate: u32,
+    /// When, and which error; `None`: not before the end.
+    at: Option<(f64, Metric)>,
+    /// The end \[s\].
+    end: f64,
+}
+
+/// The whole measurement.
+pub(crate) struct Visible {
+    seen: Vec<Seen>,
+}
+
+impl Visible {
+    /// In how many scenes `scheme` shows nothing for `seconds`, or to the end, at `rate`.
+    pub(crate) fn invisible(&self, scheme: Integrator, rate: u32, seconds: f64) -> usize {
+        let unseen = |s: &&Seen| s.at.is_none_or(|(t, _)| t > seconds);
+        self.of(scheme, rate).filter(unseen).count()
+    }
+
+    /// When the error of `scheme` first shows in any scene at `rate` \[s\], if it does.
+    pub(crate) fn first(&self, scheme: Integrator, rate: u32) -> Option<f64> {
+        let times = self.of(scheme, rate).filter_map(|s| Some(s.at?.0));
+        times.reduce(f64::min)
+    }
+
+    fn of(&self, scheme: Integrator, rate: u32) -> impl Iterator<Item = &Seen> {
+        let wanted = move |s: &&Seen| s.scheme == scheme && s.rate == rate;
+        self.seen.iter().filter(wanted)
+    }
+}
+
+#[derive(Serialize)]
+struct Row {
+    family: &'static str,
+    integrator: &'static str,
+    rate_hz: u32,
+    /// Empty: not before the end.
+    visible_after_s: Option<f64>,
+    error: Option<&'static str>,
+    watched_s: f64,
+}
+
+/// Ticks of the progress that [`measure`] takes.
+pub(crate) fn ticks() -> u64 {
+    Family::all().len() as u64
+}
+
+/// Watches every scene under every scheme at every rate.
+pub(crate) fn measure(ctx: &Context) -> Result<Visible, Stop> {
+    let mut seen = Vec::new();
+    for (k, family) in Family::all().iter().enumerate() {
+        let watch = if ctx.quick {
+            family.watch.min(QUICK_WATCH)
+        } else {
+            family.watch
+        };
+        let finest = RATES[RATES.len() - 1];
+        let reference = family
+            .reference(1.0 / f64::from(finest), watch)
+            .map_err(Stop::Internal)?;
+        let size = 2.0 * family.setup.body.half_extents().max_element();
+        for rate in RATES {
+            let reference = reference.every((finest / rate) as usize);
+            for &scheme in &ctx.schemes {
+                let at = family.first_passing(&reference, scheme, 1, ATTITUDE, SIZE * size);
+                seen.push(Seen {
+                    family: k,
+                    scheme,
+                    rate,
+                    at,
+                    end: watch,
+                });
+            }
+        }
+        ctx.tick(family.title)?;
+    }
+    Ok(Visible { seen })
+}
+
+/// Writes the CSV and makes the tables.
+pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
+    let mut section = Section::new(
+        "visible",
+        "When a player can see it",
+        "Time until the attitude is wrong by more than 1° or the position by more than 1 % of the box's longest \
+         edge, whichever comes first, over a minute of each scene (the corner drop: its second). Compared at every step \
+         with the trusted answer.",
+    );
+    let rows: Vec<Row> = data
+        .seen
+        .iter()
+        .map(|s| Row {
+            family: Family::all()[s.family].id,
+            integrator: s.scheme.id(),
+            rate_hz: s.rate,
+            visible_after_s: s.at.map(|(t, _)| t),
+            error: s.at.map(|(_, m)| m.id()),
+            watched_s: s.end,
+        })
+        .collect();
+    files::write_csv(&ctx.file("visible.csv"), &rows)?;
+    for rate in RATES {
+        section.tables.push(table(ctx, data, rate));
+        let mut never: Vec<(usize, Integrator)> = ctx
+            .schemes
+            .iter()
+            .map(|&s| (data.invisible(s, rate, MINUTE), s))
+            .collect();
+        never.sort_by_key(|n| std::cmp::Reverse(n.0));
+        let best: Vec<String> = never
+            .iter()
+            .take(3)
+            .map(|(n, s)| format!("`{s}` {n}"))
+            .collect();
+        section.verdicts.push(format!(
+            "At {rate} Hz, scenes of {} in which nothing shows to the end: {} (the best three).",
+            Family::all().len(),
+            best.join(", ")
+        ));
+    }
+    Ok(section)
+}
+
+fn table(ctx: &Context, data: &Visible, rate: u32) -> Table {
+    let mut columns = vec!["scheme".to_owned()];
+    columns.extend(Family::all().iter().map(|f| f.title.to_owned()));
+    let row = |&scheme: &Integrator| {
+        let mut cells = vec![text::code(scheme)];
+        cells.extend(data.of(scheme, rate).map(|s| match s.at {
+            None => format!("> {} s", text::significant(s.end, 2)),
+            Some((t, m)) => {
+                let which = if m == Metric::Position { "x" } else { "°" };
+                format!("{} s {which}", text::significant(t, 2))
+            }
+        }));
+        cells
+    };
+    Table {
+        title: format!("Time until the error is visible at {rate} Hz"),
+        note: "°: the attitude shows it, x: the position. “> 60 s”: not within the minute."
+            .to_owned(),
+        columns,
+        rows: ctx.schemes.iter().map(row).collect(),
+        csv: "visible.csv".to_owned(),
+        digest: rate == 60,
+    }
+}

@@ -1,0 +1,370 @@
+//! The program `box_report`, as a user types it: what it writes, what it refuses, what an interruption leaves.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use box_physics::schemes::{Integrator, Limit};
+
+fn box_report(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_box_report"));
+    command.args(arguments);
+    command
+}
+
+fn run(arguments: &[&str]) -> Output {
+    box_report(arguments).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("text")
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The rows of a CSV file, each by the names of its columns.
+fn rows(path: &Path) -> Vec<HashMap<String, String>> {
+    let mut reader =
+        csv::Reader::from_path(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    reader.deserialize().map(|r| r.expect("a row")).collect()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> Option<f64> {
+    row[column].parse().ok()
+}
+
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("the folder is there");
+    let mut files: Vec<PathBuf> = entries
+        .map(|e| e.expect("an entry").path())
+        .filter(|p| p.extension().is_some_and(|e| e == ending))
+        .collect();
+    files.sort();
+    files
+}
+
+/// A part in a hurry, into a fresh folder.
+fn quick(part: &str, more: &[&str]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().to_str().expect("text");
+    let mut arguments = vec![part, "--quick", "--output", path];
+    arguments.extend(more);
+    let o = run(&arguments);
+    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+    folder
+}
+
+#[test]
+fn everything_in_a_hurry_writes_every_page_table_and_figure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (report, docs) = (folder.path().join("report"), folder.path().join("docs"));
+    let o = run(&[
+        "--quick",
+        "--output",
+        report.to_str().expect("text"),
+        "--docs",
+        docs.to_str().expect("text"),
+    ]);
+    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+    for table in [
+        "summary",
+        "work-precision",
+        "efficiency",
+        "frontier",
+        "stability",
+        "limits",
+        "timing",
+        "visible",
+        "dissertation-cycles",
+        "dissertation-answer",
+    ] {
+        assert!(
+            !rows(&report.join(format!("{table}.csv"))).is_empty(),
+            "{table}"
+        );
+    }
+    // Every family by time and by evaluations, and the further errors.
+    let figures = files(&report, "svg");
+    assert!(figures.len() >= 2 * 12 + 5, "{figures:?}");
+    let page = read(&report.join("report.md"));
+    assert!(!page.contains("Not reached"), "{page}");
+    let html = read(&report.join("report.html"));
+    for figure in &figures {
+        let name = figure.file_name().expect("a name").to_str().expect("text");
+        assert!(page.contains(&format!("({name})")), "{name}");
+        let svg = read(figure);
+        assert!(
+            svg.contains("</svg>") && html.contains(svg.trim()),
+            "{name}"
+        );
+    }
+    for scheme in Integrator::ALL {
+        assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
+    }
+    // The digest: readable, its figures there and small.
+    let digest = read(&docs.join("results.md"));
+    for rate in [30, 60, 120] {
+        assert!(digest.contains(&format!("At {rate} Hz take `")), "{rate}");
+    }
+    let shown = files(&docs.join("results"), "svg");
+    assert!(shown.len() >= 10);
+    for figure in shown {
+        let name = figure.file_name().expect("a name").to_str().expect("text");
+        assert!(digest.contains(&format!("(results/{name})")), "{name}");
+        let size = std::fs::metadata(&figure).expect("there").len();
+        assert!(size < 150_000, "{name}: {size} bytes");
+    }
+}
+
+#[test]
+fn orders_in_the_legend_are_those_the_schemes_claim() {
+    let folder = quick(
+        "work-precision",
+        &["--schemes", "split,split4,rk4,explicit-euler,exact"],
+    );
+    let svg = |id: &str| read(&folder.path().join(format!("work-precision-{id}.svg")));
+    let order = |svg: &str, scheme: &str| -> f64 {
+        let from = svg.find(&format!("{scheme} (dt^p, p = ")).expect(scheme);
+        let tail = &svg[from..];
+        let at = tail.find("p = ").expect("just found") + 4;
+        let end = tail[at..].find(')').expect("closed");
+        tail[at..at + end].parse().expect("a number")
+    };
+    let tumble = svg("free-tumble-attitude");
+    for (scheme, p, within) in [("split", 2.0, 0.2), ("split4", 4.0, 0.3), ("rk4", 4.0, 0.3)] {
+        let fitted = order(&tumble, scheme);
+        assert!((fitted - p).abs() < within, "{scheme}: {fitted}");
+    }
+    assert!(tumble.contains("exact (rounding)"));
+    let drag = svg("linear-drag-position");
+    assert!((order(&drag, "explicit-euler") - 1.0).abs() < 0.1);
+    assert!((order(&drag, "rk4") - 4.0).abs() < 0.3);
+}
+
+#[test]
+fn a_failed_run_leaves_a_gap_and_no_cost() {
+    let folder = quick(
+        "work-precision",
+        &["--schemes", "semi-implicit-euler,split"],
+    );
+    let rows = rows(&folder.path().join("work-precision.csv"));
+    // At 30 and 60 Hz the needle tears the explicit gyroscopic term apart.
+    let needle = |scheme: &str| -> Vec<_> {
+        let wanted =
+            |r: &&HashMap<String, String>| r["family"] == "needle" && r["integrator"] == scheme;
+        rows.iter().filter(wanted).collect()
+    };
+    let failed: Vec<_> = needle("semi-implicit-euler")
+        .into_iter()
+        .filter(|r| r["status"] == "failed")
+        .collect();
+    assert!(!failed.is_empty());
+    for row in failed {
+        assert_eq!(number(row, "attitude_error_rad"), None, "{row:?}");
+        assert_eq!(number(row, "ns_per_step_min"), None, "{row:?}");
+    }
+    for row in needle("split") {
+        let (low, high) = (
+            number(row, "ns_per_step_min"),
+            number(row, "ns_per_step_p95"),
+        );
+        assert!(
+            row["status"] == "ok" && low > Some(0.0) && low <= high,
+            "{row:?}"
+        );
+    }
+    assert!(read(&folder.path().join("report.md")).contains("failed"));
+}
+
+#[test]
+fn limits_found_are_those_the_schemes_claim() {
+    let folder = quick(
+        "stability",
+        &["--schemes", "split,rk4,backward-euler,heun-2012"],
+    );
+    for row in rows(&folder.path().join("limits.csv")) {
+        assert_eq!(row["agrees"], "true", "{row:?}");
+    }
+    let rk4 = Integrator::Rk4.info().stability.drag;
+    assert_eq!(rk4, Limit::Below(2.785));
+    let cases = rows(&folder.path().join("stability.csv"));
+    assert!(
+        cases
+            .iter()
+            .any(|r| r["integrator"] == "rk4" && r["verdict"] == "diverged")
+    );
+    let split = cases.iter().filter(|r| r["integrator"] == "split");
+    assert!(split.clone().count() > 50);
+    for row in split {
+        assert_eq!(row["verdict"], "ok", "{row:?}");
+    }
+}
+
+#[test]
+fn what_makes_no_sense_is_2_and_says_what_is_allowed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").expect("written");
+    let below_a_file = file.join("report");
+    let below_a_file = below_a_file.to_str().expect("text");
+    for (arguments, words) in [
+        (
+            &["timing", "--schemes", "split,leapfrog"][..],
+            &["leapfrog", "heun-2012"][..],
+        ),
+        (
+            &["simulate", "moon"],
+            &["moon", "dzhanibekov", "corner-drop"],
+        ),
+        (
+            &["simulate", "bounce", "--integrator", "leapfrog"],
+            &["leapfrog", "split"],
+        ),
+        (&["simulate", "bounce", "--dt", "fast"], &["fast", "60hz"]),
+        (&["simulate", "bounce", "--duration", "-1"], &["-1"]),
+        (&["simulate", "bounce", "-o", below_a_file], &[below_a_file]),
+        (&["--quick", "--output", below_a_file], &[below_a_file]),
+        (
+            &["timing", "--quick", "--output", below_a_file],
+            &[below_a_file],
+        ),
+        (&["check", "--expected", below_a_file], &[below_a_file]),
+        (
+            &["everything"],
+            &["everything", "work-precision", "stability"],
+        ),
+    ] {
+        let o = run(arguments);
+        assert_eq!(
+            o.status.code(),
+            Some(2),
+            "{arguments:?}: {}",
+            text(&o.stderr)
+        );
+        for word in words {
+            assert!(
+                text(&o.stderr).contains(word),
+                "{arguments:?}: {}",
+                text(&o.stderr)
+            );
+        }
+    }
+}
+
+#[test]
+fn a_trajectory_as_csv() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("orbit.csv");
+    let oracle =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracle/pub01_free_asymmetric.json");
+    for (scene, steps) in [
+        ("dzhanibekov", 120),
+        (oracle.to_str().expect("text"), 120),
+        ("free-tumble", 120),
+    ] {
+        let o = run(&[
+            "simulate",
+            scene,
+            "--integrator",
+            "exact",
+            "--dt",
+            "60hz",
+            "--duration",
+            "2",
+            "-o",
+            file.to_str().expect("text"),
+        ]);
+        assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+        assert!(o.stdout.is_empty());
+        let rows = rows(&file);
+        assert_eq!(rows.len(), steps + 1, "{scene}");
+        for (k, row) in rows.iter().enumerate() {
+            let t = number(row, "t_s").expect("a time");
+            assert!((t - k as f64 / 60.0).abs() < 1e-12);
+            let error = number(row, "attitude_error_rad").expect("free motion is known");
+            assert!(error < 1e-9, "{scene} at {t}: {error:e}");
+        }
+    }
+    let o = run(&["simulate", "contact", "--duration", "0.5"]);
+    let table = text(&o.stdout);
+    assert_eq!(table.lines().count(), 32);
+    // Corner drop with friction: no answer to compare with.
+    assert!(table.lines().nth(1).is_some_and(|l| l.ends_with(",,")));
+}
+
+#[test]
+fn check_passes_as_stored_and_fails_when_a_number_changes() {
+    let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/expected/report.csv");
+    let o = run(&["check"]);
+    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+    let folder = tempfile::tempdir().expect("a folder");
+    let changed = folder.path().join("changed.csv");
+    let original = read(&stored);
+    let line = original
+        .lines()
+        .find(|l| l.starts_with("flip,split,60,"))
+        .expect("a row of the flip");
+    let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+    let before: f64 = cells[4].parse().expect("an attitude error");
+    cells[4] = (1.01 * before).to_string();
+    std::fs::write(&changed, original.replace(line, &cells.join(","))).expect("written");
+    let path = changed.to_str().expect("text");
+    let o = run(&["check", "--expected", path]);
+    assert_eq!(o.status.code(), Some(1));
+    let message = text(&o.stderr);
+    assert!(
+        message.contains("1 differences")
+            && message.contains("flip split 60 Hz: attitude_error_rad"),
+        "{message}"
+    );
+    // Storing makes it pass again.
+    assert_eq!(
+        run(&["check", "--update", "--expected", path])
+            .status
+            .code(),
+        Some(0)
+    );
+    assert_eq!(run(&["check", "--expected", path]).status.code(), Some(0));
+}
+
+/// Ctrl-C in the middle: the first part is there and shown, the others are named as not reached.
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_what_was_finished() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let mut child = box_report(&["--quick", "--output", path.to_str().expect("text")])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // The efficiency table is written in the moment in which the first measurement is complete.
+    let first = path.join("efficiency.csv");
+    let patience = Instant::now();
+    while !first.is_file() && patience.elapsed() < Duration::from_secs(240) {
+        assert!(
+            child.try_wait().expect("a child").is_none(),
+            "it ended too early"
+        );
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let kill = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(kill.expect("kill is there").success());
+    let o = child.wait_with_output().expect("it ends");
+    assert_eq!(o.status.code(), Some(130), "{}", text(&o.stderr));
+    assert!(text(&o.stderr).contains("interrupted"));
+    let page = read(&path.join("report.md"));
+    assert!(
+        page.contains("**Not reached**: ") && page.contains("dissertation"),
+        "{page}"
+    );
+    assert!(page.contains("## Work–precision diagrams"));
+    assert!(read(&path.join("report.html")).contains("Not reached"));
+    assert!(!rows(&path.join("work-precision.csv")).is_empty());
+    assert!(!path.join("dissertation-cycles.csv").exists());
+}
