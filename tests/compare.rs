@@ -8,7 +8,7 @@ use box_game::action::{Action, Push};
 use box_game::app::{GamePlugin, open_log};
 use box_game::apply::Asked;
 use box_game::cli::Cli;
-use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, Run, RuleKind};
+use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
 use box_game::session::Hero;
 use box_physics::prelude::*;
 use clap::Parser;
@@ -72,8 +72,18 @@ fn lane(app: &App, scheme: Integrator) -> &box_game::compare::runner::Runner {
 /// pushes, changed parameters and contact.
 #[test]
 fn the_hero_is_its_own_lane_bit_for_bit() {
-    for scene in ["dzhanibekov", "bounce", "contact", "heavy-top", "quadratic-drag"] {
-        for scheme in [Integrator::Split, Integrator::Rk4, Integrator::SemiImplicitEuler] {
+    for scene in [
+        "dzhanibekov",
+        "bounce",
+        "contact",
+        "heavy-top",
+        "quadratic-drag",
+    ] {
+        for scheme in [
+            Integrator::Split,
+            Integrator::Rk4,
+            Integrator::SemiImplicitEuler,
+        ] {
             let other = Integrator::Midpoint;
             let list = format!("{other},{scheme}");
             let mut app = game(&[scene, "--integrator", &list]);
@@ -187,7 +197,10 @@ fn a_diverged_lane_stops_at_its_last_good_state() {
     let mut app = game(&["needle", "--integrator", "split,semi-implicit-euler"]);
     updates(&mut app, 200);
     let lost = lane(&app, Integrator::SemiImplicitEuler);
-    let t = lost.track.diverged.expect("it diverges within three seconds");
+    let t = lost
+        .track
+        .diverged
+        .expect("it diverges within three seconds");
     assert!(t < 3.0 && lost.lane.state.is_sound());
     assert!(run(&app).hero.track.diverged.is_none());
     assert!(run(&app).clock > 3.0);
@@ -264,7 +277,10 @@ fn equal_evaluations_and_late_inputs() {
     }
     assert!(late.iter().all(|s| *s > 0.0 && *s < 4.0 / 60.0), "{late:?}");
     assert!(!late.is_empty());
-    assert!(lanes[0] > 60 && lanes[1] > 30 && lanes[1] < lanes[0], "{lanes:?}");
+    assert!(
+        lanes[0] > 60 && lanes[1] > 30 && lanes[1] < lanes[0],
+        "{lanes:?}"
+    );
     compare(&mut app, CompareAction::SetFairness(Fairness::Step));
     app.update();
     assert_eq!(lane(&app, Integrator::Rk4).factor, 1.0);
@@ -336,7 +352,9 @@ fn ten_minutes_keep_memory_flat() {
 /// Stepping back: the lanes follow the clock, and are where they were.
 #[test]
 fn lanes_follow_the_clock_back() {
-    let setup = box_scenarios::Scenario::find("throw").expect("a scene").setup;
+    let setup = box_scenarios::Scenario::find("throw")
+        .expect("a scene")
+        .setup;
     let h = 1.0 / 60.0;
     let mut run = Run::new(&setup, Some(setup.truth()), Integrator::Split, h);
     run.choose([Integrator::Rk4, Integrator::ExplicitEuler]);

@@ -9,6 +9,7 @@ use box_game::app::{GamePlugin, open_log};
 use box_game::apply::Asked;
 use box_game::cli::Cli;
 use box_game::input::UiFocus;
+use box_game::library::SceneLibrary;
 use box_game::sampling::SchemeSamples;
 use box_game::session::{Hero, Session};
 use box_physics::prelude::*;
@@ -317,7 +318,8 @@ fn step_and_substeps_change_live() {
 #[test]
 fn every_scene_starts_and_runs_with_every_scheme() {
     let mut app = game(&[]);
-    for _ in 0..box_scenarios::Scenario::ALL.len() {
+    // The built-in ones and those in files.
+    for _ in app.world().resource::<SceneLibrary>().scenes() {
         tap(&mut app, KeyCode::BracketRight);
         for &integrator in Integrator::ALL {
             ask(&mut app, Action::SetIntegrator(integrator));

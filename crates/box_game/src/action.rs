@@ -1,19 +1,29 @@
 //! Everything a person can ask of the game. Keys, the panel, the command line and scripts all emit
 //! these; one system applies them, so a test of an action is a test of every way to trigger it.
 
+use std::path::PathBuf;
+
 use box_physics::prelude::{DVec3, Integrator};
+use box_scenarios::SceneView;
+use box_scenarios::dissertation::Stepper;
+use serde::{Deserialize, Serialize};
+
+use crate::hands::grab::Hold;
+use crate::recorder::Film;
 
 use crate::compare::CompareAction;
 
 /// One request.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
     /// Simulate every box with this scheme from the next step on; the state is carried over.
-    SetIntegrator(Integrator),
+    SetIntegrator(#[serde(with = "by_id")] Integrator),
     /// Stop or resume the clock.
     TogglePause,
     /// This many steps while paused (pauses first).
     Step(u32),
+    /// This many ticks back (pauses first).
+    StepBack(u32),
     /// The scene from its start, with the present parameters.
     Restart,
     /// Target speed: simulated seconds per second, 0.01 to 4.
@@ -46,7 +56,13 @@ pub enum Action {
     SetBoxes(u32),
     /// Every parameter back to the scene's own.
     ResetParameters,
-    /// This scene, by its id.
+    /// The game as it opens: first scene, its parameters, default scheme, step, speed, switches.
+    ResetEverything,
+    /// Take back the last change of a parameter, or the last reset.
+    Undo,
+    /// Do again what was taken back.
+    Redo,
+    /// This scene, by its id, or by the path of its file.
     SelectScene(String),
     /// The next scene of the list.
     NextScene,
@@ -54,6 +70,16 @@ pub enum Action {
     PreviousScene,
     /// An impulse on the hero box.
     Push(Push),
+    /// An impulse on the hero box at a point of its surface.
+    Poke(Poke),
+    /// Hold the hero box at a point, or let go.
+    Grab(Option<Hold>),
+    /// One frame that takes much longer than it may: time is dropped, counted and shown.
+    Hitch,
+    /// In the 2012 scene: this stepper of the dissertation's, or ours.
+    SetDemo(#[serde(with = "stepper")] Option<Stepper>),
+    /// Start or stop the dissertation's log of cycle times, a text file.
+    ToggleDemoLog,
     /// Draw the re-fitted bounding boxes.
     ToggleAabb,
     /// Draw contact points, normals and impulses.
@@ -64,10 +90,22 @@ pub enum Action {
     ToggleLog,
     /// Save a PNG of the window.
     Screenshot,
+    /// The same under this name.
+    ScreenshotTo(PathBuf),
+    /// Film the picture, as animated PNG.
+    Record(Film),
+    /// The command line that brings this set-up back, to the clipboard.
+    CopyCommandLine,
     /// Put the hero in the middle of the picture.
     FrameCamera,
     /// The scene's own camera.
     HomeCamera,
+    /// Put the camera here.
+    SetCamera(SceneView),
+    /// Scale of the panel, 0.75 to 2.
+    SetUiScale(f64),
+    /// Show or hide the list of scenes to search in.
+    TogglePicker,
     /// Show or hide the list of keys.
     ToggleHelp,
     /// Show or hide the panel; hidden leaves a one-line display.
@@ -83,18 +121,33 @@ pub enum Action {
 }
 
 /// A push along an axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Push {
     /// Direction: a unit vector along ±x, ±y or ±z.
     pub direction: DVec3,
     /// Along the world's axes instead of the box's own.
+    #[serde(default)]
     pub world: bool,
     /// At the edge of the face instead of its middle, so that it spins.
+    #[serde(default)]
     pub off_centre: bool,
 }
 
+/// A push at a point of the surface, inwards.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Poke {
+    /// Where, body axes from the centre \[m\].
+    pub body_point: DVec3,
+    /// Outward normal of the face, body axes; the impulse is against it.
+    pub normal: DVec3,
+    /// In strengths of the panel.
+    pub strength: f64,
+}
+
 /// What the drawer shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Plot {
     /// Distance and angle to the reference over time.
     Error,
@@ -109,4 +162,45 @@ pub enum Plot {
     WorkPrecision,
     /// The figures of every scheme.
     Table,
+}
+
+/// A scheme in a file: by its id.
+mod by_id {
+    use super::Integrator;
+    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
+
+    pub(super) fn serialize<S: Serializer>(i: &Integrator, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(i.id())
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
+        String::deserialize(from)?.parse().map_err(D::Error::custom)
+    }
+}
+
+/// A stepper of the dissertation's in a file: by its id.
+mod stepper {
+    use super::Stepper;
+    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
+
+    pub(super) fn serialize<S: Serializer>(s: &Option<Stepper>, to: S) -> Result<S::Ok, S::Error> {
+        match s {
+            Some(stepper) => to.serialize_some(stepper.id()),
+            None => to.serialize_none(),
+        }
+    }
+
+    pub(super) fn deserialize<'de, D>(from: D) -> Result<Option<Stepper>, D::Error>
+    where
+        D: Deserializer<'de>,
+    {
+        let Some(id) = Option::<String>::deserialize(from)? else {
+            return Ok(None);
+        };
+        let found = Stepper::ALL.into_iter().find(|s| s.id() == id);
+        found.map(Some).ok_or_else(|| {
+            let ids = Stepper::ALL.map(Stepper::id).join(", ");
+            D::Error::custom(format!("unknown stepper '{id}'; allowed: {ids}"))
+        })
+    }
 }

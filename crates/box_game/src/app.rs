@@ -10,16 +10,21 @@ use box_physics::prelude::{
 };
 use box_scenarios::Scenario;
 
-use crate::apply::{Asked, apply_actions, set_step};
+use crate::apply::{Accepted, Asked, accept, apply_actions, plot_of, set_speed, set_step};
 use crate::cli::Cli;
 use crate::compare::plugin::after_step;
 use crate::compare::{ComparePlugin, Comparison};
 use crate::csv_log::CsvLog;
+use crate::demo::{Demo2012, run_cycle};
+use crate::hands::HandsPlugin;
 use crate::history::{History, count_dropped, record};
 use crate::input::{UiFocus, read_keys};
+use crate::library::{self, SceneLibrary, watch_scenes};
+use crate::preferences::{Preferences, follow, restore};
 use crate::row_log;
 use crate::sampling::{SchemeSamples, sample_schemes};
 use crate::screenshot::ScreenshotRequest;
+use crate::script::{self, PendingPictures, Script};
 use crate::session::{LONGEST_FRAME, SceneEntity, Session, choose, start_scene};
 
 /// When to end by itself.
@@ -46,14 +51,30 @@ impl Plugin for GamePlugin {
     fn build(&self, app: &mut App) {
         let cli = &self.cli;
         let id = cli.scene.as_deref().unwrap_or(Scenario::ALL[0]().id);
+        let library = SceneLibrary::shipped(library::file_path(id));
         // The command line has checked it.
-        let scenario = Scenario::find(id).unwrap_or_else(|_| Scenario::ALL[0]());
+        let scenario = library.find(id).unwrap_or_default();
         let mut session = Session::new(scenario, cli.seed);
+        session.plot = plot_of(session.scenario.view.plot);
         if let Some(boxes) = cli.boxes {
             session.parameters.boxes = boxes;
         }
-        app.add_plugins(PhysicsPlugins::default())
+        for wish in &cli.set {
+            if accept(&mut session.parameters, wish) == Accepted::No {
+                session.notice(format!("not possible: {wish:?}"));
+            }
+        }
+        app.init_resource::<Preferences>();
+        let mut kept = app.world_mut().resource_mut::<Preferences>();
+        restore(&mut session, &mut kept);
+        if let Some(scale) = cli.ui_scale {
+            kept.ui_scale = scale;
+        }
+        app.add_plugins((PhysicsPlugins::default(), HandsPlugin))
             .insert_resource(session)
+            .insert_resource(library)
+            .init_resource::<Demo2012>()
+            .init_resource::<PendingPictures>()
             .init_resource::<Asked>()
             .init_resource::<UiFocus>()
             .init_resource::<History>()
@@ -79,10 +100,11 @@ impl Plugin for GamePlugin {
         app.world_mut()
             .resource_mut::<Time<Virtual>>()
             .set_max_delta(core::time::Duration::from_secs_f64(LONGEST_FRAME));
+        set_speed(app.world_mut(), cli.speed);
         start_scene(app.world_mut());
         app.add_systems(
             PreUpdate,
-            (read_keys, apply_actions)
+            (script::play, read_keys, apply_actions)
                 .chain()
                 .after(bevy::input::InputSystems),
         )
@@ -90,12 +112,26 @@ impl Plugin for GamePlugin {
             PhysicsSchedule,
             (
                 timed_impulses.in_set(PhysicsSystems::First),
+                run_cycle
+                    .after(PhysicsSystems::Contact)
+                    .before(PhysicsSystems::Refit),
                 row_log::write_rows
                     .in_set(PhysicsSystems::Last)
                     .after(after_step),
             ),
         )
-        .add_systems(Update, (count_dropped, record, sample_schemes, end).chain());
+        .add_systems(
+            Update,
+            (
+                watch_scenes,
+                follow,
+                count_dropped,
+                record,
+                sample_schemes,
+                end,
+            )
+                .chain(),
+        );
         #[cfg(feature = "gamepad")]
         app.add_systems(
             PreUpdate,
@@ -129,15 +165,19 @@ fn timed_impulses(
     }
 }
 
-/// Opens the log that the command line asks for.
+/// Opens the log and the script that the command line asks for.
 ///
 /// # Errors
-/// What the file system says.
+/// What the file system says, or what is wrong with the script.
 pub fn open_log(app: &mut App, cli: &Cli) -> std::io::Result<()> {
     if let Some(path) = &cli.log {
         let session = app.world().resource::<Session>();
         let log = CsvLog::create(path, session.scenario.id, session.seed)?;
         app.insert_resource(log);
+    }
+    if let Some(path) = &cli.script {
+        let beats = script::load(path).map_err(std::io::Error::other)?;
+        app.insert_resource(Script::new(beats));
     }
     Ok(())
 }

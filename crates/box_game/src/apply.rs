@@ -1,22 +1,35 @@
 //! The one system that carries out what was asked for.
 
+use bevy::clipboard::Clipboard;
 use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::Virtual;
 use box_physics::prelude::{
-    ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox, StepPhysics,
+    ApplyImpulse, BodyState, DVec3, GlobalIntegrator, PhysicsClock, RigidBox, StepPhysics,
 };
-use box_scenarios::Scenario;
+use box_scenarios::{PlotPreset, Scenario};
 
-use crate::action::{Action, Push};
+use crate::action::{Action, Plot, Poke, Push};
 use crate::camera::CameraRequest;
-use crate::compare::{self, CompareAction, copy};
+use crate::command_line::{self, SetUp};
+use crate::compare::{self, CompareAction, Comparison, copy};
 use crate::csv_log::CsvLog;
+use crate::demo::{self, Demo2012};
+use crate::hands::grab::{Grip, Hold};
+use crate::hands::rewind::{self, Rewind};
+use crate::hands::undo::{self, UndoStack};
+use crate::library::SceneLibrary;
+use crate::panel::Parameters;
+use crate::preferences::{Preferences, UI_SCALES};
+use crate::recorder::Recording;
 use crate::screenshot::ScreenshotRequest;
 use crate::session::{
     Hero, LONGEST_FRAME, SPEEDS, SceneEntity, Session, apply_world, insert_forces, parameters_of,
     start_scene,
 };
+
+/// How long the frame of [`Action::Hitch`] takes: longer than [`LONGEST_FRAME`].
+pub const HITCH: core::time::Duration = core::time::Duration::from_millis(750);
 
 /// The actions asked for since the last frame, in order.
 #[derive(Resource, Clone, Debug, Default)]
@@ -26,7 +39,7 @@ pub struct Asked(pub Vec<Action>);
 pub fn apply_actions(world: &mut World) {
     let actions = core::mem::take(&mut world.resource_mut::<Asked>().0);
     for action in actions {
-        apply(world, action);
+        undo::around(world, action, apply);
     }
 }
 
@@ -42,8 +55,12 @@ fn apply(world: &mut World, action: Action) {
         }
         Action::Step(n) => {
             world.resource_mut::<PhysicsClock>().paused = true;
-            StepPhysics(n).apply(world);
+            for _ in 0..n {
+                rewind::keep(world);
+                StepPhysics(1).apply(world);
+            }
         }
+        Action::StepBack(n) => rewind::step_back(world, n),
         Action::Restart => start_scene(world),
         Action::SetSpeed(speed) => set_speed(world, speed),
         Action::Slower => ladder(world, |now| {
@@ -71,14 +88,41 @@ fn apply(world: &mut World, action: Action) {
             session.parameters = session.defaults;
             start_scene(world);
         }
+        Action::ResetEverything => reset_everything(world),
+        Action::Undo => undo::undo(world),
+        Action::Redo => undo::redo(world),
         Action::SelectScene(id) => select_scene(world, &id),
         Action::NextScene => neighbour(world, 1),
         Action::PreviousScene => neighbour(world, -1),
         Action::Push(push) => self::push(world, push),
+        Action::Poke(poke) => self::poke(world, poke),
+        Action::Grab(hold) => {
+            let finite = |h: &Hold| h.body_point.is_finite() && h.anchor.is_finite();
+            let hold = hold.filter(finite);
+            let began = world.resource::<Grip>().0.is_none() && hold.is_some();
+            if began {
+                world.resource_mut::<Session>().perturb("grab".to_owned());
+            }
+            world.insert_resource(Grip(hold));
+        }
+        Action::Hitch => std::thread::sleep(HITCH),
+        Action::SetDemo(stepper) => demo::choose(world, stepper),
+        Action::ToggleDemoLog => demo::toggle_log(world),
         Action::ToggleLog => toggle_log(world),
         Action::Screenshot => {
             world.init_resource::<ScreenshotRequest>();
         }
+        Action::ScreenshotTo(path) => world.insert_resource(ScreenshotRequest(Some(path))),
+        Action::Record(film) => world.insert_resource(Recording::new(film)),
+        Action::CopyCommandLine => copy_command_line(world),
+        Action::SetCamera(view) => world.insert_resource(CameraRequest::Look(view)),
+        Action::SetUiScale(scale) => {
+            let (low, high) = UI_SCALES;
+            if scale.is_finite() {
+                world.resource_mut::<Preferences>().ui_scale = (scale as f32).clamp(low, high);
+            }
+        }
+        Action::TogglePicker => flip(world, |s| &mut s.show_picker),
         Action::FrameCamera => world.insert_resource(CameraRequest::Frame),
         Action::HomeCamera => world.insert_resource(CameraRequest::Home),
         Action::ToggleAabb => flip(world, |s| &mut s.show_aabb),
@@ -110,7 +154,8 @@ fn event(world: &mut World, text: String) {
     world.resource_mut::<Session>().events.push(text);
 }
 
-fn set_speed(world: &mut World, speed: f64) {
+/// Sets the target speed, within its ladder.
+pub fn set_speed(world: &mut World, speed: f64) {
     if !speed.is_finite() {
         return;
     }
@@ -143,60 +188,63 @@ pub fn set_step(world: &mut World, step: f64) {
 /// Takes over one parameter, if it is within its physical range; what can change live does.
 fn set_parameter(world: &mut World, action: &Action) {
     let mut session = world.resource_mut::<Session>();
-    let p = &mut session.parameters;
+    match accept(&mut session.parameters, action) {
+        Accepted::No => session.notice(format!("not possible: {action:?}")),
+        Accepted::Restart => start_scene(world),
+        Accepted::Live => live_parameters(world, format!("{action:?}")),
+        Accepted::Silent => {}
+    }
+}
+
+/// What becomes of a new value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accepted {
+    /// It is out of range, or nothing that can be set so.
+    No,
+    /// It acts from the next step on.
+    Live,
+    /// It acts from the next start on.
+    Restart,
+    /// It changes no motion.
+    Silent,
+}
+
+/// Takes over one parameter into `p`, if it is within its physical range.
+pub fn accept(p: &mut Parameters, action: &Action) -> Accepted {
     let valid = |x: f64| x.is_finite() && x >= 0.0;
-    let mut restart = false;
-    let accepted = match *action {
-        Action::SetGravity(g) if g.is_finite() => {
-            p.gravity = g;
-            true
-        }
+    match *action {
+        Action::SetGravity(g) if g.is_finite() => p.gravity = g,
         Action::SetRestitution(e) if (0.0..=1.0).contains(&e) && p.restitution.is_some() => {
             p.restitution = Some(e);
-            true
         }
-        Action::SetFriction(mu) if valid(mu) && p.friction.is_some() => {
-            p.friction = Some(mu);
-            true
-        }
-        Action::SetLinearDrag(c) if valid(c) => {
-            p.linear_drag = c;
-            true
-        }
-        Action::SetAngularDamping(c) if valid(c) => {
-            p.angular_damping = c;
-            true
-        }
+        Action::SetFriction(mu) if valid(mu) && p.friction.is_some() => p.friction = Some(mu),
+        Action::SetLinearDrag(c) if valid(c) => p.linear_drag = c,
+        Action::SetAngularDamping(c) if valid(c) => p.angular_damping = c,
         Action::SetImpulse(j) if valid(j) => {
             p.impulse = j;
-            return;
+            return Accepted::Silent;
         }
         Action::SetHalfExtents(h) if RigidBox::new(h, p.mass).is_ok() => {
             p.half_extents = h;
-            restart = true;
-            true
+            return Accepted::Restart;
         }
         Action::SetMass(m) if RigidBox::new(p.half_extents, m).is_ok() => {
             p.mass = m;
-            restart = true;
-            true
+            return Accepted::Restart;
         }
         Action::SetBoxes(n) => {
             p.boxes = n.clamp(1, 100_000);
-            restart = true;
-            true
+            return Accepted::Restart;
         }
-        _ => false,
-    };
-    if !accepted {
-        session.notice(format!("not possible: {action:?}"));
-        return;
+        _ => return Accepted::No,
     }
-    if restart {
-        start_scene(world);
-        return;
-    }
-    session.perturb(format!("{action:?}"));
+    Accepted::Live
+}
+
+/// Gives world and boxes the session's parameters, in flight.
+pub fn live_parameters(world: &mut World, event: String) {
+    let mut session = world.resource_mut::<Session>();
+    session.perturb(event);
     let setup = session.setup();
     apply_world(world, &setup);
     let boxes: Vec<Entity> = world
@@ -209,25 +257,103 @@ fn set_parameter(world: &mut World, action: &Action) {
 }
 
 fn select_scene(world: &mut World, id: &str) {
-    match Scenario::find(id) {
-        Ok(scenario) => {
-            let mut session = world.resource_mut::<Session>();
-            session.defaults = parameters_of(&scenario);
-            session.parameters = session.defaults;
-            session.scenario = scenario;
-            start_scene(world);
-            world.insert_resource(CameraRequest::Home);
-        }
-        Err(error) => world.resource_mut::<Session>().notice(error.to_string()),
+    match world.resource::<SceneLibrary>().find(id) {
+        Ok(scenario) => open_scene(world, scenario, true),
+        Err(error) => world.resource_mut::<Session>().notice(error),
+    }
+}
+
+/// Starts `scenario`: a new one (with its own camera and plot), or the present one read again.
+pub fn open_scene(world: &mut World, scenario: Scenario, new: bool) {
+    let mut session = world.resource_mut::<Session>();
+    session.defaults = parameters_of(&scenario);
+    session.parameters = session.defaults;
+    if new {
+        session.plot = plot_of(scenario.view.plot);
+        session.show_picker = false;
+    }
+    session.scenario = scenario;
+    world.resource_mut::<UndoStack>().clear();
+    world.resource_mut::<Rewind>().clear();
+    if new {
+        world.resource_mut::<Demo2012>().stepper = Demo2012::default().stepper;
+        world.insert_resource(CameraRequest::Home);
+    }
+    start_scene(world);
+}
+
+/// The game's plot for a scene's wish.
+pub fn plot_of(preset: PlotPreset) -> Plot {
+    match preset {
+        PlotPreset::Error => Plot::Error,
+        PlotPreset::Energy => Plot::Energy,
+        PlotPreset::Timing => Plot::Timing,
+        PlotPreset::WorkPrecision => Plot::WorkPrecision,
+        PlotPreset::Cpu => Plot::Cpu,
+        PlotPreset::Table => Plot::Table,
     }
 }
 
 fn neighbour(world: &mut World, by: isize) {
-    let ids = Scenario::ids();
+    let ids = world.resource::<SceneLibrary>().scenes();
     let now = world.resource::<Session>().scenario.id;
-    let at = ids.iter().position(|&id| id == now).unwrap_or(0);
+    let at = ids.iter().position(|(id, _)| id == now).unwrap_or(0);
     let next = (at as isize + by).rem_euclid(ids.len() as isize) as usize;
-    select_scene(world, ids[next]);
+    select_scene(world, &ids[next].0);
+}
+
+fn reset_everything(world: &mut World) {
+    world.insert_resource(GlobalIntegrator::default());
+    set_speed(world, 1.0);
+    set_step(world, 1.0 / 60.0);
+    {
+        let mut clock = world.resource_mut::<PhysicsClock>();
+        (clock.paused, clock.substeps) = (false, 1);
+    }
+    world.insert_resource(Preferences::default());
+    let seed = world.resource::<Session>().seed;
+    let fresh = Session::new(Scenario::default(), seed);
+    let mut session = world.resource_mut::<Session>();
+    let (run, notices) = (session.run, core::mem::take(&mut session.notices));
+    *session = Session {
+        run,
+        notices,
+        ..fresh
+    };
+    open_scene(world, Scenario::default(), true);
+}
+
+/// The command line that brings the present set-up back.
+pub fn command_line_of(world: &World) -> String {
+    let session = world.resource::<Session>();
+    let library = world.resource::<SceneLibrary>();
+    let comparison = world.get_resource::<Comparison>();
+    let scene = library.path_of(session.scenario.id);
+    command_line::line(&SetUp {
+        scene: scene.as_deref().unwrap_or(session.scenario.id),
+        integrator: world.resource::<GlobalIntegrator>().0,
+        lanes: comparison.map_or(&[], |c| c.chosen()),
+        layout: comparison.map(|c| c.settings.layout).unwrap_or_default(),
+        step: world.resource::<Time<Fixed>>().timestep().as_secs_f64(),
+        substeps: world.resource::<PhysicsClock>().substeps,
+        speed: session.speed,
+        seed: session.seed,
+        parameters: &session.parameters,
+        defaults: &session.defaults,
+    })
+}
+
+fn copy_command_line(world: &mut World) {
+    let line = command_line_of(world);
+    let copied = world
+        .get_resource_mut::<Clipboard>()
+        .is_some_and(|mut clipboard| clipboard.set_text(line.as_str()).is_ok());
+    let text = if copied {
+        format!("copied: {line}")
+    } else {
+        line
+    };
+    world.resource_mut::<Session>().notice(text);
 }
 
 /// The impulse of a push on the hero: world axes, at the middle of the face it comes from, or at that
@@ -276,8 +402,40 @@ fn push(world: &mut World, push: Push) {
         ApplyImpulse::centre(entity, impulse)
     };
     world.write_message(message);
+    let at = if push.off_centre { point } else { DVec3::ZERO };
+    demo::push(world, impulse, at);
     world.resource_mut::<Session>().perturb(format!(
         "push {:.3} {:.3} {:.3} N s",
+        impulse.x, impulse.y, impulse.z
+    ));
+}
+
+/// An impulse at a point of the hero's surface, against its normal.
+fn poke(world: &mut World, poke: Poke) {
+    let strength = world.resource::<Session>().parameters.impulse * poke.strength;
+    let hero = world
+        .query_filtered::<(Entity, &BodyState), With<Hero>>()
+        .iter(world)
+        .next()
+        .map(|(entity, state)| (entity, *state));
+    let Some((entity, state)) = hero else {
+        return;
+    };
+    let impulse = state.rotation * -poke.normal.normalize_or_zero() * strength;
+    if !(impulse.is_finite() && poke.normal.is_finite() && poke.body_point.is_finite()) {
+        world
+            .resource_mut::<Session>()
+            .notice(format!("not possible: {poke:?}"));
+        return;
+    }
+    world.write_message(ApplyImpulse::at_body_point(
+        entity,
+        impulse,
+        poke.body_point,
+    ));
+    demo::push(world, impulse, poke.body_point);
+    world.resource_mut::<Session>().perturb(format!(
+        "poke {:.3} {:.3} {:.3} N s",
         impulse.x, impulse.y, impulse.z
     ));
 }

@@ -6,7 +6,9 @@
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Floor};
+use box_scenarios::SceneView;
 
+use crate::hands::mouse::Hand;
 use crate::input::UiFocus;
 use crate::session::{Hero, Session};
 
@@ -37,11 +39,26 @@ impl OrbitCamera {
             target.y -= 0.5 * height;
             distance = distance.max(1.6 * height + 5.0 * radius);
         }
-        Self {
+        let home = Self {
             target,
-            yaw: 0.6,
-            pitch: 0.35,
+            yaw: 0.0,
+            pitch: 0.0,
             distance,
+        };
+        home.seen_as(&session.scenario.view)
+    }
+
+    /// The same as `view` wants it; target and distance stay where it has no wish.
+    #[must_use]
+    pub fn seen_as(self, view: &SceneView) -> Self {
+        let limit = 85.0_f32.to_radians();
+        Self {
+            target: view.target.map_or(self.target, |t| t.as_vec3()),
+            yaw: (view.yaw as f32).to_radians(),
+            pitch: (view.pitch as f32).to_radians().clamp(-limit, limit),
+            distance: view
+                .distance
+                .map_or(self.distance, |d| (d as f32).clamp(0.01, 1e5)),
         }
     }
 
@@ -54,12 +71,14 @@ impl OrbitCamera {
 }
 
 /// Asks the camera to go somewhere.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub enum CameraRequest {
     /// The hero in the middle.
     Frame,
     /// The scene's own view.
     Home,
+    /// From here.
+    Look(SceneView),
 }
 
 /// Who the drag in progress belongs to.
@@ -70,6 +89,8 @@ pub enum Gesture {
     None,
     /// It began on the panel.
     Panel,
+    /// It began on the box: the hand's.
+    Hand,
     /// It began on the view: turn.
     Orbit,
     /// It began on the view: shift.
@@ -78,15 +99,23 @@ pub enum Gesture {
 
 impl Gesture {
     /// Who the drag belongs to after this frame's button events.
-    pub fn next(self, left: bool, other: bool, just_pressed: bool, over_panel: bool) -> Self {
+    pub fn next(
+        self,
+        left: bool,
+        other: bool,
+        just_pressed: bool,
+        over_panel: bool,
+        on_box: bool,
+    ) -> Self {
         if !(left || other) {
             return Self::None;
         }
         if self == Self::None && just_pressed {
-            return match (over_panel, other) {
-                (true, _) => Self::Panel,
-                (false, true) => Self::Pan,
-                (false, false) => Self::Orbit,
+            return match (over_panel, on_box, other) {
+                (true, ..) => Self::Panel,
+                (false, true, _) => Self::Hand,
+                (false, false, true) => Self::Pan,
+                (false, false, false) => Self::Orbit,
             };
         }
         self
@@ -101,7 +130,7 @@ pub fn move_camera(
     scroll: Res<AccumulatedMouseScroll>,
     focus: Res<UiFocus>,
     session: Res<Session>,
-    request: Option<Res<CameraRequest>>,
+    (request, hand): (Option<Res<CameraRequest>>, Res<Hand>),
     hero: Query<&BodyState, With<Hero>>,
     floor: Option<Res<Floor>>,
     mut gesture: Local<Gesture>,
@@ -113,7 +142,8 @@ pub fn move_camera(
     let others = [MouseButton::Right, MouseButton::Middle];
     let other = buttons.any_pressed(others);
     let pressed = buttons.just_pressed(MouseButton::Left) || buttons.any_just_pressed(others);
-    *gesture = gesture.next(left, other, pressed, focus.pointer);
+    let on_box = *hand != Hand::Idle;
+    *gesture = gesture.next(left, other, pressed, focus.pointer, on_box);
     match *gesture {
         Gesture::Orbit => {
             orbit.yaw -= motion.delta.x * 0.006;
@@ -124,9 +154,9 @@ pub fn move_camera(
             let shift = transform.rotation * Vec3::new(-motion.delta.x, motion.delta.y, 0.0);
             orbit.target += shift * scale;
         }
-        Gesture::None | Gesture::Panel => {}
+        Gesture::None | Gesture::Panel | Gesture::Hand => {}
     }
-    if !focus.pointer && scroll.delta.y != 0.0 {
+    if !focus.pointer && !on_box && scroll.delta.y != 0.0 {
         let notches = match scroll.unit {
             bevy::input::mouse::MouseScrollUnit::Line => scroll.delta.y,
             bevy::input::mouse::MouseScrollUnit::Pixel => scroll.delta.y / 40.0,
@@ -142,6 +172,7 @@ pub fn move_camera(
     if let Some(request) = request {
         match *request {
             CameraRequest::Home => **orbit = OrbitCamera::home(&session),
+            CameraRequest::Look(view) => **orbit = orbit.seen_as(&view),
             CameraRequest::Frame => {
                 if let Some(at) = at {
                     orbit.target = at;
@@ -160,17 +191,24 @@ mod tests {
     #[test]
     fn a_gesture_belongs_to_whoever_it_began_on() {
         // Begins on the panel, moves over the view: still the panel's.
-        let g = Gesture::None.next(true, false, true, true);
+        let g = Gesture::None.next(true, false, true, true, false);
         assert_eq!(g, Gesture::Panel);
-        assert_eq!(g.next(true, false, false, false), Gesture::Panel);
-        assert_eq!(g.next(false, false, false, false), Gesture::None);
+        assert_eq!(g.next(true, false, false, false, false), Gesture::Panel);
+        assert_eq!(g.next(false, false, false, false, false), Gesture::None);
         // Begins on the view, moves over the panel: still the view's.
-        let g = Gesture::None.next(true, false, true, false);
+        let g = Gesture::None.next(true, false, true, false, false);
         assert_eq!(g, Gesture::Orbit);
-        assert_eq!(g.next(true, false, false, true), Gesture::Orbit);
-        assert_eq!(Gesture::None.next(false, true, true, false), Gesture::Pan);
+        assert_eq!(g.next(true, false, false, true, false), Gesture::Orbit);
+        assert_eq!(
+            Gesture::None.next(false, true, true, false, false),
+            Gesture::Pan
+        );
+        // Begins on the box: the hand's, until released.
+        let hand = Gesture::None.next(true, false, true, false, true);
+        assert_eq!(hand, Gesture::Hand);
+        assert_eq!(hand.next(true, false, false, true, true), Gesture::Hand);
         // A second button does not take it over.
-        assert_eq!(g.next(true, true, true, false), Gesture::Orbit);
+        assert_eq!(g.next(true, true, true, false, false), Gesture::Orbit);
     }
 
     #[test]

@@ -3,11 +3,15 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use box_physics::prelude::Integrator;
+use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::Scenario;
 use clap::Parser;
 
+use crate::action::Action;
 use crate::compare::Layout;
+use crate::library;
+use crate::preferences::UI_SCALES;
+use crate::session::SPEEDS;
 
 /// Push a box about and compare numerical integrators live: speed against error.
 ///
@@ -16,7 +20,8 @@ use crate::compare::Layout;
 #[derive(Parser, Clone, Debug)]
 #[command(name = "box_game", version, verbatim_doc_comment)]
 pub struct Cli {
-    /// The scene to open with (see --list-scenes); `throw` for --headless.
+    /// The scene to open with (see --list-scenes), or a scene file (assets/scenes/example.ron explains
+    /// the format); `throw` for --headless.
     #[arg(value_parser = parse_scene)]
     pub scene: Option<String>,
 
@@ -70,6 +75,31 @@ pub struct Cli {
     #[arg(long, value_name = "FILE", value_parser = parse_png)]
     pub screenshot: Option<PathBuf>,
 
+    /// Size of the window, or of the picture with --offscreen [pixels].
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub size: (u32, u32),
+
+    /// Target speed: simulated seconds per second, 0.01 to 4.
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_speed)]
+    pub speed: f64,
+
+    /// A parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
+    /// friction, linear-drag, angular-damping, mass, impulse, half-extents=X,Y,Z.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_setting)]
+    pub set: Vec<Action>,
+
+    /// Play this script of actions (assets/scripts/tour.ron is one).
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+
+    /// Neither read nor write the settings file of the user.
+    #[arg(long)]
+    pub no_settings: bool,
+
+    /// Scale of the panel, 0.75 to 2 [default: as set last].
+    #[arg(long, value_name = "X", value_parser = parse_scale)]
+    pub ui_scale: Option<f32>,
+
     /// Exit with code 3 if a scheme diverges.
     #[arg(long)]
     pub fail_on_divergence: bool,
@@ -115,9 +145,11 @@ fn parse_step(text: &str) -> Result<f64, String> {
 }
 
 fn parse_scene(text: &str) -> Result<String, String> {
-    Scenario::find(text)
-        .map(|s| s.id.to_owned())
-        .map_err(|e| e.to_string())
+    let scene = library::open(text)?;
+    Ok(match library::file_path(text) {
+        Some(_) => text.to_owned(),
+        None => scene.id.to_owned(),
+    })
 }
 
 fn parse_integrator(text: &str) -> Result<Integrator, String> {
@@ -137,6 +169,60 @@ fn parse_duration(text: &str) -> Result<f64, String> {
         Ok(s) if s > 0.0 && s <= 1e6 => Ok(s),
         _ => Err("allowed: seconds, above 0 and up to 1e6".to_owned()),
     }
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let pixels = |t: &str| t.parse().ok().filter(|n| (320..=7680).contains(n));
+    text.split_once(['x', 'X', '×'])
+        .and_then(|(w, h)| pixels(w).zip(pixels(h)))
+        .ok_or_else(|| "allowed: width x height, each 320 to 7680, as in 1920x1080".to_owned())
+}
+
+fn parse_speed(text: &str) -> Result<f64, String> {
+    let (low, high) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+    match text.trim().parse::<f64>() {
+        Ok(speed) if (low..=high).contains(&speed) => Ok(speed),
+        _ => Err(format!("allowed: {low} to {high}")),
+    }
+}
+
+fn parse_scale(text: &str) -> Result<f32, String> {
+    let (low, high) = UI_SCALES;
+    match text.trim().parse::<f32>() {
+        Ok(scale) if (low..=high).contains(&scale) => Ok(scale),
+        _ => Err(format!("allowed: {low} to {high}")),
+    }
+}
+
+fn parse_setting(text: &str) -> Result<Action, String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("allowed: NAME=VALUE, as in gravity=1.62")?;
+    let number = |t: &str| {
+        let number = t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        number.ok_or_else(|| format!("'{t}' is not a number"))
+    };
+    Ok(match name.trim() {
+        "gravity" => Action::SetGravity(number(value)?),
+        "restitution" => Action::SetRestitution(number(value)?),
+        "friction" => Action::SetFriction(number(value)?),
+        "linear-drag" => Action::SetLinearDrag(number(value)?),
+        "angular-damping" => Action::SetAngularDamping(number(value)?),
+        "mass" => Action::SetMass(number(value)?),
+        "impulse" => Action::SetImpulse(number(value)?),
+        "half-extents" => {
+            let sizes: Vec<f64> = value.split(',').map(number).collect::<Result<_, _>>()?;
+            let [x, y, z] = sizes[..] else {
+                return Err("half-extents: three numbers, as in 0.5,0.25,0.125".to_owned());
+            };
+            Action::SetHalfExtents(DVec3::new(x, y, z))
+        }
+        other => {
+            return Err(format!(
+                "unknown parameter '{other}'; allowed: gravity, restitution, friction, linear-drag, angular-damping, mass, impulse, half-extents"
+            ));
+        }
+    })
 }
 
 fn parse_png(text: &str) -> Result<PathBuf, String> {

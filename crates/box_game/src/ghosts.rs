@@ -106,7 +106,13 @@ fn color(integrator: Integrator, alpha: f32) -> Color {
 /// A box for every lane, where the lane is.
 fn place_ghosts(
     comparison: Res<Comparison>,
-    mut ghosts: Query<(&Ghost, &mut Transform, &mut Visibility, &mut Mesh3d, &mut MeshMaterial3d<StandardMaterial>)>,
+    mut ghosts: Query<(
+        &Ghost,
+        &mut Transform,
+        &mut Visibility,
+        &mut Mesh3d,
+        &mut MeshMaterial3d<StandardMaterial>,
+    )>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut made: Local<Option<(Vec3, [Handle<Mesh>; 2], Handle<StandardMaterial>)>>,
@@ -298,7 +304,10 @@ fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Trails>) {
         while points.back().is_some_and(|(t, _)| *t > now) {
             points.pop_back();
         }
-        if points.back().is_none_or(|(t, _)| now - t > TRAIL / TRAIL_POINTS as f64) {
+        if points
+            .back()
+            .is_none_or(|(t, _)| now - t > TRAIL / TRAIL_POINTS as f64)
+        {
             points.push_back((now, state.point(tip).as_vec3()));
         }
         while points.front().is_some_and(|(t, _)| now - t > TRAIL) {
@@ -354,9 +363,12 @@ fn draw_frames(comparison: Res<Comparison>, trails: Res<Trails>, mut gizmos: Giz
             continue;
         };
         let count = points.len().max(2) as f32;
-        gizmos.linestrip_gradient(points.iter().enumerate().map(|(n, (_, at))| {
-            (*at + offset, color(integrator, n as f32 / (count - 1.0)))
-        }));
+        gizmos.linestrip_gradient(
+            points
+                .iter()
+                .enumerate()
+                .map(|(n, (_, at))| (*at + offset, color(integrator, n as f32 / (count - 1.0)))),
+        );
     }
 }
 
@@ -409,8 +421,8 @@ fn draw_tags(
     let tip = tip(run);
     let radius = run.law.body.radius() as f32;
     let seen = |at: Vec3| camera.world_to_viewport(eye, at).ok().map(point);
-    let attitude = run.hero.track.now.worst.1 > 1e-9
-        || run.lanes.iter().any(|r| r.track.now.worst.1 > 1e-9);
+    let attitude =
+        run.hero.track.now.worst.1 > 1e-9 || run.lanes.iter().any(|r| r.track.now.worst.1 > 1e-9);
     let mut next = view.top() + 10.0;
     for (k, (integrator, state, track, offset)) in shown(run, layout).into_iter().enumerate() {
         let text = tag(integrator, k == 0, track, attitude);
@@ -431,7 +443,10 @@ fn draw_tags(
                 next += size.y + 4.0;
                 let from = egui::pos2(corner.x + size.x, corner.y + 0.5 * size.y);
                 if let Some(to) = seen(state.point(tip).as_vec3() + offset) {
-                    painter.line_segment([from, to], egui::Stroke::new(1.0, looks.gamma_multiply(0.6)));
+                    painter.line_segment(
+                        [from, to],
+                        egui::Stroke::new(1.0, looks.gamma_multiply(0.6)),
+                    );
                 }
                 corner
             }
@@ -509,7 +524,11 @@ mod tests {
     fn lanes_stand_side_by_side_in_the_picture_alone() {
         let setup = Scenario::find("slide").expect("a scene").setup;
         let mut run = Run::new(&setup, None, Integrator::Split, 1.0 / 60.0);
-        run.choose([Integrator::Rk4, Integrator::ExplicitEuler, Integrator::Midpoint]);
+        run.choose([
+            Integrator::Rk4,
+            Integrator::ExplicitEuler,
+            Integrator::Midpoint,
+        ]);
         let places: Vec<_> = shown(&run, Layout::Lanes);
         assert_eq!(places.len(), 4);
         for (k, a) in places.iter().enumerate() {
@@ -519,7 +538,11 @@ mod tests {
             let apart = PITCH * setup.body.radius() as f32 * 0.99;
             assert!(places[..k].iter().all(|b| a.3.distance(b.3) > apart));
         }
-        assert!(shown(&run, Layout::Ghosts).iter().all(|s| s.3 == Vec3::ZERO));
+        assert!(
+            shown(&run, Layout::Ghosts)
+                .iter()
+                .all(|s| s.3 == Vec3::ZERO)
+        );
         assert_eq!(shown(&run, Layout::Solo).len(), 1);
     }
 }

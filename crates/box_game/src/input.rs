@@ -54,6 +54,7 @@ pub fn read_keys(
     focus: Res<UiFocus>,
     time: Res<Time<Real>>,
     session: Res<crate::session::Session>,
+    grip: Res<crate::hands::grab::Grip>,
     mut asked: ResMut<Asked>,
     mut held: Local<[f32; 6]>,
 ) {
@@ -82,7 +83,27 @@ pub fn read_keys(
         if keys.just_pressed(KeyCode::KeyQ) {
             asked.push(Action::Quit);
         }
+        if keys.just_pressed(KeyCode::KeyO) {
+            asked.push(Action::TogglePicker);
+        }
+        // A text field has an undo of its own.
+        if typed("z") && !focus.text {
+            asked.push(if shift { Action::Redo } else { Action::Undo });
+        }
+        if typed("y") && !focus.text {
+            asked.push(Action::Redo);
+        }
         return;
+    }
+    if keys.just_pressed(KeyCode::Escape) {
+        // Peel: the topmost thing goes.
+        if session.show_picker {
+            asked.push(Action::TogglePicker);
+        } else if session.show_help {
+            asked.push(Action::ToggleHelp);
+        } else if grip.0.is_some() {
+            asked.push(Action::Grab(None));
+        }
     }
     if focus.text {
         return;
@@ -120,6 +141,7 @@ pub fn read_keys(
         ("p", Action::TogglePause),
         // With Shift it is another character: > on a US keyboard, : on a German one.
         (if shift { ".>:" } else { "." }, Action::Step(steps)),
+        (if shift { ",<;" } else { "," }, Action::StepBack(steps)),
         ("r", Action::Restart),
         ("-", Action::Slower),
         ("=", Action::Faster),
@@ -149,9 +171,6 @@ pub fn read_keys(
             asked.push(action);
         }
     }
-    if keys.just_pressed(KeyCode::Escape) && session.show_help {
-        asked.push(Action::ToggleHelp);
-    }
     // A focused widget keeps the keys that move within it.
     if !focus.widget {
         if keys.just_pressed(KeyCode::Space) {
@@ -159,6 +178,9 @@ pub fn read_keys(
         }
         if keys.just_pressed(KeyCode::ArrowRight) {
             asked.push(Action::Step(steps));
+        }
+        if keys.just_pressed(KeyCode::ArrowLeft) {
+            asked.push(Action::StepBack(steps));
         }
     }
 }

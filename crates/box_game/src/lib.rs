@@ -5,27 +5,35 @@
 //! comparison without a display is [`headless`].
 
 pub mod action;
+pub mod apng;
 pub mod app;
 pub mod apply;
 pub mod camera;
 pub mod cli;
+pub mod command_line;
 pub mod compare;
 pub mod csv_log;
+pub mod demo;
 pub mod display;
 #[cfg(feature = "gamepad")]
 pub mod gamepad;
 pub mod ghosts;
+pub mod hands;
 pub mod headless;
 pub mod history;
 pub mod input;
 pub mod lane;
+pub mod library;
 pub mod logging;
 pub mod panel;
 pub mod panel_view;
 pub mod picture;
+pub mod preferences;
+pub mod recorder;
 pub mod row_log;
 pub mod sampling;
 pub mod screenshot;
+pub mod script;
 pub mod session;
 pub mod style;
 pub mod visuals;

@@ -8,9 +8,9 @@ use bevy::app::AppExit;
 use box_game::cli::{self, Cli};
 use box_game::display::{self, Need};
 use box_game::headless::{self, Comparison};
+use box_game::library;
 use box_game::picture;
 use box_physics::prelude::Integrator;
-use box_scenarios::Scenario;
 use clap::Parser;
 
 fn main() -> ExitCode {
@@ -61,7 +61,7 @@ fn main() -> ExitCode {
 /// The comparison without a window.
 fn compare(cli: &Cli) -> ExitCode {
     let id = cli.scene.as_deref().unwrap_or("throw");
-    let scenario = match Scenario::find(id) {
+    let scenario = match library::open(id) {
         Ok(scenario) => scenario,
         Err(error) => {
             eprintln!("{error}");

@@ -10,13 +10,17 @@ use box_physics::prelude::{
     BodyState, GlobalIntegrator, Integrator, PhysicsClock, PhysicsTimings, Quarantined, RigidBox,
     WorldAabb,
 };
-use box_scenarios::Scenario;
 
 use crate::compare::Comparison;
 use crate::compare::fill::compare_view;
 use crate::csv_log::CsvLog;
+use crate::demo::Demo2012;
+use crate::hands::rewind::Rewind;
+use crate::hands::undo::UndoStack;
 use crate::history::{History, frame_time};
-use crate::panel::{HeroView, HistoryView, LogView, PanelView, SchemeTiming};
+use crate::library::SceneLibrary;
+use crate::panel::{DemoView, HandsView, HeroView, HistoryView, LogView, PanelView, SchemeTiming};
+use crate::preferences::Preferences;
 use crate::sampling::SchemeSamples;
 use crate::session::{Hero, Session};
 
@@ -35,6 +39,12 @@ pub struct Sources<'w, 's> {
     log: Option<Res<'w, CsvLog>>,
     floor: Option<Res<'w, Floor>>,
     adapter: Option<Res<'w, RenderAdapterInfo>>,
+    library: Res<'w, SceneLibrary>,
+    rewind: Res<'w, Rewind>,
+    undo: Res<'w, UndoStack>,
+    demo: Res<'w, Demo2012>,
+    /// Settings: the panel follows their scale and may change it.
+    pub(crate) kept: ResMut<'w, Preferences>,
     hero: Query<
         'w,
         's,
@@ -49,15 +59,16 @@ pub struct Sources<'w, 's> {
 }
 
 /// The view of this frame.
-pub fn view(s: &Sources, scenes: &[(String, String)]) -> PanelView {
+pub fn view(s: &Sources) -> PanelView {
     let session = &*s.session;
+    let scenes = s.library.scenes();
     let open = session.show_plots && !session.hidden;
     PanelView {
-        scenes: scenes.to_vec(),
         scene: scenes
             .iter()
             .position(|(id, _)| id == session.scenario.id)
             .unwrap_or(0),
+        scenes,
         lesson: session.scenario.lesson.to_owned(),
         integrator: s.integrator.0,
         paused: s.clock.paused,
@@ -90,7 +101,12 @@ pub fn view(s: &Sources, scenes: &[(String, String)]) -> PanelView {
         } else {
             HistoryView::default()
         },
-        compare: compare_view(&s.comparison, &s.samples, open.then_some(session.plot), session.parameters.boxes),
+        compare: compare_view(
+            &s.comparison,
+            &s.samples,
+            open.then_some(session.plot),
+            session.parameters.boxes,
+        ),
         show_aabb: session.show_aabb,
         show_contacts: session.show_contacts,
         show_axes: session.show_axes,
@@ -108,6 +124,7 @@ pub fn view(s: &Sources, scenes: &[(String, String)]) -> PanelView {
             .as_ref()
             .is_some_and(|a| a.device_type == wgpu::DeviceType::Cpu),
         notices: session.notices.iter().cloned().collect(),
+        hands: hands(s),
     }
 }
 
@@ -152,11 +169,23 @@ fn history(s: &Sources) -> HistoryView {
     }
 }
 
-/// (id, title) of every scene.
-pub fn scenes() -> Vec<(String, String)> {
-    Scenario::ALL
-        .iter()
-        .map(|build| build())
-        .map(|s| (s.id.to_owned(), s.title.to_owned()))
-        .collect()
+fn hands(s: &Sources) -> HandsView {
+    let session = &*s.session;
+    let demo = &s.demo;
+    HandsView {
+        hints: session.scenario.hints.map(str::to_owned),
+        scene_errors: s.library.errors(),
+        past: s.rewind.len(),
+        undoes: s.undo.undoes().map(str::to_owned),
+        redoes: s.undo.redoes().map(str::to_owned),
+        show_picker: session.show_picker,
+        ui_scale: f64::from(s.kept.ui_scale),
+        demo: (session.scenario.id == crate::demo::SCENE).then(|| DemoView {
+            stepper: demo.stepper,
+            cycle_us: demo.cycle_ns as f64 * 1e-3,
+            log: demo
+                .log()
+                .map(|(path, cycles)| (path.display().to_string(), cycles)),
+        }),
+    }
 }

@@ -14,9 +14,12 @@ use crate::apply::Asked;
 use crate::camera::{OrbitCamera, move_camera};
 use crate::cli::Cli;
 use crate::ghosts::GhostPlugin;
+use crate::hands::mouse::{Hand, draw_hand, use_mouse};
 use crate::input::UiFocus;
 use crate::panel::{self, PanelMemory};
 use crate::panel_view::{self, Sources};
+use crate::preferences::{Preferences, PreferencesPlugin, UI_SCALES};
+use crate::recorder::record_film;
 use crate::screenshot::{OffscreenTarget, take_screenshot};
 use crate::session::Session;
 use crate::visuals;
@@ -28,6 +31,8 @@ pub const SIZE: (u32, u32) = (1280, 720);
 pub struct PicturePlugin {
     /// Into an image instead of a window.
     pub offscreen: bool,
+    /// Size of that image \[pixels\].
+    pub size: (u32, u32),
 }
 
 /// The camera of the panel.
@@ -38,17 +43,16 @@ struct PanelCamera;
 #[derive(Resource, Default)]
 struct PanelState {
     memory: PanelMemory,
-    scenes: Vec<(String, String)>,
+    /// The scale of the panel that it has by now.
+    scale: Option<f32>,
 }
 
 impl Plugin for PicturePlugin {
     fn build(&self, app: &mut App) {
-        let offscreen = self.offscreen;
+        let (offscreen, size) = (self.offscreen, self.size);
         app.insert_resource(ClearColor(Color::srgb(0.10, 0.115, 0.14)))
-            .insert_resource(PanelState {
-                scenes: panel_view::scenes(),
-                ..default()
-            })
+            .init_resource::<PanelState>()
+            .init_resource::<Hand>()
             .add_systems(
                 Startup,
                 (
@@ -59,7 +63,7 @@ impl Plugin for PicturePlugin {
                           session: Res<Session>| {
                         egui.auto_create_primary_context = false;
                         let target = if offscreen {
-                            let image = images.add(offscreen_image());
+                            let image = images.add(offscreen_image(size));
                             commands.insert_resource(OffscreenTarget(image.clone()));
                             RenderTarget::Image(image.into())
                         } else {
@@ -73,7 +77,8 @@ impl Plugin for PicturePlugin {
             .add_systems(
                 Update,
                 (
-                    move_camera,
+                    (use_mouse, move_camera, draw_hand).chain(),
+                    record_film,
                     visuals::dress_boxes,
                     visuals::place_floor,
                     visuals::draw_aabbs,
@@ -91,9 +96,9 @@ impl Plugin for PicturePlugin {
     }
 }
 
-fn offscreen_image() -> Image {
+fn offscreen_image(size: (u32, u32)) -> Image {
     use bevy::render::render_resource::{TextureFormat, TextureUsages};
-    let mut image = Image::new_target_texture(SIZE.0, SIZE.1, TextureFormat::Rgba8UnormSrgb, None);
+    let mut image = Image::new_target_texture(size.0, size.1, TextureFormat::Rgba8UnormSrgb, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     image
 }
@@ -124,16 +129,18 @@ fn spawn_cameras(commands: &mut Commands, session: &Session, target: &RenderTarg
 /// Draws the panel, takes its requests, and gives the picture the room that is left.
 fn show_panel(
     mut contexts: EguiContexts,
-    sources: Sources,
+    mut sources: Sources,
     mut state: ResMut<PanelState>,
     mut asked: ResMut<Asked>,
     mut focus: ResMut<UiFocus>,
     mut camera: Single<&mut Camera, With<OrbitCamera>>,
     mut drawn: Local<f64>,
     window: Query<&Window, With<PrimaryWindow>>,
+    (target, images): (Option<Res<OffscreenTarget>>, Res<Assets<Image>>),
 ) -> Result {
     let start = std::time::Instant::now();
     let context = contexts.ctx_mut()?;
+    follow_scale(context, &mut state.scale, &mut sources.kept);
     let mut ui = egui::Ui::new(
         context.clone(),
         "game".into(),
@@ -142,7 +149,7 @@ fn show_panel(
             .max_rect(context.viewport_rect()),
     );
     let state = &mut *state;
-    let mut view = panel_view::view(&sources, &state.scenes);
+    let mut view = panel_view::view(&sources);
     view.compare.panel_ms = *drawn;
     let layout = panel::show(&mut ui, &view, &mut state.memory, &mut asked.0);
     *focus = UiFocus {
@@ -157,7 +164,13 @@ fn show_panel(
     let (width, height) = window
         .iter()
         .next()
-        .map_or(SIZE, |w| (w.physical_width(), w.physical_height()));
+        .map(|w| (w.physical_width(), w.physical_height()))
+        .or_else(|| {
+            target
+                .and_then(|t| images.get(&t.0))
+                .map(|i| (i.width(), i.height()))
+        })
+        .unwrap_or(SIZE);
     let at = UVec2::new(
         ((layout.central.min.x * scale) as u32).min(width.saturating_sub(1)),
         ((layout.central.min.y * scale) as u32).min(height.saturating_sub(1)),
@@ -182,6 +195,20 @@ fn show_panel(
     Ok(())
 }
 
+/// Sets the panel's scale where it was asked for, and keeps the one that Ctrl and + or − made.
+fn follow_scale(context: &egui::Context, shown: &mut Option<f32>, kept: &mut ResMut<Preferences>) {
+    if *shown == Some(kept.ui_scale) {
+        let zoomed = context.zoom_factor().clamp(UI_SCALES.0, UI_SCALES.1);
+        if (zoomed - kept.ui_scale).abs() > 1e-3 {
+            kept.ui_scale = zoomed;
+        }
+    }
+    if *shown != Some(kept.ui_scale) {
+        context.set_zoom_factor(kept.ui_scale);
+        *shown = Some(kept.ui_scale);
+    }
+}
+
 fn title(
     mut window: Single<&mut Window, With<PrimaryWindow>>,
     session: Res<Session>,
@@ -197,7 +224,7 @@ fn title(
 }
 
 /// Bevy's plugins for a window, or for pictures without one.
-pub fn renderer(offscreen: bool) -> bevy::app::PluginGroupBuilder {
+pub fn renderer(offscreen: bool, size: (u32, u32)) -> bevy::app::PluginGroupBuilder {
     let plugins = DefaultPlugins.set(crate::logging::plugin());
     if offscreen {
         plugins
@@ -216,7 +243,7 @@ pub fn renderer(offscreen: bool) -> bevy::app::PluginGroupBuilder {
             primary_window: Some(Window {
                 title: "box_game".to_owned(),
                 name: Some("box_game".to_owned()),
-                resolution: WindowResolution::from(SIZE),
+                resolution: WindowResolution::from(size),
                 ..default()
             }),
             ..default()
@@ -227,20 +254,25 @@ pub fn renderer(offscreen: bool) -> bevy::app::PluginGroupBuilder {
 /// The game with its picture.
 pub fn build(cli: &Cli) -> std::io::Result<App> {
     let mut app = App::new();
-    app.add_plugins(renderer(cli.offscreen))
-        .add_plugins((
-            MeshPickingPlugin,
-            EguiPlugin::default(),
-            FrameTimeDiagnosticsPlugin::default(),
-            SystemInformationDiagnosticsPlugin,
-        ))
-        .add_plugins((
-            GamePlugin { cli: cli.clone() },
-            PicturePlugin {
-                offscreen: cli.offscreen,
-            },
-            GhostPlugin,
-        ));
+    app.add_plugins(renderer(cli.offscreen, cli.size));
+    // A picture without a window shows what is asked for, not what somebody has set.
+    if !(cli.no_settings || cli.offscreen) {
+        app.add_plugins(PreferencesPlugin);
+    }
+    app.add_plugins((
+        MeshPickingPlugin,
+        EguiPlugin::default(),
+        FrameTimeDiagnosticsPlugin::default(),
+        SystemInformationDiagnosticsPlugin,
+    ))
+    .add_plugins((
+        GamePlugin { cli: cli.clone() },
+        PicturePlugin {
+            offscreen: cli.offscreen,
+            size: cli.size,
+        },
+        GhostPlugin,
+    ));
     if cli.offscreen {
         // One step a frame, so that a picture shows a known time however slow the renderer is.
         app.insert_resource(bevy::time::TimeUpdateStrategy::FixedTimesteps(1));

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::window::WindowRef;
 
+use crate::script::PendingPictures;
 use crate::session::Session;
 
 /// Asks for a picture of the next frame, under this name or the next free `box_game-NN.png`.
@@ -22,6 +24,7 @@ pub fn take_screenshot(
     request: Option<Res<ScreenshotRequest>>,
     offscreen: Option<Res<OffscreenTarget>>,
     mut session: ResMut<Session>,
+    mut pending: ResMut<PendingPictures>,
     mut commands: Commands,
 ) {
     let Some(request) = request else {
@@ -37,19 +40,28 @@ pub fn take_screenshot(
         session.notice("no free name for a picture: box_game-01.png to -9999.png are taken");
         return;
     };
-    let shot = match &offscreen {
-        Some(target) => Screenshot(RenderTarget::Image(target.0.clone().into())),
-        None => Screenshot::primary_window(),
-    };
-    commands.spawn(shot).observe(
-        move |captured: On<ScreenshotCaptured>, mut session: ResMut<Session>| match save(
-            &captured.image,
-            &path,
-        ) {
-            Ok(()) => session.notice(format!("picture: {}", path.display())),
-            Err(error) => session.notice(format!("picture {}: {error}", path.display())),
-        },
-    );
+    pending.0 += 1;
+    commands
+        .spawn(Screenshot(source(offscreen.as_deref())))
+        .observe(
+            move |captured: On<ScreenshotCaptured>,
+                  mut session: ResMut<Session>,
+                  mut pending: ResMut<PendingPictures>| {
+                pending.0 = pending.0.saturating_sub(1);
+                match save(&captured.image, &path) {
+                    Ok(()) => session.notice(format!("picture: {}", path.display())),
+                    Err(error) => session.notice(format!("picture {}: {error}", path.display())),
+                }
+            },
+        );
+}
+
+/// What is drawn into: the window, or the image instead of it.
+pub fn source(offscreen: Option<&OffscreenTarget>) -> RenderTarget {
+    match offscreen {
+        Some(target) => RenderTarget::Image(target.0.clone().into()),
+        None => RenderTarget::Window(WindowRef::Primary),
+    }
 }
 
 /// Writes a PNG beside its place and moves it there, so that nobody sees half a picture.

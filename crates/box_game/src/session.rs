@@ -13,6 +13,8 @@ use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt as _, SeedableRng as _};
 
 use crate::action::Plot;
+use crate::demo::Demo2012;
+use crate::hands::grab::Grip;
 use crate::panel::Parameters;
 
 /// Speeds of the ladder [simulated seconds per second].
@@ -30,6 +32,10 @@ pub struct Hero;
 /// Everything that a restart replaces.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct SceneEntity;
+
+/// Which box of the scene it is: 0 is the hero.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BoxNumber(pub u32);
 
 /// The present scene and settings.
 #[derive(Resource)]
@@ -60,6 +66,8 @@ pub struct Session {
     pub show_axes: bool,
     /// The list of keys is open.
     pub show_help: bool,
+    /// The list of scenes to search in is open.
+    pub show_picker: bool,
     /// The panel is hidden.
     pub hidden: bool,
     /// The drawer is open.
@@ -94,6 +102,7 @@ impl Session {
             show_contacts: false,
             show_axes: false,
             show_help: false,
+            show_picker: false,
             hidden: false,
             show_plots: true,
             plot: Plot::Energy,
@@ -196,9 +205,11 @@ pub fn start_scene(world: &mut World) {
     session.events = vec!["start".to_owned()];
     apply_world(world, &setup);
     world.resource_mut::<PhysicsClock>().reset();
+    world.resource_mut::<Demo2012>().state = None;
+    world.resource_mut::<Grip>().0 = None;
     for k in 0..boxes {
         let initial = place(&setup, k, seed);
-        let mut entity = world.spawn((SceneEntity, setup.body, initial));
+        let mut entity = world.spawn((SceneEntity, BoxNumber(k), setup.body, initial));
         if k == 0 {
             entity.insert((Hero, ReportContacts, Name::new("hero")));
         }

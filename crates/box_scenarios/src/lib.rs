@@ -2,6 +2,7 @@
 //! rendering, no clock.
 //!
 //! - [`scenario`]: the registry; [`scenes`]: one function a scene, **where a new scene goes**.
+//! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
 //! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
@@ -33,6 +34,7 @@ pub mod metrics;
 pub mod oracle;
 pub mod run;
 pub mod scenario;
+pub mod scene_file;
 pub mod scenes;
 pub mod setup;
 pub mod simulate;
@@ -40,6 +42,7 @@ pub mod step_size;
 pub mod style;
 pub mod trend;
 pub mod truth;
+pub mod view;
 
 pub use contact_cases::{ContactCase, contact_cases};
 pub use families::{Family, FamilyRun, Metric, Reference};
@@ -53,3 +56,4 @@ pub use simulate::{SimulationResult, simulate};
 pub use step_size::parse_step;
 pub use style::{Style, style};
 pub use truth::{Truth, TruthKind};
+pub use view::{PlotPreset, SceneView};

@@ -5,6 +5,7 @@ use box_physics::schemes::Integrator;
 use crate::scenes;
 use crate::setup::Setup;
 use crate::truth::Truth;
+use crate::view::SceneView;
 
 /// A named scene: what happens in it, what it teaches, and what to try.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +24,8 @@ pub struct Scenario {
     pub recommended: &'static [&'static str],
     /// How many boxes the game shows: 1, except in scenes about load.
     pub boxes: u32,
+    /// Camera and plot.
+    pub view: SceneView,
 }
 
 impl Scenario {

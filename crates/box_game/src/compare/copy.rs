@@ -47,7 +47,13 @@ pub fn sweep_csv(comparison: &Comparison) -> String {
     let mut text = String::from("integrator,dt_s,pos_err_m,rot_err_deg,cost_ns_per_s\n");
     for line in comparison.sweep.lines() {
         for p in &line.points {
-            let figure = |v: f64| if v.is_finite() { format!("{v:e}") } else { String::new() };
+            let figure = |v: f64| {
+                if v.is_finite() {
+                    format!("{v:e}")
+                } else {
+                    String::new()
+                }
+            };
             let _ = writeln!(
                 text,
                 "{},{:e},{},{},{}",
@@ -74,10 +80,9 @@ pub fn table_csv(comparison: &Comparison) -> String {
         .lanes
         .iter()
         .map(|r| (r.lane.integrator, false, r.factor * run.step, &r.track));
-    for (integrator, hero, dt, track) in
-        [(run.hero.integrator, true, run.step, &run.hero.track)]
-            .into_iter()
-            .chain(lanes)
+    for (integrator, hero, dt, track) in [(run.hero.integrator, true, run.step, &run.hero.track)]
+        .into_iter()
+        .chain(lanes)
     {
         let sample = &track.now.sample;
         let _ = writeln!(

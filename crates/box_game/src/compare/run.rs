@@ -158,14 +158,26 @@ impl Run {
             let kept = old.iter().position(|r| r.lane.integrator == integrator);
             let runner = match kept {
                 Some(k) => old.swap_remove(k),
-                None if self.inputs.is_whole() => {
-                    Runner::new(integrator, &self.start.0, self.start.1, 0.0, 0, &self.impulses)
-                }
+                None if self.inputs.is_whole() => Runner::new(
+                    integrator,
+                    &self.start.0,
+                    self.start.1,
+                    0.0,
+                    0,
+                    &self.impulses,
+                ),
                 // The beginning is forgotten: begin at the reference.
                 None => {
                     let state = self.reference.at(self.clock).unwrap_or(self.hero.state);
                     let next = self.inputs.end();
-                    Runner::new(integrator, &self.law, state, self.clock, next, &self.impulses)
+                    Runner::new(
+                        integrator,
+                        &self.law,
+                        state,
+                        self.clock,
+                        next,
+                        &self.impulses,
+                    )
                 }
             };
             self.lanes.push(runner);
@@ -395,10 +407,7 @@ impl Run {
         self.law = c.law.clone();
         let mut lanes = core::mem::take(&mut self.lanes);
         lanes.retain_mut(|r| {
-            let saved = c
-                .lanes
-                .iter()
-                .find(|s| s.integrator() == r.lane.integrator);
+            let saved = c.lanes.iter().find(|s| s.integrator() == r.lane.integrator);
             saved.map(|s| r.restore(s)).is_some()
         });
         self.lanes = lanes;

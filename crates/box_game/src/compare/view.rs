@@ -154,10 +154,13 @@ pub fn verdict(view: &CompareView) -> String {
         _ => String::new(),
     };
     if large <= ROUNDING {
-        return format!("{h} and {o} are both right to rounding; {best_name}{}", match price.strip_prefix(", ") {
-            Some(price) => format!(": {price}."),
-            None => " is not timed yet.".to_owned(),
-        });
+        return format!(
+            "{h} and {o} are both right to rounding; {best_name}{}",
+            match price.strip_prefix(", ") {
+                Some(price) => format!(": {price}."),
+                None => " is not timed yet.".to_owned(),
+            }
+        );
     }
     let ratio = if small <= ROUNDING {
         "right to rounding".to_owned()
@@ -225,7 +228,10 @@ mod tests {
         assert!(verdict(&with((0.0, 0.0), (0.0, 0.0))).contains("both right to rounding"));
         let mut view = with((0.0, 0.1), (0.0, 31.0));
         view.lanes[1].status = "DIVERGED @ t = 3.2 s".into();
-        assert_eq!(verdict(&view), "Semi-implicit Euler has diverged, RK4 has not.");
+        assert_eq!(
+            verdict(&view),
+            "Semi-implicit Euler has diverged, RK4 has not."
+        );
         view.lanes.truncate(1);
         assert_eq!(verdict(&view), "Tick a scheme to compare with.");
         assert_eq!(verdict(&CompareView::default()), "");

@@ -12,6 +12,10 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     ("Alt + those", "push along the world's axes"),
     (
+        "Click the box · drag it",
+        "poke it there (wheel while held: strength) · hold it on a spring",
+    ),
+    (
         "1 … 9",
         "move the box by the first … ninth integrator of the list",
     ),
@@ -22,23 +26,33 @@ pub const KEYS: &[(&str, &str)] = &[
     ("G · V", "ghosts on or off · next layout"),
     ("P or Space", "pause, resume"),
     (". or →", "one step while paused (with Shift: ten)"),
+    (", or ←", "one step back (with Shift: ten)"),
     ("R or Backspace", "restart the scene"),
     ("- and =", "slower, faster"),
     ("0", "real time"),
     ("[ and ]", "previous scene, next scene"),
+    ("Ctrl + O", "search for a scene"),
+    (
+        "Ctrl + Z · Ctrl + Shift + Z",
+        "take back a change of a parameter or a reset · do it again",
+    ),
+    ("Ctrl + plus · Ctrl + minus", "size of the panel"),
     (
         "B · C · X",
         "show the bounding box · the contacts · axes and velocity",
     ),
     ("F", "put the box in the middle of the picture"),
     ("Home", "the scene's own camera"),
-    ("Left drag · right drag · wheel", "orbit · pan · zoom"),
+    (
+        "Left drag beside it · right drag · wheel",
+        "orbit · pan · zoom",
+    ),
     ("L", "start or stop the CSV log"),
     ("F12", "save a picture of the window"),
     ("M", "show or hide the plots"),
     ("` (backtick)", "show or hide the panel"),
     ("F1 or ?", "show or hide this list"),
-    ("Esc", "close this list"),
+    ("Esc", "close a list, let go of the box"),
     ("Ctrl + Q", "quit"),
 ];
 

@@ -17,6 +17,10 @@ pub struct PanelMemory {
     pub push_off_centre: bool,
     /// Push buttons push along the world's axes.
     pub push_world: bool,
+    /// What was typed into the list of scenes.
+    pub(super) search: String,
+    /// "Reset everything" was pressed once.
+    pub(super) sure: bool,
     /// A value that restarts the scene, while it is dragged: its label and the value so far.
     pub(super) draft: Option<(&'static str, f64)>,
     /// Work–precision shows the position error instead of the attitude's.
@@ -44,6 +48,8 @@ impl Default for PanelMemory {
             dismissed_notice: None,
             push_off_centre: false,
             push_world: false,
+            search: String::new(),
+            sure: false,
             draft: None,
             sweep_position: false,
             frozen: None,

@@ -13,6 +13,7 @@
 //! slider `Gravity [m/s²]`, its typed value `Gravity value [m/s²]`, a scheme its name.
 
 pub(crate) mod decimate;
+mod demo;
 mod drawer;
 mod fields;
 mod format;
@@ -20,6 +21,7 @@ mod keys;
 mod log_axis;
 mod memory;
 mod overlay;
+mod picker;
 mod row;
 mod sample;
 mod side;
@@ -34,7 +36,9 @@ pub use keys::KEYS;
 pub use memory::{PanelMemory, Section};
 #[doc(hidden)]
 pub use sample::sample_view;
-pub use view::{HeroView, HistoryView, LogView, PanelView, Parameters, SchemeTiming};
+pub use view::{
+    DemoView, HandsView, HeroView, HistoryView, LogView, PanelView, Parameters, SchemeTiming,
+};
 
 use bevy_egui::egui::{Panel, Rect, Ui};
 
@@ -60,7 +64,8 @@ pub fn show(
     out: &mut Vec<Action>,
 ) -> PanelLayout {
     style::install_symbols(ui.ctx());
-    overlay::help(ui, view, out);
+    overlay::help(ui, view, memory, out);
+    picker::show(ui, view, memory, out);
     if view.hidden {
         let central = ui.available_rect_before_wrap();
         overlay::hud(ui, view, out);
@@ -83,6 +88,7 @@ pub fn show(
             .show(ui, |ui| drawer::show(ui, view, memory, out));
     }
     overlay::strips(ui, view, memory);
+    demo::show(ui, view, out);
 
     let left = ui.available_rect_before_wrap();
     PanelLayout {

@@ -20,8 +20,12 @@ const LESSON_ROOM: f32 = 150.0;
 pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
     let scene = view.scenes.get(view.scene).map(|(id, _)| id);
     let lesson = !view.lesson.is_empty() && memory.dismissed_lesson.as_ref() != scene;
-    if lesson && ui.available_height() > LESSON_ROOM && strip(ui, "lesson", &view.lesson) {
+    if lesson && ui.available_height() > LESSON_ROOM && self::lesson(ui, view) {
         memory.dismissed_lesson = scene.cloned();
+    }
+    for error in &view.hands.scene_errors {
+        let text = RichText::new(format!("⚠ {error}")).color(ui.visuals().error_fg_color);
+        Panel::top(Id::new(("scene error", error))).show(ui, |ui| ui.add(Label::new(text).wrap()));
     }
     let Some(notice) = view.notices.last() else {
         return;
@@ -35,17 +39,48 @@ pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
     }
 }
 
+/// What the scene teaches and what to try, across the top of the picture; returns whether it was
+/// dismissed.
+fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
+    let hints: Vec<&str> = (view.hands.hints.iter())
+        .map(String::as_str)
+        .filter(|hint| !hint.is_empty())
+        .collect();
+    let try_this = (!hints.is_empty()).then(|| format!("Try: {}", hints.join("  ·  ")));
+    Panel::top(Id::new(("strip", "lesson")))
+        .show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                let close = dismiss(ui, "lesson");
+                ui.vertical(|ui| {
+                    ui.spacing_mut().item_spacing.y = 2.0;
+                    ui.add(Label::new(&view.lesson).wrap());
+                    if let Some(text) = try_this {
+                        ui.add(Label::new(RichText::new(text).small().weak()).wrap());
+                    }
+                });
+                close
+            })
+            .inner
+        })
+        .inner
+}
+
+fn dismiss(ui: &mut Ui, what: &str) -> bool {
+    let close = ui.small_button("✖");
+    close.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Dismiss {what}")));
+    close
+        .on_hover_text(format!("Dismiss this {what}."))
+        .clicked()
+}
+
 /// A line of text across the top of the picture; returns whether it was dismissed.
 fn strip(ui: &mut Ui, what: &str, text: &str) -> bool {
     Panel::top(Id::new(("strip", what)))
         .show(ui, |ui| {
             ui.horizontal_top(|ui| {
-                let close = ui.small_button("✖");
-                close.widget_info(|| {
-                    WidgetInfo::labeled(WidgetType::Button, true, format!("Dismiss {what}"))
-                });
+                let close = dismiss(ui, what);
                 ui.add(Label::new(text).wrap());
-                close.clicked()
+                close
             })
             .inner
         })
@@ -54,8 +89,9 @@ fn strip(ui: &mut Ui, what: &str, text: &str) -> bool {
 
 /// The list of keys over everything. A click beside it or on Close asks to close it; Esc is left to the
 /// game's own keys, so that one press is one request.
-pub(super) fn help(ui: &Ui, view: &PanelView, out: &mut Vec<Action>) {
+pub(super) fn help(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     if !view.show_help {
+        memory.sure = false;
         return;
     }
     let screen = ui.ctx().content_rect();
@@ -69,7 +105,9 @@ pub(super) fn help(ui: &Ui, view: &PanelView, out: &mut Vec<Action>) {
             if reset.on_hover_text("Every parameter back to the scene's own.").clicked() {
                 out.push(Action::ResetParameters);
             }
+            reset_everything(ui, memory, out);
         });
+        ui.horizontal_wrapped(|ui| scale(ui, view, out));
         ui.label("Right-click a slider: its default. Numbers can be typed, beyond the slider's ends too.");
         let height = (screen.height() - 140.0).max(40.0);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, keys);
@@ -78,6 +116,39 @@ pub(super) fn help(ui: &Ui, view: &PanelView, out: &mut Vec<Action>) {
     if modal.inner || modal.backdrop_response.clicked() {
         out.push(Action::ToggleHelp);
     }
+}
+
+/// The last rung of the ladder asks once more.
+fn reset_everything(ui: &mut Ui, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+    if !memory.sure {
+        let button = ui.button("Reset everything…");
+        memory.sure = button
+            .on_hover_text("First scene, default scheme, step, speed, switches, scale.")
+            .clicked();
+        return;
+    }
+    if ui.button("Yes, reset everything").clicked() {
+        out.push(Action::ResetEverything);
+        memory.sure = false;
+    }
+    if ui.button("No").clicked() {
+        memory.sure = false;
+    }
+}
+
+/// Scales of the panel by one click.
+const SCALES: [f64; 5] = [0.75, 1.0, 1.25, 1.5, 2.0];
+
+fn scale(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    ui.label("Size of the panel:");
+    for scale in SCALES {
+        let chosen = (view.hands.ui_scale - scale).abs() < 1e-3;
+        let text = format!("{:.0} %", scale * 100.0);
+        if ui.selectable_label(chosen, text).clicked() && !chosen {
+            out.push(Action::SetUiScale(scale));
+        }
+    }
+    ui.label("(Ctrl and + or −)");
 }
 
 fn keys(ui: &mut Ui) {

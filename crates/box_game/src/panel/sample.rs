@@ -2,7 +2,7 @@
 
 use box_physics::prelude::{DVec3, Integrator};
 
-use super::view::{HeroView, HistoryView, PanelView, Parameters, SchemeTiming};
+use super::view::{HandsView, HeroView, HistoryView, PanelView, Parameters, SchemeTiming};
 use crate::action::Plot;
 use crate::compare::{CompareView, LaneView, Quantity};
 
@@ -90,6 +90,7 @@ pub fn sample_view() -> PanelView {
         log: None,
         software_rendering: false,
         notices: Vec::new(),
+        hands: HandsView::default(),
     }
 }
 

@@ -63,7 +63,7 @@ fn scene(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         current_text_value: Some(title.into()),
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
-    combo.on_hover_text("Scene; [ and ] go through the list.");
+    combo.on_hover_text("Scene; [ and ] go through the list, Ctrl+O searches in it.");
     if button(ui, "◂", "Previous scene", "Previous scene ([)").clicked() {
         out.push(Action::PreviousScene);
     }
@@ -81,18 +81,26 @@ fn clock(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     if button(ui, text, name, "Stop or resume the clock (P or Space).").clicked() {
         out.push(Action::TogglePause);
     }
+    let hint = "One step back, the clock standing (,). With Shift: ten.";
+    if button(ui, "⏮ Back", "Step back", hint).clicked() {
+        out.push(Action::StepBack(ten(ui)));
+    }
     let hint = "One step, the clock standing (.). With Shift: ten.";
     if button(ui, "⏭ Step", "Step", hint).clicked() {
-        let steps = if ui.input(|i| i.modifiers.shift) {
-            10
-        } else {
-            1
-        };
-        out.push(Action::Step(steps));
+        out.push(Action::Step(ten(ui)));
     }
     let hint = "The scene from its start, with the present parameters (R).";
     if button(ui, "⟲ Restart", "Restart", hint).clicked() {
         out.push(Action::Restart);
+    }
+}
+
+/// How many steps a click means.
+fn ten(ui: &Ui) -> u32 {
+    if ui.input(|i| i.modifiers.shift) {
+        10
+    } else {
+        1
     }
 }
 
@@ -141,6 +149,27 @@ fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
 }
 
 fn windows(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    for (text, name, what, key, action) in [
+        ("↶", "Undo", &view.hands.undoes, "Ctrl+Z", Action::Undo),
+        (
+            "↷",
+            "Redo",
+            &view.hands.redoes,
+            "Ctrl+Shift+Z",
+            Action::Redo,
+        ),
+    ] {
+        let response = ui.add_enabled(what.is_some(), Button::new(text));
+        let enabled = what.is_some();
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, enabled, name));
+        let hint = what.as_deref().unwrap_or("nothing");
+        if response
+            .on_hover_text(format!("{name}: {hint} ({key})."))
+            .clicked()
+        {
+            out.push(action);
+        }
+    }
     let toggle = |ui: &mut Ui, on: bool, text: &str, hint: &str| {
         let response = ui.add(Button::selectable(on, text).frame_when_inactive(true));
         response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, text));

@@ -2,6 +2,7 @@
 //! and is tested without a window.
 
 use box_physics::prelude::{DVec3, Integrator};
+use box_scenarios::dissertation::Stepper;
 
 use crate::action::Plot;
 use crate::compare::CompareView;
@@ -77,6 +78,55 @@ pub struct PanelView {
     pub software_rendering: bool,
     /// Messages for the person: the last error or file written, newest last.
     pub notices: Vec<String>,
+    /// What hands can do and see besides.
+    pub hands: HandsView,
+}
+
+/// Hints, scene files, the past, the 2012 demo.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HandsView {
+    /// What to try in this scene.
+    pub hints: [String; 2],
+    /// What is wrong with scene files, a line each.
+    pub scene_errors: Vec<String>,
+    /// Ticks that one can go back.
+    pub past: usize,
+    /// What undo would take back.
+    pub undoes: Option<String>,
+    /// What redo would do again.
+    pub redoes: Option<String>,
+    /// Whether the list of scenes to search in is open.
+    pub show_picker: bool,
+    /// Scale of the panel.
+    pub ui_scale: f64,
+    /// The demo of 2012, in its scene.
+    pub demo: Option<DemoView>,
+}
+
+impl Default for HandsView {
+    fn default() -> Self {
+        Self {
+            hints: Default::default(),
+            scene_errors: Vec::new(),
+            past: 0,
+            undoes: None,
+            redoes: None,
+            show_picker: false,
+            ui_scale: 1.0,
+            demo: None,
+        }
+    }
+}
+
+/// The demo of 2012.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DemoView {
+    /// Which of its steppers moves the hero; `None` for ours.
+    pub stepper: Option<Stepper>,
+    /// Its last integration cycle \[µs\].
+    pub cycle_us: f64,
+    /// The file of its cycle times and their number.
+    pub log: Option<(String, u64)>,
 }
 
 /// What can be set live.

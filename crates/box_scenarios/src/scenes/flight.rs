@@ -6,6 +6,7 @@ use super::{GRAVITY, brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
+use crate::view::{PlotPreset, SceneView};
 
 /// A ball's throw: the parabola.
 pub fn ballistic() -> Scenario {
@@ -28,6 +29,7 @@ pub fn ballistic() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
+        view: SceneView::from(8.0, 8.0).with_plot(PlotPreset::Error),
     }
 }
 
@@ -51,6 +53,7 @@ pub fn stiff_drag() -> Scenario {
         setup: Setup::new(body, start, forces, 3.0),
         recommended: &["split", "backward-euler", "implicit-midpoint", "rk4"],
         boxes: 1,
+        view: SceneView::from(8.0, 15.0).with_plot(PlotPreset::Error),
     }
 }
 
@@ -74,6 +77,7 @@ pub fn quadratic_drag() -> Scenario {
         setup: Setup::new(body, start, forces, 8.0),
         recommended: &["split", "rk4", "velocity-verlet", "explicit-euler"],
         boxes: 1,
+        view: SceneView::from(8.0, 10.0).with_plot(PlotPreset::Error),
     }
 }
 
@@ -93,5 +97,6 @@ pub fn throw() -> Scenario {
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
+        view: SceneView::from(15.0, 12.0).with_plot(PlotPreset::Error),
     }
 }

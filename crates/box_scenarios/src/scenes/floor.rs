@@ -6,6 +6,7 @@ use super::{GRAVITY, brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup};
+use crate::view::{PlotPreset, SceneView};
 
 /// A box at rest, to be pushed about.
 pub fn playground() -> Scenario {
@@ -23,6 +24,7 @@ pub fn playground() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
         boxes: 1,
+        view: SceneView::from(30.0, 24.0),
     }
 }
 
@@ -39,6 +41,7 @@ pub fn drop() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
         boxes: 1,
+        view: SceneView::from(15.0, 8.0),
     }
 }
 
@@ -63,6 +66,7 @@ pub fn bounce() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
+        view: SceneView::from(15.0, 8.0),
     }
 }
 
@@ -83,6 +87,7 @@ pub fn slide() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.0, 0.5)),
         recommended: &["split", "rk4", "backward-euler", "explicit-euler"],
         boxes: 1,
+        view: SceneView::from(5.0, 14.0).with_plot(PlotPreset::Error),
     }
 }
 
@@ -103,6 +108,7 @@ pub fn tumble_storm() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.8, 0.3)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
+        view: SceneView::from(25.0, 22.0),
     }
 }
 
@@ -123,6 +129,7 @@ pub fn load() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
         boxes: 1000,
+        view: SceneView::from(30.0, 28.0).with_plot(PlotPreset::Timing),
     }
 }
 
@@ -144,12 +151,13 @@ pub fn contact() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
+        view: SceneView::from(20.0, 10.0),
     }
 }
 
 /// The demo of 2012: one cube over a ground plane.
 pub fn dissertation_2012() -> Scenario {
-    let body = solid([0.5; 3], 1.0);
+    let body = solid([0.5; 3], 10.0);
     let start = spinning(&body, [0.0, 4.5, 0.0], [0.0; 3]);
     let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 30.0);
     Scenario {
@@ -163,5 +171,6 @@ pub fn dissertation_2012() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["heun-2012", "rk4", "explicit-euler", "backward-euler"],
         boxes: 1,
+        view: SceneView::from(30.0, 20.0).with_plot(PlotPreset::Cpu),
     }
 }

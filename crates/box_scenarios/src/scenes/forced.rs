@@ -6,6 +6,7 @@ use super::{brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
+use crate::view::SceneView;
 
 /// A box in orbit on a spring: the ellipse that must close.
 pub fn spring_orbit() -> Scenario {
@@ -25,6 +26,7 @@ pub fn spring_orbit() -> Scenario {
         setup: Setup::new(body, start, forces, 30.0),
         recommended: &["split", "semi-implicit-euler", "rk4", "explicit-euler"],
         boxes: 1,
+        view: SceneView::from(10.0, 50.0),
     }
 }
 
@@ -49,6 +51,7 @@ pub fn stiff_spring() -> Scenario {
         setup: Setup::new(body, start, forces, 4.0),
         recommended: &["split", "rk4", "implicit-midpoint", "backward-euler"],
         boxes: 1,
+        view: SceneView::from(30.0, 20.0),
     }
 }
 
@@ -71,5 +74,6 @@ pub fn heavy_top() -> Scenario {
         setup: Setup::new(body, start, forces, 5.0),
         recommended: &["split", "split4", "rk4", "implicit-midpoint"],
         boxes: 1,
+        view: SceneView::from(25.0, 12.0),
     }
 }

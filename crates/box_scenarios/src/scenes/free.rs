@@ -4,6 +4,7 @@ use super::{brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
+use crate::view::{PlotPreset, SceneView};
 
 /// Where freely spinning boxes float: 2 m up.
 const AT: [f64; 3] = [0.0, 2.0, 0.0];
@@ -23,6 +24,7 @@ pub fn dzhanibekov() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "semi-implicit-euler", "engine-rescaled", "rk4"],
         boxes: 1,
+        view: SceneView::from(30.0, 22.0),
     }
 }
 
@@ -46,6 +48,7 @@ pub fn stable_axis() -> Scenario {
             "backward-euler",
         ],
         boxes: 1,
+        view: SceneView::from(30.0, 22.0),
     }
 }
 
@@ -64,6 +67,7 @@ pub fn thin_plate() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "midpoint", "implicit-midpoint", "rk4"],
         boxes: 1,
+        view: SceneView::from(30.0, 25.0),
     }
 }
 
@@ -82,6 +86,7 @@ pub fn needle() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 5.0),
         recommended: &["split", "engine-newton", "semi-implicit-euler", "rk4"],
         boxes: 1,
+        view: SceneView::from(30.0, 25.0),
     }
 }
 
@@ -100,6 +105,7 @@ pub fn symmetric_top() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "backward-euler", "semi-implicit-euler", "rk4"],
         boxes: 1,
+        view: SceneView::from(30.0, 25.0).with_plot(PlotPreset::Error),
     }
 }
 
@@ -122,6 +128,7 @@ pub fn damped_spin() -> Scenario {
         setup: Setup::new(body, start, forces, 10.0),
         recommended: &["split", "exact", "rk4", "semi-implicit-euler"],
         boxes: 1,
+        view: SceneView::from(30.0, 22.0),
     }
 }
 
@@ -140,5 +147,6 @@ pub fn separatrix() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "exact", "implicit-midpoint", "rk4"],
         boxes: 1,
+        view: SceneView::from(30.0, 22.0).with_plot(PlotPreset::Error),
     }
 }

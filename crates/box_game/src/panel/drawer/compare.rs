@@ -206,9 +206,18 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     let most = view
         .lanes
         .iter()
-        .map(|l| l.energies.iter().filter(|e| e.is_finite()).map(|e| e.abs()).sum())
+        .map(|l| {
+            l.energies
+                .iter()
+                .filter(|e| e.is_finite())
+                .map(|e| e.abs())
+                .sum()
+        })
         .fold(1e-12_f64, f64::max);
-    ui.add(Label::new(RichText::new(format!("energy, full bar {} J", number(most))).small()).truncate());
+    ui.add(
+        Label::new(RichText::new(format!("energy, full bar {} J", number(most))).small())
+            .truncate(),
+    );
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         for (name, color) in ENERGIES {

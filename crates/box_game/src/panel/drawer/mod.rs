@@ -45,14 +45,11 @@ const TABS: [(Plot, &str, &str); 6] = [
 const THAW: f64 = 0.3;
 
 /// Draws the tabs and the chosen one's content.
-pub(super) fn show(
-    ui: &mut Ui,
-    view: &PanelView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) {
+pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     let now = ui.input(|i| i.time);
-    memory.frozen.take_if(|f| f.until < now || f.plot != view.plot);
+    memory
+        .frozen
+        .take_if(|f| f.until < now || f.plot != view.plot);
     ui.horizontal_wrapped(|ui| {
         for (plot, name, hint) in TABS {
             let chosen = view.plot == plot;
@@ -76,8 +73,9 @@ pub(super) fn show(
             out.push(Action::TogglePlots);
         }
         if memory.frozen.is_some() {
-            ui.label(RichText::new("⏸ frozen").strong())
-                .on_hover_text("The plots stand still while the pointer is over them; the simulation does not.");
+            ui.label(RichText::new("⏸ frozen").strong()).on_hover_text(
+                "The plots stand still while the pointer is over them; the simulation does not.",
+            );
         }
     });
     let frozen = memory.frozen.take();
@@ -142,7 +140,13 @@ fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareActio
             let action = CompareAction::ToggleLogarithmic;
             toggle(ui, settings.logarithmic, "log", hint, action);
             let hint = "The error of each step alone, from the reference's state, instead of that since the start: it says something even after chaos.";
-            toggle(ui, settings.local, "per step", hint, CompareAction::ToggleLocal);
+            toggle(
+                ui,
+                settings.local,
+                "per step",
+                hint,
+                CompareAction::ToggleLocal,
+            );
         }
         Plot::Energy => {
             let hint = "The size on a logarithmic axis instead of the value on a linear one.";
@@ -155,7 +159,13 @@ fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareActio
         for window in Window::ALL {
             let on = settings.window == window;
             let hint = "How much of the past is shown.";
-            toggle(ui, on, window.name(), hint, CompareAction::SetWindow(window));
+            toggle(
+                ui,
+                on,
+                window.name(),
+                hint,
+                CompareAction::SetWindow(window),
+            );
         }
     }
     if plot != Plot::Cpu && plot != Plot::Timing {

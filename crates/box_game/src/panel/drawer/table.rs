@@ -22,10 +22,7 @@ const HEADINGS: [(&str, &str); 12] = [
         "Half of the recent samples are shorter, ns per step: what a frame feels.",
     ),
     ("p95 [ns]", "95 % of the recent samples are shorter."),
-    (
-        "min [ns]",
-        "Shortest recent sample: the scheme's own cost.",
-    ),
+    ("min [ns]", "Shortest recent sample: the scheme's own cost."),
     ("evals", "Force evaluations per step, as counted."),
     ("dt", "Step size of the lane."),
     ("pos err [m]", "Distance from the reference, now."),
@@ -38,8 +35,14 @@ const HEADINGS: [(&str, &str); 12] = [
         "Δ|L|/|L₀|",
         "Angular momentum that they do not account for.",
     ),
-    ("order", "The error of a free rotation falls with this power of dt."),
-    ("state", "ok, contact, resting, catching up, or when it diverged."),
+    (
+        "order",
+        "The error of a free rotation falls with this power of dt.",
+    ),
+    (
+        "state",
+        "ok, contact, resting, catching up, or when it diverged.",
+    ),
 ];
 
 pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<CompareAction>) {

@@ -96,8 +96,12 @@ fn controls(
         }
     }
     ui.add(
-        Label::new(RichText::new("dots: now · lines: the sweep · down and left is better").small().weak())
-            .truncate(),
+        Label::new(
+            RichText::new("dots: now · lines: the sweep · down and left is better")
+                .small()
+                .weak(),
+        )
+        .truncate(),
     );
 }
 

@@ -175,6 +175,16 @@ pub(super) fn load(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         number(view.step_time_us)
     ));
     ui.label(format!("one frame: {} ms", number(view.frame_time_ms)));
+    let hitch = ui.button("Frame hitch").on_hover_text(
+        "One frame of three quarters of a second: of it a quarter is simulated, the rest is dropped and counted.",
+    );
+    if hitch.clicked() {
+        out.push(Action::Hitch);
+    }
+    ui.label(format!(
+        "dropped by slow frames: {} s",
+        number(view.dropped)
+    ));
     if reset(ui, "load") {
         out.push(Action::SetBoxes(view.defaults.boxes));
     }

@@ -112,6 +112,13 @@ pub(super) fn log(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     {
         out.push(Action::ToggleLog);
     }
+    if ui
+        .button("Copy command line")
+        .on_hover_text("The command line that brings this set-up back, to the clipboard.")
+        .clicked()
+    {
+        out.push(Action::CopyCommandLine);
+    }
     match &view.log {
         Some(log) => {
             ui.add(Label::new(&log.path).wrap().selectable(true));

@@ -1,0 +1,191 @@
+//! Scripts: actions at given times, from a RON file. The tests use them, and the pictures of the
+//! documentation are made by one.
+//!
+//! ```ron
+//! [
+//!     (at: 0.0, actions: [SelectScene("bounce"), SetIntegrator("rk4")]),
+//!     (at: 2.5, actions: [Push((direction: (1, 0, 0))), ScreenshotTo("pushed.png")]),
+//!     (at: 3.0, actions: [Quit]),
+//! ]
+//! ```
+//!
+//! Times are seconds since the script began, of the program's clock: they go on while the scene is
+//! paused. Without a window a frame is one step of the physics, however long it takes to draw.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::*;
+use ron::extensions::Extensions;
+use serde::{Deserialize, Serialize};
+
+use crate::action::Action;
+use crate::apply::Asked;
+
+/// The longest script that is read \[bytes\].
+const MAX_BYTES: u64 = 1024 * 1024;
+
+/// Actions of one moment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beat {
+    /// When \[s\], since the script began; not before the beat above.
+    pub at: f64,
+    /// What, in this order.
+    pub actions: Vec<Action>,
+}
+
+/// A script that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{}: {message}", file.display(), place.map(|(l, c)| format!(":{l}:{c}")).unwrap_or_default())]
+pub struct ScriptError {
+    file: PathBuf,
+    place: Option<(usize, usize)>,
+    message: String,
+}
+
+/// Reads the script in `path`.
+///
+/// # Errors
+/// [`ScriptError`] with file, line and column.
+pub fn load(path: &Path) -> Result<Vec<Beat>, ScriptError> {
+    let about = |message: String| ScriptError {
+        file: path.to_owned(),
+        place: None,
+        message,
+    };
+    let size = std::fs::metadata(path)
+        .map_err(|e| about(e.to_string()))?
+        .len();
+    if size > MAX_BYTES {
+        return Err(about(format!("longer than {MAX_BYTES} bytes")));
+    }
+    let text = std::fs::read_to_string(path).map_err(|e| about(e.to_string()))?;
+    parse(path, &text)
+}
+
+/// The script in `text`; `file` is only named in errors.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(file: &Path, text: &str) -> Result<Vec<Beat>, ScriptError> {
+    let beats: Vec<Beat> = ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .from_str(text)
+        .map_err(|error| ScriptError {
+            file: file.to_owned(),
+            place: Some((error.span.start.line, error.span.start.col)),
+            message: error.code.to_string(),
+        })?;
+    let mut last = 0.0;
+    for (k, beat) in beats.iter().enumerate() {
+        if !(beat.at.is_finite() && beat.at >= last) {
+            return Err(ScriptError {
+                file: file.to_owned(),
+                place: None,
+                message: format!(
+                    "beat {}: at: must be finite and not before the beat above, but is {}",
+                    k + 1,
+                    beat.at
+                ),
+            });
+        }
+        last = beat.at;
+    }
+    Ok(beats)
+}
+
+/// The script that is being played.
+#[derive(Resource, Clone, Debug)]
+pub struct Script {
+    beats: VecDeque<Beat>,
+    began: Option<f64>,
+}
+
+impl Script {
+    /// From its beats.
+    pub fn new(beats: Vec<Beat>) -> Self {
+        Self {
+            beats: beats.into(),
+            began: None,
+        }
+    }
+
+    /// Whether nothing is left to do.
+    pub fn is_over(&self) -> bool {
+        self.beats.is_empty()
+    }
+}
+
+/// Pictures that were asked for and are not on disk yet: a script does not quit before them.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct PendingPictures(pub u32);
+
+/// Asks for what is due.
+pub fn play(
+    script: Option<ResMut<Script>>,
+    time: Res<Time<Real>>,
+    pending: Res<PendingPictures>,
+    mut asked: ResMut<Asked>,
+) {
+    let Some(mut script) = script else {
+        return;
+    };
+    let now = time.elapsed_secs_f64();
+    let began = *script.began.get_or_insert(now);
+    while let Some(beat) = script.beats.front_mut() {
+        // A step of the clock is not always the same in its last digits.
+        if now - began < beat.at - 1e-6 {
+            return;
+        }
+        while !beat.actions.is_empty() {
+            if beat.actions[0] == Action::Quit && pending.0 > 0 {
+                return;
+            }
+            asked.0.push(beat.actions.remove(0));
+        }
+        script.beats.pop_front();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_reads_back() {
+        let text = r#"[
+            (at: 0, actions: [SelectScene("bounce"), SetIntegrator("rk4"), SetStep(0.01)]),
+            (at: 1.5, actions: [
+                Push((direction: (0, 1, 0))),
+                Poke((body_point: (0.5, 0, 0), normal: (1, 0, 0), strength: 2)),
+                SetCamera((yaw: 10, pitch: 20, distance: 6)),
+                SelectPlot(Timing), SetDemo("2012-rk4"), SetDemo(None), Grab(None), Restart, Quit,
+            ]),
+        ]"#;
+        let beats = parse(Path::new("a.ron"), text).expect("a script");
+        assert_eq!(beats.len(), 2);
+        let written = ron::to_string(&beats).expect("plain data");
+        let again: Vec<Beat> = ron::from_str(&written).expect("own text");
+        assert_eq!(again, beats);
+    }
+
+    #[test]
+    fn mistakes_have_a_place() {
+        let error = |text: &str| {
+            parse(Path::new("a.ron"), text)
+                .expect_err("bad")
+                .to_string()
+        };
+        let said = error("[\n (at: 0, actions: [Fly]),\n]");
+        assert!(
+            said.starts_with("a.ron:2:") && said.contains("Fly"),
+            "{said}"
+        );
+        let said = error("[(at: 0, actions: [SetIntegrator(\"leapfrog\")])]");
+        assert!(said.contains("leapfrog") && said.contains("rk4"), "{said}");
+        assert!(error("[(at: 2, actions: []), (at: 1, actions: [])]").contains("beat 2: at"));
+        assert!(error("[(at: inf, actions: [])]").contains("finite"));
+        assert!(load(Path::new("/nowhere.ron")).is_err());
+    }
+}

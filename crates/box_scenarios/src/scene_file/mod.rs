@@ -1,0 +1,106 @@
+//! Scenes in files: RON, documented in `assets/scenes/example.ron`.
+//!
+//! [`load`] reads one, [`to_ron`] writes one; what is written reads back bit for bit. Every complaint
+//! names file, line, column and field. Nothing in a file can make the reader panic or hang: it is at
+//! most [`MAX_BYTES`] long, and what a scene may ask for is limited ([`check`] says how).
+//!
+//! ```
+//! use box_scenarios::{Scenario, scene_file};
+//! let scene = Scenario::find("bounce")?;
+//! let text = scene_file::to_ron(&scene);
+//! assert_eq!(scene_file::parse("bounce.ron".as_ref(), &text)?, scene);
+//! let error = scene_file::parse("x.ron".as_ref(), "(\n  duration: -1,\n)").unwrap_err();
+//! assert!(error.to_string().starts_with("x.ron:"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod check;
+mod error;
+mod form;
+mod intern;
+mod place;
+
+use std::io::Read as _;
+use std::path::Path;
+
+use ron::extensions::Extensions;
+use ron::options::Options;
+use ron::ser::PrettyConfig;
+
+use crate::scenario::Scenario;
+pub use check::{LONGEST, MOST_TURNS};
+pub use error::SceneFileError;
+use form::SceneForm;
+
+/// The longest file that is read \[bytes\].
+pub const MAX_BYTES: u64 = 256 * 1024;
+
+/// Reads the scene in `path`.
+///
+/// # Errors
+/// [`SceneFileError`] if it cannot be read or is not a scene.
+pub fn load(path: &Path) -> Result<Scenario, SceneFileError> {
+    let unreadable = |reason: String| SceneFileError::whole(path, reason);
+    let file = std::fs::File::open(path).map_err(|e| unreadable(e.to_string()))?;
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|e| unreadable(e.to_string()))?;
+    from_bytes(path, &bytes)
+}
+
+/// The scene in `bytes`; `file` is only named in errors.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError> {
+    if bytes.len() as u64 > MAX_BYTES {
+        let text = format!("longer than the {MAX_BYTES} bytes that a scene may have");
+        return Err(SceneFileError::whole(file, text));
+    }
+    match core::str::from_utf8(bytes) {
+        Ok(text) => parse(file, text),
+        Err(error) => {
+            let good = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            let good = core::str::from_utf8(good).unwrap_or_default();
+            Err(SceneFileError::at(
+                file,
+                good,
+                good.len(),
+                "not UTF-8 text from here on".to_owned(),
+            ))
+        }
+    }
+}
+
+/// The scene in `text`; `file` is only named in errors.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(file: &Path, text: &str) -> Result<Scenario, SceneFileError> {
+    let form: SceneForm = options()
+        .from_str(text)
+        .map_err(|error| SceneFileError::syntax(file, text, &error))?;
+    form.into_scenario()
+        .map_err(|bad| SceneFileError::value(file, text, &bad))
+}
+
+/// `scene` as a file.
+pub fn to_ron(scene: &Scenario) -> String {
+    let pretty = PrettyConfig::new()
+        .depth_limit(3)
+        .indentor("    ")
+        .compact_arrays(true);
+    options()
+        .to_string_pretty(&SceneForm::of(scene), pretty)
+        .map(|text| text + "\n")
+        .unwrap_or_else(|error| unreachable!("a scene is plain data, but: {error}"))
+}
+
+/// `floor: (…)` needs no `Some`.
+fn options() -> Options {
+    Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,241 @@
+use super::*;
+use box_physics::schemes::{Integrator, SchemeMemory};
+use proptest::prelude::*;
+
+const EXAMPLE: &str = include_str!("../../../../assets/scenes/example.ron");
+
+fn read(text: &str) -> Result<Scenario, SceneFileError> {
+    parse(Path::new("a.ron"), text)
+}
+
+#[test]
+fn every_built_in_scene_survives_a_file_bit_for_bit() {
+    for build in Scenario::ALL {
+        let scene = build();
+        let text = to_ron(&scene);
+        let back = read(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(back, scene, "{text}");
+    }
+}
+
+#[test]
+fn another_inertia_survives_too() {
+    let mut scene = Scenario::default();
+    scene.setup.body = (scene.setup.body.with_inertia([0.3, 0.4, 0.5])).expect("possible");
+    assert_eq!(read(&to_ron(&scene)).expect("own text"), scene);
+}
+
+#[test]
+fn the_files_that_are_shipped_are_scenes() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+    let mut ids = Scenario::ids();
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("shipped") {
+        let path = entry.expect("readable").path();
+        let scene = load(&path).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!ids.contains(&scene.id), "{} twice", scene.id);
+        assert!(!scene.lesson.is_empty() && !scene.recommended().is_empty());
+        ids.push(scene.id);
+        count += 1;
+    }
+    assert!(count >= 3);
+}
+
+/// Every field of a scene is in the example, so that it documents the format.
+#[test]
+fn the_example_shows_every_field() {
+    let mut scene = Scenario::find("heavy-top").expect("known");
+    scene.setup.body = (scene.setup.body.with_inertia([0.3, 0.4, 0.5])).expect("possible");
+    scene.setup.forces =
+        scene
+            .setup
+            .forces
+            .with_spring(glam::DVec3::ZERO, glam::DVec3::ONE, 1.0, 1.0);
+    scene.setup.floor = Some(crate::FloorSpec::at_zero(0.5, 0.5));
+    scene.setup.impulses = vec![crate::TimedImpulse {
+        t: 1.0,
+        impulse: glam::DVec3::X,
+        body_point: glam::DVec3::ZERO,
+    }];
+    for line in to_ron(&scene).lines() {
+        let Some((name, _)) = line.trim().split_once(':') else {
+            continue;
+        };
+        let name = name.trim_start_matches('(');
+        if name.chars().all(|c| c.is_ascii_lowercase() || c == '_') {
+            assert!(EXAMPLE.contains(&format!("{name}:")), "{name}");
+        }
+    }
+}
+
+#[test]
+fn complaints_name_file_line_column_and_field() {
+    for (from, to, expected) in [
+        ("mass: 3.0", "mass: -3.0", ":body.mass: must be between"),
+        ("mass: 3.0", "mass: heavy", ":body.mass: "),
+        ("mass: 3.0", "weight: 3.0", ":weight: "),
+        (
+            "restitution: 0.5",
+            "restitution: 1.5",
+            ":floor.restitution: must be between 0 and 1, but is 1.5",
+        ),
+        ("restitution: 0.5,", "", ":restitution: "),
+        (
+            "duration: 10.0",
+            "duration: 1e9",
+            ":duration: must be above 0 and at most 600 s",
+        ),
+        ("\"rk4\"", "\"leapfrog\"", ":recommended: "),
+        (
+            "stiffness: 20.0",
+            "stiffness: -1.0",
+            ":forces.springs.stiffness: must be finite and not negative, but is -1",
+        ),
+        (
+            "stiffness: 20.0",
+            "stiffness: inf",
+            ":forces.springs.stiffness: ",
+        ),
+        (
+            "id: \"example\"",
+            "id: \"../Example\"",
+            ":id: must be 1 to 40",
+        ),
+        (
+            "pitch: 15.0",
+            "pitch: 95.0",
+            ":view.pitch: must be between -85 and 85",
+        ),
+    ] {
+        assert!(EXAMPLE.contains(from), "{from}");
+        let text = EXAMPLE.replacen(from, to, 1);
+        let error = read(&text).expect_err(to);
+        let said = error.to_string();
+        let (_, what) = said.split_once("a.ron:").expect("the file");
+        let place: Vec<&str> = what.splitn(3, ':').collect();
+        let rest = format!(":{}", place[2].trim_start());
+        assert!(rest.starts_with(expected), "{to}: {said}");
+        // The line is the one that was spoilt, or the next where something is missing.
+        let spoilt = text[..EXAMPLE.find(from).expect("there")]
+            .matches('\n')
+            .count()
+            + 1;
+        assert!(
+            (spoilt..=spoilt + 12).contains(&error.line),
+            "{to}: {said} {spoilt}"
+        );
+        if !to.is_empty() {
+            assert_eq!(error.line, spoilt, "{to}: {said}");
+        }
+        assert!(error.column > 0);
+    }
+    let said = load(Path::new("/nowhere/x.ron"))
+        .expect_err("none")
+        .to_string();
+    assert!(said.contains("x.ron"), "{said}");
+    let said = from_bytes(Path::new("b.ron"), b"(\n id\xff").expect_err("bytes");
+    assert_eq!((said.line, said.column), (2, 4));
+    assert!(from_bytes(Path::new("b.ron"), &vec![b' '; 300_000]).is_err());
+}
+
+/// A scene that the reader lets through can be played: it has its answer soon, and steps stay finite.
+fn plays(scene: &Scenario) {
+    let truth = scene.truth();
+    let start = truth.at(0.0);
+    assert!(start.is_none_or(|s| s.is_finite()));
+    let mut state = scene.setup.initial;
+    let law = scene.setup.forces.forces(&scene.setup.body);
+    let mut memory = SchemeMemory::default();
+    for _ in 0..3 {
+        Integrator::Split.step(&scene.setup.body, &mut state, &law, 1.0 / 60.0, &mut memory);
+    }
+}
+
+fn hostile() -> impl Strategy<Value = String> {
+    prop_oneof![
+        Just("NaN".to_owned()),
+        Just("inf".to_owned()),
+        Just("-1".to_owned()),
+        Just("1e308".to_owned()),
+        Just("1e-308".to_owned()),
+        Just("0".to_owned()),
+        Just("(((((".to_owned()),
+        Just("\"".to_owned()),
+        (-9.0..9.0_f64).prop_map(|e| format!("{:e}", 10.0_f64.powf(e))),
+        (-1e7..1e7_f64).prop_map(|x| format!("{x}")),
+    ]
+}
+
+/// Where the numbers of the example stand.
+fn numbers() -> Vec<core::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut offset = 0;
+    for line in EXAMPLE.split_inclusive('\n') {
+        let code = line.split("//").next().unwrap_or_default();
+        let mut rest = code;
+        let mut at = offset;
+        while let Some(start) = rest.find(|c: char| c.is_ascii_digit() || c == '-') {
+            let number = &rest[start..];
+            let end = number
+                .find(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c)))
+                .unwrap_or(number.len());
+            found.push(at + start..at + start + end);
+            at += start + end;
+            rest = &number[end..];
+        }
+        offset += line.len();
+    }
+    found
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn arbitrary_bytes_are_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        prop_assert!(from_bytes(Path::new("x.ron"), &bytes).is_err());
+    }
+
+    #[test]
+    fn brackets_and_names_are_an_error(text in "[a-c:(){}\\[\\],\"/*#r0-9 \n]{0,300}") {
+        prop_assert!(read(&text).is_err());
+    }
+
+    /// The example with up to four numbers replaced: refused with a place, or playable.
+    #[test]
+    fn a_spoilt_example_is_refused_or_plays(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), hostile()), 1..4)
+    ) {
+        let places = numbers();
+        let mut text = EXAMPLE.to_owned();
+        let mut chosen: Vec<_> = changes.iter().map(|(k, with)| (k.get(&places).clone(), with)).collect();
+        chosen.sort_by_key(|(range, _)| core::cmp::Reverse(range.start));
+        chosen.dedup_by_key(|(range, _)| range.start);
+        for (range, with) in chosen {
+            text.replace_range(range, with);
+        }
+        match read(&text) {
+            Ok(scene) => plays(&scene),
+            Err(error) => prop_assert!(error.line > 0 && !error.message.is_empty(), "{error}"),
+        }
+    }
+
+    /// The example cut off anywhere, and with any byte changed.
+    #[test]
+    fn a_damaged_example_never_panics(at in 0..EXAMPLE.len(), byte in any::<u8>()) {
+        let bytes = EXAMPLE.as_bytes();
+        let _ = from_bytes(Path::new("x.ron"), &bytes[..at]);
+        let mut changed = bytes.to_vec();
+        changed[at] = byte;
+        if let Ok(scene) = from_bytes(Path::new("x.ron"), &changed) {
+            plays(&scene);
+        }
+    }
+}
+
+#[test]
+fn deep_nesting_ends() {
+    for open in ["(", "[", "a:("] {
+        assert!(read(&open.repeat(40_000)).is_err());
+    }
+}

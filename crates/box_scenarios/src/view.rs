@@ -1,0 +1,79 @@
+//! How a scene wants to be looked at: camera and plot.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// Where the camera stands when the scene opens, and which plot lies open. Everything has a default.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SceneView {
+    /// Angle about the vertical \[degrees\]; 0 looks along −z, positive stands to the right.
+    pub yaw: f64,
+    /// Angle above the horizon \[degrees\], −85 to 85.
+    pub pitch: f64,
+    /// Distance from the target \[m\]; without it what shows the box and the floor below it.
+    pub distance: Option<f64>,
+    /// What it looks at \[m\]; without it the box, or between box and floor.
+    pub target: Option<DVec3>,
+    /// The plot worth watching.
+    pub plot: PlotPreset,
+}
+
+impl Default for SceneView {
+    fn default() -> Self {
+        Self {
+            yaw: 34.0,
+            pitch: 20.0,
+            distance: None,
+            target: None,
+            plot: PlotPreset::Energy,
+        }
+    }
+}
+
+impl SceneView {
+    /// From `yaw` and `pitch` \[degrees\].
+    pub const fn from(yaw: f64, pitch: f64) -> Self {
+        Self {
+            yaw,
+            pitch,
+            distance: None,
+            target: None,
+            plot: PlotPreset::Energy,
+        }
+    }
+
+    /// The same at `target` \[m\] from `distance` \[m\].
+    #[must_use]
+    pub const fn at(mut self, target: [f64; 3], distance: f64) -> Self {
+        self.target = Some(DVec3::from_array(target));
+        self.distance = Some(distance);
+        self
+    }
+
+    /// The same with another plot.
+    #[must_use]
+    pub const fn with_plot(mut self, plot: PlotPreset) -> Self {
+        self.plot = plot;
+        self
+    }
+}
+
+/// The plots there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlotPreset {
+    /// Position and attitude error against the trusted answer.
+    Error,
+    /// Energy and angular momentum.
+    #[default]
+    Energy,
+    /// What a step costs.
+    Timing,
+    /// Use of the processor.
+    Cpu,
+    /// Error against cost.
+    WorkPrecision,
+    /// The figures of every scheme.
+    Table,
+}
