@@ -3,9 +3,7 @@
 use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::Virtual;
-use box_physics::prelude::{
-    ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox, StepPhysics,
-};
+use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox, StepPhysics};
 use box_scenarios::Scenario;
 
 use crate::action::{Action, Push};

@@ -25,7 +25,7 @@ const STRIP: f32 = 2.3;
 /// Dashes along an edge of the reference.
 const DASHES: usize = 6;
 /// The picture goes this much farther away for each lane beside the hero.
-const STEP_BACK: f32 = 0.3;
+const STEP_BACK: f32 = 0.4;
 
 /// Draws the lanes of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
 /// [`ComparePlugin`](crate::compare::ComparePlugin); tags need `EguiPlugin`.
@@ -106,7 +106,13 @@ fn color(integrator: Integrator, alpha: f32) -> Color {
 /// A box for every lane, where the lane is.
 fn place_ghosts(
     comparison: Res<Comparison>,
-    mut ghosts: Query<(&Ghost, &mut Transform, &mut Visibility, &mut Mesh3d, &mut MeshMaterial3d<StandardMaterial>)>,
+    mut ghosts: Query<(
+        &Ghost,
+        &mut Transform,
+        &mut Visibility,
+        &mut Mesh3d,
+        &mut MeshMaterial3d<StandardMaterial>,
+    )>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut made: Local<Option<(Vec3, [Handle<Mesh>; 2], Handle<StandardMaterial>)>>,
@@ -298,7 +304,10 @@ fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Trails>) {
         while points.back().is_some_and(|(t, _)| *t > now) {
             points.pop_back();
         }
-        if points.back().is_none_or(|(t, _)| now - t > TRAIL / TRAIL_POINTS as f64) {
+        if points
+            .back()
+            .is_none_or(|(t, _)| now - t > TRAIL / TRAIL_POINTS as f64)
+        {
             points.push_back((now, state.point(tip).as_vec3()));
         }
         while points.front().is_some_and(|(t, _)| now - t > TRAIL) {
@@ -354,9 +363,12 @@ fn draw_frames(comparison: Res<Comparison>, trails: Res<Trails>, mut gizmos: Giz
             continue;
         };
         let count = points.len().max(2) as f32;
-        gizmos.linestrip_gradient(points.iter().enumerate().map(|(n, (_, at))| {
-            (*at + offset, color(integrator, n as f32 / (count - 1.0)))
-        }));
+        gizmos.linestrip_gradient(
+            points
+                .iter()
+                .enumerate()
+                .map(|(n, (_, at))| (*at + offset, color(integrator, n as f32 / (count - 1.0)))),
+        );
     }
 }
 
@@ -409,8 +421,8 @@ fn draw_tags(
     let tip = tip(run);
     let radius = run.law.body.radius() as f32;
     let seen = |at: Vec3| camera.world_to_viewport(eye, at).ok().map(point);
-    let attitude = run.hero.track.now.worst.1 > 1e-9
-        || run.lanes.iter().any(|r| r.track.now.worst.1 > 1e-9);
+    let attitude = run.attitude_says_more();
+    let mut taken: Vec<egui::Rect> = Vec::new();
     let mut next = view.top() + 10.0;
     for (k, (integrator, state, track, offset)) in shown(run, layout).into_iter().enumerate() {
         let text = tag(integrator, k == 0, track, attitude);
@@ -424,19 +436,31 @@ fn draw_tags(
                 let Some(above) = seen(centre + Vec3::Y * radius * 1.25) else {
                     continue;
                 };
-                egui::pos2(above.x - 0.5 * size.x, above.y - size.y)
+                let mut corner = egui::pos2(above.x - 0.5 * size.x, above.y - size.y);
+                // Above those that are there already.
+                while let Some(other) = taken
+                    .iter()
+                    .find(|t| t.intersects(egui::Rect::from_min_size(corner, size)))
+                {
+                    corner.y = other.top() - size.y - 2.0;
+                }
+                corner
             }
             Layout::Solo | Layout::Ghosts => {
                 let corner = egui::pos2(view.left() + 12.0, next);
                 next += size.y + 4.0;
                 let from = egui::pos2(corner.x + size.x, corner.y + 0.5 * size.y);
                 if let Some(to) = seen(state.point(tip).as_vec3() + offset) {
-                    painter.line_segment([from, to], egui::Stroke::new(1.0, looks.gamma_multiply(0.6)));
+                    painter.line_segment(
+                        [from, to],
+                        egui::Stroke::new(1.0, looks.gamma_multiply(0.6)),
+                    );
                 }
                 corner
             }
         };
         let place = egui::Rect::from_min_size(corner, size);
+        taken.push(place);
         painter.rect_filled(place, 4.0, heat(track, attitude));
         painter.rect_stroke(
             place,
@@ -460,9 +484,20 @@ fn tag(integrator: Integrator, hero: bool, track: &Track, attitude: bool) -> Str
     }
     let (value, unit) = now(track, attitude);
     if value.is_finite() {
-        text.push_str(&format!(" · {}{unit}", crate::panel::number(value)));
+        text.push_str(&format!(" · {}{unit}", short(value)));
     }
     text
+}
+
+/// Two significant digits; a tag is read in passing.
+fn short(value: f64) -> String {
+    match value {
+        v if v < 1e-11 => "0".to_owned(),
+        v if v < 1e-3 => format!("{v:.0e}"),
+        v if v < 0.1 => format!("{v:.3}"),
+        v if v < 10.0 => format!("{v:.2}"),
+        v => format!("{v:.0}"),
+    }
 }
 
 fn now(track: &Track, attitude: bool) -> (f64, &'static str) {
@@ -509,7 +544,11 @@ mod tests {
     fn lanes_stand_side_by_side_in_the_picture_alone() {
         let setup = Scenario::find("slide").expect("a scene").setup;
         let mut run = Run::new(&setup, None, Integrator::Split, 1.0 / 60.0);
-        run.choose([Integrator::Rk4, Integrator::ExplicitEuler, Integrator::Midpoint]);
+        run.choose([
+            Integrator::Rk4,
+            Integrator::ExplicitEuler,
+            Integrator::Midpoint,
+        ]);
         let places: Vec<_> = shown(&run, Layout::Lanes);
         assert_eq!(places.len(), 4);
         for (k, a) in places.iter().enumerate() {
@@ -519,7 +558,11 @@ mod tests {
             let apart = PITCH * setup.body.radius() as f32 * 0.99;
             assert!(places[..k].iter().all(|b| a.3.distance(b.3) > apart));
         }
-        assert!(shown(&run, Layout::Ghosts).iter().all(|s| s.3 == Vec3::ZERO));
+        assert!(
+            shown(&run, Layout::Ghosts)
+                .iter()
+                .all(|s| s.3 == Vec3::ZERO)
+        );
         assert_eq!(shown(&run, Layout::Solo).len(), 1);
     }
 }

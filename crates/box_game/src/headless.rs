@@ -8,8 +8,8 @@ use box_physics::prelude::{ContactSettings, Floor, Integrator};
 use box_scenarios::simulate::sanity;
 use box_scenarios::{Scenario, Truth};
 
-use crate::csv_log::{CsvLog, Row};
 use crate::compare::track::{ReferenceStep, local_error};
+use crate::csv_log::{CsvLog, Row};
 use crate::lane::{Lane, Law};
 use crate::sampling;
 
@@ -66,14 +66,7 @@ pub fn compare(comparison: &Comparison) -> io::Result<Vec<SchemeResult>> {
     let costs = costs(comparison, Law::of(setup).floor.as_ref());
     let mut results = Vec::new();
     for (k, &integrator) in comparison.integrators.iter().enumerate() {
-        let mut result = run(
-            comparison,
-            integrator,
-            k as u32,
-            &truth,
-            costs[k],
-            &mut log,
-        )?;
+        let mut result = run(comparison, integrator, k as u32, &truth, costs[k], &mut log)?;
         result.nanoseconds = costs[k].0;
         results.push(result);
     }
@@ -159,9 +152,9 @@ fn run(
         // Of a step with an impulse inside it the reference's beginning is not known.
         let from = n.checked_sub(1).and_then(|k| trusted[k as usize]);
         let local = match (from, reference) {
-            (Some(from), Some(to)) if setup.impulses.is_empty() && substeps == 1 => {
-                Some(local_error(integrator, &law, &ReferenceStep { from, to }, h))
-            }
+            (Some(from), Some(to)) if setup.impulses.is_empty() && substeps == 1 => Some(
+                local_error(integrator, &law, &ReferenceStep { from, to }, h),
+            ),
             _ => None,
         };
         let e = setup.energy(&lane.state);

@@ -128,9 +128,11 @@ impl Lane {
         let forces = law.forces.forces(&law.body);
         let (outcome, impacts) = if law.only_gravity() {
             let gravity = Gravity(forces.acceleration);
-            self.integrator.dispatch(OneStep::new(self, law, &gravity, h))
+            self.integrator
+                .dispatch(OneStep::new(self, law, &gravity, h))
         } else {
-            self.integrator.dispatch(OneStep::new(self, law, &forces, h))
+            self.integrator
+                .dispatch(OneStep::new(self, law, &forces, h))
         };
         self.outcome += outcome;
         self.steps += 1;

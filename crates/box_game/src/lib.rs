@@ -21,6 +21,7 @@ pub mod input;
 pub mod lane;
 pub mod logging;
 pub mod panel;
+pub mod panel_plugin;
 pub mod panel_view;
 pub mod picture;
 pub mod row_log;

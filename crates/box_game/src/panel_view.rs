@@ -90,7 +90,12 @@ pub fn view(s: &Sources, scenes: &[(String, String)]) -> PanelView {
         } else {
             HistoryView::default()
         },
-        compare: compare_view(&s.comparison, &s.samples, open.then_some(session.plot), session.parameters.boxes),
+        compare: compare_view(
+            &s.comparison,
+            &s.samples,
+            open.then_some(session.plot),
+            session.parameters.boxes,
+        ),
         show_aabb: session.show_aabb,
         show_contacts: session.show_contacts,
         show_axes: session.show_axes,

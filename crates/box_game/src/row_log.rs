@@ -81,7 +81,15 @@ pub fn write_rows(
         }
         .to_owned(),
         event,
-        ..measured(&common, 0, integrator.0, &run.law, state, &run.hero.track, &samples)
+        ..measured(
+            &common,
+            0,
+            integrator.0,
+            &run.law,
+            state,
+            &run.hero.track,
+            &samples,
+        )
     }];
     for (k, runner) in run.lanes.iter_mut().enumerate() {
         if runner.lane.steps != runner.logged {

@@ -135,7 +135,12 @@ impl Comparison {
         let Some(run) = &mut self.run else {
             return;
         };
-        let wanted = || self.chosen.iter().copied().filter(|&i| i != run.hero.integrator);
+        let wanted = || {
+            self.chosen
+                .iter()
+                .copied()
+                .filter(|&i| i != run.hero.integrator)
+        };
         if !wanted().eq(run.lanes.iter().map(|r| r.lane.integrator)) {
             let wanted: Vec<_> = wanted().collect();
             run.choose(wanted);

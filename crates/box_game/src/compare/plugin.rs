@@ -9,8 +9,8 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{
     AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyState, BodyTorque, ContactPhase,
     ExternalForce, Floor, FloorContact, GlobalIntegrator, GravityScale, ImpulsePoint, Integrator,
-    LinearDrag, PhysicsClock, PhysicsSchedule, PhysicsSystems, PointForces, QuadraticDrag, RigidBox,
-    SchemeMemory, Springs, WorldGravity,
+    LinearDrag, PhysicsClock, PhysicsSchedule, PhysicsSystems, PointForces, QuadraticDrag,
+    RigidBox, SchemeMemory, Springs, WorldGravity,
 };
 use box_scenarios::{ForceSet, Truth};
 
@@ -39,9 +39,7 @@ impl Plugin for ComparePlugin {
                         .after(PhysicsSystems::Forces)
                         .before(PhysicsSystems::Integrate)
                         .ambiguous_with_all(),
-                    after_step
-                        .in_set(PhysicsSystems::Last)
-                        .ambiguous_with_all(),
+                    after_step.in_set(PhysicsSystems::Last).ambiguous_with_all(),
                 ),
             )
             .add_systems(Update, follow);
@@ -227,11 +225,7 @@ pub(crate) fn after_step(
 }
 
 /// Between the steps: a new scene, other lanes, other steps, and what is left to catch up with.
-fn follow(
-    scene: Scene,
-    samples: Option<Res<SchemeSamples>>,
-    mut comparison: ResMut<Comparison>,
-) {
+fn follow(scene: Scene, samples: Option<Res<SchemeSamples>>, mut comparison: ResMut<Comparison>) {
     let comparison = &mut *comparison;
     comparison.lanes_ms = comparison.spent.as_secs_f64() * 1e3;
     comparison.spent = Duration::ZERO;
@@ -289,10 +283,9 @@ pub fn apply(world: &mut World, action: CompareAction) {
                 return;
             };
             let setup = setup.unwrap_or_else(|| run.law.setup(*run.start(), 10.0));
-            let schemes = [run.hero.integrator]
-                .into_iter()
-                .chain(run.lanes.iter().map(|r| r.lane.integrator))
-                .collect();
+            let hero = run.hero.integrator;
+            let others = comparison.chosen.iter().copied().filter(|&i| i != hero);
+            let schemes = [hero].into_iter().chain(others).collect();
             if let Err(error) = comparison.sweep.start(setup, schemes) {
                 notice = Some(format!("sweep: {error}"));
             }

@@ -158,14 +158,26 @@ impl Run {
             let kept = old.iter().position(|r| r.lane.integrator == integrator);
             let runner = match kept {
                 Some(k) => old.swap_remove(k),
-                None if self.inputs.is_whole() => {
-                    Runner::new(integrator, &self.start.0, self.start.1, 0.0, 0, &self.impulses)
-                }
+                None if self.inputs.is_whole() => Runner::new(
+                    integrator,
+                    &self.start.0,
+                    self.start.1,
+                    0.0,
+                    0,
+                    &self.impulses,
+                ),
                 // The beginning is forgotten: begin at the reference.
                 None => {
                     let state = self.reference.at(self.clock).unwrap_or(self.hero.state);
                     let next = self.inputs.end();
-                    Runner::new(integrator, &self.law, state, self.clock, next, &self.impulses)
+                    Runner::new(
+                        integrator,
+                        &self.law,
+                        state,
+                        self.clock,
+                        next,
+                        &self.impulses,
+                    )
                 }
             };
             self.lanes.push(runner);
@@ -175,6 +187,17 @@ impl Run {
     /// The reference at the clock's time, if it is known.
     pub fn trusted(&self) -> Option<&BodyState> {
         self.hero.reference.as_ref()
+    }
+
+    /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
+    /// box.
+    pub fn attitude_says_more(&self) -> bool {
+        let lanes = self.lanes.iter().map(|r| r.track.now.worst);
+        let (x, a) = [self.hero.track.now.worst]
+            .into_iter()
+            .chain(lanes)
+            .fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
+        a.to_radians() >= x / self.law.body.radius()
     }
 
     /// Draws a line.
@@ -395,10 +418,7 @@ impl Run {
         self.law = c.law.clone();
         let mut lanes = core::mem::take(&mut self.lanes);
         lanes.retain_mut(|r| {
-            let saved = c
-                .lanes
-                .iter()
-                .find(|s| s.integrator() == r.lane.integrator);
+            let saved = c.lanes.iter().find(|s| s.integrator() == r.lane.integrator);
             saved.map(|s| r.restore(s)).is_some()
         });
         self.lanes = lanes;

@@ -179,11 +179,7 @@ impl Series {
     }
 
     /// The last `window` \[s\] of one quantity, or everything.
-    pub fn points(
-        &self,
-        quantity: Quantity,
-        window: Option<f64>,
-    ) -> Vec<[f64; 2]> {
+    pub fn points(&self, quantity: Quantity, window: Option<f64>) -> Vec<[f64; 2]> {
         let k = quantity as usize;
         let end = self.recent.back().map_or(0.0, |s| s.t);
         let recent_is_all = self.whole.first().map(|s| s.from) == self.recent.front().map(|s| s.t);

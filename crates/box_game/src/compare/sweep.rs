@@ -130,8 +130,13 @@ fn run(setup: &Setup, schemes: &[Integrator], shared: &Shared) {
     let law = Arc::new(Law::of(setup));
     let truth = Truth::of(setup);
     // Fine enough for the finest step: 1/30720 s.
-    let mut reference =
-        Reference::new(&law, setup.initial, &setup.impulses, Some(truth), 1.0 / 480.0);
+    let mut reference = Reference::new(
+        &law,
+        setup.initial,
+        &setup.impulses,
+        Some(truth),
+        1.0 / 480.0,
+    );
     let seconds = setup.duration.min(LONGEST);
     let samples = (seconds * f64::from(RATES[0])).floor().max(1.0) as u32;
     let mut trusted = Vec::new();
@@ -170,7 +175,9 @@ fn run(setup: &Setup, schemes: &[Integrator], shared: &Shared) {
             } else {
                 let time = || {
                     let start = Instant::now();
-                    simulate(setup, &law, integrator, dt, parts, trusted.len(), |_, _| true);
+                    simulate(setup, &law, integrator, dt, parts, trusted.len(), |_, _| {
+                        true
+                    });
                     start.elapsed()
                 };
                 let began = Instant::now();
@@ -308,7 +315,9 @@ mod tests {
         let mut setup = Scenario::find("contact").expect("a scene").setup;
         setup.duration = 0.5;
         let mut sweep = Sweep::default();
-        sweep.start(setup, vec![Integrator::Split]).expect("a thread");
+        sweep
+            .start(setup, vec![Integrator::Split])
+            .expect("a thread");
         wait(&sweep);
         assert!(sweep.lines()[0].points.iter().all(|p| p.position < 1.0));
         let setup = Scenario::find("needle").expect("a scene").setup;

@@ -109,7 +109,11 @@ impl Track {
                 position.max(error.position),
                 attitude.max(error.attitude.to_degrees()),
             ),
-            energies: [kinetic, rotational, law.energy(state) - kinetic - rotational],
+            energies: [
+                kinetic,
+                rotational,
+                law.energy(state) - kinetic - rotational,
+            ],
         };
         self.series.push(sample);
     }

@@ -47,6 +47,8 @@ pub struct CompareView {
     pub settings: Settings,
     /// The hero, then the lanes beside it.
     pub lanes: Vec<LaneView>,
+    /// Whether the attitudes have gone more wrong than the positions have.
+    pub attitude: bool,
     /// Where the trusted answer comes from.
     pub reference: String,
     /// Vertical lines in the plots.
@@ -135,9 +137,7 @@ pub fn verdict(view: &CompareView) -> String {
         (false, true) => return format!("{o} has diverged, {h} has not."),
         (false, false) => {}
     }
-    // The attitude, unless neither errs there.
-    let turned = hero.worst.1.max(other.worst.1) > ROUNDING;
-    let (a, b, what) = if turned {
+    let (a, b, what) = if view.attitude {
         (hero.worst.1, other.worst.1, "attitude")
     } else {
         (hero.worst.0, other.worst.0, "position")
@@ -154,10 +154,13 @@ pub fn verdict(view: &CompareView) -> String {
         _ => String::new(),
     };
     if large <= ROUNDING {
-        return format!("{h} and {o} are both right to rounding; {best_name}{}", match price.strip_prefix(", ") {
-            Some(price) => format!(": {price}."),
-            None => " is not timed yet.".to_owned(),
-        });
+        return format!(
+            "{h} and {o} are both right to rounding; {best_name}{}",
+            match price.strip_prefix(", ") {
+                Some(price) => format!(": {price}."),
+                None => " is not timed yet.".to_owned(),
+            }
+        );
     }
     let ratio = if small <= ROUNDING {
         "right to rounding".to_owned()
@@ -208,6 +211,7 @@ mod tests {
                 lane(Rk4, true, a, 68.0),
                 lane(SemiImplicitEuler, false, b, 20.0),
             ],
+            attitude: a.1.max(b.1) > 0.0,
             ..CompareView::default()
         };
         assert_eq!(
@@ -225,7 +229,10 @@ mod tests {
         assert!(verdict(&with((0.0, 0.0), (0.0, 0.0))).contains("both right to rounding"));
         let mut view = with((0.0, 0.1), (0.0, 31.0));
         view.lanes[1].status = "DIVERGED @ t = 3.2 s".into();
-        assert_eq!(verdict(&view), "Semi-implicit Euler has diverged, RK4 has not.");
+        assert_eq!(
+            verdict(&view),
+            "Semi-implicit Euler has diverged, RK4 has not."
+        );
         view.lanes.truncate(1);
         assert_eq!(verdict(&view), "Tick a scheme to compare with.");
         assert_eq!(verdict(&CompareView::default()), "");

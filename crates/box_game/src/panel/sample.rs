@@ -129,6 +129,7 @@ fn sample_comparison() -> CompareView {
                 }
             })
             .collect(),
+        attitude: true,
         reference: "closed form".into(),
         conservative: true,
         ..CompareView::default()

@@ -2,7 +2,8 @@
 //! says in words what it shows, for screen readers.
 
 use bevy_egui::egui::{
-    Color32, Label, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder,     WidgetInfo, WidgetType, pos2, vec2,
+    Color32, Label, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder,
+    WidgetInfo, WidgetType, pos2, vec2,
 };
 use box_physics::prelude::Integrator;
 use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints, PlotUi, Points};
@@ -23,13 +24,19 @@ const LOWEST: f32 = 90.0;
 /// Median cost of a body-step of every scheme, on a log axis. The legend stands beside the plot, as
 /// with all schemes it would cover it; a narrow drawer has none, and the list of schemes serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
-    ui.add(Label::new(RichText::new(format!(
-        "physics {} µs · lanes and their measurement {} µs · panel {} µs · frame {} ms",
-        number(view.step_time_us),
-        number(view.compare.lanes_ms * 1e3),
-        number(view.compare.panel_ms * 1e3),
-        number(view.frame_time_ms),
-    )).small()).truncate());
+    ui.add(
+        Label::new(
+            RichText::new(format!(
+                "physics {} µs · lanes and their measurement {} µs · panel {} µs · frame {} ms",
+                number(view.step_time_us),
+                number(view.compare.lanes_ms * 1e3),
+                number(view.compare.panel_ms * 1e3),
+                number(view.frame_time_ms),
+            ))
+            .small(),
+        )
+        .truncate(),
+    );
     let whole = ui.available_rect_before_wrap();
     let line = ui.text_style_height(&TextStyle::Small) + 1.0;
     let rows = ((whole.height() / line) as usize).max(1);
@@ -160,7 +167,13 @@ pub(super) fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
 const DASHED: f32 = 4000.0;
 
 /// A line, broken where it is not finite, with its mark at the newest point.
-pub(super) fn line(plot: &mut PlotUi<'_>, name: &str, points: &[[f64; 2]], looks: SchemeStyle, width: f32) {
+pub(super) fn line(
+    plot: &mut PlotUi<'_>,
+    name: &str,
+    points: &[[f64; 2]],
+    looks: SchemeStyle,
+    width: f32,
+) {
     let color: Color32 = looks.color();
     let dash = if path_length(plot, points) <= DASHED {
         looks.dash

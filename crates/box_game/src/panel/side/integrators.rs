@@ -1,9 +1,7 @@
 //! Every scheme as a row: whether it runs beside the hero, its looks, name, and what it costs now; and how
 //! those that run are shown and made comparable.
 
-use bevy_egui::egui::{
-    AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2,
-};
+use bevy_egui::egui::{AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2};
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity};
@@ -81,7 +79,11 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     });
     ui.horizontal_wrapped(|ui| {
         for (name, hint, action) in [
-            ("All lanes", "Every scheme beside the box.", CompareAction::AllLanes),
+            (
+                "All lanes",
+                "Every scheme beside the box.",
+                CompareAction::AllLanes,
+            ),
             ("No lanes", "The box alone.", CompareAction::NoLanes),
             (
                 "Re-sync",
