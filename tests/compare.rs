@@ -407,3 +407,99 @@ fn the_first_run_shows_something_in_five_seconds() {
             .any(|r| r.track.now.sample.get(Quantity::Energy).abs() > 0.1)
     );
 }
+
+/// The panel as a plugin of another app: with and without an `EguiPlugin` of the host's, and a hero that
+/// no session knows.
+#[test]
+fn the_panel_fits_into_other_apps() {
+    use bevy_egui::EguiPlugin;
+    for (host_has_egui, host_compares) in [(false, false), (true, true)] {
+        let mut app = App::new();
+        app.add_plugins((
+            MinimalPlugins,
+            AssetPlugin::default(),
+            ImagePlugin::default(),
+            WindowPlugin::default(),
+            InputPlugin,
+            PhysicsPlugins::default(),
+        ));
+        // What a renderer would bring.
+        app.init_asset::<Shader>();
+        if host_has_egui {
+            app.add_plugins(EguiPlugin::default());
+        }
+        if host_compares {
+            app.add_plugins(box_game::compare::ComparePlugin);
+        }
+        app.add_plugins(box_game::panel_plugin::PanelPlugin)
+            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+            .insert_resource(Floor::default());
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
+        let start = BodyState::at(DVec3::Y * 5.0)
+            .with_body_angular_velocity(&body, DVec3::new(1.0, 5.0, 0.5));
+        app.world_mut().spawn((body, start, LinearDrag(0.2), Hero));
+        app.world_mut()
+            .resource_mut::<Comparison>()
+            .choose([Integrator::Rk4, Integrator::ExplicitEuler]);
+        updates(&mut app, 40);
+        let run = run(&app);
+        assert_eq!(run.lanes.len(), 2);
+        assert!(app.is_plugin_added::<EguiPlugin>());
+        assert!(run.law.forces.linear_drag == 0.2 && run.law.floor.is_some());
+        assert!(run.clock > 0.6);
+        assert!(run.hero.track.now.sample.get(Quantity::Position) < 1e-6);
+        let euler = run.lanes[1].track.now.sample;
+        assert!(euler.get(Quantity::Position) > 1e-2);
+        let mut comparison = app.world_mut().resource_mut::<Comparison>();
+        comparison.settings.layout = Layout::Solo;
+        box_game::compare::apply(
+            app.world_mut(),
+            CompareAction::ToggleLane(Integrator::ExplicitEuler),
+        );
+        app.update();
+        let lanes = &app
+            .world()
+            .resource::<Comparison>()
+            .run
+            .as_ref()
+            .expect("a run")
+            .lanes;
+        assert_eq!(lanes.len(), 1);
+    }
+}
+
+/// Keys: Shift + digit ticks a scheme, V and G go through the layouts.
+#[test]
+fn keys_of_the_comparison() {
+    use bevy::input::ButtonState;
+    use bevy::input::keyboard::{Key, KeyboardInput};
+    let mut app = game(&["throw", "--integrator", "split"]);
+    let key = |app: &mut App, key_code, typed: &str, state| {
+        app.world_mut().write_message(KeyboardInput {
+            key_code,
+            logical_key: Key::Character(typed.into()),
+            state,
+            text: None,
+            repeat: false,
+            window: Entity::PLACEHOLDER,
+        });
+        app.update();
+    };
+    let (down, up) = (ButtonState::Pressed, ButtonState::Released);
+    key(&mut app, KeyCode::ShiftLeft, "", down);
+    key(&mut app, KeyCode::Digit5, "%", down);
+    key(&mut app, KeyCode::Digit5, "%", up);
+    key(&mut app, KeyCode::ShiftLeft, "", up);
+    let chosen = |app: &App| app.world().resource::<Comparison>().chosen().to_vec();
+    assert!(chosen(&app).contains(&Integrator::Rk4));
+    let layout = |app: &App| app.world().resource::<Comparison>().settings.layout;
+    for (code, typed, expected) in [
+        (KeyCode::KeyV, "v", Layout::Lanes),
+        (KeyCode::KeyG, "g", Layout::Solo),
+        (KeyCode::KeyG, "g", Layout::Ghosts),
+    ] {
+        key(&mut app, code, typed, down);
+        key(&mut app, code, typed, up);
+        assert_eq!(layout(&app), expected);
+    }
+}

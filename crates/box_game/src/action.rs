@@ -146,6 +146,18 @@ pub struct Poke {
     pub strength: f64,
 }
 
+impl Plot {
+    /// Every tab with its name on the command line.
+    pub const ALL: [(Self, &str); 6] = [
+        (Self::Error, "error"),
+        (Self::Energy, "energy"),
+        (Self::Timing, "timing"),
+        (Self::Cpu, "cpu"),
+        (Self::WorkPrecision, "work-precision"),
+        (Self::Table, "table"),
+    ];
+}
+
 /// What the drawer shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Plot {

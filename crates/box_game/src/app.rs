@@ -10,10 +10,11 @@ use box_physics::prelude::{
 };
 use box_scenarios::Scenario;
 
+use crate::action::{Action, Plot};
 use crate::apply::{Accepted, Asked, accept, apply_actions, plot_of, set_speed, set_step};
 use crate::cli::Cli;
 use crate::compare::plugin::after_step;
-use crate::compare::{ComparePlugin, Comparison};
+use crate::compare::{CompareAction, ComparePlugin, Comparison};
 use crate::csv_log::CsvLog;
 use crate::demo::{Demo2012, run_cycle};
 use crate::hands::HandsPlugin;
@@ -95,6 +96,10 @@ impl Plugin for GamePlugin {
         }
         comparison.settings.layout = cli.layout;
         app.insert_resource(comparison).add_plugins(ComparePlugin);
+        app.world_mut().resource_mut::<Session>().plot = cli.plot;
+        if cli.plot == Plot::WorkPrecision {
+            app.add_systems(Update, sweep_once);
+        }
         set_step(app.world_mut(), cli.dt);
         app.world_mut().resource_mut::<PhysicsClock>().substeps = cli.substeps;
         app.world_mut()
@@ -139,6 +144,14 @@ impl Plugin for GamePlugin {
                 .after(read_keys)
                 .before(apply_actions),
         );
+    }
+}
+
+/// Asks for a sweep as soon as there is something to compare.
+fn sweep_once(comparison: Res<Comparison>, mut asked: ResMut<Asked>, mut done: Local<bool>) {
+    if !*done && comparison.run.is_some() {
+        asked.0.push(Action::Compare(CompareAction::StartSweep));
+        *done = true;
     }
 }
 

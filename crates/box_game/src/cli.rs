@@ -7,7 +7,7 @@ use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::Scenario;
 use clap::Parser;
 
-use crate::action::Action;
+use crate::action::{Action, Plot};
 use crate::compare::Layout;
 use crate::library;
 use crate::preferences::UI_SCALES;
@@ -41,6 +41,11 @@ pub struct Cli {
     /// How the schemes are shown together: solo, ghosts or lanes.
     #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
     pub layout: Layout,
+
+    /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
+    /// sweep over step sizes) or table.
+    #[arg(long, value_name = "TAB", default_value = "energy", value_parser = parse_plot)]
+    pub plot: Plot,
 
     /// Number of boxes [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -155,6 +160,14 @@ fn parse_scene(text: &str) -> Result<String, String> {
 fn parse_integrator(text: &str) -> Result<Integrator, String> {
     text.parse()
         .map_err(|e: box_physics::schemes::UnknownIntegrator| e.to_string())
+}
+
+fn parse_plot(text: &str) -> Result<Plot, String> {
+    Plot::ALL
+        .into_iter()
+        .find(|(_, name)| name.eq_ignore_ascii_case(text.trim()))
+        .map(|(plot, _)| plot)
+        .ok_or_else(|| format!("allowed: {}", Plot::ALL.map(|(_, name)| name).join(", ")))
 }
 
 fn parse_layout(text: &str) -> Result<Layout, String> {
@@ -318,6 +331,13 @@ mod tests {
         assert!(e.contains("nowhere") && e.contains("dzhanibekov"), "{e}");
         let e = error(&["--boxes", "0"]);
         assert!(e.contains("--boxes") && e.contains("1..=100000"), "{e}");
+        let e = error(&["--layout", "tiles"]);
+        assert!(
+            e.contains("--layout") && e.contains("solo, ghosts, lanes"),
+            "{e}"
+        );
+        let e = error(&["--plot", "pie"]);
+        assert!(e.contains("--plot") && e.contains("work-precision"), "{e}");
         let e = error(&["--screenshot", "a.jpg"]);
         assert!(e.contains(".png"), "{e}");
         assert!(error(&["--headless", "--offscreen"]).contains("cannot be used with"));

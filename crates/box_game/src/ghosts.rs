@@ -25,7 +25,7 @@ const STRIP: f32 = 2.3;
 /// Dashes along an edge of the reference.
 const DASHES: usize = 6;
 /// The picture goes this much farther away for each lane beside the hero.
-const STEP_BACK: f32 = 0.3;
+const STEP_BACK: f32 = 0.4;
 
 /// Draws the lanes of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
 /// [`ComparePlugin`](crate::compare::ComparePlugin); tags need `EguiPlugin`.
@@ -421,8 +421,8 @@ fn draw_tags(
     let tip = tip(run);
     let radius = run.law.body.radius() as f32;
     let seen = |at: Vec3| camera.world_to_viewport(eye, at).ok().map(point);
-    let attitude =
-        run.hero.track.now.worst.1 > 1e-9 || run.lanes.iter().any(|r| r.track.now.worst.1 > 1e-9);
+    let attitude = run.attitude_says_more();
+    let mut taken: Vec<egui::Rect> = Vec::new();
     let mut next = view.top() + 10.0;
     for (k, (integrator, state, track, offset)) in shown(run, layout).into_iter().enumerate() {
         let text = tag(integrator, k == 0, track, attitude);
@@ -436,7 +436,15 @@ fn draw_tags(
                 let Some(above) = seen(centre + Vec3::Y * radius * 1.25) else {
                     continue;
                 };
-                egui::pos2(above.x - 0.5 * size.x, above.y - size.y)
+                let mut corner = egui::pos2(above.x - 0.5 * size.x, above.y - size.y);
+                // Above those that are there already.
+                while let Some(other) = taken
+                    .iter()
+                    .find(|t| t.intersects(egui::Rect::from_min_size(corner, size)))
+                {
+                    corner.y = other.top() - size.y - 2.0;
+                }
+                corner
             }
             Layout::Solo | Layout::Ghosts => {
                 let corner = egui::pos2(view.left() + 12.0, next);
@@ -452,6 +460,7 @@ fn draw_tags(
             }
         };
         let place = egui::Rect::from_min_size(corner, size);
+        taken.push(place);
         painter.rect_filled(place, 4.0, heat(track, attitude));
         painter.rect_stroke(
             place,
@@ -475,9 +484,20 @@ fn tag(integrator: Integrator, hero: bool, track: &Track, attitude: bool) -> Str
     }
     let (value, unit) = now(track, attitude);
     if value.is_finite() {
-        text.push_str(&format!(" · {}{unit}", crate::panel::number(value)));
+        text.push_str(&format!(" · {}{unit}", short(value)));
     }
     text
+}
+
+/// Two significant digits; a tag is read in passing.
+fn short(value: f64) -> String {
+    match value {
+        v if v < 1e-11 => "0".to_owned(),
+        v if v < 1e-3 => format!("{v:.0e}"),
+        v if v < 0.1 => format!("{v:.3}"),
+        v if v < 10.0 => format!("{v:.2}"),
+        v => format!("{v:.0}"),
+    }
 }
 
 fn now(track: &Track, attitude: bool) -> (f64, &'static str) {

@@ -26,6 +26,7 @@ pub mod lane;
 pub mod library;
 pub mod logging;
 pub mod panel;
+pub mod panel_plugin;
 pub mod panel_view;
 pub mod picture;
 pub mod preferences;

@@ -99,9 +99,15 @@ pub fn table_csv(comparison: &Comparison) -> String {
     text
 }
 
-/// Copies what the open tab shows and says so.
+/// Copies what the game's open tab shows and says so.
 pub fn copy_plot(world: &mut World) {
     let plot = world.resource::<Session>().plot;
+    let said = copy(world, plot);
+    world.resource_mut::<Session>().notice(said);
+}
+
+/// Copies what a tab shows; returns what there is to say about that.
+pub fn copy(world: &mut World, plot: Plot) -> String {
     let comparison = world.resource::<Comparison>();
     let text = match plot {
         Plot::WorkPrecision => sweep_csv(comparison),
@@ -109,12 +115,11 @@ pub fn copy_plot(world: &mut World) {
         Plot::Error | Plot::Energy | Plot::Timing | Plot::Cpu => window_csv(comparison),
     };
     let rows = text.lines().count() - 1;
-    let said = match world.get_resource_mut::<Clipboard>() {
+    match world.get_resource_mut::<Clipboard>() {
         Some(mut clipboard) => match clipboard.set_text(text) {
             Ok(()) => format!("copied {rows} rows as CSV"),
             Err(error) => format!("nothing copied: {error:?}"),
         },
         None => "nothing copied: there is no clipboard".to_owned(),
-    };
-    world.resource_mut::<Session>().notice(said);
+    }
 }

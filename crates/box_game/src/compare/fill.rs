@@ -4,7 +4,7 @@ use super::runner::SAME;
 use super::track::Track;
 use super::{CompareView, Comparison, LaneView, Quantity, Settings, SweepView};
 use crate::action::Plot;
-use crate::panel::decimate::decimate;
+use crate::panel::decimate::{NARROW, decimate_to};
 use crate::sampling::SchemeSamples;
 use box_physics::prelude::Integrator;
 
@@ -55,7 +55,12 @@ pub fn compare_view(
         energies: track.now.energies,
         lines: shown
             .iter()
-            .map(|&q| (q, decimate(track.series.points(q, window).into_iter())))
+            .map(|&q| {
+                (
+                    q,
+                    decimate_to(NARROW, track.series.points(q, window).into_iter()),
+                )
+            })
             .collect(),
     };
     let touching = run.law.meets_floor(&run.hero.state, 0.0);
@@ -89,6 +94,7 @@ pub fn compare_view(
             ..lane(runner.lane.integrator, &runner.track, dt)
         });
     }
+    view.attitude = run.attitude_says_more();
     view.reference = run.reference.description();
     view.rules = run.rules.iter().copied().collect();
     view.conservative = run.law.is_conservative()

@@ -283,10 +283,9 @@ pub fn apply(world: &mut World, action: CompareAction) {
                 return;
             };
             let setup = setup.unwrap_or_else(|| run.law.setup(*run.start(), 10.0));
-            let schemes = [run.hero.integrator]
-                .into_iter()
-                .chain(run.lanes.iter().map(|r| r.lane.integrator))
-                .collect();
+            let hero = run.hero.integrator;
+            let others = comparison.chosen.iter().copied().filter(|&i| i != hero);
+            let schemes = [hero].into_iter().chain(others).collect();
             if let Err(error) = comparison.sweep.start(setup, schemes) {
                 notice = Some(format!("sweep: {error}"));
             }

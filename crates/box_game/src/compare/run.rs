@@ -189,6 +189,17 @@ impl Run {
         self.hero.reference.as_ref()
     }
 
+    /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
+    /// box.
+    pub fn attitude_says_more(&self) -> bool {
+        let lanes = self.lanes.iter().map(|r| r.track.now.worst);
+        let (x, a) = [self.hero.track.now.worst]
+            .into_iter()
+            .chain(lanes)
+            .fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
+        a.to_radians() >= x / self.law.body.radius()
+    }
+
     /// Draws a line.
     pub fn rule(&mut self, t: f64, kind: RuleKind) {
         let repeated = self

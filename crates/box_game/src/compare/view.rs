@@ -47,6 +47,8 @@ pub struct CompareView {
     pub settings: Settings,
     /// The hero, then the lanes beside it.
     pub lanes: Vec<LaneView>,
+    /// Whether the attitudes have gone more wrong than the positions have.
+    pub attitude: bool,
     /// Where the trusted answer comes from.
     pub reference: String,
     /// Vertical lines in the plots.
@@ -135,9 +137,7 @@ pub fn verdict(view: &CompareView) -> String {
         (false, true) => return format!("{o} has diverged, {h} has not."),
         (false, false) => {}
     }
-    // The attitude, unless neither errs there.
-    let turned = hero.worst.1.max(other.worst.1) > ROUNDING;
-    let (a, b, what) = if turned {
+    let (a, b, what) = if view.attitude {
         (hero.worst.1, other.worst.1, "attitude")
     } else {
         (hero.worst.0, other.worst.0, "position")
@@ -211,6 +211,7 @@ mod tests {
                 lane(Rk4, true, a, 68.0),
                 lane(SemiImplicitEuler, false, b, 20.0),
             ],
+            attitude: a.1.max(b.1) > 0.0,
             ..CompareView::default()
         };
         assert_eq!(

@@ -4,19 +4,25 @@
 //! line grows the buckets stay where they are and old points do not dance; when the line outgrows its
 //! budget the width doubles and buckets merge in pairs.
 
-/// Most points of one plot line.
+/// Most points of one line of a plot as wide as the drawer.
 pub(super) const MAX_POINTS: usize = 1000;
+/// The same where several plots stand side by side.
+pub(crate) const NARROW: usize = 500;
 
-/// Buckets of a full line: each gives at most a minimum, a maximum and a gap, and the range may start
-/// inside one, so 3 · (`BUCKETS` + 2) ≤ `MAX_POINTS`.
-const BUCKETS: f64 = 330.0;
-
-/// At most [`MAX_POINTS`] points that look like `points`, which must not go back in x. Points that are
-/// not finite become one gap `[x, NaN]`; see [`segments`].
-pub(crate) fn decimate(
+/// At most [`MAX_POINTS`] points that look like `points`; see [`decimate_to`].
+pub(super) fn decimate(
     points: impl DoubleEndedIterator<Item = [f64; 2]> + ExactSizeIterator + Clone,
 ) -> Vec<[f64; 2]> {
-    if points.len() <= MAX_POINTS {
+    decimate_to(MAX_POINTS, points)
+}
+
+/// At most `most` points (10 or more) that look like `points`, which must not go back in x. Points that
+/// are not finite become one gap `[x, NaN]`; see [`segments`].
+pub(crate) fn decimate_to(
+    most: usize,
+    points: impl DoubleEndedIterator<Item = [f64; 2]> + ExactSizeIterator + Clone,
+) -> Vec<[f64; 2]> {
+    if points.len() <= most {
         return points.collect();
     }
     let xs = || points.clone().map(|p| p[0]);
@@ -27,9 +33,11 @@ pub(crate) fn decimate(
         return Vec::new();
     };
     // Rounded up to a power of two; a line of no width has one bucket.
-    let width = ((last - first) / BUCKETS).max(1e-300).log2().ceil().exp2();
+    // Each gives at most a minimum, a maximum and a gap, and the range may start inside one.
+    let buckets = (most / 3 - 2) as f64;
+    let width = ((last - first) / buckets).max(1e-300).log2().ceil().exp2();
     let per_width = 1.0 / width;
-    let mut out = Vec::with_capacity(MAX_POINTS);
+    let mut out = Vec::with_capacity(most);
     let mut bucket = Bucket::default();
     let mut place = None;
     for (k, [x, y]) in points.enumerate() {

@@ -48,7 +48,8 @@ pub(super) fn quantity(value: f64) -> String {
 /// A step size as people say it: `1/60 s` where that is what it is, else `0.0167 s`.
 pub(super) fn step_size(dt: f64) -> String {
     let hertz = (1.0 / dt).round();
-    if hertz >= 2.0 && hertz.is_finite() && (dt * hertz - 1.0).abs() < 1e-9 {
+    // Bevy's clock counts whole nanoseconds: a sixtieth is 16 666 667 of them, 2e-8 too many.
+    if hertz >= 2.0 && hertz.is_finite() && (dt * hertz - 1.0).abs() < 1e-6 {
         format!("1/{hertz} s")
     } else {
         format!("{} s", number(dt))

@@ -22,9 +22,10 @@ pub(super) fn from_axis(place: f64) -> f64 {
     10_f64.powf(place)
 }
 
-/// Most decades with marks between them, and most decades marked one by one.
+/// Most decades with marks between them, and most decades marked one by one: more labels than that find
+/// no room in a low drawer.
 const FINE: f64 = 6.0;
-const COARSE: f64 = 12.0;
+const COARSE: f64 = 6.0;
 
 /// Grid marks: every decade (every second, fifth, … where there are many) and, where there are few, the
 /// 2 to 9 between them.

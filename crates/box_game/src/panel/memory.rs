@@ -23,8 +23,8 @@ pub struct PanelMemory {
     pub(super) sure: bool,
     /// A value that restarts the scene, while it is dragged: its label and the value so far.
     pub(super) draft: Option<(&'static str, f64)>,
-    /// Work–precision shows the position error instead of the attitude's.
-    pub sweep_position: bool,
+    /// Work–precision shows the position error or the attitude's; what says more, if `None`.
+    pub sweep_position: Option<bool>,
     /// The plots as they stood when the pointer came over them.
     pub(super) frozen: Option<Frozen>,
 }
@@ -51,7 +51,7 @@ impl Default for PanelMemory {
             search: String::new(),
             sure: false,
             draft: None,
-            sweep_position: false,
+            sweep_position: None,
             frozen: None,
         }
     }

@@ -42,8 +42,21 @@ pub use view::{
 
 use bevy_egui::egui::{Panel, Rect, Ui};
 
-use crate::action::Action;
+use crate::action::{Action, Plot};
+use crate::compare::CompareView;
 use crate::style;
+
+/// Draws the comparison alone: tabs, schemes to tick, and the open tab. For a window in another app.
+pub fn comparison_window(
+    ui: &mut Ui,
+    view: &CompareView,
+    plot: Plot,
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) {
+    style::install_symbols(ui.ctx());
+    drawer::comparison(ui, view, plot, memory, out);
+}
 
 /// Where the panel left room.
 #[derive(Clone, Copy, Debug, PartialEq)]

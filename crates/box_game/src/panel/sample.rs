@@ -130,6 +130,7 @@ fn sample_comparison() -> CompareView {
                 }
             })
             .collect(),
+        attitude: true,
         reference: "closed form".into(),
         conservative: true,
         ..CompareView::default()

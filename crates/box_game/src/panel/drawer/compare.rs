@@ -36,7 +36,11 @@ pub(super) fn error(ui: &mut Ui, view: &CompareView) {
     } else {
         [Quantity::Position, Quantity::Attitude]
     };
-    legend(ui, view, quantities[1], "°");
+    if view.attitude {
+        legend(ui, view, quantities[1], "°");
+    } else {
+        legend(ui, view, quantities[0], " m");
+    }
     beside(ui, quantities.len(), |ui, k| {
         curve(ui, view, quantities[k], view.settings.logarithmic);
     });
@@ -183,7 +187,7 @@ fn rules(plot: &mut PlotUi<'_>, view: &CompareView) {
         .fold(f64::INFINITY, f64::min);
     for rule in view.rules[newest..].iter().filter(|r| r.t >= start) {
         let (name, color, dash) = match rule.kind {
-            RuleKind::Contact => ("contact", Color32::from_gray(78), LineStyle::Solid),
+            RuleKind::Contact => ("contact", Color32::from_gray(105), LineStyle::Solid),
             RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150), DASHES),
             RuleKind::Step => ("another dt", Color32::from_rgb(90, 140, 170), DASHES),
             RuleKind::Scheme => ("another scheme", Color32::from_rgb(170, 140, 80), DASHES),

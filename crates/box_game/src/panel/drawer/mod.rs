@@ -5,7 +5,8 @@ mod plots;
 mod table;
 mod work_precision;
 
-use bevy_egui::egui::{Button, RichText, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType};
+use box_physics::prelude::Integrator;
 
 use super::memory::{Frozen, PanelMemory};
 use super::view::PanelView;
@@ -44,6 +45,58 @@ const TABS: [(Plot, &str, &str); 6] = [
 /// How long the plots stay frozen after the pointer has left them \[s\].
 const THAW: f64 = 0.3;
 
+/// The tabs of the comparison alone, for a window in another app.
+pub(super) fn comparison(
+    ui: &mut Ui,
+    view: &CompareView,
+    plot: Plot,
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) {
+    ui.horizontal_wrapped(|ui| {
+        for (tab, name, hint) in TABS {
+            if !matches!(tab, Plot::Timing | Plot::Cpu) && select(ui, tab == plot, name, hint) {
+                out.push(Action::SelectPlot(tab));
+            }
+        }
+        ui.separator();
+        let mut asked = Vec::new();
+        tools(ui, view, plot, &mut asked);
+        out.extend(asked.into_iter().map(Action::Compare));
+    });
+    ui.horizontal_wrapped(|ui| {
+        for &integrator in Integrator::ALL {
+            let lane = view.lanes.iter().find(|l| l.integrator == integrator);
+            let mut on = lane.is_some();
+            let hero = lane.is_some_and(|l| l.hero);
+            let tick = ui.add_enabled(
+                !hero,
+                Checkbox::new(&mut on, crate::style::tagged(integrator)),
+            );
+            if tick.changed() {
+                out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
+            }
+        }
+    });
+    let mut asked = Vec::new();
+    match plot {
+        Plot::Error => compare::error(ui, view),
+        Plot::WorkPrecision => work_precision::show(ui, view, memory, &mut asked),
+        Plot::Table => table::show(ui, view, &[], &mut asked),
+        Plot::Energy | Plot::Timing | Plot::Cpu => compare::energy(ui, view),
+    }
+    out.extend(asked.into_iter().map(Action::Compare));
+}
+
+/// A tab; returns whether it is to be opened.
+fn select(ui: &mut Ui, chosen: bool, name: &str, hint: &str) -> bool {
+    let tab = ui.add(Button::selectable(chosen, name));
+    tab.widget_info(|| {
+        WidgetInfo::selected(WidgetType::Button, true, chosen, format!("{name} tab"))
+    });
+    tab.on_hover_text(hint).clicked() && !chosen
+}
+
 /// Draws the tabs and the chosen one's content.
 pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     let now = ui.input(|i| i.time);
@@ -52,12 +105,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         .take_if(|f| f.until < now || f.plot != view.plot);
     ui.horizontal_wrapped(|ui| {
         for (plot, name, hint) in TABS {
-            let chosen = view.plot == plot;
-            let tab = ui.add(Button::selectable(chosen, name));
-            tab.widget_info(|| {
-                WidgetInfo::selected(WidgetType::Button, true, chosen, format!("{name} tab"))
-            });
-            if tab.on_hover_text(hint).clicked() && !chosen {
+            if select(ui, view.plot == plot, name, hint) {
                 out.push(Action::SelectPlot(plot));
             }
         }
@@ -100,7 +148,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         Plot::Timing => plots::timing(ui, shown),
         Plot::Cpu => plots::cpu(ui, shown),
         Plot::WorkPrecision => work_precision::show(ui, &view.compare, memory, &mut asked),
-        Plot::Table => table::show(ui, view, &mut asked),
+        Plot::Table => table::show(ui, &view.compare, &view.timings, &mut asked),
     }
     out.extend(asked.into_iter().map(Action::Compare));
     let over = ui

@@ -6,7 +6,7 @@ use bevy_egui::egui::{
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity, step_size};
-use super::super::view::{PanelView, SchemeTiming};
+use super::super::view::SchemeTiming;
 use super::compare::state;
 use crate::compare::view::verdict;
 use crate::compare::{CompareAction, CompareView, LaneView, Quantity};
@@ -45,9 +45,14 @@ const HEADINGS: [(&str, &str); 12] = [
     ),
 ];
 
-pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<CompareAction>) {
-    ui.add(Label::new(RichText::new(verdict(&view.compare)).strong()).wrap());
-    let compare = &view.compare;
+/// `timings` are of every scheme; those that are not compared stand below.
+pub(super) fn show(
+    ui: &mut Ui,
+    compare: &CompareView,
+    timings: &[SchemeTiming],
+    out: &mut Vec<CompareAction>,
+) {
+    ui.add(Label::new(RichText::new(verdict(compare)).strong()).wrap());
     ScrollArea::both()
         .auto_shrink([false, false])
         .show(ui, |ui| {
@@ -67,7 +72,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<CompareAction>) 
                     let beside = |t: &&SchemeTiming| {
                         compare.lanes.iter().all(|l| l.integrator != t.integrator)
                     };
-                    for timing in view.timings.iter().filter(beside) {
+                    for timing in timings.iter().filter(beside) {
                         other_row(ui, timing);
                         ui.end_row();
                     }
@@ -132,10 +137,10 @@ fn lane_row(ui: &mut Ui, view: &CompareView, lane: &LaneView, out: &mut Vec<Comp
     ui.label(if lane.diverged() { text.strong() } else { text });
 }
 
-/// Two digits and an exponent: the size of an error is all that matters.
+/// The size of a small error is all that matters: two digits and an exponent.
 fn figure(value: f64) -> String {
-    if value == 0.0 {
-        "0".to_owned()
+    if value == 0.0 || (0.01..1e4).contains(&value.abs()) {
+        number(value)
     } else {
         format!("{value:.1e}")
     }

@@ -26,13 +26,13 @@ pub(super) fn show(
     out: &mut Vec<CompareAction>,
 ) {
     ui.horizontal_wrapped(|ui| controls(ui, view, memory, out));
+    let position = memory.sweep_position.unwrap_or(!view.attitude);
     let whole = ui.available_rect_before_wrap();
     let right = if whole.width() - LEGEND >= PLOT {
         whole.right() - LEGEND - 8.0
     } else {
         whole.right()
     };
-    let position = memory.sweep_position;
     if right < whole.right() {
         let place = Rect::from_min_max(pos2(right + 8.0, whole.top()), whole.max);
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
@@ -86,13 +86,13 @@ fn controls(
         (false, "attitude", "Largest angle to the reference."),
         (true, "position", "Largest distance from the reference."),
     ] {
-        let chosen = memory.sweep_position == on;
+        let chosen = memory.sweep_position.unwrap_or(!view.attitude) == on;
         let button = ui.add(Button::selectable(chosen, name).frame_when_inactive(true));
         button.widget_info(|| {
             WidgetInfo::selected(WidgetType::Button, true, chosen, format!("{name} error"))
         });
         if button.on_hover_text(hint).clicked() {
-            memory.sweep_position = on;
+            memory.sweep_position = Some(on);
         }
     }
     ui.add(

@@ -7,7 +7,11 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use super::super::{KEYS, LogView};
 use super::{Person, TALL, sample_view};
 use crate::action::{Action, Plot, Push};
+use crate::compare::{CompareAction, Fairness, Layout, Window};
 use crate::style;
+
+/// What the plot of the sample's energy says.
+const ENERGY: &str = "energy not accounted for [of E] over simulated time, now Split 1e-6, RK4 1e-4, Semi-implicit Euler 0.01";
 
 #[test]
 fn every_button_asks_for_its_action() {
@@ -34,14 +38,110 @@ fn every_button_asks_for_its_action() {
         ("30 Hz", Action::SetStep(1.0 / 30.0)),
         ("120 Hz", Action::SetStep(1.0 / 120.0)),
         ("240 Hz", Action::SetStep(1.0 / 240.0)),
+        ("Error tab", Action::SelectPlot(Plot::Error)),
         ("Timing tab", Action::SelectPlot(Plot::Timing)),
         ("CPU tab", Action::SelectPlot(Plot::Cpu)),
+        (
+            "Work–precision tab",
+            Action::SelectPlot(Plot::WorkPrecision),
+        ),
         ("Table tab", Action::SelectPlot(Plot::Table)),
+        ("Solo", compare(CompareAction::SetLayout(Layout::Solo))),
+        ("Lanes", compare(CompareAction::SetLayout(Layout::Lanes))),
+        (
+            "equal evaluations",
+            compare(CompareAction::SetFairness(Fairness::Evaluations)),
+        ),
+        (
+            "equal cost",
+            compare(CompareAction::SetFairness(Fairness::Cost)),
+        ),
+        ("All lanes", compare(CompareAction::AllLanes)),
+        ("No lanes", compare(CompareAction::NoLanes)),
+        ("Re-sync", compare(CompareAction::Resync)),
+        ("log", compare(CompareAction::ToggleLogarithmicEnergy)),
+        ("10 s", compare(CompareAction::SetWindow(Window::Ten))),
+        ("Copy CSV", compare(CompareAction::Copy)),
     ] {
         assert_eq!(person.click(name), [action], "{name}");
     }
     assert_eq!(person.click("60 Hz"), [], "already so");
     assert_eq!(person.click("Energy tab"), [], "already so");
+    assert_eq!(person.click("Ghosts"), [], "already so");
+}
+
+fn compare(action: CompareAction) -> Action {
+    Action::Compare(action)
+}
+
+#[test]
+fn every_scheme_can_be_ticked_but_the_hero_s_own() {
+    let mut person = Person::before(sample_view(), TALL);
+    for &integrator in Integrator::ALL {
+        let name = format!("Compare {}", integrator.name());
+        let hero = integrator == Integrator::default();
+        let node = person.find(&name).accesskit_node().is_disabled();
+        assert_eq!(node, hero);
+        let toggle = compare(CompareAction::ToggleLane(integrator));
+        let expected = if hero { vec![] } else { vec![toggle] };
+        assert_eq!(person.click(&name), expected, "{name}");
+    }
+}
+
+#[test]
+fn tools_of_the_tabs() {
+    let mut view = sample_view();
+    view.plot = Plot::Error;
+    let mut person = Person::before(view.clone(), TALL);
+    for (name, action) in [
+        ("log", CompareAction::ToggleLogarithmic),
+        ("per step", CompareAction::ToggleLocal),
+        ("all", CompareAction::SetWindow(Window::All)),
+    ] {
+        assert_eq!(person.click(name), [compare(action)], "{name}");
+    }
+    view.plot = Plot::WorkPrecision;
+    let mut person = Person::before(view.clone(), TALL);
+    assert_eq!(person.click("Sweep"), [compare(CompareAction::StartSweep)]);
+    assert_eq!(person.click("position error"), [], "the panel's own");
+    assert_eq!(person.harness.state().memory.sweep_position, Some(true));
+    view.compare.sweep.running = true;
+    view.compare.sweep.progress = (3, 24);
+    let mut person = Person::before(view.clone(), TALL);
+    let cancel = compare(CompareAction::CancelSweep);
+    assert_eq!(person.click("Cancel sweep"), [cancel]);
+    view.plot = Plot::Table;
+    let mut person = Person::before(view, TALL);
+    assert_eq!(
+        person.click("Compare the hero with RK4"),
+        [compare(CompareAction::Select(Integrator::Rk4))]
+    );
+}
+
+/// Plots stand still while they are looked at; the game does not.
+#[test]
+fn a_plot_under_the_pointer_is_frozen() {
+    let mut person = Person::before(sample_view(), Vec2::new(1280.0, 720.0));
+    let words = |person: &Person| {
+        person
+            .nodes()
+            .into_iter()
+            .find(|(_, name, _)| name.starts_with("energy not accounted for"))
+            .expect("a plot")
+    };
+    let (_, before, place) = words(&person);
+    person.harness.hover_at(place.center());
+    person.look();
+    assert!(person.sees("⏸ frozen"));
+    for lane in &mut person.harness.state_mut().view.compare.lanes {
+        lane.now = [0.5; 7];
+    }
+    person.look();
+    assert_eq!(words(&person).1, before);
+    person.harness.hover_at(bevy_egui::egui::pos2(5.0, 5.0));
+    person.look();
+    assert!(!person.sees("⏸ frozen"));
+    assert!(words(&person).1.contains("0.5"));
 }
 
 #[test]
@@ -245,40 +345,55 @@ fn the_table_has_a_row_for_every_scheme() {
     let mut view = sample_view();
     view.plot = Plot::Table;
     view.timings[1].nanoseconds = None;
-    let person = Person::before(view, TALL);
+    let person = Person::before(view.clone(), TALL);
     for heading in [
         "min [ns]",
-        "median [ns]",
+        "med [ns]",
         "p95 [ns]",
-        "evaluations",
-        "order (rotation)",
-        "energy",
+        "evals",
+        "pos err [m]",
+        "rot err [°]",
+        "ΔE/E₀",
+        "Δ|L|/|L₀|",
+        "order",
+        "state",
     ] {
         assert!(person.sees(heading), "{heading}");
     }
     for &integrator in Integrator::ALL {
-        let active = integrator == Integrator::default();
-        let cell = if active {
-            format!("{} · active", integrator.name())
-        } else {
-            integrator.name().into()
+        let lane = view
+            .compare
+            .lanes
+            .iter()
+            .find(|l| l.integrator == integrator);
+        let (cell, role) = match lane {
+            Some(lane) if lane.hero => (format!("{} · hero", integrator.name()), Role::Label),
+            Some(_) => (
+                format!("Compare the hero with {}", integrator.name()),
+                Role::Button,
+            ),
+            None => (integrator.name().to_owned(), Role::Label),
         };
         let cells = person.harness.query_all_by_label(&cell);
         assert!(
             cells
                 .into_iter()
-                .any(|node| node.accesskit_node().role() == Role::Label),
+                .any(|node| node.accesskit_node().role() == role),
             "{cell}"
         );
     }
-    assert!(person.sees("…") && person.sees_part("is the cheapest at 60 ns per body-step"));
+    assert!(person.sees("…") && person.sees("1.0e-6"));
+    assert!(person.sees("Split: 100× smaller attitude error, 1.0× cost (against RK4)."));
 }
 
 #[test]
 fn plots_say_what_they_show_and_leave_the_wheel_alone() {
     for (plot, words) in [
-        (Plot::Energy, "Total energy over simulated time, now 6.65 J"),
-        (Plot::Energy, "|L| over simulated time, now 0.125 kg m²/s"),
+        (
+            Plot::Error,
+            "attitude error [°] over simulated time, now Split 1e-6, RK4 1e-4, Semi-implicit Euler 0.01",
+        ),
+        (Plot::Energy, ENERGY),
         (
             Plot::Timing,
             "Median nanoseconds per body-step of every scheme over wall time, logarithmic",
@@ -306,11 +421,7 @@ fn plots_say_what_they_show_and_leave_the_wheel_alone() {
     }
     // In a narrow drawer the plots stand one above the other, and the wheel scrolls through them.
     let mut person = Person::before(sample_view(), Vec2::new(600.0, 500.0));
-    let place = |person: &Person| {
-        person
-            .find("Total energy over simulated time, now 6.65 J")
-            .rect()
-    };
+    let place = |person: &Person| person.find(ENERGY).rect();
     let before = place(&person);
     person
         .harness

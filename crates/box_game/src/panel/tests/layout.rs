@@ -7,6 +7,16 @@ use box_physics::prelude::DVec3;
 use super::super::{HistoryView, LogView, PanelMemory, PanelView};
 use super::{Person, TALL, sample_view};
 use crate::action::Plot;
+use crate::compare::CompareView;
+
+const TABS: [Plot; 6] = [
+    Plot::Error,
+    Plot::Energy,
+    Plot::Timing,
+    Plot::Cpu,
+    Plot::WorkPrecision,
+    Plot::Table,
+];
 
 /// 1280×720 at 75, 100, 150 and 200 %, 1920×1080 at 75 and 100 %: points.
 const SIZES: [(f32, f32); 6] = [
@@ -37,6 +47,12 @@ fn long() -> PanelView {
     view.software_rendering = true;
     view.notices = vec!["cannot write /a/b/c.csv: no space left on device".into()];
     view.parameters.linear_drag = 1.234e-5;
+    for (k, lane) in view.compare.lanes.iter_mut().enumerate() {
+        lane.status = "DIVERGED @ t = 12345.6 s".into();
+        lane.skew = 0.012_345 * k as f64;
+        lane.now = [-1.234_567e-9; 7];
+    }
+    view.compare.note = "The lanes simulate the first box alone, without the load.".into();
     view.hero.position = DVec3::splat(-1.234_567e-9);
     for timing in &mut view.timings {
         timing.nanoseconds = Some((123_456.7, 234_567.8, 345_678.9));
@@ -67,7 +83,7 @@ fn leaves(person: &Person) -> Vec<(String, Rect)> {
 #[test]
 fn nothing_lies_outside_the_window() {
     for (width, height) in SIZES {
-        for plot in [Plot::Energy, Plot::Timing, Plot::Cpu, Plot::Table] {
+        for plot in TABS {
             let mut view = long();
             view.plot = plot;
             let person = Person::before(view, vec2(width, height));
@@ -82,14 +98,15 @@ fn nothing_lies_outside_the_window() {
                 "{width}×{height}: {central:?}"
             );
             for (name, rect) in leaves(&person) {
-                // The side panel and the table scroll, the rest has to fit.
+                // The side panel, the table, and plots one above the other scroll; the rest has to fit.
                 let side = rect.left() >= central.right();
                 let table = plot == Plot::Table && rect.top() > central.bottom();
                 let drawer = !side && rect.top() > central.bottom();
                 let inside = (table
                     || (screen.left() <= rect.left() && rect.right() <= screen.right()))
                     && (side
-                        || drawer && height < 400.0
+                        || drawer
+                            && (height < 400.0 || width < 900.0 && TABS[..2].contains(&plot))
                         || table
                         || screen.top() <= rect.top() && rect.bottom() <= screen.bottom());
                 assert!(inside, "{width}×{height} {plot:?}: {name} at {rect:?}");
@@ -137,7 +154,7 @@ fn the_side_panel_opens_wide_enough_and_scrolls() {
 #[test]
 fn no_character_is_a_hollow_box() {
     let mut texts = String::new();
-    for plot in [Plot::Energy, Plot::Timing, Plot::Cpu, Plot::Table] {
+    for plot in TABS {
         for paused in [false, true] {
             let mut view = long();
             (view.plot, view.paused, view.show_help) = (plot, paused, paused);
@@ -201,10 +218,16 @@ fn nothing_a_view_may_hold_makes_it_panic() {
         }
     };
     let schemes = broken.timings.len();
+    for lane in &mut broken.compare.lanes {
+        lane.now = [nan; 7];
+        (lane.dt, lane.energies) = (nan, [nan, f64::INFINITY, -1e300]);
+        for (_, points) in &mut lane.lines {
+            *points = (0..1000)
+                .map(|k| [f64::from(k) / 60.0, 1e300 * long_run(k)])
+                .collect();
+        }
+    }
     broken.history = HistoryView {
-        energy: (0..10_000)
-            .map(|k| (f64::from(k) / 60.0, long_run(k), 1e300 * long_run(k)))
-            .collect(),
         timing: vec![(0..10_000).map(|k| (f64::from(k), long_run(k))).collect(); schemes],
         cpu: (0..10_000)
             .map(|k| (f64::from(k), long_run(k), nan))
@@ -214,13 +237,16 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     empty.scenes.clear();
     empty.timings.clear();
     empty.history = HistoryView::default();
+    empty.compare = CompareView::default();
     (empty.actual_speed, empty.lesson) = (None, String::new());
     (empty.parameters.restitution, empty.parameters.friction) = (None, None);
     let mut one_point = sample_view();
-    one_point.history.energy.truncate(1);
+    for lane in &mut one_point.compare.lanes {
+        lane.lines.iter_mut().for_each(|(_, p)| p.truncate(1));
+    }
     one_point.history.cpu = vec![(f64::INFINITY, 1.0, 1.0)];
     for view in [broken, empty, one_point] {
-        for plot in [Plot::Energy, Plot::Timing, Plot::Cpu, Plot::Table] {
+        for plot in TABS {
             for hidden in [false, true] {
                 let view = PanelView {
                     plot,

@@ -1,0 +1,89 @@
+//! What a frame of the game costs the processor, without window and renderer: all of the game's systems
+//! (physics, lanes and their measurement, timing of every scheme, log off), the panel with a plot open,
+//! and its tessellation. `cargo bench --bench frame` prints the minimum and the median for every tab.
+
+use std::time::Instant;
+
+use bevy::ecs::system::SystemState;
+use bevy::input::InputPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_egui::egui;
+use box_game::action::Plot;
+use box_game::app::GamePlugin;
+use box_game::cli::Cli;
+use box_game::compare::CompareAction;
+use box_game::panel::{self, PanelMemory};
+use box_game::panel_view::{self, Sources};
+use box_game::session::Session;
+use clap::Parser;
+
+/// Frames of 1/60 s before the first is timed: a full minute of plots.
+const WARM_UP: u32 = 3700;
+/// Frames timed for each tab.
+const FRAMES: usize = 300;
+
+fn main() {
+    for scene in ["dzhanibekov", "bounce", "spring-orbit"] {
+        let schemes = "split,exact,rk4,semi-implicit-euler,engine-rescaled,engine-newton";
+        println!("{scene}, hero and 5 lanes: a frame [ms], least and median of {FRAMES}");
+        measure(&[scene, "--integrator", schemes]);
+    }
+}
+
+fn measure(arguments: &[&str]) {
+    let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid arguments");
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli }))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    for _ in 0..WARM_UP {
+        app.update();
+    }
+    let context = egui::Context::default();
+    let scenes = panel_view::scenes();
+    let mut memory = PanelMemory::default();
+    let mut state = SystemState::<Sources>::new(app.world_mut());
+    box_game::compare::apply(app.world_mut(), CompareAction::StartSweep);
+    for (name, plot) in [
+        ("Error", Plot::Error),
+        ("Energy", Plot::Energy),
+        ("Timing", Plot::Timing),
+        ("CPU", Plot::Cpu),
+        ("Work–precision", Plot::WorkPrecision),
+        ("Table", Plot::Table),
+    ] {
+        app.world_mut().resource_mut::<Session>().plot = plot;
+        let mut times = Vec::with_capacity(FRAMES);
+        let (mut systems, mut drawing) = (f64::INFINITY, f64::INFINITY);
+        for n in 0..FRAMES {
+            let start = Instant::now();
+            app.update();
+            let updated = start.elapsed().as_secs_f64() * 1e3;
+            let sources = state.get(app.world()).expect("every resource is there");
+            let view = panel_view::view(&sources, &scenes);
+            let input = egui::RawInput {
+                screen_rect: Some(egui::Rect::from_min_size(
+                    egui::Pos2::ZERO,
+                    egui::vec2(1280.0, 720.0),
+                )),
+                time: Some(n as f64 / 60.0),
+                ..Default::default()
+            };
+            let mut asked = Vec::new();
+            let output = context.run_ui(input, |ui| {
+                panel::show(ui, &view, &mut memory, &mut asked);
+            });
+            std::hint::black_box(context.tessellate(output.shapes, output.pixels_per_point));
+            let whole = start.elapsed().as_secs_f64() * 1e3;
+            systems = systems.min(updated);
+            drawing = drawing.min(whole - updated);
+            times.push(whole);
+        }
+        times.sort_by(f64::total_cmp);
+        println!(
+            "  {name:<16}{:>7.2}{:>7.2}   least: systems {systems:.2}, panel {drawing:.2}",
+            times[0],
+            times[FRAMES / 2]
+        );
+    }
+}
