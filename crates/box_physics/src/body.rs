@@ -1,6 +1,10 @@
 //! The box itself: size, mass, inertia, and what the schemes precompute from them.
 
 use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+#[cfg(feature = "serde")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use glam::DVec3;
 
 use crate::error::InvalidValue;
@@ -20,7 +24,21 @@ const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
 /// assert_eq!(brick.inertia().x, 0.078_125);
 /// # Ok::<(), InvalidValue>(())
 /// ```
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+///
+/// It may be replaced while it moves: position, velocity and *angular momentum* stay, so a box that
+/// becomes larger turns more slowly. `Transform::scale` only scales the picture.
+///
+/// To reflection it is opaque (its numbers depend on one another); with the feature `serde` it is read
+/// and written as `half_extents`, `mass` and `inertia`, and checked.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Clone, PartialEq, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "serialised::BoxFields", into = "serialised::BoxFields"),
+    reflect(Serialize, Deserialize)
+)]
 #[require(
     crate::state::BodyState,
     crate::plugin::WrittenTransform,
@@ -165,6 +183,47 @@ impl Default for RigidBox {
     fn default() -> Self {
         let inertia = DVec3::splat(1.0 / 6.0);
         Self::from_parts(DVec3::splat(0.5), 1.0, inertia)
+    }
+}
+
+#[cfg(feature = "serde")]
+mod serialised {
+    //! What of a box is saved: what cannot be computed. Loading checks it like the constructors.
+
+    use glam::DVec3;
+
+    use super::RigidBox;
+    use crate::error::InvalidValue;
+
+    #[derive(serde::Serialize, serde::Deserialize)]
+    #[serde(rename = "RigidBox", deny_unknown_fields)]
+    pub(super) struct BoxFields {
+        half_extents: DVec3,
+        mass: f64,
+        /// A solid box's, if absent.
+        #[serde(default)]
+        inertia: Option<DVec3>,
+    }
+
+    impl From<RigidBox> for BoxFields {
+        fn from(body: RigidBox) -> Self {
+            Self {
+                half_extents: body.half_extents,
+                mass: body.mass,
+                inertia: Some(body.inertia),
+            }
+        }
+    }
+
+    impl TryFrom<BoxFields> for RigidBox {
+        type Error = InvalidValue;
+
+        fn try_from(fields: BoxFields) -> Result<Self, InvalidValue> {
+            let solid = Self::new(fields.half_extents, fields.mass)?;
+            fields
+                .inertia
+                .map_or(Ok(solid), |inertia| solid.with_inertia(inertia))
+        }
     }
 }
 

@@ -8,13 +8,17 @@
 //! The parts are kept apart because a good scheme treats them apart: the uniform acceleration and the
 //! isotropic dissipation have exact flows, the rest (the *wrench*) is what a kick applies.
 
+use bevy::ecs::VariantDefaults;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{DMat3, DVec3};
 
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
 /// A force through the centre of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wrench {
     /// Force \[N\], world axes.
     pub force: DVec3,
@@ -39,7 +43,8 @@ impl core::ops::AddAssign for Wrench {
 }
 
 /// The isotropic dissipation of a body; every coefficient ≥ 0, and 0 means absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub struct Dissipation {
     /// c₁ [N s/m]: force −c₁ v.
     pub linear_drag: f64,
@@ -123,7 +128,8 @@ pub trait ForceLaw {
 }
 
 /// Uniform acceleration [m/s²] alone: a body in free flight.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub struct Gravity(pub DVec3);
 
 impl ForceLaw for Gravity {
@@ -134,7 +140,9 @@ impl ForceLaw for Gravity {
 }
 
 /// A force at a body point.
-#[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForce {
     /// Where it acts, body axes from the centre \[m\].
     pub body_point: DVec3,
@@ -145,7 +153,9 @@ pub struct PointForce {
 }
 
 /// In which axes a vector is constant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bevy::reflect::Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, VariantDefaults)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Frame {
     /// The world's: wind, a magnetic field.
     #[default]
@@ -156,7 +166,9 @@ pub enum Frame {
 
 /// A spring of zero natural length from a body point to a world anchor, with a damper:
 /// force −k (x + R r − anchor) − d u at the point, u its velocity. A mouse grab is one of these.
-#[derive(Clone, Copy, Debug, PartialEq, bevy::reflect::Reflect)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spring {
     /// Where it holds the box, body axes from the centre \[m\].
     pub body_point: DVec3,

@@ -1,12 +1,109 @@
 //! Rigid boxes over a floor for [Bevy](https://bevyengine.org), with a live choice of the numerical
 //! integrator, and a default that spins right.
 //!
-//! The crate is two layers. The **core** ([`body`], [`state`], [`force`], [`schemes`], [`floor`], …)
-//! is plain f64 arithmetic: it knows no `World` and runs without an `App`. The **plugin**
-//! ([`plugin`]) is thin: it hands the columns of the ECS to the core once per fixed step.
+//! # Quick start
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use box_physics::prelude::*;
+//!
+//! fn main() {
+//!     let mut app = App::new();
+//!     app.add_plugins((MinimalPlugins, PhysicsPlugins::default())) // or DefaultPlugins, with a window
+//!         .insert_resource(Floor::default()) // none, and there is no contact at all
+//!         .add_systems(Startup, setup);
+//!     # app.update();
+//!     // app.run();
+//! }
+//!
+//! fn setup(mut commands: Commands) -> Result {
+//!     // A cube of 1 m and 1 kg, where its Transform says.
+//!     commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 5.0, 0.0)));
+//!     // A brick by its half-extents \[m\] and mass \[kg\], thrown and spinning.
+//!     let brick = RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0)?;
+//!     let thrown = BodyState::at(Vec3::Y * 2.0)
+//!         .with_velocity(Vec3::X * 4.0)
+//!         .with_angular_velocity(&brick, Vec3::new(1.5, 2.5, 1.0));
+//!     commands.spawn((brick, thrown));
+//!     Ok(())
+//! }
+//! ```
+//!
+//! A body is a [`RigidBox`](body::RigidBox); what else it needs comes along as required components. Its
+//! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step, and one that you
+//! change teleports the body. Give it a mesh, or a child with one, and it is on screen.
+//!
+//! # What acts on it
+//!
+//! | | |
+//! |---|---|
+//! | gravity | [`WorldGravity`](plugin::WorldGravity), [`GravityScale`](plugin::GravityScale) |
+//! | a push | the message [`ApplyImpulse`](plugin::ApplyImpulse) |
+//! | a force or torque, constant over a step | [`ExternalForce`](plugin::ExternalForce), [`BodyTorque`](plugin::BodyTorque) |
+//! | at points of the body, evaluated at every stage of the scheme | [`PointForces`](plugin::PointForces), [`Springs`](plugin::Springs) |
+//! | drag and damping | [`LinearDrag`](plugin::LinearDrag), [`QuadraticDrag`](plugin::QuadraticDrag), [`AngularDamping`](plugin::AngularDamping), [`AngularDrag`](plugin::AngularDrag) |
+//! | anything else that depends on the state | the core, with a [`ForceLaw`](force::ForceLaw) of your own |
+//! | the floor | the resource [`Floor`](floor::Floor); [`ReportContacts`](plugin::ReportContacts) for messages about it |
+//!
+//! A force that no body has costs nothing.
+//!
+//! # One step
+//!
+//! [`PhysicsSchedule`](plugin::PhysicsSchedule) runs once a tick (once a substep) of `FixedPostUpdate`, or of the
+//! schedule that you name. Its sets are chained; three are yours:
+//!
+//! ```text
+//! First      yours
+//! Impulses   changed Transforms become teleports, then impulses in their order of arrival
+//! Forces     yours: set ExternalForce and the like
+//! Integrate  bodies in free flight
+//! Contact    bodies that may meet the floor
+//! Refit      WorldAabb
+//! Writeback  Transform
+//! Last       yours: the state is that of PhysicsClock::time
+//! ```
+//!
+//! [`PhysicsClock`](plugin::PhysicsClock) pauses and counts; [`StepPhysics`](plugin::StepPhysics) is the single
+//! step; slow motion is `Time<Virtual>::set_relative_speed`. Each part is a plugin of its own and can be left
+//! out: [`FloorPlugin`](plugin::FloorPlugin), [`AabbPlugin`](plugin::AabbPlugin),
+//! [`PhysicsDiagnosticsPlugin`](plugin::PhysicsDiagnosticsPlugin). For smoothing between steps add
+//! `bevy_transform_interpolation`.
+//!
+//! # Integrators
+//!
+//! [`GlobalIntegrator`](plugin::GlobalIntegrator) and [`BodyIntegrator`](plugin::BodyIntegrator) choose among
+//! [`Integrator`](schemes::Integrator)'s fourteen, at any time. The default, `split`, never blows up on any
+//! spin or drag; `exact` is right to rounding in free flight. What each says of itself, order by order, is in
+//! its [`SchemeInfo`](schemes::SchemeInfo) and in the table of the README.
+//!
+//! # Without Bevy's `App`
+//!
+//! The modules [`body`], [`state`], [`force`], [`schemes`], [`floor`], … are plain f64 arithmetic and know no
+//! `World`: see [`ForceLaw`](force::ForceLaw) for a loop of ten lines. The [`plugin`] is thin: it hands the
+//! columns of the ECS to them.
+//!
+//! # The same bits everywhere
+//!
+//! Results do not depend on the run, the number of threads, the order of insertion, debug or release, or the
+//! machine (no platform sine, no fused multiply-add); [`digest`] compares them. With the feature `serde` a
+//! saved body continues bit for bit.
+//!
+//! # When something is wrong
+//!
+//! Constructors refuse what cannot be. At run time nothing panics, and each thing is logged once: a body that
+//! is not finite is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its range stops
+//! the clock until it is put right ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)); a hitch costs at
+//! most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
+//! ([`PhysicsClock::dropped`](plugin::PhysicsClock::dropped)).
+//!
+//! # Limits
+//!
+//! Boxes and one horizontal floor: no contact between boxes, no joints, no other shapes. Bodies stand at the
+//! top of the hierarchy. Sizes from 1e-6 to 1e6 m, masses from 1e-12 to 1e12 kg, positions within 1e38 m.
 
 pub mod aabb;
 pub mod body;
+pub mod digest;
 pub mod energy;
 pub mod error;
 pub mod floor;
@@ -29,12 +126,18 @@ pub mod prelude {
     };
     pub use crate::plugin::{
         AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
-        BodyTorque, ExternalForce, FloorContact, GlobalIntegrator, GravityScale, ImpulsePoint,
-        LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin, PhysicsPlugin, PhysicsPlugins,
-        PhysicsSchedule, PhysicsSystems, PhysicsTimings, PointForces, QuadraticDrag, Quarantined,
-        ReportContacts, Springs, StepPhysics, WorldAabb, WorldGravity,
+        BodyTorque, ExternalForce, FloorContact, FloorPlugin, GlobalIntegrator, GravityScale,
+        ImpulsePoint, LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin, PhysicsPlugin,
+        PhysicsPlugins, PhysicsSchedule, PhysicsSystems, PhysicsTimings, PointForces,
+        QuadraticDrag, QuarantineCause, Quarantined, ReportContacts, Springs, StepPhysics,
+        WorldAabb, WorldGravity,
     };
     pub use crate::schemes::{Integrator, SchemeMemory, StepOutcome};
     pub use crate::state::BodyState;
     pub use glam::{DQuat, DVec3};
 }
+
+/// The code blocks of the guide for newcomers are compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/coming-from-avian-or-rapier.md")]
+struct ComingFromAvianOrRapier;

@@ -26,6 +26,7 @@ use crate::rotation::renormalise;
 /// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyState {
     /// Centre of mass in the world \[m\].
     pub position: DVec3,
@@ -172,11 +173,12 @@ impl BodyState {
             && self.angular_momentum.is_finite()
     }
 
-    /// Whether it can be stepped: finite, and the attitude a unit quaternion (to 1e-3 in its square).
+    /// Whether it can be stepped and shown: finite, the position within 1e38 m (an f32 ends at 3.4e38),
+    /// and the attitude a unit quaternion (to 1e-3 in its square).
     #[inline(always)]
     pub fn is_sound(&self) -> bool {
         (self.rotation.length_squared() - 1.0).abs() < 1e-3
-            && self.position.is_finite()
+            && self.position.abs().cmple(DVec3::splat(1e38)).all()
             && self.velocity.is_finite()
             && self.angular_momentum.is_finite()
     }

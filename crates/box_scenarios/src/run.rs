@@ -230,7 +230,10 @@ impl Plan {
 
     /// Steps altogether.
     pub fn steps(&self) -> u64 {
-        self.legs.iter().map(|l| l.steps).sum()
+        // A file may ask for more than a number can hold.
+        self.legs
+            .iter()
+            .fold(0, |sum: u64, leg| sum.saturating_add(leg.steps))
     }
 }
 

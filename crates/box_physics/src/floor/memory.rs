@@ -1,6 +1,10 @@
 //! What the contact remembers of a body, and what it reports.
 
 use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+#[cfg(feature = "serde")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use glam::{DQuat, DVec3};
 
 use super::Floor;
@@ -12,7 +16,14 @@ use crate::state::BodyState;
 /// What the contact remembers of one body between steps: which corners touch, and for which state and
 /// forces it was found to lie still. It is checked, not trusted: a box lies still only as long as pose,
 /// velocities, body, floor and forces are bit for bit what they were. Empty is always valid.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Clone, PartialEq, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(Serialize, Deserialize)
+)]
 pub struct ContactState {
     pub(super) touching: u8,
     pub(super) rest: Option<Rest>,
@@ -20,6 +31,7 @@ pub struct ContactState {
 
 /// For what the box was found to lie still.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Rest {
     position: DVec3,
     rotation: DQuat,
@@ -95,7 +107,9 @@ impl ContactState {
 }
 
 /// Where in its life a contact is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[reflect(Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactPhase {
     /// The corner did not touch before this step.
     Began,
@@ -107,7 +121,8 @@ pub enum ContactPhase {
 
 /// One corner's contact in one step. A corner that comes and goes within a step is reported twice:
 /// began with its impulse, ended with none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
+#[reflect(Clone, PartialEq)]
 pub struct ContactPoint {
     /// Corner index; bits as in [`crate::aabb::corners`].
     pub corner: u8,

@@ -47,6 +47,7 @@ use crate::state::BodyState;
 /// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Floor {
     /// Height of the plane \[m\].
     pub height: f64,
@@ -79,25 +80,35 @@ impl Floor {
     /// assert_eq!(error, "restitution must be between 0 and 1, but is 1.5");
     /// ```
     pub fn new(height: f64, restitution: f64, friction: f64) -> Result<Self, InvalidValue> {
-        InvalidValue::check(height.is_finite(), "height", height, "finite")?;
-        InvalidValue::check(
-            (0.0..=1.0).contains(&restitution),
-            "restitution",
-            restitution,
-            "between 0 and 1",
-        )?;
-        InvalidValue::check_coefficient("friction", friction)?;
-        Ok(Self {
+        let floor = Self {
             height,
             restitution,
             friction,
-        })
+        };
+        floor.validate().map(|()| floor)
+    }
+
+    /// Whether the fields are in their ranges, however they were set.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        InvalidValue::check(self.height.is_finite(), "height", self.height, "finite")?;
+        InvalidValue::check(
+            (0.0..=1.0).contains(&self.restitution),
+            "restitution",
+            self.restitution,
+            "between 0 and 1",
+        )?;
+        InvalidValue::check_coefficient("friction", self.friction)?;
+        Ok(())
     }
 }
 
 /// How hard the contact tries. The defaults suit boxes from millimetres to hundreds of metres.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactSettings {
     /// Approach speed [m/s] below which nothing bounces. Default 0.01: a bounce of 5 µm, which nobody
     /// sees; it ends a Zeno sequence of ever smaller bounces, and it is where bounces in earth's
@@ -109,23 +120,44 @@ pub struct ContactSettings {
     /// Iterations of the contact solver. Default 2000: one impact in a hundred needs 200.
     pub max_iterations: u32,
     /// Of the solver, relative to the fastest corner, and of a corner's height, relative to the size of
-    /// the scene (circumradius of the box plus |height of the floor|). Default 1e-12.
+    /// the scene (circumradius of the box plus |height of the floor|). 1e-15 to 1e-3; default 1e-12.
     pub tolerance: f64,
+}
+
+impl ContactSettings {
+    /// The defaults.
+    pub const DEFAULT: Self = Self {
+        restitution_threshold: 0.01,
+        max_impacts: 16,
+        max_iterations: 2000,
+        tolerance: 1e-12,
+    };
+
+    /// Whether the fields are in their ranges.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        InvalidValue::check_coefficient("restitution_threshold", self.restitution_threshold)?;
+        InvalidValue::check(
+            (1e-15..=1e-3).contains(&self.tolerance),
+            "tolerance",
+            self.tolerance,
+            "between 1e-15 and 1e-3",
+        )?;
+        Ok(())
+    }
 }
 
 impl Default for ContactSettings {
     fn default() -> Self {
-        Self {
-            restitution_threshold: 0.01,
-            max_impacts: 16,
-            max_iterations: 2000,
-            tolerance: 1e-12,
-        }
+        Self::DEFAULT
     }
 }
 
 /// What a step over the floor cost, and whether it had to give way. Nothing is limited silently.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub struct FloorOutcome {
     /// The scheme's own account, over all pieces.
     pub step: StepOutcome,

@@ -5,7 +5,7 @@ use bevy::ecs::reflect::ReflectComponent;
 use bevy::math::bounding::Aabb3d;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::transform::components::Transform;
-use glam::{DQuat, DVec3, Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use crate::aabb;
 use crate::body::RigidBox;
@@ -17,12 +17,14 @@ use crate::state::BodyState;
 /// The scheme of this body alone, instead of the [`GlobalIntegrator`](super::GlobalIntegrator).
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyIntegrator(pub Integrator);
 
 /// Factor on the [`WorldGravity`](super::WorldGravity) for this body (1 without the component; 0
 /// floats, negative rises).
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GravityScale(pub f64);
 
 impl Default for GravityScale {
@@ -36,6 +38,7 @@ macro_rules! coefficient {
         $(#[$attribute])*
         #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
         #[reflect(Component, Default, Clone, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name(pub f64);
 
         impl $name {
@@ -72,6 +75,7 @@ coefficient! {
 /// [`Springs`], or the core with a [`ForceLaw`](crate::force::ForceLaw) of your own.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ExternalForce {
     /// Force \[N\].
     pub force: DVec3,
@@ -82,16 +86,19 @@ pub struct ExternalForce {
 /// A constant torque in **body** axes \[N m\].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyTorque(pub DVec3);
 
 /// Forces at body points, evaluated at every stage of the scheme.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForces(pub Vec<PointForce>);
 
 /// Springs from body points to world anchors, evaluated at every stage of the scheme.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Springs(pub Vec<Spring>);
 
 /// The bounding box in the world, re-fitted after every step and rounded outward, so that it contains
@@ -125,12 +132,14 @@ impl Default for WorldAabb {
 /// Asks for [`FloorContact`](super::FloorContact) messages about this body. Without it none are made.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ReportContacts;
 
 /// On a body whose state, body or forces were not finite: it is left out of every step, frozen at its
 /// last good state. Give it a finite state and remove this component, and it goes on.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quarantined {
     /// Simulated time at which it happened \[s\].
     pub time: f64,
@@ -166,6 +175,21 @@ impl WrittenTransform {
         }
     }
 
+    /// The pose of `transform`, if it is one.
+    pub(crate) fn shown_by(transform: &Transform) -> Option<Self> {
+        let norm = transform.rotation.as_dquat().length();
+        let usable = transform.translation.is_finite() && norm.is_finite() && norm > 1e-6;
+        usable.then_some(Self {
+            translation: transform.translation,
+            rotation: transform.rotation,
+        })
+    }
+
+    /// At this pose, at rest: what is left of a body whose state is lost.
+    pub(crate) fn state_at_rest(&self) -> BodyState {
+        BodyState::at(self.translation.as_dvec3()).with_rotation(self.rotation.as_dquat())
+    }
+
     /// Takes over into `state` what somebody changed in `transform` since we wrote it. Returns whether
     /// there was anything, or an error if it is not usable (then nothing is taken).
     pub(crate) fn take_teleport(
@@ -176,19 +200,13 @@ impl WrittenTransform {
         let now = Self::of(state);
         let moved =
             transform.translation != self.translation && transform.translation != now.translation;
-        let turned = transform.rotation != self.rotation && transform.rotation != now.rotation;
+        // Smoothing between two equal rotations may change their last bits: that is nobody's wish.
+        let turned = !same_rotation(transform.rotation, self.rotation)
+            && !same_rotation(transform.rotation, now.rotation);
         if !moved && !turned {
             return Ok(false);
         }
-        let q = DQuat::from_xyzw(
-            transform.rotation.x.into(),
-            transform.rotation.y.into(),
-            transform.rotation.z.into(),
-            transform.rotation.w.into(),
-        );
-        let norm = q.length();
-        let usable = transform.translation.is_finite() && norm.is_finite() && norm > 1e-6;
-        if !usable {
+        if Self::shown_by(transform).is_none() {
             return Err(NotFinite);
         }
         if moved {
@@ -196,10 +214,17 @@ impl WrittenTransform {
         }
         if turned {
             // The momentum is stored in body axes: the body carries its spin along.
-            state.rotation = q / norm;
+            state.rotation = state.with_rotation(transform.rotation.as_dquat()).rotation;
         }
         Ok(true)
     }
+}
+
+/// Whether two f32 rotations are the same but for rounding (four units in the last place of 1).
+#[inline(always)]
+fn same_rotation(a: Quat, b: Quat) -> bool {
+    const ROUNDING: f32 = 4.0 * f32::EPSILON;
+    a == b || (a - b).length_squared() < ROUNDING * ROUNDING
 }
 
 /// A `Transform` that names no place.

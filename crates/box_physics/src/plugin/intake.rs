@@ -2,16 +2,18 @@
 
 use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::entity::Entity;
-use bevy::ecs::message::{MessageCursor, Messages};
-use bevy::ecs::query::{Added, Has};
+use bevy::ecs::message::{MessageCursor, MessageWriter, Messages};
+use bevy::ecs::query::{Added, Has, With};
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Local, Query, Res, ResMut};
 use bevy::transform::components::Transform;
 use log::warn;
 
-use super::components::{Quarantined, WorldAabb, WrittenTransform};
-use super::messages::ApplyImpulse;
+use super::components::{NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform};
+use super::messages::{ApplyImpulse, FloorContact};
+use crate::aabb::corners;
 use crate::body::RigidBox;
+use crate::floor::{ContactPhase, ContactState};
 use crate::state::BodyState;
 
 /// Impulses that wait for the next step, in order of arrival.
@@ -33,7 +35,7 @@ pub(crate) fn collect_impulses(
 
 /// Bodies whose `Transform` somebody changed are there now.
 pub(crate) fn take_teleports(
-    mut bodies: Query<(Entity, &Transform, &WrittenTransform, &mut BodyState)>,
+    mut bodies: Query<(Entity, &Transform, &WrittenTransform, &mut BodyState), With<RigidBox>>,
     mut warned: Local<bool>,
 ) {
     for (entity, transform, written, mut state) in &mut bodies {
@@ -83,12 +85,21 @@ pub(crate) fn place_new_bodies(
             &mut BodyState,
             &mut WrittenTransform,
             &mut Transform,
+            &mut NearFloor,
+            Option<&ContactState>,
             Option<&mut WorldAabb>,
         ),
         Added<RigidBox>,
     >,
 ) {
-    for (body, mut state, mut written, mut transform, aabb) in &mut bodies {
+    for (body, mut state, mut written, mut transform, mut near, contact, aabb) in &mut bodies {
+        // A loaded body may bring its contacts along.
+        near.touched = contact.is_some_and(|c| c.touching() != 0);
+        if !state.is_sound() {
+            // The first step quarantines it, where its Transform is.
+            *written = WrittenTransform::shown_by(&transform).unwrap_or_default();
+            continue;
+        }
         if written.take_teleport(&transform, &mut state).is_err() {
             continue;
         }
@@ -97,6 +108,39 @@ pub(crate) fn place_new_bodies(
         transform.rotation = written.rotation;
         if let Some(mut aabb) = aabb {
             *aabb = WorldAabb::of(body, &state);
+        }
+    }
+}
+
+/// The floor is gone: what touched it no longer does.
+pub(crate) fn forget_contacts(
+    mut bodies: Query<(
+        Entity,
+        &RigidBox,
+        &BodyState,
+        &mut ContactState,
+        &mut NearFloor,
+        Has<ReportContacts>,
+    )>,
+    mut contacts: MessageWriter<FloorContact>,
+) {
+    for (entity, body, state, mut contact, mut near, heard) in &mut bodies {
+        let touching = contact.touching();
+        *contact.bypass_change_detection() = ContactState::default();
+        *near.bypass_change_detection() = NearFloor::default();
+        if !heard {
+            continue;
+        }
+        for (corner, point) in (0_u8..).zip(corners(body.half_extents())) {
+            if touching >> corner & 1 == 1 {
+                contacts.write(FloorContact {
+                    entity,
+                    corner,
+                    point: state.point(point),
+                    normal_impulse: 0.0,
+                    phase: ContactPhase::Ended,
+                });
+            }
         }
     }
 }

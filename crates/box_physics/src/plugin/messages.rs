@@ -2,6 +2,8 @@
 
 use bevy::ecs::entity::Entity;
 use bevy::ecs::message::Message;
+use bevy::ecs::reflect::ReflectMessage;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
 use crate::body::RigidBox;
@@ -11,7 +13,22 @@ use crate::state::BodyState;
 
 /// Asks for an impulse on a body at the start of the next step. Several are applied in their order of
 /// arrival. Asked while paused, they wait.
-#[derive(Message, Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn jump(
+///     keys: Res<ButtonInput<KeyCode>>,
+///     boxes: Query<Entity, With<RigidBox>>,
+///     mut impulses: MessageWriter<ApplyImpulse>,
+/// ) {
+///     if keys.just_pressed(KeyCode::Space) {
+///         impulses.write_batch(boxes.iter().map(|b| ApplyImpulse::centre(b, Vec3::Y * 4.0)));
+///     }
+/// }
+/// ```
+#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Message, Clone, PartialEq)]
 pub struct ApplyImpulse {
     /// The body.
     pub entity: Entity,
@@ -22,7 +39,8 @@ pub struct ApplyImpulse {
 }
 
 /// Where an impulse acts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
 pub enum ImpulsePoint {
     /// At the centre of mass: no spin.
     #[default]
@@ -83,7 +101,20 @@ impl ApplyImpulse {
 
 /// A corner of a body with [`ReportContacts`](super::ReportContacts) met, lay on or left the floor
 /// during a step.
-#[derive(Message, Clone, Copy, Debug, PartialEq)]
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn thud(mut contacts: MessageReader<FloorContact>) {
+///     let hit = |c: &&FloorContact| c.phase == ContactPhase::Began;
+///     let impulse: f64 = contacts.read().filter(hit).map(|c| c.normal_impulse).sum();
+///     if impulse > 1.0 {
+///         println!("thud! {impulse:.1} N s");
+///     }
+/// }
+/// ```
+#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Message, Clone, PartialEq)]
 pub struct FloorContact {
     /// The body.
     pub entity: Entity,
@@ -98,7 +129,8 @@ pub struct FloorContact {
 }
 
 /// A body was quarantined: see [`Quarantined`](super::Quarantined).
-#[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Message, Clone, PartialEq)]
 pub struct BodyQuarantined {
     /// The body.
     pub entity: Entity,
@@ -106,4 +138,32 @@ pub struct BodyQuarantined {
     pub integrator: Integrator,
     /// Simulated time \[s\].
     pub time: f64,
+    /// What was wrong.
+    pub cause: QuarantineCause,
+}
+
+/// Why a body was quarantined.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, PartialEq)]
+pub enum QuarantineCause {
+    /// Somebody wrote a [`BodyState`] that is not finite, or whose attitude is not a unit quaternion.
+    /// The body stands at its last written pose, at rest.
+    State,
+    /// The step from a sound state led to one that is not finite: its forces are not, or the scheme
+    /// left its stable range. The body stands as it was before that step.
+    Step,
+}
+
+impl core::fmt::Display for QuarantineCause {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::State => {
+                "its BodyState was written with values that are not finite, or with an attitude that \
+                 is no unit quaternion"
+            }
+            Self::Step => {
+                "its step led to values that are not finite (forces, or a scheme beyond its range)"
+            }
+        })
+    }
 }

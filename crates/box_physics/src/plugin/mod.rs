@@ -15,6 +15,7 @@
 
 mod columns;
 mod components;
+mod faults;
 mod intake;
 mod messages;
 mod resources;
@@ -28,19 +29,24 @@ pub use components::{
     LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs, WorldAabb,
 };
 pub(crate) use components::{NearFloor, WrittenTransform};
-pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint};
+pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause};
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use run::StepPhysics;
 pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
 
-use bevy::app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
+use bevy::app::{
+    App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate, Startup,
+};
+use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
-    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SystemSet,
+    IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SystemSet,
+    common_conditions,
 };
 
 use crate::body::RigidBox;
 use crate::floor::{ContactSettings, ContactState, Floor};
+use crate::schemes::SchemeMemory;
 use crate::state::BodyState;
 
 /// The schedule of one step. Systems of your own that belong to a step go here, into
@@ -85,7 +91,7 @@ pub enum PhysicsSystems {
 /// ```
 ///
 /// To leave a part out: `PhysicsPlugins::default().build().disable::<AabbPlugin>()`; the same for
-/// [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`] resource there is no contact work.
+/// [`FloorPlugin`] and [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`] resource there is no contact work.
 #[derive(Clone, Debug, Default)]
 pub struct PhysicsPlugins {
     physics: PhysicsPlugin,
@@ -104,12 +110,13 @@ impl PluginGroup for PhysicsPlugins {
     fn build(self) -> PluginGroupBuilder {
         PluginGroupBuilder::start::<Self>()
             .add(self.physics)
+            .add(FloorPlugin)
             .add(AabbPlugin)
             .add(PhysicsDiagnosticsPlugin)
     }
 }
 
-/// The physics itself: the schedule, the clock, bodies, forces, floor.
+/// The physics itself: the schedule, the clock, bodies and forces.
 #[derive(Clone, Debug)]
 pub struct PhysicsPlugin {
     schedule: Interned<dyn ScheduleLabel>,
@@ -135,37 +142,19 @@ impl Plugin for PhysicsPlugin {
         app.init_resource::<WorldGravity>()
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
-            .init_resource::<ContactSettings>()
             .init_resource::<intake::PendingImpulses>()
             .add_message::<ApplyImpulse>()
-            .add_message::<FloorContact>()
-            .add_message::<BodyQuarantined>()
-            .register_type::<BodyState>()
-            .register_type::<BodyIntegrator>()
-            .register_type::<GravityScale>()
-            .register_type::<LinearDrag>()
-            .register_type::<QuadraticDrag>()
-            .register_type::<AngularDamping>()
-            .register_type::<AngularDrag>()
-            .register_type::<ExternalForce>()
-            .register_type::<BodyTorque>()
-            .register_type::<PointForces>()
-            .register_type::<Springs>()
-            .register_type::<WorldAabb>()
-            .register_type::<ReportContacts>()
-            .register_type::<Quarantined>()
-            .register_type::<WorldGravity>()
-            .register_type::<GlobalIntegrator>()
-            .register_type::<PhysicsClock>()
-            .register_type::<Floor>();
-        app.register_required_components::<RigidBox, ContactState>();
+            .add_message::<BodyQuarantined>();
+        register_types(app);
 
-        let mut schedule = Schedule::new(PhysicsSchedule);
-        schedule.set_build_settings(ScheduleBuildSettings {
-            ambiguity_detection: LogLevel::Error,
-            ..Default::default()
-        });
-        app.add_schedule(schedule);
+        // Not `add_schedule`: systems that users gave it before the plugin stay.
+        app.init_schedule(PhysicsSchedule)
+            .edit_schedule(PhysicsSchedule, |schedule| {
+                schedule.set_build_settings(ScheduleBuildSettings {
+                    ambiguity_detection: LogLevel::Error,
+                    ..Default::default()
+                });
+            });
         app.configure_sets(
             PhysicsSchedule,
             (
@@ -185,26 +174,100 @@ impl Plugin for PhysicsPlugin {
             (
                 (
                     timing::begin_step,
+                    faults::guard_quarantined,
                     intake::take_teleports,
                     intake::apply_impulses,
                 )
                     .chain()
                     .in_set(PhysicsSystems::Impulses),
                 systems::integrate.in_set(PhysicsSystems::Integrate),
-                systems::contact.in_set(PhysicsSystems::Contact),
                 systems::write_transforms.in_set(PhysicsSystems::Writeback),
             ),
         );
         app.add_systems(
             self.schedule,
             (
+                faults::mend_bodies,
+                faults::report_parents,
                 intake::place_new_bodies,
                 intake::collect_impulses,
                 run::run_physics,
+                faults::report_quarantined,
             )
                 .chain(),
         );
+        app.add_systems(Startup, faults::warn_without_time);
+        app.add_systems(PreUpdate, faults::count_dropped_time);
     }
+}
+
+/// What inspectors, remote tools and scene files see.
+fn register_types(app: &mut App) {
+    app.register_type::<RigidBox>()
+        .register_type::<BodyState>()
+        .register_type::<SchemeMemory>()
+        .register_type::<BodyIntegrator>()
+        .register_type::<GravityScale>()
+        .register_type::<LinearDrag>()
+        .register_type::<QuadraticDrag>()
+        .register_type::<AngularDamping>()
+        .register_type::<AngularDrag>()
+        .register_type::<ExternalForce>()
+        .register_type::<BodyTorque>()
+        .register_type::<PointForces>()
+        .register_type::<Springs>()
+        .register_type::<Quarantined>()
+        .register_type::<WorldGravity>()
+        .register_type::<GlobalIntegrator>()
+        .register_type::<PhysicsClock>()
+        .register_type::<ApplyImpulse>()
+        .register_type::<BodyQuarantined>();
+}
+
+/// Contact with a [`Floor`]. Leave it out and a `Floor` is nothing, and bodies carry no contact memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FloorPlugin;
+
+impl Plugin for FloorPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ContactSettings>()
+            .add_message::<FloorContact>()
+            .register_type::<Floor>()
+            .register_type::<ContactSettings>()
+            .register_type::<ContactState>()
+            .register_type::<ReportContacts>()
+            .register_type::<FloorContact>();
+        require::<ContactState>(app);
+        app.add_systems(
+            PhysicsSchedule,
+            (
+                systems::contact,
+                intake::forget_contacts.run_if(common_conditions::resource_removed::<Floor>),
+            )
+                .chain()
+                .in_set(PhysicsSystems::Contact),
+        );
+    }
+}
+
+/// Gives every body a `C` from now on.
+fn require<C: Component + Default>(app: &mut App) {
+    // An error means that bodies were spawned before the plugin was added.
+    if app
+        .try_register_required_components::<RigidBox, C>()
+        .is_err()
+    {
+        log::warn!(
+            "box_physics: bodies were spawned before PhysicsPlugins was added; they get what they lack \
+             at their first tick"
+        );
+    }
+    app.add_systems(
+        PhysicsSchedule,
+        faults::complete_bodies::<C>
+            .after(PhysicsSystems::First)
+            .before(PhysicsSystems::Impulses),
+    );
 }
 
 /// Re-fits a [`WorldAabb`] on every body after each step. Leave it out and bodies have none.
@@ -213,7 +276,8 @@ pub struct AabbPlugin;
 
 impl Plugin for AabbPlugin {
     fn build(&self, app: &mut App) {
-        app.register_required_components::<RigidBox, WorldAabb>();
+        app.register_type::<WorldAabb>();
+        require::<WorldAabb>(app);
         app.add_systems(
             PhysicsSchedule,
             systems::refit_aabbs.in_set(PhysicsSystems::Refit),

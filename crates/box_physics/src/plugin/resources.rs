@@ -7,11 +7,13 @@ use bevy::ecs::resource::Resource;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
+use crate::error::InvalidValue;
 use crate::schemes::Integrator;
 
 /// Gravity of the world [m/s²]. By default 9.81 downwards (−Y).
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WorldGravity(pub DVec3);
 
 impl Default for WorldGravity {
@@ -24,6 +26,7 @@ impl Default for WorldGravity {
 /// any time; the state is carried over exactly, because every scheme advances the same one.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GlobalIntegrator(pub Integrator);
 
 /// The clock of the physics: pause, substeps, and how far it is.
@@ -33,6 +36,7 @@ pub struct GlobalIntegrator(pub Integrator);
 /// Slow motion is running it less often: `Time<Virtual>::set_relative_speed`.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhysicsClock {
     /// Whether the physics stands still.
     pub paused: bool,
@@ -42,6 +46,10 @@ pub struct PhysicsClock {
     pub(crate) steps: u64,
     pub(crate) elapsed: Duration,
     pub(crate) into_tick: u32,
+    pub(crate) dropped: Duration,
+    #[reflect(ignore)]
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) fault: Option<InvalidValue>,
 }
 
 impl Default for PhysicsClock {
@@ -53,6 +61,8 @@ impl Default for PhysicsClock {
             steps: 0,
             elapsed: Duration::ZERO,
             into_tick: 0,
+            dropped: Duration::ZERO,
+            fault: None,
         }
     }
 }
@@ -79,9 +89,25 @@ impl PhysicsClock {
         self.elapsed
     }
 
+    /// Simulated time that was never simulated, because a frame took longer than
+    /// `Time<Virtual>::max_delta` (by default 250 ms, so that a hitch never costs more than 16 ticks of
+    /// 1/64 s): the simulation fell behind the wall clock by this much.
+    pub fn dropped(&self) -> Duration {
+        self.dropped
+    }
+
+    /// Why nothing moves although it is not paused: a setting of the world is out of its range
+    /// ([`WorldGravity`], [`Floor`](crate::floor::Floor),
+    /// [`ContactSettings`](crate::floor::ContactSettings), [`PhysicsClock::substeps`]). Put it right
+    /// and the physics goes on.
+    pub fn fault(&self) -> Option<InvalidValue> {
+        self.fault
+    }
+
     /// Back to time zero, for a restarted scene. Does not touch bodies.
     pub fn reset(&mut self) {
         self.steps = 0;
         self.elapsed = Duration::ZERO;
+        self.dropped = Duration::ZERO;
     }
 }

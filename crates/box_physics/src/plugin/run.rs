@@ -1,23 +1,23 @@
 //! The clock's ticks: when the schedule runs, and the single step.
 
-use bevy::ecs::system::{Command, Local};
+use bevy::app::{FixedFirst, FixedLast};
+use bevy::ecs::system::Command;
 use bevy::ecs::world::World;
 use bevy::time::Time;
 use log::warn;
 
 use super::PhysicsSchedule;
+use super::faults::settings_are_valid;
 use super::intake::collect_impulses;
 use super::resources::PhysicsClock;
 
 /// Runs the physics by one tick of the clock of this schedule, unless it is paused.
-pub(crate) fn run_physics(world: &mut World, mut warned: Local<bool>) {
+pub(crate) fn run_physics(world: &mut World) {
     if world.resource::<PhysicsClock>().paused {
         return;
     }
+    // Without one nothing can move: said at startup.
     let Some(time) = world.get_resource::<Time>() else {
-        if !core::mem::replace(&mut *warned, true) {
-            warn!("box_physics: there is no `Time` resource (TimePlugin), so nothing moves");
-        }
         return;
     };
     let delta = time.delta();
@@ -26,7 +26,7 @@ pub(crate) fn run_physics(world: &mut World, mut warned: Local<bool>) {
 
 /// Runs one tick of `delta`, divided into the clock's substeps. A tick of zero changes nothing.
 fn tick(world: &mut World, delta: core::time::Duration) {
-    if delta.is_zero() {
+    if delta.is_zero() || !settings_are_valid(world) {
         return;
     }
     let substeps = world.resource::<PhysicsClock>().substeps.clamp(1, 1024);
@@ -41,7 +41,8 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     clock.elapsed += delta;
 }
 
-/// Command: takes this many ticks of `Time<Fixed>` at once, paused or not: the single step.
+/// Command: takes this many ticks of `Time<Fixed>` at once, paused or not: the single step. Round each
+/// of them `FixedFirst` and `FixedLast` run, but not `FixedUpdate`.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -67,7 +68,12 @@ impl Command for StepPhysics {
             warn!("box_physics: impulses could not be collected: {error}");
         }
         for _ in 0..self.0 {
+            // As round a tick of the fixed loop, so that smoothing between steps takes part: it first
+            // shows the pose of the last step, which would else look like a teleport. An app without
+            // these schedules needs none of it.
+            let _ = world.try_run_schedule(FixedFirst);
             tick(world, delta);
+            let _ = world.try_run_schedule(FixedLast);
         }
     }
 }

@@ -6,16 +6,15 @@ use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::MessageWriter;
-use bevy::ecs::query::{Has, Without};
+use bevy::ecs::query::{Has, With, Without};
 use bevy::ecs::system::{Commands, Local, Query, Res, ResMut, SystemParam};
 use bevy::transform::components::Transform;
-use log::warn;
 
 use super::columns::ForceColumns;
 use super::components::{
     BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
 };
-use super::messages::{BodyQuarantined, FloorContact};
+use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 use super::step::{AtFloor, FreeFlight, Setting, runs};
 use super::timing::{PhysicsTimings, Stage, nanoseconds};
@@ -30,18 +29,20 @@ pub(crate) struct StepWorld<'w> {
     integrator: Res<'w, GlobalIntegrator>,
     gravity: Res<'w, WorldGravity>,
     clock: Res<'w, PhysicsClock>,
-    contact: Res<'w, ContactSettings>,
+    contact: Option<Res<'w, ContactSettings>>,
     floor: Option<Res<'w, Floor>>,
 }
 
 impl StepWorld<'_> {
     /// As the inner loops want it.
     fn setting(&self) -> Setting<'_> {
+        // Without its plugin a floor is nothing.
+        let contact = self.contact.as_deref();
         Setting {
             gravity: self.gravity.0,
             h: self.clock.step(),
-            floor: self.floor.as_deref(),
-            contact: &self.contact,
+            floor: self.floor.as_deref().filter(|_| contact.is_some()),
+            contact: contact.unwrap_or(&ContactSettings::DEFAULT),
         }
     }
 }
@@ -56,20 +57,20 @@ fn quarantine(
     commands: &mut Commands,
     messages: &mut MessageWriter<BodyQuarantined>,
 ) {
-    if !state.is_sound() {
+    let cause = if state.is_sound() {
+        QuarantineCause::Step
+    } else {
         // It was not sound before the step either: what was last shown is the last good pose.
-        *state = BodyState::at(written.translation.as_dvec3())
-            .with_rotation(written.rotation.as_dquat());
-    }
+        *state = written.state_at_rest();
+        QuarantineCause::State
+    };
     let time = clock.time();
-    warn!(
-        "box_physics: {entity} is quarantined at t = {time} s under {integrator}: its motion is not finite"
-    );
-    commands.entity(entity).insert(Quarantined { time });
+    commands.entity(entity).try_insert(Quarantined { time });
     messages.write(BodyQuarantined {
         entity,
         integrator,
         time,
+        cause,
     });
 }
 
@@ -252,7 +253,7 @@ pub(crate) fn refit_aabbs(
 
 /// Writes `Transform` where the pose in f32 is another than it shows.
 pub(crate) fn write_transforms(
-    mut bodies: Query<(&BodyState, &mut WrittenTransform, &mut Transform)>,
+    mut bodies: Query<(&BodyState, &mut WrittenTransform, &mut Transform), With<RigidBox>>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) {
     let start = timings.is_some().then(Instant::now);

@@ -5,16 +5,19 @@ use std::time::Instant;
 
 use bevy::app::{App, Plugin};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+use bevy::ecs::reflect::ReflectResource;
 use bevy::ecs::resource::Resource;
 use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::{Res, ResMut};
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 use super::{PhysicsSchedule, PhysicsSystems};
 use crate::floor::FloorOutcome;
 use crate::schemes::{Integrator, StepOutcome};
 
 /// The stages of a step that are timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, PartialEq)]
 pub enum Stage {
     /// Bodies in free flight.
     Integrate,
@@ -42,7 +45,8 @@ impl Stage {
 }
 
 /// What one scheme did in the last step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Default, Clone, PartialEq)]
 pub struct SchemeTiming {
     /// Bodies it stepped in free flight.
     pub bodies: u64,
@@ -60,7 +64,8 @@ impl SchemeTiming {
 }
 
 /// Figures of the last step. Present with [`PhysicsDiagnosticsPlugin`]; without it nothing is timed.
-#[derive(Resource, Clone, Debug)]
+#[derive(Resource, Reflect, Clone, Debug)]
+#[reflect(Resource, Default, Clone)]
 pub struct PhysicsTimings {
     stages: [u64; 4],
     schemes: Vec<SchemeTiming>,
@@ -143,7 +148,9 @@ impl PhysicsDiagnosticsPlugin {
 
 impl Plugin for PhysicsDiagnosticsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<PhysicsTimings>();
+        app.init_resource::<PhysicsTimings>()
+            .register_type::<PhysicsTimings>()
+            .register_type::<Stage>();
         app.register_diagnostic(Diagnostic::new(Self::STEP).with_suffix(" µs"));
         for stage in Stage::ALL {
             app.register_diagnostic(Diagnostic::new(stage.path()).with_suffix(" µs"));

@@ -1,6 +1,10 @@
 //! What a scheme may remember between steps.
 
 use bevy::ecs::component::Component;
+use bevy::ecs::reflect::ReflectComponent;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+#[cfg(feature = "serde")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 
 use super::trajectory::Trajectory;
 
@@ -10,7 +14,14 @@ use super::trajectory::Trajectory;
 ///
 /// To try several steps from one state, copy the memory into a scratch one with
 /// [`clone_from`](Clone::clone_from), which reuses what the scratch has allocated.
-#[derive(Component, Debug, Default, PartialEq)]
+#[derive(Component, Reflect, Debug, Default, PartialEq)]
+#[reflect(opaque)]
+#[reflect(Component, Default, Clone, PartialEq, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    reflect(Serialize, Deserialize)
+)]
 pub struct SchemeMemory {
     /// Of `exact`. Allocated when the scheme first runs on the body, then overwritten in place.
     pub(super) trajectory: Option<Box<Trajectory>>,

@@ -25,6 +25,8 @@ pub(crate) use split::split_step;
 use core::fmt;
 use core::str::FromStr;
 
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+
 use crate::body::RigidBox;
 use crate::force::ForceLaw;
 use crate::state::BodyState;
@@ -46,7 +48,8 @@ pub trait Scheme {
 }
 
 /// What a step cost and whether it had to give way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
 pub struct StepOutcome {
     /// Evaluations of the force law.
     pub evaluations: u32,
@@ -91,7 +94,8 @@ macro_rules! schemes {
         $(pub use $module::$name;)+
 
         /// A choice of scheme: every scheme there is, in the order of the menu.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, bevy::reflect::Reflect)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+        #[reflect(Default, Clone, PartialEq, Hash)]
         pub enum Integrator {
             $($(#[$attribute])* #[doc = concat!("[`", stringify!($name), "`](struct@", stringify!($name), ")")] $name,)+
         }
@@ -193,6 +197,22 @@ impl FromStr for Integrator {
             .ok_or_else(|| UnknownIntegrator {
                 given: text.to_owned(),
             })
+    }
+}
+
+/// Saved under its id.
+#[cfg(feature = "serde")]
+impl serde::Serialize for Integrator {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.id())
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Integrator {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let id = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
+        id.parse().map_err(serde::de::Error::custom)
     }
 }
 

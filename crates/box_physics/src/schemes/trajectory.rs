@@ -10,6 +10,7 @@ use crate::state::BodyState;
 
 /// All that the motion depends on besides the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Law {
     /// \[kg m²\]
     inertia: DVec3,
@@ -38,6 +39,11 @@ impl Law {
 /// The motion has no clock of its own: it may be taken up again whenever the state is `last`, however
 /// it came to be so.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "serialised::Fields", into = "serialised::Fields")
+)]
 pub(super) struct Trajectory {
     law: Law,
     /// The state at the event.
@@ -108,6 +114,50 @@ impl Trajectory {
             velocity: drag.decay * velocity + (t * drag.phi1) * acceleration,
             rotation,
             angular_momentum: damping.decay * momentum,
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+mod serialised {
+    //! What of a trajectory is saved. The rotation follows from the event, to the last bit; whether a
+    //! loaded one fits its body is checked like any other, by [`Trajectory::continues`].
+
+    use super::{BodyState, Law, Trajectory};
+
+    #[derive(serde::Serialize, serde::Deserialize)]
+    #[serde(rename = "Trajectory")]
+    pub(super) struct Fields {
+        law: Law,
+        event: BodyState,
+        last: BodyState,
+        origin: f64,
+        steps: f64,
+        step: f64,
+    }
+
+    impl From<Trajectory> for Fields {
+        fn from(t: Trajectory) -> Self {
+            Self {
+                law: t.law,
+                event: t.event,
+                last: t.last,
+                origin: t.origin,
+                steps: t.steps,
+                step: t.step,
+            }
+        }
+    }
+
+    impl From<Fields> for Trajectory {
+        fn from(f: Fields) -> Self {
+            Self {
+                last: f.last,
+                origin: f.origin,
+                steps: f.steps,
+                step: f.step,
+                ..Self::new(f.law, &f.event)
+            }
         }
     }
 }

@@ -1,0 +1,221 @@
+//! What can be wrong round the bodies, and how it is told: once, not every frame, and without a panic.
+
+use core::time::Duration;
+
+use bevy::ecs::change_detection::DetectChangesMut;
+use bevy::ecs::component::Component;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::hierarchy::{ChildOf, Children};
+use bevy::ecs::message::MessageReader;
+use bevy::ecs::query::{Added, Changed, Has, Or, With, Without};
+use bevy::ecs::system::{Commands, Local, Query, Res, ResMut};
+use bevy::ecs::world::World;
+use bevy::time::{Real, Time, Virtual};
+use bevy::transform::components::Transform;
+use log::{info, warn};
+
+use super::components::{NearFloor, Quarantined, WrittenTransform};
+use super::messages::BodyQuarantined;
+use super::resources::{PhysicsClock, WorldGravity};
+use crate::body::RigidBox;
+use crate::error::InvalidValue;
+use crate::floor::{ContactSettings, Floor};
+use crate::schemes::SchemeMemory;
+use crate::state::BodyState;
+
+/// Says at startup what would keep everything still.
+pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
+    if time.is_none() {
+        warn!(
+            "box_physics: there is no `Time` (add MinimalPlugins, DefaultPlugins or TimePlugin), so \
+             nothing will move"
+        );
+    }
+}
+
+/// Whether a step can be taken: every setting of the world is in its range. Tells of each change.
+pub(crate) fn settings_are_valid(world: &mut World) -> bool {
+    let found = validate_settings(world).err();
+    let mut clock = world.resource_mut::<PhysicsClock>();
+    let known = clock.fault;
+    if found.map(|f| f.field) != known.map(|f| f.field) {
+        clock.fault = found;
+        match found {
+            Some(fault) => warn!("box_physics: nothing moves until this is put right: {fault}"),
+            None => info!("box_physics: the settings are in order again"),
+        }
+    }
+    found.is_none()
+}
+
+fn validate_settings(world: &World) -> Result<(), InvalidValue> {
+    let gravity = world.resource::<WorldGravity>().0;
+    for (field, value) in [
+        ("WorldGravity.x", gravity.x),
+        ("WorldGravity.y", gravity.y),
+        ("WorldGravity.z", gravity.z),
+    ] {
+        InvalidValue::check(value.is_finite(), field, value, "finite")?;
+    }
+    let substeps = world.resource::<PhysicsClock>().substeps;
+    InvalidValue::check(
+        substeps <= MAX_SUBSTEPS,
+        "PhysicsClock.substeps",
+        substeps.into(),
+        "at most 1024",
+    )?;
+    if let (Some(floor), Some(settings)) = (
+        world.get_resource::<Floor>(),
+        world.get_resource::<ContactSettings>(),
+    ) {
+        floor.validate()?;
+        settings.validate()?;
+    }
+    Ok(())
+}
+
+/// More would freeze any game.
+const MAX_SUBSTEPS: u32 = 1024;
+
+/// Counts the simulated time that `Time<Virtual>` cuts off after a hitch.
+pub(crate) fn count_dropped_time(
+    real: Option<Res<Time<Real>>>,
+    time: Option<Res<Time<Virtual>>>,
+    mut clock: ResMut<PhysicsClock>,
+) {
+    let (Some(real), Some(time)) = (real, time) else {
+        return;
+    };
+    let lost = real.delta().saturating_sub(time.max_delta());
+    if lost.is_zero() || clock.paused || time.is_paused() {
+        return;
+    }
+    let lost = lost.as_secs_f64() * time.relative_speed_f64();
+    // Beyond what a Duration can hold nobody counts.
+    let lost = Duration::try_from_secs_f64(lost).unwrap_or(Duration::MAX);
+    clock.dropped = clock.dropped.saturating_add(lost);
+}
+
+/// A body that lost a part which its [`RigidBox`] requires would stand still unnoticed: it gets it back.
+pub(crate) fn mend_bodies(
+    bodies: Query<
+        (Entity, Has<BodyState>, Option<&Transform>),
+        (
+            With<RigidBox>,
+            Or<(
+                Without<BodyState>,
+                Without<SchemeMemory>,
+                Without<Transform>,
+                Without<WrittenTransform>,
+                Without<NearFloor>,
+            )>,
+        ),
+    >,
+    mut commands: Commands,
+    mut warned: Local<bool>,
+) {
+    for (entity, has_state, transform) in &bodies {
+        if !has_state {
+            let shown = transform.and_then(WrittenTransform::shown_by);
+            let state = shown.unwrap_or_default().state_at_rest();
+            commands.entity(entity).try_insert(state);
+        }
+        commands.entity(entity).try_insert_if_new((
+            SchemeMemory::default(),
+            Transform::default(),
+            WrittenTransform::default(),
+            NearFloor::default(),
+        ));
+        if !core::mem::replace(&mut *warned, true) {
+            warn!(
+                "box_physics: {entity} has a RigidBox, but lost a component that a body needs; it is \
+                 put back. To make it no body, remove the RigidBox (said once)"
+            );
+        }
+    }
+}
+
+/// Bodies that lost, or were spawned too early to have, the component of an optional part get it.
+pub(crate) fn complete_bodies<C: Component + Default>(
+    bodies: Query<Entity, (With<RigidBox>, Without<C>)>,
+    mut commands: Commands,
+) {
+    for entity in &bodies {
+        commands.entity(entity).try_insert_if_new(C::default());
+    }
+}
+
+/// Keeps whoever writes to a quarantined body from showing nonsense.
+pub(crate) fn guard_quarantined(
+    mut bodies: Query<(&mut BodyState, &WrittenTransform), (With<Quarantined>, With<RigidBox>)>,
+) {
+    for (mut state, written) in &mut bodies {
+        if !state.is_sound() {
+            *state.bypass_change_detection() = written.state_at_rest();
+        }
+    }
+}
+
+/// Tells of the bodies that were quarantined since the last tick, in one line.
+pub(crate) fn report_quarantined(mut quarantined: MessageReader<BodyQuarantined>) {
+    let mut messages = quarantined.read();
+    let Some(first) = messages.next() else {
+        return;
+    };
+    let BodyQuarantined {
+        entity,
+        integrator,
+        time,
+        cause,
+    } = first;
+    let others = match messages.count() {
+        0 => String::new(),
+        n => format!("; {n} more with it"),
+    };
+    warn!(
+        "box_physics: {entity} is quarantined at t = {time} s under {integrator}: {cause}{others}"
+    );
+}
+
+/// `Transform` is written in world coordinates: a body below a parent that is not at the origin would be
+/// shown elsewhere than it is.
+pub(crate) fn report_parents(
+    bodies: Query<(Entity, &ChildOf), (With<RigidBox>, Or<(Added<RigidBox>, Changed<ChildOf>)>)>,
+    moved: Query<(&Transform, &Children), (Changed<Transform>, Without<RigidBox>)>,
+    is_body: Query<(), With<RigidBox>>,
+    parents: Query<(&Transform, Has<RigidBox>)>,
+    ancestors: Query<&ChildOf>,
+    mut warned: Local<bool>,
+) {
+    if *warned {
+        return;
+    }
+    let displaces = |parent: Entity| {
+        parents
+            .get(parent)
+            .is_ok_and(|(transform, is_body)| is_body || *transform != Transform::IDENTITY)
+    };
+    let new = bodies.iter().find_map(|(entity, _)| {
+        let parent = ancestors.iter_ancestors(entity).find(|&p| displaces(p))?;
+        Some((entity, parent))
+    });
+    let found = new.or_else(|| {
+        moved.iter().find_map(|(transform, children)| {
+            let child = children
+                .iter()
+                .copied()
+                .find(|&child| is_body.contains(child))?;
+            let parent = ancestors.get(child).ok()?.parent();
+            (*transform != Transform::IDENTITY).then_some((child, parent))
+        })
+    });
+    if let Some((body, parent)) = found {
+        *warned = true;
+        warn!(
+            "box_physics: {body} is a body below {parent}, whose Transform is not the identity (or which \
+             is a body itself). Bodies are simulated in world coordinates and their Transform is \
+             written so: it will be shown elsewhere than it is. Keep bodies at the top of the hierarchy \
+             (said once)"
+        );
+    }
+}

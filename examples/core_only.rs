@@ -1,0 +1,61 @@
+//! The physics without Bevy's `App`: values and one function call a step. For servers, tools, tests and
+//! papers. `cargo run --release --example core_only`
+
+use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::prelude::*;
+use box_physics::schemes::Split;
+
+fn main() -> Result<(), InvalidValue> {
+    let brick = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
+    let start = BodyState::at(DVec3::Y * 2.0)
+        .with_velocity(DVec3::X * 2.0)
+        .with_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
+    let h = 1.0 / 60.0;
+
+    // Free flight under any scheme, and what it costs.
+    let vacuum = Gravity(DVec3::ZERO);
+    for integrator in [
+        Integrator::Exact,
+        Integrator::Split,
+        Integrator::EngineNewton,
+    ] {
+        let (mut state, mut memory) = (start, SchemeMemory::default());
+        let mut evaluations = 0;
+        for _ in 0..600 {
+            evaluations += integrator
+                .step(&brick, &mut state, &vacuum, h, &mut memory)
+                .evaluations;
+        }
+        let drift = state.kinetic_energy(&brick) / start.kinetic_energy(&brick) - 1.0;
+        println!("{integrator:>14}: {evaluations} evaluations, energy {drift:+.1e}");
+    }
+
+    // Over a floor: the same scheme, impacts located in time.
+    let floor = Floor::new(0.0, 0.3, 0.5)?;
+    let settings = ContactSettings::default();
+    let gravity = Gravity(DVec3::NEG_Y * 9.81);
+    let (mut state, mut memory) = (start, SchemeMemory::default());
+    let mut contact = ContactState::default();
+    let mut impacts = 0;
+    for _ in 0..600 {
+        impacts += step_on_floor::<Split, _>(
+            &floor,
+            &settings,
+            &brick,
+            &mut state,
+            &gravity,
+            h,
+            &mut memory,
+            &mut contact,
+            None,
+        )
+        .impacts;
+    }
+    println!(
+        "after {impacts} impacts it lies at {:.3}, resting: {}",
+        state.position,
+        contact.is_resting()
+    );
+    assert!(contact.is_resting() && state.velocity == DVec3::ZERO);
+    Ok(())
+}

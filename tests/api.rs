@@ -1,0 +1,210 @@
+//! The library as its users type it: scenes in `bsn!`, reflection, schedules, parts left out.
+
+use std::any::TypeId;
+
+use bevy::prelude::*;
+use bevy::reflect::ReflectFromReflect;
+use bevy::time::TimeUpdateStrategy;
+use bevy_asset::AssetPlugin;
+use bevy_scene::ScenePlugin;
+use bevy_scene::prelude::*;
+use box_physics::error::InvalidValue;
+use box_physics::floor::{ContactState, FloorOutcome};
+use box_physics::plugin::Stage;
+use box_physics::prelude::*;
+
+fn app_with<M>(physics: impl bevy::app::Plugins<M>) -> App {
+    let mut app = App::new();
+    app.add_plugins(MinimalPlugins)
+        .add_plugins(physics)
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.update();
+    app
+}
+
+fn brick() -> RigidBox {
+    RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
+}
+
+/// A scene function: a brick that users patch further. It is what `bsn!` expands to; the macro itself
+/// wants the feature `bevy_scene` of `bevy`, which this workspace does not have.
+fn thrown_brick(height: f64) -> impl Scene {
+    (
+        template_value(brick()),
+        BodyState::patch(move |state, _| {
+            state.position = DVec3::Y * height;
+            state.velocity = DVec3::X * 2.0;
+        }),
+        LinearDrag::patch(|drag, _| drag.0 = 0.1),
+        BodyIntegrator::patch(|integrator, _| integrator.0 = Integrator::Exact),
+        ReportContacts::patch(|_, _| ()),
+    )
+}
+
+#[test]
+fn bodies_in_scenes() {
+    let mut app = app_with((
+        AssetPlugin::default(),
+        ScenePlugin,
+        PhysicsPlugins::default(),
+    ));
+    let world = app.world_mut();
+    let plain = world
+        .spawn_scene((
+            RigidBox::patch(|_, _| ()),
+            Transform::patch(|transform, _| transform.translation.y = 3.0),
+            GravityScale::patch(|scale, _| scale.0 *= 0.5),
+        ))
+        .expect("no assets to wait for")
+        .id();
+    let patched = world
+        .spawn_scene((
+            thrown_brick(7.0),
+            BodyState::patch(|state, _| state.velocity = DVec3::Z),
+            ExternalForce::patch(|external, _| external.force = DVec3::Y * 3.0),
+            Springs::patch(|springs, _| springs.0.push(Spring::default())),
+        ))
+        .expect("no assets to wait for")
+        .id();
+    let state = *app.world().get::<BodyState>(patched).expect("in the scene");
+    assert_eq!(state.position, DVec3::Y * 7.0, "from the function");
+    assert_eq!(state.velocity, DVec3::Z, "patched");
+    assert_eq!(app.world().get::<RigidBox>(patched), Some(&brick()));
+    assert_eq!(
+        app.world().get::<BodyIntegrator>(patched),
+        Some(&BodyIntegrator(Integrator::Exact))
+    );
+    assert_eq!(
+        app.world().get::<GravityScale>(plain),
+        Some(&GravityScale(0.5)),
+        "patched from its own default, 1"
+    );
+    app.update();
+    let fell = app.world().get::<BodyState>(plain).expect("required");
+    assert!(fell.position.y < 3.0 && fell.position.y > 2.9);
+}
+
+#[test]
+fn everything_that_can_be_named_is_registered() {
+    let app = app_with(PhysicsPlugins::default());
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let types: Vec<(&str, TypeId, bool)> = types_by_name();
+    for (name, id, is_component) in types {
+        let entry = registry.get(id);
+        let entry = entry.unwrap_or_else(|| panic!("{name} is not registered"));
+        assert_eq!(
+            entry.data::<ReflectComponent>().is_some(),
+            is_component,
+            "{name}: ReflectComponent"
+        );
+        if is_component {
+            assert!(entry.data::<ReflectDefault>().is_some(), "{name}: Default");
+            assert!(entry.data::<ReflectFromReflect>().is_some(), "{name}");
+        }
+    }
+}
+
+fn types_by_name() -> Vec<(&'static str, TypeId, bool)> {
+    macro_rules! list {
+        ($is_component:literal: $($t:ty),+ $(,)?) => {
+            vec![$((stringify!($t), TypeId::of::<$t>(), $is_component)),+]
+        };
+    }
+    let mut all = list![true:
+        RigidBox, BodyState, SchemeMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
+        QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, BodyTorque, PointForces, Springs,
+        WorldAabb, ReportContacts, Quarantined,
+    ];
+    all.extend(list![false:
+        ApplyImpulse, FloorContact, BodyQuarantined, QuarantineCause, ImpulsePoint, ContactPhase,
+        PointForce, Spring, Frame, Integrator, FloorOutcome, Stage,
+    ]);
+    all
+}
+
+#[test]
+fn resources_are_reflected() {
+    let app = app_with(PhysicsPlugins::default());
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    for id in [
+        TypeId::of::<WorldGravity>(),
+        TypeId::of::<GlobalIntegrator>(),
+        TypeId::of::<PhysicsClock>(),
+        TypeId::of::<PhysicsTimings>(),
+        TypeId::of::<Floor>(),
+        TypeId::of::<ContactSettings>(),
+    ] {
+        let entry = registry.get(id).expect("registered");
+        let name = entry.type_info().type_path();
+        assert!(entry.data::<ReflectResource>().is_some(), "{name}");
+        assert!(entry.data::<ReflectDefault>().is_some(), "{name}");
+    }
+}
+
+/// An inspector writes through reflection; the box itself is opaque, so that mass and inertia agree.
+#[test]
+fn reflection_reads_and_writes() {
+    let mut state = BodyState::default();
+    *state
+        .path_mut::<f64>(".velocity.y")
+        .expect("a field of a field") = 4.0;
+    assert_eq!(state.velocity.y, 4.0);
+    let mut floor = Floor::default();
+    *floor.path_mut::<f64>(".friction").expect("a field") = 0.9;
+    assert_eq!(floor.friction, 0.9);
+    assert!(brick().reflect_path(".mass").is_err());
+}
+
+#[test]
+fn the_floor_can_be_left_out() {
+    let mut app = app_with(PhysicsPlugins::default().build().disable::<FloorPlugin>());
+    // Even a Floor that somebody else inserts is nothing then.
+    app.insert_resource(Floor::default());
+    let lying = BodyState::at(DVec3::Y * 0.25);
+    let entity = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
+    for _ in 0..64 {
+        app.update();
+    }
+    assert!(app.world().get::<ContactState>(entity).is_none());
+    let state = app.world().get::<BodyState>(entity).expect("a body");
+    assert!(
+        (state.position.y - (0.25 - 0.5 * 9.81)).abs() < 1e-9,
+        "free fall"
+    );
+}
+
+#[test]
+fn plugins_in_any_order_and_in_any_schedule() {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        PhysicsDiagnosticsPlugin,
+        AabbPlugin,
+        FloorPlugin,
+        PhysicsPlugin::in_schedule(FixedUpdate),
+    ))
+    .insert_resource(Floor::default())
+    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app.update();
+    let start = BodyState::at(DVec3::Y * 1.25);
+    let entity = app.world_mut().spawn((brick(), start)).id();
+    for _ in 0..200 {
+        app.update();
+    }
+    let world = app.world();
+    let state = world.get::<BodyState>(entity).expect("a body");
+    assert!((state.position.y - 0.25).abs() < 1e-9, "on the floor");
+    let aabb = world.get::<WorldAabb>(entity).expect("comes along").0;
+    assert!((aabb.min.y).abs() < 1e-6 && (aabb.max.y - 0.5).abs() < 1e-6);
+    assert!(world.resource::<PhysicsTimings>().total() > 0);
+}
+
+#[test]
+fn errors_are_bevy_errors() {
+    fn setup() -> Result<RigidBox, BevyError> {
+        Ok(RigidBox::new(Vec3::ONE, -1.0)?)
+    }
+    assert!(setup().unwrap_err().to_string().contains("mass must be"));
+    let error: InvalidValue = LinearDrag::new(-1.0).unwrap_err();
+    assert_eq!(error.field, "linear drag");
+}

@@ -1,0 +1,294 @@
+//! The same bits: in every run, debug and release, on every machine, with any number of threads, in any
+//! order of insertion, with and without the optional parts.
+
+use std::process::Command;
+
+use bevy::app::TaskPoolOptions;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_physics::digest::state_digest;
+use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::prelude::*;
+use box_physics::schemes::{Scheme, SchemeVisitor};
+
+const H: f64 = 1.0 / 64.0;
+
+/// The digest of [`scene`] under every scheme: what every machine must find. A change here is a change of
+/// results, and belongs into the changelog.
+const EXPECTED: &[(Integrator, u64)] = &[
+    (Integrator::Split, 0x1a965f8a8fde14f3),
+    (Integrator::Exact, 0x78dc446d7e652058),
+    (Integrator::Split4, 0xb8594284c0b0c9d7),
+    (Integrator::Dmv6, 0xfad007c4f5dd6044),
+    (Integrator::Rk4, 0xd9b9b7c53ffadcaa),
+    (Integrator::ImplicitMidpoint, 0x6dce05dda4f72c40),
+    (Integrator::VelocityVerlet, 0x52b50e4f61fe6086),
+    (Integrator::Midpoint, 0x3759fc2047ff19ca),
+    (Integrator::BackwardEuler, 0xd76b2837971a0375),
+    (Integrator::SemiImplicitEuler, 0x0f3c09d0556f74cf),
+    (Integrator::EngineRescaled, 0x8bd2e8b4f6c65675),
+    (Integrator::EngineNewton, 0xbaccbb9867d993d7),
+    (Integrator::Heun2012, 0x3b7b23b36b863b19),
+    (Integrator::ExplicitEuler, 0xf90ce3b974914a67),
+];
+
+fn brick() -> RigidBox {
+    RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
+}
+
+/// Numbers in [0, 1) that are the same everywhere: multiples of the golden ratio.
+fn spread(k: u32) -> f64 {
+    (f64::from(k) * 0.618_033_988_749_894_9).fract()
+}
+
+fn start(k: u32) -> BodyState {
+    let s = |n: u32| 2.0 * spread(7 * k + n) - 1.0;
+    BodyState::at(DVec3::new(3.0 * f64::from(k), 0.6 + spread(k), s(1)))
+        .with_rotation(DQuat::from_xyzw(s(2), s(3), s(4), 1.0))
+        .with_velocity(DVec3::new(s(5), s(6), 2.0 * s(7)))
+        .with_angular_velocity(&brick(), 1.5 * DVec3::new(s(3), s(5), s(1)))
+}
+
+/// Every third body feels drag, every other third hangs on a damped spring; all over a floor.
+fn springs(k: u32) -> [Spring; 1] {
+    [Spring {
+        body_point: DVec3::new(0.5, 0.25, 0.125),
+        anchor: DVec3::new(3.0 * f64::from(k), 2.0, 0.0),
+        stiffness: 30.0,
+        damping: 0.3,
+    }]
+}
+
+fn dissipation(k: u32) -> Dissipation {
+    if k % 3 == 1 {
+        Dissipation {
+            linear_drag: 0.2,
+            quadratic_drag: 0.05,
+            angular_damping: 0.1,
+            angular_drag: 0.01,
+        }
+    } else {
+        Dissipation::NONE
+    }
+}
+
+/// Bodies 0..n for `steps` steps, one after the other, by the core alone.
+struct Scene {
+    bodies: u32,
+    steps: u32,
+}
+
+impl SchemeVisitor for Scene {
+    type Output = Vec<BodyState>;
+
+    fn visit<S: Scheme>(self) -> Vec<BodyState> {
+        let (floor, settings) = (Floor::default(), ContactSettings::default());
+        let body = brick();
+        let one = |k| {
+            let (mut state, mut memory) = (start(k), SchemeMemory::default());
+            let mut contact = ContactState::default();
+            let springs = springs(k);
+            let law = Forces {
+                acceleration: DVec3::new(0.0, -9.81, 0.0),
+                dissipation: dissipation(k),
+                springs: if k % 3 == 2 { &springs } else { &[] },
+                ..Forces::default()
+            };
+            for _ in 0..self.steps {
+                step_on_floor::<S, _>(
+                    &floor,
+                    &settings,
+                    &body,
+                    &mut state,
+                    &law,
+                    H,
+                    &mut memory,
+                    &mut contact,
+                    None,
+                );
+            }
+            state
+        };
+        (0..self.bodies).map(one).collect()
+    }
+}
+
+#[test]
+fn every_scheme_finds_the_bits_that_are_written_here() {
+    let found: Vec<_> = Integrator::ALL
+        .iter()
+        .map(|&integrator| {
+            let scene = Scene {
+                bodies: 6,
+                steps: 90,
+            };
+            let states = integrator.dispatch(scene);
+            // The bits of a NaN are nobody's business.
+            assert!(states.iter().all(BodyState::is_sound), "{integrator}");
+            (integrator, state_digest(&states))
+        })
+        .collect();
+    for (integrator, digest) in &found {
+        println!("    (Integrator::{integrator:?}, 0x{digest:016x}),");
+    }
+    assert_eq!(found, EXPECTED);
+}
+
+/// Which place a body has in the scene, in whatever order it was spawned.
+#[derive(Component, Clone, Copy)]
+struct Place(u32);
+
+struct Variant {
+    bodies: u32,
+    steps: u32,
+    integrator: Integrator,
+    threads: usize,
+    order: fn(u32, u32) -> u32,
+    parts: bool,
+    /// Another component on every so-manieth body: other tables, the same bodies.
+    table_every: u32,
+}
+
+impl Variant {
+    fn plain(integrator: Integrator) -> Self {
+        Self {
+            bodies: 12,
+            steps: 60,
+            integrator,
+            threads: 1,
+            order: |k, _| k,
+            parts: true,
+            table_every: u32::MAX,
+        }
+    }
+
+    /// The states in order of place.
+    fn run(&self) -> Vec<BodyState> {
+        let mut app = App::new();
+        app.add_plugins(MinimalPlugins.set(TaskPoolPlugin {
+            task_pool_options: TaskPoolOptions::with_num_threads(self.threads),
+        }));
+        if self.parts {
+            app.add_plugins(PhysicsPlugins::default());
+        } else {
+            app.add_plugins((PhysicsPlugin::default(), FloorPlugin));
+        }
+        app.insert_resource(Floor::default())
+            .insert_resource(GlobalIntegrator(self.integrator))
+            .insert_resource(Time::<Fixed>::from_seconds(H))
+            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        app.update();
+        for k in (0..self.bodies).map(|k| (self.order)(k, self.bodies)) {
+            let mut body = app.world_mut().spawn((Place(k), brick(), start(k)));
+            let d = dissipation(k);
+            if d != Dissipation::NONE {
+                body.insert((
+                    LinearDrag(d.linear_drag),
+                    QuadraticDrag(d.quadratic_drag),
+                    AngularDamping(d.angular_damping),
+                    AngularDrag(d.angular_drag),
+                ));
+            }
+            if k % 3 == 2 {
+                body.insert(Springs(springs(k).to_vec()));
+            }
+            if k % self.table_every == 0 {
+                body.insert((ReportContacts, Name::new("in another table")));
+            }
+        }
+        for _ in 0..self.steps {
+            app.update();
+        }
+        let mut all = app.world_mut().query::<(&Place, &BodyState)>();
+        let mut found: Vec<_> = all.iter(app.world()).map(|(p, s)| (p.0, *s)).collect();
+        found.sort_by_key(|(place, _)| *place);
+        found.into_iter().map(|(_, state)| state).collect()
+    }
+}
+
+#[test]
+fn the_plugin_is_the_core_whatever_the_order_the_tables_and_the_parts() {
+    for &integrator in Integrator::ALL {
+        let scene = Scene {
+            bodies: 12,
+            steps: 60,
+        };
+        let expected = integrator.dispatch(scene);
+        let plain = || Variant::plain(integrator);
+        for (what, variant) in [
+            ("once", plain()),
+            ("again", plain()),
+            (
+                "backwards",
+                Variant {
+                    order: |k, n| n - 1 - k,
+                    ..plain()
+                },
+            ),
+            (
+                "shuffled",
+                Variant {
+                    order: |k, n| k * 5 % n,
+                    ..plain()
+                },
+            ),
+            (
+                "without AABBs and timings",
+                Variant {
+                    parts: false,
+                    ..plain()
+                },
+            ),
+            (
+                "in several tables",
+                Variant {
+                    table_every: 2,
+                    ..plain()
+                },
+            ),
+        ] {
+            let found = variant.run();
+            for (k, (a, b)) in found.iter().zip(&expected).enumerate() {
+                assert_eq!(a, b, "{integrator}, {what}, body {k}");
+            }
+        }
+    }
+}
+
+/// The task pools belong to the process, so every number of threads is a process of its own: this test
+/// again, told by the environment how many.
+#[test]
+fn any_number_of_threads() {
+    const THREADS: &str = "BOX_PHYSICS_TEST_THREADS";
+    const BODIES: u32 = if cfg!(debug_assertions) { 300 } else { 6000 };
+    let digest = |threads| {
+        let variant = Variant {
+            bodies: BODIES,
+            steps: 20,
+            threads,
+            ..Variant::plain(Integrator::Split)
+        };
+        state_digest(&variant.run())
+    };
+    if let Ok(threads) = std::env::var(THREADS) {
+        let threads = threads.parse().expect("a number, given below");
+        println!("digest {:016x}", digest(threads));
+        return;
+    }
+    let child = |threads: &str| {
+        let output = Command::new(std::env::current_exe().expect("this test"))
+            .args(["--exact", "any_number_of_threads", "--nocapture"])
+            .env(THREADS, threads)
+            .output()
+            .expect("runs");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let line = text
+            .lines()
+            .find_map(|l| Some(l.split_once("digest ")?.1.to_owned()));
+        line.unwrap_or_else(|| panic!("no digest in: {text}"))
+    };
+    let one = child("1");
+    for threads in ["2", "3", "8"] {
+        assert_eq!(child(threads), one, "{threads} threads");
+    }
+}

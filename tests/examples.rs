@@ -1,0 +1,29 @@
+//! Every file in `examples/` is a target, has a first line that says what it shows and how to run it, and
+//! none of them waits for a window. (`.ci/examples` runs them.)
+
+use std::path::Path;
+
+#[test]
+fn every_example_is_a_target_and_says_how_to_run_it() {
+    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest = std::fs::read_to_string(crate_folder.join("Cargo.toml")).expect("this crate's");
+    let folder = crate_folder.join("../../examples");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).expect("the folder is there") {
+        let path = entry.expect("readable").path();
+        let name = path
+            .file_stem()
+            .expect("a file")
+            .to_string_lossy()
+            .into_owned();
+        let text = std::fs::read_to_string(&path).expect("readable");
+        let target = format!("path = \"../../examples/{name}.rs\"");
+        assert!(manifest.contains(&target), "{name} has no [[example]]");
+        let command = format!("`cargo run --release --example {name}");
+        let header: Vec<_> = text.lines().take_while(|l| l.starts_with("//!")).collect();
+        assert!(header.concat().contains(&command), "{name}: its command");
+        assert!(!text.contains("DefaultPlugins,"), "{name} opens a window");
+        seen += 1;
+    }
+    assert!(seen >= 16, "{seen}");
+}
