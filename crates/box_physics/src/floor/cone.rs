@@ -8,8 +8,8 @@
 //!
 //! One corner is solved directly (`single`). Several:
 //!
-//! 1. If all can stick, the smallest impulses that stop them are the answer (conjugate gradients).
-//! 2. If all move alike and go on doing so, it is one block's friction (`uniform`).
+//! 1. If all move alike and friction cannot stop them, it is one block's friction (`uniform`).
+//! 2. If all can stick, the smallest impulses that stop them are the answer (conjugate gradients).
 //! 3. The law says p = P(p − ρw) for any ρ > 0, P taking p_n to max(p_n, 0) and p_t into the disc of
 //!    radius µp_n. Its fixed point is found by accelerated projected gradients (Nesterov 1983; restart
 //!    after O'Donoghue, Candès, Found. Comput. Math. 15 (2015) 715; for contact: Mazhar et al., ACM TOG
@@ -114,8 +114,8 @@ fn attempt(
     if set.count == 1 {
         (solution.p[0], solution.converged) = single::solve(&set.block(0, alpha), b[0], friction);
         solution.iterations += 1;
-    } else if !stick(set, b, alpha, friction, &mut solution.p)
-        && !uniform::solve(set, b, alpha, friction, target, &mut solution.p)
+    } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p)
+        && !stick(set, b, alpha, friction, &mut solution.p)
     {
         let steps = max_iterations.min(GRADIENT_STEPS);
         gradient(set, b, alpha, friction, target, steps, solution);

@@ -129,6 +129,7 @@ impl ContactSet {
     }
 
     /// Σ p_k and Σ r_k × p_k, added in pairs.
+    #[inline]
     pub(super) fn resultant(&self, p: &Corner3) -> (DVec3, DVec3) {
         let mut force = DVec3::ZERO;
         let mut torque = DVec3::ZERO;
@@ -149,12 +150,14 @@ impl ContactSet {
     }
 
     /// The change of (v, ω) that the impulses p \[N s\] make.
+    #[inline]
     pub(super) fn twist(&self, p: &Corner3) -> (DVec3, DVec3) {
         let (force, torque) = self.resultant(p);
         (force * self.inverse_mass, self.inverse_inertia * torque)
     }
 
     /// The corners' velocities for the twist (v, ω).
+    #[inline]
     pub(super) fn velocities(&self, (v, omega): (DVec3, DVec3)) -> Corner3 {
         let mut u = [DVec3::ZERO; 8];
         for i in 0..self.count {
@@ -164,6 +167,7 @@ impl ContactSet {
     }
 
     /// W p.
+    #[inline]
     pub(super) fn response(&self, p: &Corner3) -> Corner3 {
         self.velocities(self.twist(p))
     }

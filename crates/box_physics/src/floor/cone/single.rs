@@ -1,6 +1,7 @@
 //! One corner with Coulomb's friction, solved directly.
 
 use core::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
@@ -9,7 +10,18 @@ use crate::math::sin_cos;
 /// Directions tried for the slip: the function whose root it is has degree two in them, so between
 /// neighbours there is hardly ever more than one of its at most four roots. If none is found, two lie
 /// close together: more directions.
-const DIRECTIONS: [u32; 2] = [24, 120];
+const DIRECTIONS: [usize; 2] = [24, 120];
+
+/// (cos, sin) of these directions, the first one again at the end.
+static CIRCLES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
+    DIRECTIONS.map(|n| {
+        let direction = |i: usize| {
+            let (s, c) = sin_cos(TAU * i as f64 / n as f64);
+            (c, s)
+        };
+        (0..=n).map(direction).collect()
+    })
+});
 
 /// The impulse p with w = b + Wp that obeys the law of one corner, and whether it was found; `w` is
 /// positive definite.
@@ -40,7 +52,7 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
         let (_, x, z) = along(c, s);
         c * z - s * x
     };
-    for directions in DIRECTIONS {
+    for directions in CIRCLES.iter() {
         if let Some(p) = slide(b, friction, directions, &along, &turn) {
             return (p, true);
         }
@@ -52,15 +64,14 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
 fn slide(
     b: DVec3,
     friction: f64,
-    directions: u32,
+    directions: &[(f64, f64)],
     along: &impl Fn(f64, f64) -> (f64, f64, f64),
     turn: &impl Fn(f64, f64) -> f64,
 ) -> Option<DVec3> {
     let (mut c0, mut s0) = (1.0, 0.0);
     let mut f0 = turn(c0, s0);
     let mut best: Option<(f64, DVec3)> = None;
-    for i in 1..=directions {
-        let (s1, c1) = sin_cos(TAU * f64::from(i) / f64::from(directions));
+    for &(c1, s1) in &directions[1..] {
         let f1 = turn(c1, s1);
         if f0 == 0.0 || (f0 < 0.0) != (f1 < 0.0) {
             let (c, s) = root((c0, s0, f0), (c1, s1, f1), turn);
