@@ -34,6 +34,24 @@ impl Bare {
         (size_of::<RigidBox>() + written, written)
     }
 
+    /// One step of `h` \[s\] with all that follows, as fast as the library can: several bodies at a time
+    /// where the scheme can.
+    pub fn step(&mut self, integrator: Integrator, h: f64) {
+        self.kernel(integrator, h);
+        self.publish();
+    }
+
+    /// The scheme alone, several bodies at a time where it can.
+    pub fn kernel(&mut self, integrator: Integrator, h: f64) {
+        integrator.step_all(
+            &self.bodies,
+            &mut self.states,
+            &mut self.memories,
+            &self.gravity,
+            h,
+        );
+    }
+
     /// One step of `h` \[s\] by the scheme's readable definition, body by body, with all that follows.
     pub fn step_scalar(&mut self, integrator: Integrator, h: f64) {
         self.kernel_scalar(integrator, h);

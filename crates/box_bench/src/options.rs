@@ -27,6 +27,9 @@ pub struct Options {
     /// Schemes by id (default: all for kernels, `split` for the plugin).
     #[arg(long, value_delimiter = ',', value_name = "IDS")]
     pub integrators: Vec<Integrator>,
+    /// Only situations whose name contains this.
+    #[arg(long, value_name = "TEXT")]
+    pub only: Option<String>,
     /// Rewrite the tables between the markers of this file (`--bench report` only).
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,
@@ -52,6 +55,11 @@ impl Options {
     pub fn sizes(&self) -> Vec<usize> {
         let most = if self.quick { 10_000 } else { usize::MAX };
         self.bodies.iter().copied().filter(|&n| n <= most).collect()
+    }
+
+    /// Whether what has this name is to be measured.
+    pub fn wants(&self, name: &str) -> bool {
+        self.only.as_deref().is_none_or(|only| name.contains(only))
     }
 
     /// The schemes to measure.

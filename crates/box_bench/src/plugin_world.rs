@@ -4,6 +4,7 @@ use bevy::MinimalPlugins;
 use bevy::app::App;
 use bevy::ecs::system::Command;
 use bevy::time::{Fixed, Time};
+use box_physics::plugin::PhysicsThreads;
 use box_physics::prelude::*;
 
 use crate::bodies::Situation;
@@ -57,6 +58,11 @@ impl PluginWorld {
         for _ in 0..self.steps_per_call() {
             self.step();
         }
+    }
+
+    /// At most so many threads from now on.
+    pub fn use_threads(&mut self, most: usize) {
+        self.app.world_mut().resource_mut::<PhysicsThreads>().most = most;
     }
 
     /// One step of the plugin's schedule.

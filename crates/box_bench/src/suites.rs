@@ -1,5 +1,7 @@
 //! The benchmarks. Each takes its contenders in turns (see [`crate::measure`]), a size at a time.
 
+use std::cell::RefCell;
+
 use box_physics::prelude::*;
 
 use crate::bare::Bare;
@@ -13,28 +15,40 @@ use crate::rows::Row;
 /// Step size of every benchmark \[s\].
 pub const STEP: f64 = 1.0 / 60.0;
 
+/// Threads that the plugin is measured with.
+const THREADS: [usize; 2] = [1, 2];
+
+/// More bodies are not followed over an episode: it would take minutes.
+const LARGEST_EPISODE: usize = 10_000;
+
 /// Counts the allocations of a call on this thread.
 pub type CountAllocations = fn(&mut dyn FnMut()) -> u64;
 
-/// Every scheme on plain arrays, free flight: the readable definition, body by body.
+/// Every scheme on plain arrays in free flight: its plain step body by body, and many at a time.
 pub fn kernels(options: &Options) -> Vec<Row> {
     let mut rows = Vec::new();
     for n in options.sizes() {
         let set = Situation::Flight.bodies(n);
-        let integrators = options.integrators_or(Integrator::ALL);
-        let mut arrays: Vec<_> = integrators
-            .iter()
-            .map(|_| Bare::new(&set, DVec3::ZERO))
+        let ways: Vec<_> = options
+            .integrators_or(Integrator::ALL)
+            .into_iter()
+            .flat_map(|i| [(i, "plain"), (i, "many at a time")])
             .collect();
+        let mut arrays: Vec<_> = ways.iter().map(|_| Bare::new(&set, DVec3::ZERO)).collect();
         let mut contenders: Vec<_> = arrays
             .iter_mut()
-            .zip(&integrators)
-            .map(|(bare, &i)| Contender::new(n as f64, move || bare.kernel_scalar(i, STEP)))
+            .zip(&ways)
+            .map(|(bare, &(i, way))| {
+                Contender::new(n as f64, move || match way {
+                    "plain" => bare.kernel_scalar(i, STEP),
+                    _ => bare.kernel(i, STEP),
+                })
+            })
             .collect();
         let costs = interleaved(&mut contenders, &options.settings());
-        rows.extend(integrators.iter().zip(costs).map(|(i, cost)| Row {
+        rows.extend(ways.iter().zip(costs).map(|(&(i, way), cost)| Row {
             suite: "kernels",
-            name: "body by body".to_owned(),
+            name: way.to_owned(),
             integrator: i.id(),
             bodies: n,
             threads: 1,
@@ -52,7 +66,10 @@ pub fn step(options: &Options, count: CountAllocations) -> Vec<Row> {
     let mut rows = Vec::new();
     for integrator in options.integrators_or(&[Integrator::Split]) {
         for n in options.sizes() {
-            for situation in Situation::ALL {
+            for &situation in Situation::ALL.iter().filter(|s| options.wants(s.name())) {
+                if situation.episode() > 1 && n > LARGEST_EPISODE {
+                    continue;
+                }
                 rows.extend(step_rows(options, count, integrator, n, situation));
             }
         }
@@ -70,21 +87,37 @@ fn step_rows(
     let set = situation.bodies(n);
     let mut bare = Bare::new(&set, situation.gravity());
     let mut traffic = Traffic::new(n, Bare::bytes_per_body());
-    let mut world = PluginWorld::new(situation, integrator, n);
-    world.call();
-    let steps = f64::from(world.steps_per_call());
-    let allocations = count(&mut || world.call()) as f64 / steps;
-    let costs = interleaved(
-        &mut [
-            Contender::new(n as f64, || bare.step_scalar(integrator, STEP)),
-            Contender::new(n as f64, || traffic.pass()),
-            Contender::new(n as f64 * steps, || world.call()),
-        ],
-        &options.settings(),
-    );
-    let row = |name: String, cost: Cost| Row {
+    let world = RefCell::new(PluginWorld::new(situation, integrator, n));
+    let steps = f64::from(world.borrow().steps_per_call());
+    let allocations = THREADS.map(|threads| {
+        let mut world = world.borrow_mut();
+        world.use_threads(threads);
+        for _ in 0..if steps > 1.0 { 1 } else { 10 } {
+            world.call();
+        }
+        count(&mut || world.call()) as f64 / steps
+    });
+    let mut contenders = vec![
+        Contender::new(n as f64, || bare.step(integrator, STEP)),
+        Contender::new(n as f64, || traffic.pass()),
+    ];
+    for threads in THREADS {
+        let world = &world;
+        contenders.push(Contender::new(n as f64 * steps, move || {
+            let mut world = world.borrow_mut();
+            world.use_threads(threads);
+            world.call();
+        }));
+    }
+    let mut settings = options.settings();
+    if steps > 1.0 {
+        // An episode is a long sample, and an average over many steps.
+        settings.samples = settings.samples.min(3);
+    }
+    let costs = interleaved(&mut contenders, &settings);
+    let row = |name: &str, cost: Cost| Row {
         suite: "step",
-        name,
+        name: name.to_owned(),
         integrator: integrator.id(),
         bodies: n,
         threads: 1,
@@ -95,12 +128,15 @@ fn step_rows(
     };
     let mut rows = Vec::new();
     if situation == Situation::Flight {
-        rows.push(row("bare loop".to_owned(), costs[0]));
-        rows.push(row("memory".to_owned(), costs[1]));
+        rows.push(row("bare loop", costs[0]));
+        rows.push(row("memory", costs[1]));
     }
-    rows.push(Row {
-        allocations: Some(allocations),
-        ..row(situation.name().to_owned(), costs[2])
-    });
+    for (k, &threads) in THREADS.iter().enumerate() {
+        rows.push(Row {
+            threads,
+            allocations: Some(allocations[k]),
+            ..row(situation.name(), costs[2 + k])
+        });
+    }
     rows
 }

@@ -17,6 +17,7 @@ mod columns;
 mod components;
 mod intake;
 mod messages;
+mod parallel;
 mod resources;
 mod run;
 mod step;
@@ -29,6 +30,7 @@ pub use components::{
 };
 pub(crate) use components::{NearFloor, WrittenTransform};
 pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint};
+pub use parallel::PhysicsThreads;
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use run::StepPhysics;
 pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
@@ -36,7 +38,8 @@ pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, 
 use bevy::app::{App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
-    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel, SystemSet,
+    IntoScheduleConfigs, LogLevel, Schedule, ScheduleBuildSettings, ScheduleLabel,
+    SingleThreadedExecutor, SystemSet,
 };
 
 use crate::body::RigidBox;
@@ -135,6 +138,7 @@ impl Plugin for PhysicsPlugin {
         app.init_resource::<WorldGravity>()
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
+            .init_resource::<PhysicsThreads>()
             .init_resource::<ContactSettings>()
             .init_resource::<intake::PendingImpulses>()
             .add_message::<ApplyImpulse>()
@@ -161,6 +165,8 @@ impl Plugin for PhysicsPlugin {
         app.register_required_components::<RigidBox, ContactState>();
 
         let mut schedule = Schedule::new(PhysicsSchedule);
+        // The systems of a step wait for each other anyway; threads share the bodies of each.
+        schedule.set_executor(SingleThreadedExecutor::new());
         schedule.set_build_settings(ScheduleBuildSettings {
             ambiguity_detection: LogLevel::Error,
             ..Default::default()
