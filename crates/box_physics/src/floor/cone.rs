@@ -112,13 +112,30 @@ fn attempt(
 ) {
     solution.converged = true;
     if set.count == 1 {
-        (solution.p[0], solution.converged) = single::solve(&set.block(0, alpha), b[0], friction);
+        (solution.p[0], solution.converged) =
+            single::solve(&set.block(0, 0, alpha), b[0], friction);
         solution.iterations += 1;
     } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p)
         && !stick(set, b, alpha, friction, &mut solution.p)
     {
         let steps = max_iterations.min(GRADIENT_STEPS);
-        gradient(set, b, alpha, friction, target, steps, solution);
+        let stiffness = alpha * set.stiffness_bound();
+        if set.count == 2 {
+            // The commonest by far, an edge: its operator as a matrix.
+            let own = [set.block(0, 0, alpha), set.block(1, 1, alpha)];
+            let other = [set.block(0, 1, alpha), set.block(1, 0, alpha)];
+            let velocities = |p: &Corner3| {
+                let mut w = [DVec3::ZERO; 8];
+                w[0] = b[0] + (own[0] * p[0] + other[0] * p[1]);
+                w[1] = b[1] + (own[1] * p[1] + other[1] * p[0]);
+                w
+            };
+            gradient(2, velocities, stiffness, friction, target, steps, solution);
+        } else {
+            let n = set.count;
+            let velocities = |p: &Corner3| add(b, &set.response(p), alpha, n);
+            gradient(n, velocities, stiffness, friction, target, steps, solution);
+        }
         if !solution.converged {
             let sweeps = if friction > 0.0 {
                 SWEEPS
@@ -154,24 +171,24 @@ fn stick(set: &ContactSet, b: &Corner3, alpha: f64, friction: f64, p: &mut Corne
     true
 }
 
+/// Accelerated projected gradients for `n` corners; `velocities` is p ↦ b + αWp, `stiffness` a bound of αW.
+#[inline(always)]
 fn gradient(
-    set: &ContactSet,
-    b: &Corner3,
-    alpha: f64,
+    n: usize,
+    velocities: impl Fn(&Corner3) -> Corner3,
+    stiffness: f64,
     friction: f64,
     target: f64,
     steps: u32,
     solution: &mut ConeSolution,
 ) {
-    let n = set.count;
-    let stiffness = alpha * set.stiffness_bound();
     let step = 1.0 / stiffness;
     let mut previous = [DVec3::ZERO; 8];
     let mut y = previous;
     let mut theta = 1.0_f64;
     solution.converged = false;
     for _ in 0..steps {
-        let w = add(b, &set.response(&y), alpha, n);
+        let w = velocities(&y);
         let mut next = [DVec3::ZERO; 8];
         let (mut residual, mut turn) = (0.0_f64, 0.0);
         for i in 0..n {
@@ -217,7 +234,7 @@ fn gauss_seidel(
     for _ in 0..sweeps {
         let mut change = 0.0_f64;
         for i in 0..set.count {
-            let block = set.block(i, alpha);
+            let block = set.block(i, i, alpha);
             let w = add(b, &set.response(&p), alpha, set.count);
             let (next, _) = single::solve(&block, w[i] - block * p[i], friction);
             change = change.max((block * (next - p[i])).length());

@@ -177,11 +177,11 @@ impl ContactSet {
         self.inverse_mass
     }
 
-    /// αW_ii of the i-th corner [1/kg].
-    pub(super) fn block(&self, i: usize, alpha: f64) -> DMat3 {
-        let r = self.lever[i];
+    /// αW_ij [1/kg]: the velocity of the i-th corner for an impulse at the j-th.
+    pub(super) fn block(&self, i: usize, j: usize, alpha: f64) -> DMat3 {
+        let (r, at) = (self.lever[i], self.lever[j]);
         let column = |e: DVec3| {
-            alpha * (e * self.inverse_mass + (self.inverse_inertia * r.cross(e)).cross(r))
+            alpha * (e * self.inverse_mass + (self.inverse_inertia * at.cross(e)).cross(r))
         };
         DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
     }
