@@ -96,8 +96,10 @@ impl Plugin for GamePlugin {
         }
         comparison.settings.layout = cli.layout;
         app.insert_resource(comparison).add_plugins(ComparePlugin);
-        app.world_mut().resource_mut::<Session>().plot = cli.plot;
-        if cli.plot == Plot::WorkPrecision {
+        if let Some(plot) = cli.plot {
+            app.world_mut().resource_mut::<Session>().plot = plot;
+        }
+        if cli.plot == Some(Plot::WorkPrecision) {
             app.add_systems(Update, sweep_once);
         }
         set_step(app.world_mut(), cli.dt);

@@ -43,9 +43,9 @@ pub struct Cli {
     pub layout: Layout,
 
     /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
-    /// sweep over step sizes) or table.
-    #[arg(long, value_name = "TAB", default_value = "energy", value_parser = parse_plot)]
-    pub plot: Plot,
+    /// sweep over step sizes) or table [default: the scene's].
+    #[arg(long, value_name = "TAB", value_parser = parse_plot)]
+    pub plot: Option<Plot>,
 
     /// Number of boxes [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]

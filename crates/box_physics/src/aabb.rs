@@ -30,26 +30,29 @@ pub fn outward(centre: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
     )
 }
 
-/// The largest f32 not above `x`.
+/// The largest f32 not above `x`. (Without a branch: which way a number was rounded is a coin toss, and
+/// six wrong guesses of the processor cost more than all the rest of a bounding box.)
 #[inline(always)]
 fn below(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) > x {
-        nearest.next_down()
-    } else {
-        nearest
-    }
+    moved(nearest, -i32::from(f64::from(nearest) > x))
 }
 
 /// The smallest f32 not below `x`.
 #[inline(always)]
 fn above(x: f64) -> f32 {
     let nearest = x as f32;
-    if f64::from(nearest) < x {
-        nearest.next_up()
-    } else {
-        nearest
-    }
+    moved(nearest, i32::from(f64::from(nearest) < x))
+}
+
+/// `x`, or its neighbour `step` = ±1 further up: the bits of a float, those of a negative one but for
+/// its sign turned round, are ordered as integers. (−0 comes just below 0 in that order; `below` never
+/// leaves 0, nor `above` −0, because a number is not rounded across zero.)
+#[inline(always)]
+fn moved(x: f32, step: i32) -> f32 {
+    let turned = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
+    let ordered = turned(x.to_bits() as i32) + step;
+    f32::from_bits(turned(ordered) as u32)
 }
 
 /// The eight corners in body axes, sign bit k of the index choosing −/+ along axis k.
@@ -64,6 +67,46 @@ pub fn corners(half: DVec3) -> [DVec3; 8] {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// The definition, in words of the standard library.
+    #[test]
+    fn neighbours_are_those_of_the_standard_library() {
+        let tiny = f64::from(f32::from_bits(1));
+        let mut numbers = vec![
+            0.0,
+            1.0,
+            1.0 + 1e-9,
+            0.1,
+            1e-50,
+            tiny,
+            1.5 * tiny,
+            1e-40,
+            3e38,
+        ];
+        numbers.extend([
+            f64::from(f32::MAX),
+            3.5e38,
+            1e300,
+            f64::INFINITY,
+            16_777_217.0,
+        ]);
+        for x in numbers.into_iter().flat_map(|x| [x, -x]) {
+            let nearest = x as f32;
+            let down = if f64::from(nearest) > x {
+                nearest.next_down()
+            } else {
+                nearest
+            };
+            let up = if f64::from(nearest) < x {
+                nearest.next_up()
+            } else {
+                nearest
+            };
+            assert_eq!(below(x).to_bits(), down.to_bits(), "below {x:e}");
+            assert_eq!(above(x).to_bits(), up.to_bits(), "above {x:e}");
+        }
+        assert!(below(f64::NAN).is_nan() && above(f64::NAN).is_nan());
+    }
 
     proptest! {
         /// It contains all eight corners and touches them on every side; the f32 box contains it.

@@ -3,15 +3,21 @@
 use glam::{DQuat, DVec3};
 
 use crate::body::{RigidBox, Splitting};
-use crate::math::{sin_cos, sinc_cos};
+use crate::math::{AnyArgument, Trigonometry};
 use crate::state::BodyState;
 
 /// The quaternion of the rotation vector `u` \[rad\]: (u sin(|u|/2)/|u|, cos(|u|/2)). Exact for any
 /// |u|, and no special case at 0.
 #[inline(always)]
 pub fn exponential_map(u: DVec3) -> DQuat {
+    exponential_map_by(u, &mut AnyArgument)
+}
+
+/// [`exponential_map`] with a given sine and cosine.
+#[inline(always)]
+pub(crate) fn exponential_map_by(u: DVec3, trigonometry: &mut impl Trigonometry) -> DQuat {
     let half = 0.5 * u;
-    let (sinc, cos) = sinc_cos(half.length_squared());
+    let (sinc, cos) = trigonometry.sinc_cos(half.length_squared());
     let v = sinc * half;
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
 }
@@ -52,13 +58,19 @@ pub fn cayley_map(u: DVec3) -> DQuat {
     DQuat::from_xyzw(scale * c.x, scale * c.y, scale * c.z, scale)
 }
 
-/// L, q after the body has turned by `theta` \[rad\] about its own axis `K`: the flow of ½ δ L_K² with
-/// θ = hδL_K. The momentum is turned backwards (it is constant in the world), with the versine
+/// L, q after the body has turned by `rate`·L_K \[rad\] about its own axis `K`: the flow of ½ δ L_K² over
+/// τ with `rate` = τδ. The momentum is turned backwards (it is constant in the world), with the versine
 /// 2 sin²(θ/2) instead of the cosine, which keeps |L| ten times better.
 #[inline(always)]
-fn planar<const K: usize>(l: &mut [f64; 3], q: &mut [f64; 4], theta: f64) {
+fn planar<const K: usize>(
+    l: &mut [f64; 3],
+    q: &mut [f64; 4],
+    rate: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
     let (i, j) = ((K + 1) % 3, (K + 2) % 3);
-    let (s, c) = sin_cos(0.5 * theta);
+    let theta = rate * l[K];
+    let (s, c) = trigonometry.sin_cos(0.5 * theta);
     let (sine, versine) = (2.0 * s * c, 2.0 * s * s);
     let (a, b) = (l[i], l[j]);
     l[i] = a + (sine * b - versine * a);
@@ -70,31 +82,114 @@ fn planar<const K: usize>(l: &mut [f64; 3], q: &mut [f64; 4], theta: f64) {
     q[3] = c * w - s * qk;
 }
 
-/// Rotation about axis `axis` (0, 1 or 2) by the angle τ·δ·L_axis.
-#[inline(always)]
-fn turn(axis: u8, l: &mut [f64; 3], q: &mut [f64; 4], rate: f64) {
-    match axis {
-        0 => planar::<0>(l, q, rate * l[0]),
-        1 => planar::<1>(l, q, rate * l[1]),
-        _ => planar::<2>(l, q, rate * l[2]),
+/// The axes of a splitting: outer, inner, and the third, which is turned round if need be, so that they
+/// are right-handed. Body **and** world are looked at along them: a vector's components, and the vector
+/// part of the attitude, are merely permuted, and the flows need not ask which axis is which.
+#[derive(Clone, Copy)]
+pub(crate) struct SplitFrame {
+    /// Body axis of each axis of the frame.
+    axes: [usize; 3],
+    /// −1 if the third axis is turned round.
+    sign: f64,
+}
+
+impl SplitFrame {
+    #[inline(always)]
+    pub(crate) fn of(splitting: &Splitting) -> Self {
+        let (outer, inner) = (usize::from(splitting.outer), usize::from(splitting.inner));
+        let right_handed = inner == (outer + 1) % 3;
+        Self {
+            axes: [outer, inner, 3 - outer - inner],
+            sign: if right_handed { 1.0 } else { -1.0 },
+        }
+    }
+
+    /// L and q along the frame's axes.
+    #[inline(always)]
+    pub(crate) fn enter(&self, state: &BodyState) -> ([f64; 3], [f64; 4]) {
+        let [o, i, m] = self.axes;
+        let (l, q): (&[f64; 3], &[f64; 4]) =
+            (state.angular_momentum.as_ref(), state.rotation.as_ref());
+        (
+            [l[o], l[i], self.sign * l[m]],
+            [q[o], q[i], self.sign * q[m], q[3]],
+        )
+    }
+
+    /// Back along the body's own.
+    #[inline(always)]
+    pub(crate) fn leave(&self, state: &mut BodyState, mut l: [f64; 3], mut q: [f64; 4]) {
+        let [outer, inner, _] = self.axes;
+        l[2] *= self.sign;
+        q[2] *= self.sign;
+        // Which axis of the frame a body axis is. (Read by index: scattered writes would have to reach
+        // memory before the whole vector can be read again.)
+        let place = |axis: usize| {
+            if axis == outer {
+                0
+            } else if axis == inner {
+                1
+            } else {
+                2
+            }
+        };
+        let [x, y, z] = [place(0), place(1), place(2)];
+        state.angular_momentum = DVec3::new(l[x], l[y], l[z]);
+        state.rotation = DQuat::from_xyzw(q[x], q[y], q[z], q[3]);
     }
 }
 
-/// The exact flow of |L|²/2I_r over `h`: a rotation about the constant momentum. It commutes with
-/// the planar ones.
-#[inline(always)]
-fn reference_turn(state: &mut BodyState, splitting: &Splitting, h: f64) -> ([f64; 3], [f64; 4]) {
-    let q = compose(
-        state.rotation,
-        exponential_map(state.angular_momentum * (h * splitting.reference)),
-    );
-    (state.angular_momentum.to_array(), q.to_array())
+/// The rates of a splitting's three flows.
+#[derive(Clone, Copy)]
+pub(crate) struct SplitRates {
+    /// J_r of the reference axis.
+    pub(crate) reference: f64,
+    /// α of the outer axis.
+    pub(crate) outer: f64,
+    /// β of the inner axis.
+    pub(crate) inner: f64,
 }
 
-#[inline(always)]
-fn store(state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
-    state.angular_momentum = DVec3::from_array(l);
-    state.rotation = renormalise(DQuat::from_array(q));
+impl SplitRates {
+    #[inline(always)]
+    pub(crate) fn of(s: &Splitting) -> Self {
+        Self {
+            reference: s.reference,
+            outer: s.alpha,
+            inner: s.beta,
+        }
+    }
+
+    /// The exact flow of |L|²/2I_r over `h`: a rotation about the constant momentum. It commutes with
+    /// the planar ones.
+    #[inline(always)]
+    fn reference_turn(
+        &self,
+        l: [f64; 3],
+        q: [f64; 4],
+        h: f64,
+        trigonometry: &mut impl Trigonometry,
+    ) -> [f64; 4] {
+        let turn = DVec3::from_array(l) * (h * self.reference);
+        let turn = exponential_map_by(turn, trigonometry);
+        compose(DQuat::from_array(q), turn).to_array()
+    }
+
+    /// [`free_rotation_strang`] in the frame of the splitting: one body's, or one lane's of many.
+    #[inline(always)]
+    pub(crate) fn strang(
+        &self,
+        mut l: [f64; 3],
+        q: [f64; 4],
+        h: f64,
+        trigonometry: &mut impl Trigonometry,
+    ) -> ([f64; 3], [f64; 4]) {
+        let mut q = self.reference_turn(l, q, h, trigonometry);
+        planar::<0>(&mut l, &mut q, 0.5 * h * self.outer, trigonometry);
+        planar::<1>(&mut l, &mut q, h * self.inner, trigonometry);
+        planar::<0>(&mut l, &mut q, 0.5 * h * self.outer, trigonometry);
+        (l, renormalise(DQuat::from_array(q)).to_array())
+    }
 }
 
 /// Free rotation over `h` \[s\] by the symmetric-top splitting, order 2: exact rotation with the
@@ -103,12 +198,10 @@ fn store(state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
 /// energy bounded, at any step; exact for symmetric bodies and cubes.
 #[inline(always)]
 pub fn free_rotation_strang(body: &RigidBox, state: &mut BodyState, h: f64) {
-    let s = body.splitting();
-    let (mut l, mut q) = reference_turn(state, s, h);
-    turn(s.outer, &mut l, &mut q, 0.5 * h * s.alpha);
-    turn(s.inner, &mut l, &mut q, h * s.beta);
-    turn(s.outer, &mut l, &mut q, 0.5 * h * s.alpha);
-    store(state, l, q);
+    let frame = SplitFrame::of(body.splitting());
+    let (l, q) = frame.enter(state);
+    let (l, q) = SplitRates::of(body.splitting()).strang(l, q, h, &mut AnyArgument);
+    frame.leave(state, l, q);
 }
 
 /// The seven outer and six inner fractions of Blanes and Moan's order 4 composition S6 (J. Comput.
@@ -128,30 +221,37 @@ pub(crate) mod blanes_moan {
 /// A B A B A B A B A B A B A, thirteen planar rotations. Keeps what [`free_rotation_strang`] keeps.
 pub fn free_rotation_order4(body: &RigidBox, state: &mut BodyState, h: f64) {
     use blanes_moan::{A, A_MIDDLE, B, B_THIRD};
-    let s = body.splitting();
-    let (mut l, mut q) = reference_turn(state, s, h);
+    let (frame, rates) = (
+        SplitFrame::of(body.splitting()),
+        SplitRates::of(body.splitting()),
+    );
+    let any = &mut AnyArgument;
+    let (mut l, q) = frame.enter(state);
+    let mut q = rates.reference_turn(l, q, h, any);
     let outer = [A[0], A[1], A[2], A_MIDDLE, A[2], A[1], A[0]];
     let inner = [B[0], B[1], B_THIRD, B_THIRD, B[1], B[0]];
     for k in 0..6 {
-        turn(s.outer, &mut l, &mut q, outer[k] * h * s.alpha);
-        turn(s.inner, &mut l, &mut q, inner[k] * h * s.beta);
+        planar::<0>(&mut l, &mut q, outer[k] * h * rates.outer, any);
+        planar::<1>(&mut l, &mut q, inner[k] * h * rates.inner, any);
     }
-    turn(s.outer, &mut l, &mut q, outer[6] * h * s.alpha);
-    store(state, l, q);
+    planar::<0>(&mut l, &mut q, outer[6] * h * rates.outer, any);
+    frame.leave(state, l, renormalise(DQuat::from_array(q)).to_array());
 }
 
 /// Free rotation over `h` \[s\] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich
 /// 1994): what a textbook splitting does, without the exact part taken out first.
 pub fn free_rotation_three_axes(body: &RigidBox, state: &mut BodyState, h: f64) {
     let j = body.inverse_inertia();
+    let any = &mut AnyArgument;
     let mut l = state.angular_momentum.to_array();
     let mut q = state.rotation.to_array();
-    turn(0, &mut l, &mut q, 0.5 * h * j.x);
-    turn(1, &mut l, &mut q, 0.5 * h * j.y);
-    turn(2, &mut l, &mut q, h * j.z);
-    turn(1, &mut l, &mut q, 0.5 * h * j.y);
-    turn(0, &mut l, &mut q, 0.5 * h * j.x);
-    store(state, l, q);
+    planar::<0>(&mut l, &mut q, 0.5 * h * j.x, any);
+    planar::<1>(&mut l, &mut q, 0.5 * h * j.y, any);
+    planar::<2>(&mut l, &mut q, h * j.z, any);
+    planar::<1>(&mut l, &mut q, 0.5 * h * j.y, any);
+    planar::<0>(&mut l, &mut q, 0.5 * h * j.x, any);
+    state.angular_momentum = DVec3::from_array(l);
+    state.rotation = renormalise(DQuat::from_array(q));
 }
 
 #[cfg(test)]

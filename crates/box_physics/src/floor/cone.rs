@@ -8,8 +8,8 @@
 //!
 //! One corner is solved directly (`single`). Several:
 //!
-//! 1. If all can stick, the smallest impulses that stop them are the answer (conjugate gradients).
-//! 2. If all move alike and go on doing so, it is one block's friction (`uniform`).
+//! 1. If all move alike and friction cannot stop them, it is one block's friction (`uniform`).
+//! 2. If all can stick, the smallest impulses that stop them are the answer (conjugate gradients).
 //! 3. The law says p = P(p − ρw) for any ρ > 0, P taking p_n to max(p_n, 0) and p_t into the disc of
 //!    radius µp_n. Its fixed point is found by accelerated projected gradients (Nesterov 1983; restart
 //!    after O'Donoghue, Candès, Found. Comput. Math. 15 (2015) 715; for contact: Mazhar et al., ACM TOG
@@ -110,16 +110,15 @@ fn attempt(
 ) {
     solution.converged = true;
     if set.count == 1 {
-        (solution.p[0], solution.converged) = single::solve(&set.block(0, alpha), b[0], friction);
+        (solution.p[0], solution.converged) =
+            single::solve(&set.block(0, 0, alpha), b[0], friction);
         solution.iterations += 1;
         if !solution.converged {
             newton::solve(set, b, alpha, friction, target, solution);
         }
-    } else if stick(set, b, alpha, friction, &mut solution.p)
-        || uniform::solve(set, b, alpha, friction, target, &mut solution.p)
+    } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p)
+        && !stick(set, b, alpha, friction, &mut solution.p)
     {
-        return;
-    } else {
         // Without friction the problem is convex: gradients alone end it.
         let patience = if friction > 0.0 {
             GRADIENT_STEPS.min(max_iterations)
@@ -127,7 +126,7 @@ fn attempt(
             max_iterations
         };
         for steps in [patience, max_iterations] {
-            gradient(set, b, alpha, friction, target, steps, solution);
+            descend(set, b, alpha, friction, target, steps, solution);
             if solution.converged {
                 return;
             }
@@ -136,6 +135,35 @@ fn attempt(
                 return;
             }
         }
+    }
+}
+
+/// [`gradient`] with the operator in its cheapest form.
+fn descend(
+    set: &ContactSet,
+    b: &Corner3,
+    alpha: f64,
+    friction: f64,
+    target: f64,
+    steps: u32,
+    solution: &mut ConeSolution,
+) {
+    let n = set.count;
+    let stiffness = alpha * set.stiffness_bound();
+    if n == 2 {
+        // The commonest by far, an edge: its operator as a matrix.
+        let own = [set.block(0, 0, alpha), set.block(1, 1, alpha)];
+        let other = [set.block(0, 1, alpha), set.block(1, 0, alpha)];
+        let velocities = |p: &Corner3| {
+            let mut w = [DVec3::ZERO; 8];
+            w[0] = b[0] + (own[0] * p[0] + other[0] * p[1]);
+            w[1] = b[1] + (own[1] * p[1] + other[1] * p[0]);
+            w
+        };
+        gradient(2, velocities, stiffness, friction, target, steps, solution);
+    } else {
+        let velocities = |p: &Corner3| add(b, &set.response(p), alpha, n);
+        gradient(n, velocities, stiffness, friction, target, steps, solution);
     }
 }
 
@@ -155,24 +183,24 @@ fn stick(set: &ContactSet, b: &Corner3, alpha: f64, friction: f64, p: &mut Corne
     true
 }
 
+/// Accelerated projected gradients for `n` corners; `velocities` is p ↦ b + αWp, `stiffness` a bound of αW.
+#[inline(always)]
 fn gradient(
-    set: &ContactSet,
-    b: &Corner3,
-    alpha: f64,
+    n: usize,
+    velocities: impl Fn(&Corner3) -> Corner3,
+    stiffness: f64,
     friction: f64,
     target: f64,
     steps: u32,
     solution: &mut ConeSolution,
 ) {
-    let n = set.count;
-    let stiffness = alpha * set.stiffness_bound();
     let step = 1.0 / stiffness;
     let mut previous = [DVec3::ZERO; 8];
     let mut y = previous;
     let mut theta = 1.0_f64;
     solution.converged = false;
     for _ in 0..steps {
-        let w = add(b, &set.response(&y), alpha, n);
+        let w = velocities(&y);
         let mut next = [DVec3::ZERO; 8];
         let (mut residual, mut turn) = (0.0_f64, 0.0);
         for i in 0..n {

@@ -129,6 +129,7 @@ impl ContactSet {
     }
 
     /// Σ p_k and Σ r_k × p_k, added in pairs.
+    #[inline]
     pub(super) fn resultant(&self, p: &Corner3) -> (DVec3, DVec3) {
         let mut force = DVec3::ZERO;
         let mut torque = DVec3::ZERO;
@@ -149,12 +150,14 @@ impl ContactSet {
     }
 
     /// The change of (v, ω) that the impulses p \[N s\] make.
+    #[inline]
     pub(super) fn twist(&self, p: &Corner3) -> (DVec3, DVec3) {
         let (force, torque) = self.resultant(p);
         (force * self.inverse_mass, self.inverse_inertia * torque)
     }
 
     /// The corners' velocities for the twist (v, ω).
+    #[inline]
     pub(super) fn velocities(&self, (v, omega): (DVec3, DVec3)) -> Corner3 {
         let mut u = [DVec3::ZERO; 8];
         for i in 0..self.count {
@@ -164,6 +167,7 @@ impl ContactSet {
     }
 
     /// W p.
+    #[inline]
     pub(super) fn response(&self, p: &Corner3) -> Corner3 {
         self.velocities(self.twist(p))
     }
@@ -173,11 +177,11 @@ impl ContactSet {
         self.inverse_mass
     }
 
-    /// αW_ii of the i-th corner [1/kg].
-    pub(super) fn block(&self, i: usize, alpha: f64) -> DMat3 {
-        let r = self.lever[i];
+    /// αW_ij [1/kg]: the velocity of the i-th corner for an impulse at the j-th.
+    pub(super) fn block(&self, i: usize, j: usize, alpha: f64) -> DMat3 {
+        let (r, at) = (self.lever[i], self.lever[j]);
         let column = |e: DVec3| {
-            alpha * (e * self.inverse_mass + (self.inverse_inertia * r.cross(e)).cross(r))
+            alpha * (e * self.inverse_mass + (self.inverse_inertia * at.cross(e)).cross(r))
         };
         DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
     }

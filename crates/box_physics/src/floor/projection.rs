@@ -15,18 +15,26 @@ use crate::state::BodyState;
 /// six steps are exact but for rounding; the rest of the twelve polish.
 pub(super) fn cancel(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 {
     let n = set.count;
-    let masked = |v: &Corner3| -> Corner3 { core::array::from_fn(|i| v[i] * mask[i]) };
     let mut p = [DVec3::ZERO; 8];
-    let mut residual = masked(u).map(|v| -v);
+    let mut residual = p;
+    for i in 0..n {
+        residual[i] = -(u[i] * mask[i]);
+    }
     let mut direction = residual;
     let mut square = set.dot(&residual, &residual);
     let floor = square * 1e-34;
+    if square <= floor {
+        return p;
+    }
     let null = 1e-12 * set.stiffness_bound();
     for _ in 0..12 {
         if square <= floor {
             break;
         }
-        let image = masked(&set.response(&direction));
+        let mut image = set.response(&direction);
+        for i in 0..n {
+            image[i] *= mask[i];
+        }
         let curvature = set.dot(&direction, &image);
         // Four coplanar corners have one distribution that does nothing, and rounding leaves a residual
         // along it: there is nothing to gain there, and a step would be noise over noise.

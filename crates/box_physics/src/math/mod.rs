@@ -10,4 +10,5 @@ mod exponential;
 mod trigonometry;
 
 pub use exponential::{Exponential, exp};
+pub(crate) use trigonometry::{AnyArgument, SmallArguments, Trigonometry};
 pub use trigonometry::{sin_cos, sinc_cos};

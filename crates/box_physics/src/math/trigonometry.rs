@@ -42,9 +42,7 @@ fn polynomials(z: f64) -> (f64, f64) {
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() <= FRAC_PI_4 {
-        let z = x * x;
-        let (s, c) = polynomials(z);
-        (x + x * z * s, (1.0 - 0.5 * z) + z * z * c)
+        small_sin_cos(x)
     } else {
         beyond(x)
     }
@@ -55,13 +53,80 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
 #[inline(always)]
 pub fn sinc_cos(z: f64) -> (f64, f64) {
     if z <= FRAC_PI_4 * FRAC_PI_4 {
-        let (s, c) = polynomials(z);
-        (1.0 + z * s, (1.0 - 0.5 * z) + z * z * c)
+        small_sinc_cos(z)
     } else {
         let x = z.sqrt();
         let (s, c) = beyond(x);
         (s / x, c)
     }
+}
+
+/// Sine and cosine for code that is written once and used twice: for one body, and for many in lanes.
+pub(crate) trait Trigonometry {
+    /// As [`sin_cos`].
+    fn sin_cos(&mut self, x: f64) -> (f64, f64);
+    /// As [`sinc_cos`].
+    fn sinc_cos(&mut self, z: f64) -> (f64, f64);
+}
+
+/// Any argument.
+pub(crate) struct AnyArgument;
+
+impl Trigonometry for AnyArgument {
+    #[inline(always)]
+    fn sin_cos(&mut self, x: f64) -> (f64, f64) {
+        sin_cos(x)
+    }
+
+    #[inline(always)]
+    fn sinc_cos(&mut self, z: f64) -> (f64, f64) {
+        sinc_cos(z)
+    }
+}
+
+/// The polynomials alone, without a branch: the same bits as [`AnyArgument`] while every argument was
+/// within |x| ≤ π/4, and it says whether that was so.
+#[derive(Default)]
+pub(crate) struct SmallArguments {
+    /// Arguments that were larger, or no number. (Not a flag: additions are vectorised, a chain of
+    /// conditions is not.)
+    others: f64,
+}
+
+impl SmallArguments {
+    /// Whether every argument was small.
+    #[inline(always)]
+    pub(crate) fn all_small(&self) -> bool {
+        self.others == 0.0
+    }
+}
+
+impl Trigonometry for SmallArguments {
+    #[inline(always)]
+    fn sin_cos(&mut self, x: f64) -> (f64, f64) {
+        self.others += if x.abs() <= FRAC_PI_4 { 0.0 } else { 1.0 };
+        small_sin_cos(x)
+    }
+
+    #[inline(always)]
+    fn sinc_cos(&mut self, z: f64) -> (f64, f64) {
+        let small = z <= FRAC_PI_4 * FRAC_PI_4;
+        self.others += if small { 0.0 } else { 1.0 };
+        small_sinc_cos(z)
+    }
+}
+
+#[inline(always)]
+fn small_sin_cos(x: f64) -> (f64, f64) {
+    let z = x * x;
+    let (s, c) = polynomials(z);
+    (x + x * z * s, (1.0 - 0.5 * z) + z * z * c)
+}
+
+#[inline(always)]
+fn small_sinc_cos(z: f64) -> (f64, f64) {
+    let (s, c) = polynomials(z);
+    (1.0 + z * s, (1.0 - 0.5 * z) + z * z * c)
 }
 
 /// The general case, out of line so that the common one stays small.

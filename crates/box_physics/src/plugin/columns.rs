@@ -47,6 +47,11 @@ impl ForceColumnsContiguousItem<'_, '_> {
         }
     }
 
+    /// The factors on gravity, if the bodies of this table have any.
+    pub(crate) fn gravity_scales(&self) -> Option<&[GravityScale]> {
+        self.gravity_scale
+    }
+
     /// The whole force law of body `i`.
     #[inline]
     pub(crate) fn forces(&self, i: usize, body: &RigidBox, world: DVec3) -> Forces<'_> {

@@ -238,6 +238,8 @@ pub(crate) struct NearFloor {
     pub(crate) pending: bool,
     /// It touched at the end of the last step: *Contact* takes it once more, to report the end.
     pub(crate) touched: bool,
+    /// It lay still before this step and does after it: bounding box and pose are what they were.
+    pub(crate) still: bool,
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::entity::Entity;
+use bevy::ecs::error::Result;
 use bevy::ecs::message::{MessageCursor, MessageWriter, Messages};
 use bevy::ecs::query::{Added, Has, With};
 use bevy::ecs::resource::Resource;
@@ -37,15 +38,26 @@ pub(crate) fn collect_impulses(
 pub(crate) fn take_teleports(
     mut bodies: Query<(Entity, &Transform, &WrittenTransform, &mut BodyState), With<RigidBox>>,
     mut warned: Local<bool>,
-) {
-    for (entity, transform, written, mut state) in &mut bodies {
-        let taken = written.take_teleport(transform, state.bypass_change_detection());
-        if taken.is_err() && !core::mem::replace(&mut *warned, true) {
-            warn!(
-                "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
-            );
+) -> Result {
+    for (entities, transforms, written, mut states) in bodies.contiguous_iter_mut()? {
+        let states = states.bypass_change_detection();
+        for (i, (transform, written)) in transforms.iter().zip(written).enumerate() {
+            // The body's state is not even looked at unless somebody changed something.
+            if transform.translation == written.translation
+                && transform.rotation == written.rotation
+            {
+                continue;
+            }
+            let taken = written.take_teleport(transform, &mut states[i]);
+            if taken.is_err() && !core::mem::replace(&mut *warned, true) {
+                let entity = entities[i];
+                warn!(
+                    "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
+                );
+            }
         }
     }
+    Ok(())
 }
 
 /// The impulses asked for, in order of arrival. One that cannot be applied is dropped: its body is

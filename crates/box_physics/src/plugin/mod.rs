@@ -18,6 +18,7 @@ mod components;
 mod faults;
 mod intake;
 mod messages;
+mod parallel;
 mod resources;
 mod run;
 mod step;
@@ -30,6 +31,7 @@ pub use components::{
 };
 pub(crate) use components::{NearFloor, WrittenTransform};
 pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause};
+pub use parallel::PhysicsThreads;
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use run::StepPhysics;
 pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
@@ -40,8 +42,8 @@ use bevy::app::{
 use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
-    IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SystemSet,
-    common_conditions,
+    IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
+    SystemSet, common_conditions,
 };
 
 use crate::body::RigidBox;
@@ -142,6 +144,7 @@ impl Plugin for PhysicsPlugin {
         app.init_resource::<WorldGravity>()
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
+            .init_resource::<PhysicsThreads>()
             .init_resource::<intake::PendingImpulses>()
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();
@@ -150,6 +153,8 @@ impl Plugin for PhysicsPlugin {
         // Not `add_schedule`: systems that users gave it before the plugin stay.
         app.init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, |schedule| {
+                // The systems of a step wait for each other anyway; threads share the bodies of each.
+                schedule.set_executor(SingleThreadedExecutor::new());
                 schedule.set_build_settings(ScheduleBuildSettings {
                     ambiguity_detection: LogLevel::Error,
                     ..Default::default()

@@ -10,7 +10,10 @@ use super::components::{BodyIntegrator, NearFloor};
 use crate::body::RigidBox;
 use crate::floor::{self, ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
 use crate::force::{ForceLaw, Gravity};
-use crate::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
+use crate::schemes::{
+    GravityField, Group, Integrator, LANES, Scheme, SchemeMemory, SchemeVisitor, Scratch,
+    StepOutcome,
+};
 use crate::state::BodyState;
 
 /// What is the same for every body of a step.
@@ -46,17 +49,34 @@ pub(crate) fn runs(
     })
 }
 
-/// Steps a run of bodies in free flight; those that may meet the floor are marked and left alone.
+/// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
 pub(crate) struct FreeFlight<'a, 'w, 's> {
     pub(crate) setting: Setting<'a>,
-    pub(crate) range: Range<usize>,
+    /// Index in the table of the first body of the chunk.
+    pub(crate) first: usize,
     pub(crate) bodies: &'a [RigidBox],
+    /// Of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
     pub(crate) states: &'a mut [BodyState],
     pub(crate) memories: &'a mut [SchemeMemory],
     pub(crate) near: &'a mut [NearFloor],
-    /// Indices of bodies whose state became non-finite; they are left at their last good one.
-    pub(crate) faults: &'a mut Vec<usize>,
+}
+
+impl NearFloor {
+    /// Whether the body is left to *Contact* in this step; noted.
+    #[inline(always)]
+    fn meets<F: ForceLaw>(
+        &mut self,
+        floor: &Floor,
+        body: &RigidBox,
+        state: &BodyState,
+        law: &F,
+        h: f64,
+    ) -> bool {
+        self.still = false;
+        self.pending = self.touched || floor::may_touch(floor, body, state, law, h);
+        self.pending
+    }
 }
 
 /// What a loop did.
@@ -65,35 +85,89 @@ pub(crate) struct Tally {
     pub(crate) bodies: u64,
     pub(crate) outcome: StepOutcome,
     pub(crate) floor: FloorOutcome,
+    /// Indices in the table of bodies whose state became unsound; they are left at their last good one.
+    pub(crate) faults: Vec<usize>,
+}
+
+impl core::ops::AddAssign for Tally {
+    fn add_assign(&mut self, mut other: Self) {
+        self.bodies += other.bodies;
+        self.outcome += other.outcome;
+        self.floor += other.floor;
+        self.faults.append(&mut other.faults);
+    }
 }
 
 impl SchemeVisitor for FreeFlight<'_, '_, '_> {
     type Output = Tally;
 
     fn visit<S: Scheme>(self) -> Tally {
+        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
         let world = self.setting.gravity;
-        let (forces, bodies) = (self.forces, self.bodies);
-        if forces.only_gravity() {
-            self.each::<S, _>(|i| Gravity(forces.gravity(i, world)))
+        if !forces.only_gravity() {
+            self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world))
+        } else if bodies.len() < FEW {
+            self.each::<S, _>(|i| Gravity(forces.gravity(first + i, world)))
         } else {
-            self.each::<S, _>(|i| forces.forces(i, &bodies[i], world))
+            self.groups::<S>()
         }
     }
 }
 
+/// Fewer bodies than this are not worth the change of layout.
+const FEW: usize = 8;
+
 impl FreeFlight<'_, '_, '_> {
+    /// Gravity alone: those that are clear of the floor are gathered and stepped many at a time.
+    fn groups<S: Scheme>(self) -> Tally {
+        let (first, h) = (self.first, self.setting.h);
+        let world = self.setting.gravity;
+        let scales = self.forces.gravity_scales();
+        let factor = |i: usize| scales.map_or(1.0, |scales| scales[first + i].0);
+        let scale: Option<&(dyn Fn(usize) -> f64 + Sync)> = scales.is_some().then_some(&factor);
+        let gravity = GravityField { world, scale };
+        let mut tally = Tally::default();
+        let (mut chosen, mut scratch) = ([0; LANES], Scratch::default());
+        let mut left = 0..self.bodies.len();
+        while !left.is_empty() {
+            let mut count = 0;
+            while count < LANES
+                && let Some(i) = left.next()
+            {
+                let clear = self.setting.floor.is_none_or(|floor| {
+                    let law = Gravity(self.forces.gravity(first + i, world));
+                    !self.near[i].meets(floor, &self.bodies[i], &self.states[i], &law, h)
+                });
+                if clear {
+                    chosen[count] = i;
+                    count += 1;
+                }
+            }
+            let mut group = Group {
+                bodies: self.bodies,
+                states: &mut *self.states,
+                memories: &mut *self.memories,
+                gravity,
+                chosen: &chosen[..count],
+                faults: &mut tally.faults,
+                scratch: &mut scratch,
+            };
+            tally.outcome += S::step_group(&mut group, h);
+            tally.bodies += count as u64;
+        }
+        tally.faults.iter_mut().for_each(|i| *i += first);
+        tally
+    }
+
     fn each<S: Scheme, F: ForceLaw>(self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
-        for i in self.range {
+        for i in 0..self.bodies.len() {
             let (body, state) = (&self.bodies[i], &mut self.states[i]);
             let law = law(i);
-            if let Some(floor) = self.setting.floor {
-                let near = &mut self.near[i];
-                near.pending =
-                    near.touched || floor::may_touch(floor, body, state, &law, self.setting.h);
-                if near.pending {
-                    continue;
-                }
+            if let Some(floor) = self.setting.floor
+                && self.near[i].meets(floor, body, state, &law, self.setting.h)
+            {
+                continue;
             }
             let before = *state;
             let memory = &mut self.memories[i];
@@ -101,18 +175,25 @@ impl FreeFlight<'_, '_, '_> {
             tally.bodies += 1;
             if !state.is_sound() {
                 *state = before;
-                self.faults.push(i);
+                tally.faults.push(self.first + i);
             }
         }
         tally
     }
 }
 
-/// Steps those bodies of a run that were left for the floor.
+/// Where contacts are told: the points of one body, and who hears of them.
+pub(crate) struct Reporting<'a> {
+    pub(crate) points: &'a mut Vec<ContactPoint>,
+    pub(crate) tell: &'a mut (dyn FnMut(Entity, &[ContactPoint]) + Send),
+}
+
+/// Steps those bodies of a chunk that were left for the floor.
 pub(crate) struct AtFloor<'a, 'w, 's> {
     pub(crate) floor: &'a Floor,
     pub(crate) setting: Setting<'a>,
-    pub(crate) range: Range<usize>,
+    /// Index in the table of the first body of the chunk.
+    pub(crate) first: usize,
     pub(crate) entities: &'a [Entity],
     pub(crate) bodies: &'a [RigidBox],
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
@@ -120,23 +201,20 @@ pub(crate) struct AtFloor<'a, 'w, 's> {
     pub(crate) memories: &'a mut [SchemeMemory],
     pub(crate) contacts: &'a mut [ContactState],
     pub(crate) near: &'a mut [NearFloor],
-    pub(crate) faults: &'a mut Vec<usize>,
-    /// Where contact points go, if this table reports them.
-    pub(crate) points: Option<&'a mut Vec<ContactPoint>>,
-    /// Called after each body with its contact points.
-    pub(crate) report: &'a mut dyn FnMut(Entity, &[ContactPoint]),
+    /// If the bodies of this table report their contacts.
+    pub(crate) reporting: Option<Reporting<'a>>,
 }
 
 impl SchemeVisitor for AtFloor<'_, '_, '_> {
     type Output = Tally;
 
     fn visit<S: Scheme>(self) -> Tally {
+        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
         let world = self.setting.gravity;
-        let (forces, bodies) = (self.forces, self.bodies);
         if forces.only_gravity() {
-            self.each::<S, _>(|i| Gravity(forces.gravity(i, world)))
+            self.each::<S, _>(|i| Gravity(forces.gravity(first + i, world)))
         } else {
-            self.each::<S, _>(|i| forces.forces(i, &bodies[i], world))
+            self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world))
         }
     }
 }
@@ -144,14 +222,15 @@ impl SchemeVisitor for AtFloor<'_, '_, '_> {
 impl AtFloor<'_, '_, '_> {
     fn each<S: Scheme, F: ForceLaw>(mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
-        for i in self.range {
+        for i in 0..self.bodies.len() {
             if !self.near[i].pending {
                 continue;
             }
             let (body, state) = (&self.bodies[i], &mut self.states[i]);
             let before = *state;
-            if let Some(points) = &mut self.points {
-                points.clear();
+            let lay_still = self.contacts[i].is_resting();
+            if let Some(reporting) = &mut self.reporting {
+                reporting.points.clear();
             }
             let outcome = floor::step_on_floor::<S, F>(
                 self.floor,
@@ -162,17 +241,20 @@ impl AtFloor<'_, '_, '_> {
                 self.setting.h,
                 &mut self.memories[i],
                 &mut self.contacts[i],
-                self.points.as_deref_mut(),
+                self.reporting.as_mut().map(|r| &mut *r.points),
             );
             tally.bodies += 1;
             tally.outcome += outcome.step;
             tally.floor += outcome;
-            self.near[i].touched = self.contacts[i].touching() != 0;
+            let near = &mut self.near[i];
+            near.touched = self.contacts[i].touching() != 0;
+            near.still = lay_still && outcome.resting && *state == before;
             if !state.is_sound() {
                 *state = before;
-                self.faults.push(i);
-            } else if let Some(points) = &self.points {
-                (self.report)(self.entities[i], points);
+                near.still = false;
+                tally.faults.push(self.first + i);
+            } else if let Some(reporting) = &mut self.reporting {
+                (reporting.tell)(self.entities[i], reporting.points);
             }
         }
         tally

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bevy::ecs::change_detection::DetectChangesMut;
+use bevy::ecs::change_detection::{ContiguousMut, Tick};
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::MessageWriter;
@@ -15,8 +15,9 @@ use super::components::{
     BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
 };
 use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
+use super::parallel::{CHUNK, PhysicsThreads};
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-use super::step::{AtFloor, FreeFlight, Setting, runs};
+use super::step::{AtFloor, FreeFlight, Reporting, Setting, runs};
 use super::timing::{PhysicsTimings, Stage, nanoseconds};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
@@ -30,6 +31,7 @@ pub(crate) struct StepWorld<'w> {
     gravity: Res<'w, WorldGravity>,
     clock: Res<'w, PhysicsClock>,
     contact: Option<Res<'w, ContactSettings>>,
+    threads: Res<'w, PhysicsThreads>,
     floor: Option<Res<'w, Floor>>,
 }
 
@@ -93,7 +95,6 @@ pub(crate) fn integrate(
     >,
     mut commands: Commands,
     mut messages: MessageWriter<BodyQuarantined>,
-    mut faults: Local<Vec<usize>>,
 ) -> Result {
     let stage = timings.is_some().then(Instant::now);
     let setting = world.setting();
@@ -105,28 +106,35 @@ pub(crate) fn integrate(
         let near = near.bypass_change_detection();
         for (integrator, range) in runs(world.integrator.0, own, boxes.len()) {
             let start = timings.is_some().then(Instant::now);
-            let tally = integrator.dispatch(FreeFlight {
-                setting,
-                range,
-                bodies: boxes,
-                forces: &forces,
-                states,
-                memories,
-                near,
-                faults: &mut faults,
-            });
+            let chunks = boxes[range.clone()]
+                .chunks(CHUNK)
+                .zip(states[range.clone()].chunks_mut(CHUNK))
+                .zip(memories[range.clone()].chunks_mut(CHUNK))
+                .zip(near[range.clone()].chunks_mut(CHUNK))
+                .enumerate()
+                .map(|(k, (((bodies, states), memories), near))| FreeFlight {
+                    setting,
+                    first: range.start + k * CHUNK,
+                    bodies,
+                    forces: &forces,
+                    states,
+                    memories,
+                    near,
+                });
+            let mut tally = world
+                .threads
+                .share_out(range.len(), chunks, |chunk| integrator.dispatch(chunk));
             if let (Some(timings), Some(start)) = (&mut timings, start) {
                 timings.record_scheme(integrator, tally.bodies, nanoseconds(start), tally.outcome);
             }
-            for i in faults.drain(..) {
-                let (entity, state) = (entities[i], &mut states[i]);
-                let written = &written[i];
+            tally.faults.sort_unstable();
+            for i in tally.faults {
                 quarantine(
-                    entity,
+                    entities[i],
                     integrator,
                     &world.clock,
-                    state,
-                    written,
+                    &mut states[i],
+                    &written[i],
                     &mut commands,
                     &mut messages,
                 );
@@ -159,14 +167,14 @@ pub(crate) fn contact(
     >,
     mut commands: Commands,
     (mut messages, mut contacts): (MessageWriter<BodyQuarantined>, MessageWriter<FloorContact>),
-    (mut faults, mut points): (Local<Vec<usize>>, Local<Vec<ContactPoint>>),
+    mut points: Local<Vec<ContactPoint>>,
 ) -> Result {
     let Some(floor) = &world.floor else {
         return Ok(());
     };
     let stage = timings.is_some().then(Instant::now);
     let setting = world.setting();
-    let mut report = |entity: Entity, points: &[ContactPoint]| {
+    let mut tell = |entity: Entity, points: &[ContactPoint]| {
         contacts.write_batch(points.iter().map(|p| FloorContact {
             entity,
             corner: p.corner,
@@ -192,35 +200,51 @@ pub(crate) fn contact(
         let touching = touching.bypass_change_detection();
         let near = near.bypass_change_detection();
         for (integrator, range) in runs(world.integrator.0, own, boxes.len()) {
-            let tally = integrator.dispatch(AtFloor {
-                floor,
-                setting,
-                range,
-                entities,
-                bodies: boxes,
-                forces: &forces,
-                states,
-                memories,
-                contacts: touching,
-                near,
-                faults: &mut faults,
-                points: heard.then_some(&mut *points),
-                report: &mut report,
+            // Who listens hears of the bodies in their order: one chunk, one thread.
+            let size = if heard { range.len() } else { CHUNK };
+            let mut reporting = heard.then_some(Reporting {
+                points: &mut points,
+                tell: &mut tell,
             });
+            let chunks = boxes[range.clone()]
+                .chunks(size)
+                .zip(entities[range.clone()].chunks(size))
+                .zip(states[range.clone()].chunks_mut(size))
+                .zip(memories[range.clone()].chunks_mut(size))
+                .zip(touching[range.clone()].chunks_mut(size))
+                .zip(near[range.clone()].chunks_mut(size))
+                .enumerate()
+                .map(
+                    |(k, (((((bodies, entities), states), memories), contacts), near))| AtFloor {
+                        floor,
+                        setting,
+                        first: range.start + k * size,
+                        entities,
+                        bodies,
+                        forces: &forces,
+                        states,
+                        memories,
+                        contacts,
+                        near,
+                        reporting: reporting.take(),
+                    },
+                );
+            let mut tally = world
+                .threads
+                .share_out(range.len(), chunks, |chunk| integrator.dispatch(chunk));
             if let Some(timings) = &mut timings {
                 timings.record_scheme(integrator, 0, 0, tally.outcome);
                 timings.floor += tally.floor;
                 timings.bodies_at_floor += tally.bodies;
             }
-            for i in faults.drain(..) {
-                let (entity, state) = (entities[i], &mut states[i]);
-                let written = &written[i];
+            tally.faults.sort_unstable();
+            for i in tally.faults {
                 quarantine(
-                    entity,
+                    entities[i],
                     integrator,
                     &world.clock,
-                    state,
-                    written,
+                    &mut states[i],
+                    &written[i],
                     &mut commands,
                     &mut messages,
                 );
@@ -233,17 +257,35 @@ pub(crate) fn contact(
     Ok(())
 }
 
-/// Re-fits the bounding boxes: |R|·h, rounded outward.
+/// Re-fits the bounding boxes: |R|·h, rounded outward; not of boxes that lay still.
 pub(crate) fn refit_aabbs(
-    mut bodies: Query<(&RigidBox, &BodyState, &mut WorldAabb)>,
+    mut bodies: Query<(&RigidBox, &BodyState, &NearFloor, &mut WorldAabb)>,
+    threads: Res<PhysicsThreads>,
+    floor: Option<Res<Floor>>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
     let start = timings.is_some().then(Instant::now);
-    for (boxes, states, mut boxes_in_world) in bodies.contiguous_iter_mut()? {
-        let fitted = boxes_in_world.bypass_change_detection();
-        for ((body, state), aabb) in boxes.iter().zip(states).zip(fitted) {
-            *aabb = WorldAabb::of(body, state);
-        }
+    for (boxes, states, near, mut fitted) in bodies.contiguous_iter_mut()? {
+        let fitted = fitted.bypass_change_detection();
+        let chunks = boxes
+            .chunks(CHUNK)
+            .zip(states.chunks(CHUNK))
+            .zip(near.chunks(CHUNK))
+            .zip(fitted.chunks_mut(CHUNK));
+        let any_floor = floor.is_some();
+        threads.share_out(
+            boxes.len(),
+            chunks,
+            |(((boxes, states), near), fitted): (((&[RigidBox], _), _), _)| {
+                for (((body, state), near), aabb) in boxes.iter().zip(states).zip(near).zip(fitted)
+                {
+                    if !(any_floor && near.still) {
+                        *aabb = WorldAabb::of(body, state);
+                    }
+                }
+                Done
+            },
+        );
     }
     if let (Some(timings), Some(start)) = (&mut timings, start) {
         timings.record_stage(Stage::Refit, start);
@@ -254,18 +296,58 @@ pub(crate) fn refit_aabbs(
 /// Writes `Transform` where the pose in f32 is another than it shows.
 pub(crate) fn write_transforms(
     mut bodies: Query<(&BodyState, &mut WrittenTransform, &mut Transform), With<RigidBox>>,
+    threads: Res<PhysicsThreads>,
     mut timings: Option<ResMut<PhysicsTimings>>,
-) {
+) -> Result {
     let start = timings.is_some().then(Instant::now);
-    for (state, mut written, mut transform) in &mut bodies {
-        let now = WrittenTransform::of(state);
-        *written.bypass_change_detection() = now;
-        if transform.translation != now.translation || transform.rotation != now.rotation {
-            transform.translation = now.translation;
-            transform.rotation = now.rotation;
-        }
+    for (states, mut written, transforms) in bodies.contiguous_iter_mut()? {
+        let written = written.bypass_change_detection();
+        let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
+        let now = ticks.this_run();
+        let chunks = states
+            .chunks(CHUNK)
+            .zip(written.chunks_mut(CHUNK))
+            .zip(transforms.chunks_mut(CHUNK))
+            .zip(ticks.changed_mut().chunks_mut(CHUNK));
+        threads.share_out(
+            states.len(),
+            chunks,
+            |(((states, written), transforms), changed): (((&[BodyState], _), _), _)| {
+                let each = states.iter().zip(written).zip(transforms).zip(changed);
+                for (((state, written), transform), changed) in each {
+                    write_transform(state, written, transform, changed, now);
+                }
+                Done
+            },
+        );
     }
     if let (Some(timings), Some(start)) = (&mut timings, start) {
         timings.record_stage(Stage::Writeback, start);
     }
+    Ok(())
+}
+
+/// One body's; `changed` is when its `Transform` last changed.
+#[inline(always)]
+fn write_transform(
+    state: &BodyState,
+    written: &mut WrittenTransform,
+    transform: &mut Transform,
+    changed: &mut Tick,
+    now: Tick,
+) {
+    *written = WrittenTransform::of(state);
+    if transform.translation != written.translation || transform.rotation != written.rotation {
+        transform.translation = written.translation;
+        transform.rotation = written.rotation;
+        *changed = now;
+    }
+}
+
+/// Nothing to add up.
+#[derive(Default)]
+struct Done;
+
+impl core::ops::AddAssign for Done {
+    fn add_assign(&mut self, _: Self) {}
 }

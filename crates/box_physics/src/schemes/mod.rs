@@ -5,6 +5,7 @@
 //! formula and source, an [`impl Scheme`](Scheme) and its tests; add `MyScheme = my_scheme,` to
 //! `schemes!`. The tests in `tests/` then hold it to what its [`SchemeInfo`] claims.
 
+mod batch;
 mod implicit_stage;
 mod info;
 mod memory;
@@ -14,6 +15,7 @@ mod stage_equations;
 mod testing;
 mod trajectory;
 
+pub use batch::{GravityField, Group, LANES, Scratch};
 pub use info::{
     Channel, EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, SchemeInfo, Stability,
 };
@@ -45,6 +47,16 @@ pub trait Scheme {
         h: f64,
         memory: &mut SchemeMemory,
     ) -> StepOutcome;
+
+    /// Steps the bodies of `group` in free flight, each bit for bit as [`Scheme::step`] under
+    /// [`Gravity`](crate::force::Gravity). By default one by one; a scheme whose step has no branch
+    /// steps them all at once: see [`Group`] and `split`.
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome
+    where
+        Self: Sized,
+    {
+        group.one_by_one::<Self>(h)
+    }
 }
 
 /// What a step cost and whether it had to give way.

@@ -1,13 +1,16 @@
 //! `split`, the default: every part of the law by its own exact flow, composed symmetrically (Strang).
 
+use glam::DVec3;
+
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceLaw};
-use crate::math::{Exponential, exp};
-use crate::rotation::free_rotation_strang;
+use crate::math::{Exponential, SmallArguments, exp};
+use crate::rotation::{SplitFrame, SplitRates, free_rotation_strang};
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
@@ -60,6 +63,56 @@ impl Scheme for Split {
     ) -> StepOutcome {
         let evaluations = split_step(body, state, force, h, free_rotation_strang);
         StepOutcome::plain(evaluations)
+    }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self, 10>(h)
+    }
+}
+
+/// The free rotation in the frame of its splitting: [`free_rotation_strang`] of many bodies.
+impl Lanes<10> for Split {
+    const OUTCOME: StepOutcome = StepOutcome::plain(1);
+
+    #[inline(always)]
+    fn gather(body: &RigidBox, state: &BodyState) -> [f64; 10] {
+        let s = body.splitting();
+        let (l, q) = SplitFrame::of(s).enter(state);
+        [
+            l[0],
+            l[1],
+            l[2],
+            q[0],
+            q[1],
+            q[2],
+            q[3],
+            s.reference,
+            s.alpha,
+            s.beta,
+        ]
+    }
+
+    #[inline(always)]
+    fn rotate(input: [f64; 10], h: f64) -> ([f64; 3], [f64; 4], bool) {
+        let [l0, l1, l2, q0, q1, q2, q3, reference, outer, inner] = input;
+        let rates = SplitRates {
+            reference,
+            outer,
+            inner,
+        };
+        let mut small = SmallArguments::default();
+        let (l, q) = rates.strang([l0, l1, l2], [q0, q1, q2, q3], h, &mut small);
+        (l, q, small.all_small())
+    }
+
+    #[inline(always)]
+    fn scatter(body: &RigidBox, state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
+        SplitFrame::of(body.splitting()).leave(state, l, q);
+    }
+
+    #[inline(always)]
+    fn translate(state: &mut BodyState, a: DVec3, h: f64) {
+        exponential_step(state, a, 0.0, h);
     }
 }
 
@@ -123,7 +176,7 @@ pub(crate) fn drift<F: ForceLaw>(
 pub(crate) fn exact_drift(
     body: &RigidBox,
     state: &mut BodyState,
-    a: glam::DVec3,
+    a: DVec3,
     d: &Dissipation,
     h: f64,
     free_rotation: impl FnOnce(&RigidBox, &mut BodyState, f64),
@@ -143,7 +196,7 @@ pub(crate) fn half_dissipation(body: &RigidBox, state: &mut BodyState, d: &Dissi
     }
     if d.angular_drag != 0.0 {
         let rates = body.inverse_inertia() * (-d.angular_drag * tau);
-        state.angular_momentum *= glam::DVec3::new(exp(rates.x), exp(rates.y), exp(rates.z));
+        state.angular_momentum *= DVec3::new(exp(rates.x), exp(rates.y), exp(rates.z));
     }
 }
 
@@ -151,7 +204,6 @@ pub(crate) fn half_dissipation(body: &RigidBox, state: &mut BodyState, d: &Dissi
 mod tests {
     use super::*;
     use crate::force::Forces;
-    use glam::DVec3;
 
     /// Free fall with linear drag from any start is exact at any step: one step equals many.
     #[test]

@@ -1,6 +1,7 @@
 //! One corner with Coulomb's friction, solved directly.
 
 use core::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use glam::{DMat3, DVec3};
 
@@ -9,7 +10,18 @@ use crate::math::sin_cos;
 /// Directions tried for the slip: the function whose root it is has degree two in them, so between
 /// neighbours there is hardly ever more than one of its at most four roots. If none is found, two lie
 /// close together: more directions.
-const DIRECTIONS: [u32; 2] = [24, 120];
+const DIRECTIONS: [usize; 2] = [24, 120];
+
+/// (cos, sin) of these directions, the first one again at the end.
+static CIRCLES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
+    DIRECTIONS.map(|n| {
+        let direction = |i: usize| {
+            let (s, c) = sin_cos(TAU * i as f64 / n as f64);
+            (c, s)
+        };
+        (0..=n).map(direction).collect()
+    })
+});
 
 /// The impulse p with w = b + Wp that obeys the law of one corner, and whether it was found; `w` is
 /// positive definite.
@@ -31,84 +43,119 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
     if stick.y > 0.0 && tangential <= (friction * stick.y) * (friction * stick.y) {
         return (stick, true);
     }
-    // For a unit t = (c, s): (D, a_x, a_z).
-    let along = |c: f64, s: f64| {
-        let q = w.y_axis - friction * (c * w.x_axis + s * w.z_axis);
-        (q.y, q.y * b.x - b.y * q.x, q.y * b.z - b.y * q.z)
-    };
-    let turn = |c: f64, s: f64| {
-        let (_, x, z) = along(c, s);
-        c * z - s * x
-    };
-    for directions in DIRECTIONS {
-        if let Some(p) = slide(b, friction, directions, &along, &turn) {
+    let slip = Slip { w, b, friction };
+    for directions in CIRCLES.iter() {
+        if let Some(p) = slip.among(directions) {
             return (p, true);
         }
     }
     (smooth, false)
 }
 
-/// The sliding solution among so many directions.
-fn slide(
+/// The corner slips: everything as a function of the unit direction t = (c, s).
+struct Slip<'a> {
+    w: &'a DMat3,
     b: DVec3,
     friction: f64,
-    directions: u32,
-    along: &impl Fn(f64, f64) -> (f64, f64, f64),
-    turn: &impl Fn(f64, f64) -> f64,
-) -> Option<DVec3> {
-    let (mut c0, mut s0) = (1.0, 0.0);
-    let mut f0 = turn(c0, s0);
-    let mut best: Option<(f64, DVec3)> = None;
-    for i in 1..=directions {
-        let (s1, c1) = sin_cos(TAU * f64::from(i) / f64::from(directions));
-        let f1 = turn(c1, s1);
-        if f0 == 0.0 || (f0 < 0.0) != (f1 < 0.0) {
-            let (c, s) = root((c0, s0, f0), (c1, s1, f1), turn);
-            let (d, x, z) = along(c, s);
-            let forward = c * x + s * z;
-            // Of several the one that turns the slip least.
-            let likeness = c * b.x + s * b.z;
-            if d > 0.0 && forward >= 0.0 && best.is_none_or(|(l, _)| likeness > l) {
-                let normal = -b.y / d;
-                let p = DVec3::new(-friction * c * normal, normal, -friction * s * normal);
-                best = Some((likeness, p));
-            }
-        }
-        (c0, s0, f0) = (c1, s1, f1);
-    }
-    best.map(|(_, p)| p)
 }
 
-/// A root between two neighbouring directions: false position (Illinois) on the chord, every point put
-/// back on the circle.
-fn root(
-    (mut c0, mut s0, mut f0): (f64, f64, f64),
-    (mut c1, mut s1, mut f1): (f64, f64, f64),
-    f: &impl Fn(f64, f64) -> f64,
-) -> (f64, f64) {
-    for _ in 0..60 {
-        let share = if f0 == f1 { 0.5 } else { f0 / (f0 - f1) };
-        let (c, s) = (c0 + share * (c1 - c0), s0 + share * (s1 - s0));
-        let length = (c * c + s * s).sqrt();
-        let (c, s) = (c / length, s / length);
-        let value = f(c, s);
-        let width = (c1 - c0).abs() + (s1 - s0).abs();
-        if value == 0.0 || width <= 4.0 * f64::EPSILON {
-            return (c, s);
-        }
-        let at_edge = (c == c0 && s == s0) || (c == c1 && s == s1);
-        if (value < 0.0) == (f1 < 0.0) {
-            (c1, s1, f1) = (c, s, value);
-            f0 *= 0.5;
-        } else {
-            (c0, s0, f0) = (c, s, value);
-            f1 *= 0.5;
-        }
-        if at_edge {
-            return (c, s);
-        }
+impl Slip<'_> {
+    /// D and a.
+    #[inline(always)]
+    fn along(&self, (c, s): (f64, f64)) -> (f64, f64, f64) {
+        let (w, b) = (self.w, self.b);
+        let q = w.y_axis - self.friction * (c * w.x_axis + s * w.z_axis);
+        (q.y, q.y * b.x - b.y * q.x, q.y * b.z - b.y * q.z)
     }
-    let (c, s) = (c0 + c1, s0 + s1);
-    let length = (c * c + s * s).sqrt();
-    (c / length, s / length)
+
+    /// t̂ × a and t̂·a.
+    #[inline(always)]
+    fn parts(&self, (c, s): (f64, f64)) -> (f64, f64) {
+        let (_, x, z) = self.along((c, s));
+        (c * z - s * x, c * x + s * z)
+    }
+
+    /// t̂ × a and its derivative by the angle.
+    #[inline(always)]
+    fn turn(&self, (c, s): (f64, f64)) -> (f64, f64) {
+        let (w, b) = (self.w, self.b);
+        let (_, x, z) = self.along((c, s));
+        let dq = self.friction * (s * w.x_axis - c * w.z_axis);
+        let (dx, dz) = (dq.y * b.x - b.y * dq.x, dq.y * b.z - b.y * dq.z);
+        (c * z - s * x, (c * dz - s * z) - (s * dx + c * x))
+    }
+
+    /// The sliding solution, its root looked for between neighbours of these directions.
+    fn among(&self, directions: &[(f64, f64)]) -> Option<DVec3> {
+        let mut last = directions[0];
+        let (mut turn, mut forward) = self.parts(last);
+        let mut best: Option<(f64, DVec3)> = None;
+        for &next in &directions[1..] {
+            let (next_turn, next_forward) = self.parts(next);
+            // At a root t̂·a is |a| or −|a|, and only the former will do: where it is negative on both
+            // sides there is nothing to find.
+            let crosses = turn == 0.0 || (turn < 0.0) != (next_turn < 0.0);
+            if crosses && (forward >= 0.0 || next_forward >= 0.0) {
+                let t = self.root((last, turn), next);
+                let (d, x, z) = self.along(t);
+                // Of several the one that turns the slip least.
+                let likeness = t.0 * self.b.x + t.1 * self.b.z;
+                let forwards = t.0 * x + t.1 * z >= 0.0;
+                if d > 0.0 && forwards && best.is_none_or(|(l, _)| likeness > l) {
+                    let normal = -self.b.y / d;
+                    let along = -self.friction * normal;
+                    best = Some((likeness, DVec3::new(along * t.0, normal, along * t.1)));
+                }
+            }
+            (last, turn, forward) = (next, next_turn, next_forward);
+        }
+        best.map(|(_, p)| p)
+    }
+
+    /// A root of t̂ × a between two neighbouring directions: Newton's method from the middle, kept between
+    /// the two by halving where it would leave them. Every point is put back on the circle.
+    fn root(&self, (mut low, low_value): ((f64, f64), f64), mut high: (f64, f64)) -> (f64, f64) {
+        if low_value == 0.0 {
+            return low;
+        }
+        let mut t = on_circle(low.0 + high.0, low.1 + high.1);
+        for _ in 0..60 {
+            let (value, slope) = self.turn(t);
+            if value == 0.0 {
+                return t;
+            }
+            if (value < 0.0) == (low_value < 0.0) {
+                low = t;
+            } else {
+                high = t;
+            }
+            let step = -value / slope;
+            let newton = on_circle(t.0 - step * t.1, t.1 + step * t.0);
+            if step.abs() <= 2.0 * f64::EPSILON {
+                return newton;
+            }
+            let between = cross(low, newton) > 0.0 && cross(newton, high) > 0.0;
+            t = if between {
+                newton
+            } else {
+                on_circle(low.0 + high.0, low.1 + high.1)
+            };
+            if t == low || t == high {
+                return t;
+            }
+        }
+        t
+    }
+}
+
+/// Sine of the angle from `a` to `b`.
+#[inline(always)]
+fn cross(a: (f64, f64), b: (f64, f64)) -> f64 {
+    a.0 * b.1 - a.1 * b.0
+}
+
+#[inline(always)]
+fn on_circle(c: f64, s: f64) -> (f64, f64) {
+    let scale = 1.0 / (c * c + s * s).sqrt();
+    (c * scale, s * scale)
 }

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::super::geometry::{ContactSet, Corner3};
 
 /// If all corners have the same b and keep the same w, then w = b + (α/m) P with the resultant P of the
-/// impulses: P_n = −b_n m/α, and P_t = −µP_n t̂ along b_t (they do not stick, that was tried before). What
+/// impulses: P_n = −b_n m/α, and P_t = −µP_n t̂ along b_t (if that does not stop them). What
 /// remains is to share P among the corners without a torque: p_k = p_k s, s = n − µt̂,
 ///
 /// ```text
@@ -33,7 +33,7 @@ pub(super) fn solve(
     } else {
         DVec3::X
     };
-    // Would friction stop it? Then it sticks, if it can without tipping, and that was tried.
+    // Would friction stop it? Then it sticks, if it can without tipping: not for us to say.
     let drag = if slip > 0.0 { friction } else { 0.0 };
     if alpha * set.inverse_mass() * drag * normal > slip {
         return false;

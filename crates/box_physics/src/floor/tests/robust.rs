@@ -236,4 +236,18 @@ fn cost_by_hand() {
     time("pivoting", scene.clone(), true);
     scene.state.position.y = 2.0;
     time("flying", scene.clone(), true);
+
+    let mut random = Random(5);
+    let clock = Instant::now();
+    for _ in 0..300 {
+        let mut half = || random.range(0.2, 0.5);
+        let mut scene = Scene::new(DVec3::new(half(), half(), half()), 0.3, 0.5);
+        let height = scene.body.radius() + random.range(0.5, 2.0);
+        scene.state = BodyState::at(DVec3::Y * height).with_rotation(random.attitude());
+        let spin = random.vector(3.0);
+        scene.state.set_angular_velocity(&scene.body, spin);
+        scene.run::<Split>(SIXTIETH, 180);
+    }
+    let each = clock.elapsed().as_secs_f64() / (300.0 * 180.0);
+    println!("dropped and settling, 3 s: {:.0} ns", each * 1e9);
 }

@@ -1,0 +1,106 @@
+//! The bare loop: what a step costs without an ECS. Step, bounding box and `Transform` over plain
+//! arrays, nothing else; the plugin is compared with it.
+
+use bevy::transform::components::Transform;
+use box_physics::plugin::WorldAabb;
+use box_physics::prelude::*;
+
+/// Plain arrays of bodies.
+pub struct Bare {
+    bodies: Vec<RigidBox>,
+    states: Vec<BodyState>,
+    memories: Vec<SchemeMemory>,
+    aabbs: Vec<WorldAabb>,
+    transforms: Vec<Transform>,
+    gravity: Gravity,
+}
+
+impl Bare {
+    /// Of these bodies in a uniform gravity [m/s²].
+    pub fn new(set: &[(RigidBox, BodyState)], gravity: DVec3) -> Self {
+        Self {
+            bodies: set.iter().map(|(body, _)| *body).collect(),
+            states: set.iter().map(|(_, state)| *state).collect(),
+            memories: set.iter().map(|_| SchemeMemory::default()).collect(),
+            aabbs: vec![WorldAabb::default(); set.len()],
+            transforms: vec![Transform::default(); set.len()],
+            gravity: Gravity(gravity),
+        }
+    }
+
+    /// Bytes that a whole step must read and write.
+    pub fn bytes_per_body() -> (usize, usize) {
+        let written = size_of::<BodyState>() + size_of::<WorldAabb>() + size_of::<Transform>();
+        (size_of::<RigidBox>() + written, written)
+    }
+
+    /// One step of `h` \[s\] with all that follows, as fast as the library can: several bodies at a time
+    /// where the scheme can.
+    pub fn step(&mut self, integrator: Integrator, h: f64) {
+        self.kernel(integrator, h);
+        self.publish();
+    }
+
+    /// The scheme alone, several bodies at a time where it can.
+    pub fn kernel(&mut self, integrator: Integrator, h: f64) {
+        integrator.step_all(
+            &self.bodies,
+            &mut self.states,
+            &mut self.memories,
+            &self.gravity,
+            h,
+        );
+    }
+
+    /// One step of `h` \[s\] by the scheme's readable definition, body by body, with all that follows.
+    pub fn step_scalar(&mut self, integrator: Integrator, h: f64) {
+        self.kernel_scalar(integrator, h);
+        self.publish();
+    }
+
+    /// The scheme alone, body by body.
+    pub fn kernel_scalar(&mut self, integrator: Integrator, h: f64) {
+        integrator.dispatch(Scalar { bare: self, h });
+    }
+
+    /// Bounding boxes and transforms.
+    pub fn publish(&mut self) {
+        for (((body, state), aabb), transform) in self
+            .bodies
+            .iter()
+            .zip(&self.states)
+            .zip(&mut self.aabbs)
+            .zip(&mut self.transforms)
+        {
+            *aabb = WorldAabb::of(body, state);
+            transform.translation = state.position.as_vec3();
+            transform.rotation = state.rotation.as_quat();
+        }
+    }
+
+    /// The states, for comparisons.
+    pub fn states(&self) -> &[BodyState] {
+        &self.states
+    }
+}
+
+struct Scalar<'a> {
+    bare: &'a mut Bare,
+    h: f64,
+}
+
+impl box_physics::schemes::SchemeVisitor for Scalar<'_> {
+    type Output = ();
+
+    fn visit<S: box_physics::schemes::Scheme>(self) {
+        let bare = self.bare;
+        for ((body, state), memory) in bare
+            .bodies
+            .iter()
+            .zip(&mut bare.states)
+            .zip(&mut bare.memories)
+        {
+            S::step(body, state, &bare.gravity, self.h, memory);
+        }
+    }
+}

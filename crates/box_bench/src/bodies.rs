@@ -1,0 +1,151 @@
+//! What the bodies of a benchmark do: the same sets for plugin, bare loop and contact.
+
+use box_physics::floor::Floor;
+use box_physics::prelude::*;
+
+/// What the bodies of a set are doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Situation {
+    /// Tumbling freely; there is no floor.
+    Flight,
+    /// Tumbling and falling from high above a floor.
+    Falling,
+    /// Falling low over the floor: too near for the broad test, and not touching.
+    Near,
+    /// Thrown on the floor from half a metre to two metres and followed until most lie still.
+    Settling,
+    /// Lying still.
+    Rest,
+    /// Sliding on a face, for ever: the floor is steeper than friction holds.
+    Sliding,
+}
+
+impl Situation {
+    /// Every situation.
+    pub const ALL: [Self; 6] = [
+        Self::Flight,
+        Self::Falling,
+        Self::Near,
+        Self::Settling,
+        Self::Rest,
+        Self::Sliding,
+    ];
+
+    /// As printed.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flight => "free flight",
+            Self::Falling => "falling",
+            Self::Near => "near the floor",
+            Self::Settling => "settling, 3 s",
+            Self::Rest => "at rest",
+            Self::Sliding => "sliding",
+        }
+    }
+
+    /// The floor, if there is one.
+    pub fn floor(self) -> Option<Floor> {
+        let friction = if self == Self::Sliding { 0.2 } else { 0.5 };
+        (self != Self::Flight).then(|| Floor {
+            friction,
+            ..Floor::default()
+        })
+    }
+
+    /// Gravity [m/s²]: tilted by 0.3 rad where the boxes slide.
+    pub fn gravity(self) -> DVec3 {
+        match self {
+            Self::Flight => DVec3::ZERO,
+            Self::Sliding => DVec3::new(2.9, -9.37, 0.0),
+            _ => DVec3::new(0.0, -9.81, 0.0),
+        }
+    }
+
+    /// The steps of 1/60 s that one measured call takes from the start; 0 if it goes on from where the
+    /// last call ended.
+    pub const fn episode(self) -> u32 {
+        match self {
+            Self::Settling => 180,
+            Self::Near => 1,
+            _ => 0,
+        }
+    }
+
+    /// `n` boxes of many shapes in a grid 4 m apart, the same for the same `n`.
+    pub fn bodies(self, n: usize) -> Vec<(RigidBox, BodyState)> {
+        let mut random = Random::new(7);
+        let side = (n as f64).sqrt().ceil().max(1.0) as usize;
+        (0..n)
+            .map(|i| {
+                let half = DVec3::from_array(core::array::from_fn(|_| random.range(0.2, 0.5)));
+                let body = RigidBox::new(half, random.range(1.0, 3.0)).unwrap_or_default();
+                let place = DVec3::new((i % side) as f64, 0.0, (i / side) as f64) * 4.0;
+                (body, self.start(&body, place, &mut random))
+            })
+            .collect()
+    }
+
+    fn start(self, body: &RigidBox, place: DVec3, random: &mut Random) -> BodyState {
+        let half = body.half_extents();
+        let up = |y: f64| BodyState::at(place + DVec3::Y * y);
+        let spin = random.vector(3.0);
+        let turned = random.attitude();
+        let tumbling = |y: f64, v: DVec3| {
+            up(y)
+                .with_rotation(turned)
+                .with_velocity(v)
+                .with_angular_velocity(body, spin)
+        };
+        match self {
+            Self::Flight => tumbling(0.0, random.vector(1.0)),
+            Self::Falling => tumbling(1e6, random.vector(1.0)),
+            Self::Near => tumbling(body.radius() + 0.01, DVec3::NEG_Y),
+            Self::Settling => tumbling(body.radius() + random.range(0.5, 2.0), random.vector(1.0)),
+            Self::Rest => up(half.y),
+            Self::Sliding => up(half.y).with_velocity(DVec3::X),
+        }
+    }
+}
+
+/// A small generator (Marsaglia's xorshift64*, 2003): every run has the same boxes.
+struct Random(u64);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    fn range(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
+        low + (high - low) * (bits as f64 / (1_u64 << 53) as f64)
+    }
+
+    fn vector(&mut self, size: f64) -> DVec3 {
+        DVec3::from_array(core::array::from_fn(|_| self.range(-size, size)))
+    }
+
+    fn attitude(&mut self) -> DQuat {
+        let v = self.vector(1.0);
+        BodyState::default()
+            .with_rotation(DQuat::from_xyzw(v.x, v.y, v.z, self.range(0.1, 1.0)))
+            .rotation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_repeat_and_are_sound() {
+        for situation in Situation::ALL {
+            let bodies = situation.bodies(50);
+            assert_eq!(bodies, situation.bodies(50));
+            assert!(bodies.iter().all(|(_, state)| state.is_sound()));
+            assert!(bodies[0].0 != bodies[1].0, "many shapes");
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The memory-bandwidth bound: a pass that reads and writes the bytes of a step and computes nothing,
+//! after the kernels of J. McCalpin's STREAM (1995).
+
+/// Arrays of as many bytes as a step of `n` bodies reads and writes.
+pub struct Traffic {
+    only_read: Vec<u64>,
+    updated: Vec<u64>,
+    sum: u64,
+}
+
+impl Traffic {
+    /// For `n` bodies with so many bytes read (those that are written included) and written.
+    pub fn new(n: usize, (read, written): (usize, usize)) -> Self {
+        let words = |bytes: usize| vec![1_u64; n * bytes / 8];
+        Self {
+            only_read: words(read - written),
+            updated: words(written),
+            sum: 0,
+        }
+    }
+
+    /// One pass.
+    pub fn pass(&mut self) {
+        let sum = self
+            .only_read
+            .iter()
+            .fold(0, |a: u64, &x| a.wrapping_add(x));
+        self.sum = core::hint::black_box(sum);
+        let add = core::hint::black_box(1);
+        for x in &mut self.updated {
+            *x = x.wrapping_add(add);
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! What the benchmarks may be told on the command line.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use box_physics::prelude::Integrator;
+use clap::Parser;
+
+use crate::measure::Settings;
+
+/// Options of every benchmark.
+#[derive(Clone, Debug, Parser)]
+pub struct Options {
+    /// A few seconds instead of minutes: fewer samples, and no more than 10 000 bodies.
+    #[arg(long)]
+    pub quick: bool,
+    /// Also write the rows to this file as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Numbers of bodies.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "1,100,10000,100000,1000000"
+    )]
+    pub bodies: Vec<usize>,
+    /// Schemes by id (default: all for kernels, `split` for the plugin).
+    #[arg(long, value_delimiter = ',', value_name = "IDS")]
+    pub integrators: Vec<Integrator>,
+    /// Only situations whose name contains this.
+    #[arg(long, value_name = "TEXT")]
+    pub only: Option<String>,
+    /// Rewrite the tables between the markers of this file (`--bench report` only).
+    #[arg(long, value_name = "FILE")]
+    pub write: Option<PathBuf>,
+    /// Given by cargo to every benchmark; means nothing here.
+    #[arg(long, hide = true)]
+    pub bench: bool,
+}
+
+impl Options {
+    /// Samples and their length.
+    pub fn settings(&self) -> Settings {
+        if self.quick {
+            Settings {
+                shortest_sample: Duration::from_micros(100),
+                samples: 5,
+            }
+        } else {
+            Settings::default()
+        }
+    }
+
+    /// The numbers of bodies to measure.
+    pub fn sizes(&self) -> Vec<usize> {
+        let most = if self.quick { 10_000 } else { usize::MAX };
+        self.bodies.iter().copied().filter(|&n| n <= most).collect()
+    }
+
+    /// Whether what has this name is to be measured.
+    pub fn wants(&self, name: &str) -> bool {
+        self.only.as_deref().is_none_or(|only| name.contains(only))
+    }
+
+    /// The schemes to measure.
+    pub fn integrators_or(&self, default: &[Integrator]) -> Vec<Integrator> {
+        if self.integrators.is_empty() {
+            default.to_vec()
+        } else {
+            self.integrators.clone()
+        }
+    }
+}

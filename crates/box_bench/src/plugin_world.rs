@@ -1,0 +1,86 @@
+//! The plugin in an app without window: its whole step, as a game has it.
+
+use bevy::MinimalPlugins;
+use bevy::app::App;
+use bevy::ecs::system::Command;
+use bevy::time::{Fixed, Time};
+use box_physics::plugin::PhysicsThreads;
+use box_physics::prelude::*;
+
+use crate::bodies::Situation;
+
+/// An app with the bodies of a situation.
+pub struct PluginWorld {
+    app: App,
+    start: Vec<(bevy::ecs::entity::Entity, BodyState)>,
+    episode: u32,
+}
+
+impl PluginWorld {
+    /// `n` bodies under `integrator`, warmed up by a few steps.
+    pub fn new(situation: Situation, integrator: Integrator, n: usize) -> Self {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+            .insert_resource(Time::<Fixed>::from_hz(60.0))
+            .insert_resource(GlobalIntegrator(integrator))
+            .insert_resource(WorldGravity(situation.gravity()));
+        if let Some(floor) = situation.floor() {
+            app.insert_resource(floor);
+        }
+        let start = situation
+            .bodies(n)
+            .into_iter()
+            .map(|(body, state)| (app.world_mut().spawn((body, state)).id(), state))
+            .collect();
+        let mut this = Self {
+            app,
+            start,
+            episode: situation.episode(),
+        };
+        this.app.finish();
+        this.app.cleanup();
+        for _ in 0..5 {
+            this.step();
+        }
+        this
+    }
+
+    /// Steps that one [`call`](Self::call) takes.
+    pub fn steps_per_call(&self) -> u32 {
+        self.episode.max(1)
+    }
+
+    /// What is measured: one step, or an episode from its start.
+    pub fn call(&mut self) {
+        if self.episode > 0 {
+            self.restart();
+        }
+        for _ in 0..self.steps_per_call() {
+            self.step();
+        }
+    }
+
+    /// At most so many threads from now on.
+    pub fn use_threads(&mut self, most: usize) {
+        self.app.world_mut().resource_mut::<PhysicsThreads>().most = most;
+    }
+
+    /// One step of the plugin's schedule.
+    pub fn step(&mut self) {
+        StepPhysics(1).apply(self.app.world_mut());
+    }
+
+    /// The app.
+    pub fn app(&mut self) -> &mut App {
+        &mut self.app
+    }
+
+    /// Puts every body back.
+    pub fn restart(&mut self) {
+        for (entity, state) in &self.start {
+            if let Some(mut now) = self.app.world_mut().get_mut::<BodyState>(*entity) {
+                *now = *state;
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! What a benchmark found: rows, as text and as JSON.
+
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::measure::Cost;
+
+/// One measured thing.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The benchmark.
+    pub suite: &'static str,
+    /// What was done.
+    pub name: String,
+    /// The scheme's id.
+    pub integrator: &'static str,
+    /// Bodies.
+    pub bodies: usize,
+    /// Threads that were allowed.
+    pub threads: usize,
+    /// ns per body-step.
+    pub cost: Cost,
+    /// Its minimum over that of the bare loop in the same run.
+    pub to_bare: Option<f64>,
+    /// Its minimum over that of the pass over the same bytes in the same run.
+    pub to_memory: Option<f64>,
+    /// Allocations per step on the calling thread.
+    pub allocations: Option<f64>,
+}
+
+/// Prints rows as a table.
+pub fn print(rows: &[Row]) {
+    println!(
+        "{:<10} {:<24} {:<20} {:>8} {:>3} {:>9} {:>9} {:>9} {:>7} {:>8} {:>7}",
+        "suite",
+        "what",
+        "integrator",
+        "bodies",
+        "thr",
+        "min ns",
+        "median",
+        "p95",
+        "x bare",
+        "x memory",
+        "allocs"
+    );
+    let optional = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.2}"));
+    for row in rows {
+        println!(
+            "{:<10} {:<24} {:<20} {:>8} {:>3} {:>9.1} {:>9.1} {:>9.1} {:>7} {:>8} {:>7}",
+            row.suite,
+            row.name,
+            row.integrator,
+            row.bodies,
+            row.threads,
+            row.cost.min,
+            row.cost.median,
+            row.cost.p95,
+            optional(row.to_bare),
+            optional(row.to_memory),
+            optional(row.allocations),
+        );
+    }
+}
+
+/// Writes rows as JSON.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_json(rows: &[Row], file: &Path) -> io::Result<()> {
+    std::fs::write(file, serde_json::to_string_pretty(rows)? + "\n")
+}

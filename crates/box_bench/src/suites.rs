@@ -1,0 +1,142 @@
+//! The benchmarks. Each takes its contenders in turns (see [`crate::measure`]), a size at a time.
+
+use std::cell::RefCell;
+
+use box_physics::prelude::*;
+
+use crate::bare::Bare;
+use crate::bodies::Situation;
+use crate::measure::{Contender, Cost, interleaved};
+use crate::memory::Traffic;
+use crate::options::Options;
+use crate::plugin_world::PluginWorld;
+use crate::rows::Row;
+
+/// Step size of every benchmark \[s\].
+pub const STEP: f64 = 1.0 / 60.0;
+
+/// Threads that the plugin is measured with.
+const THREADS: [usize; 2] = [1, 2];
+
+/// More bodies are not followed over an episode: it would take minutes.
+const LARGEST_EPISODE: usize = 10_000;
+
+/// Counts the allocations of a call on this thread.
+pub type CountAllocations = fn(&mut dyn FnMut()) -> u64;
+
+/// Every scheme on plain arrays in free flight: its plain step body by body, and many at a time.
+pub fn kernels(options: &Options) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for n in options.sizes() {
+        let set = Situation::Flight.bodies(n);
+        let ways: Vec<_> = options
+            .integrators_or(Integrator::ALL)
+            .into_iter()
+            .flat_map(|i| [(i, "plain"), (i, "many at a time")])
+            .collect();
+        let mut arrays: Vec<_> = ways.iter().map(|_| Bare::new(&set, DVec3::ZERO)).collect();
+        let mut contenders: Vec<_> = arrays
+            .iter_mut()
+            .zip(&ways)
+            .map(|(bare, &(i, way))| {
+                Contender::new(n as f64, move || match way {
+                    "plain" => bare.kernel_scalar(i, STEP),
+                    _ => bare.kernel(i, STEP),
+                })
+            })
+            .collect();
+        let costs = interleaved(&mut contenders, &options.settings());
+        rows.extend(ways.iter().zip(costs).map(|(&(i, way), cost)| Row {
+            suite: "kernels",
+            name: way.to_owned(),
+            integrator: i.id(),
+            bodies: n,
+            threads: 1,
+            cost,
+            to_bare: None,
+            to_memory: None,
+            allocations: None,
+        }));
+    }
+    rows
+}
+
+/// The plugin's whole step in every situation, beside the bare loop and the memory bound.
+pub fn step(options: &Options, count: CountAllocations) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for integrator in options.integrators_or(&[Integrator::Split]) {
+        for n in options.sizes() {
+            for &situation in Situation::ALL.iter().filter(|s| options.wants(s.name())) {
+                if situation.episode() > 1 && n > LARGEST_EPISODE {
+                    continue;
+                }
+                rows.extend(step_rows(options, count, integrator, n, situation));
+            }
+        }
+    }
+    rows
+}
+
+fn step_rows(
+    options: &Options,
+    count: CountAllocations,
+    integrator: Integrator,
+    n: usize,
+    situation: Situation,
+) -> Vec<Row> {
+    let set = situation.bodies(n);
+    let mut bare = Bare::new(&set, situation.gravity());
+    let mut traffic = Traffic::new(n, Bare::bytes_per_body());
+    let world = RefCell::new(PluginWorld::new(situation, integrator, n));
+    let steps = f64::from(world.borrow().steps_per_call());
+    let allocations = THREADS.map(|threads| {
+        let mut world = world.borrow_mut();
+        world.use_threads(threads);
+        for _ in 0..if steps > 1.0 { 1 } else { 10 } {
+            world.call();
+        }
+        count(&mut || world.call()) as f64 / steps
+    });
+    let mut contenders = vec![
+        Contender::new(n as f64, || bare.step(integrator, STEP)),
+        Contender::new(n as f64, || traffic.pass()),
+    ];
+    for threads in THREADS {
+        let world = &world;
+        contenders.push(Contender::new(n as f64 * steps, move || {
+            let mut world = world.borrow_mut();
+            world.use_threads(threads);
+            world.call();
+        }));
+    }
+    let mut settings = options.settings();
+    if steps > 1.0 {
+        // An episode is a long sample, and an average over many steps.
+        settings.samples = settings.samples.min(3);
+    }
+    let costs = interleaved(&mut contenders, &settings);
+    let row = |name: &str, cost: Cost| Row {
+        suite: "step",
+        name: name.to_owned(),
+        integrator: integrator.id(),
+        bodies: n,
+        threads: 1,
+        cost,
+        to_bare: Some(cost.min / costs[0].min),
+        to_memory: Some(cost.min / costs[1].min),
+        allocations: None,
+    };
+    let mut rows = Vec::new();
+    if situation == Situation::Flight {
+        rows.push(row("bare loop", costs[0]));
+        rows.push(row("memory", costs[1]));
+    }
+    for (k, &threads) in THREADS.iter().enumerate() {
+        rows.push(Row {
+            threads,
+            allocations: Some(allocations[k]),
+            ..row(situation.name(), costs[2 + k])
+        });
+    }
+    rows
+}
