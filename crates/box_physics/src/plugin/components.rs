@@ -15,6 +15,14 @@ use crate::schemes::Integrator;
 use crate::state::BodyState;
 
 /// The scheme of this body alone, instead of the [`GlobalIntegrator`](super::GlobalIntegrator).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn setup(mut commands: Commands) {
+///     commands.spawn((RigidBox::default(), BodyIntegrator(Integrator::Split4)));
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -73,6 +81,21 @@ coefficient! {
 /// A force through the centre \[N\] and a torque \[N m\], both in **world** axes, held constant over each
 /// step. It stays until changed. For forces that depend on the state use [`PointForces`],
 /// [`Springs`], or the core with a [`ForceLaw`](crate::force::ForceLaw) of your own.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// /// Blows from the left for the first second.
+/// fn wind(clock: Res<PhysicsClock>, mut bodies: Query<&mut ExternalForce>) {
+///     for mut body in &mut bodies {
+///         body.force = if clock.time() < 1.0 { DVec3::X * 2.0 } else { DVec3::ZERO };
+///     }
+/// }
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///     .add_systems(PhysicsSchedule, wind.in_set(PhysicsSystems::Forces));
+/// app.update();
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -96,6 +119,20 @@ pub struct BodyTorque(pub DVec3);
 pub struct PointForces(pub Vec<PointForce>);
 
 /// Springs from body points to world anchors, evaluated at every stage of the scheme.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// /// Holds a box by one corner, as a mouse does.
+/// fn grab(cursor: DVec3) -> Springs {
+///     Springs(vec![Spring {
+///         body_point: DVec3::splat(0.5),
+///         anchor: cursor,
+///         stiffness: 50.0, // N/m
+///         damping: 5.0,    // N s/m
+///     }])
+/// }
+/// assert_eq!(grab(DVec3::Y).0[0].anchor, DVec3::Y);
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -103,6 +140,14 @@ pub struct Springs(pub Vec<Spring>);
 
 /// The bounding box in the world, re-fitted after every step and rounded outward, so that it contains
 /// the box in f64. Comes with [`AabbPlugin`](super::AabbPlugin).
+///
+/// ```
+/// use box_physics::prelude::*;
+/// let brick = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
+/// let aabb = WorldAabb::of(&brick, &BodyState::at(DVec3::Y)).0;
+/// assert_eq!((aabb.min.y, aabb.max.y), (0.75, 1.25));
+/// # Ok::<(), InvalidValue>(())
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone)]
 pub struct WorldAabb(pub Aabb3d);
@@ -137,6 +182,17 @@ pub struct ReportContacts;
 
 /// On a body whose state, body or forces were not finite: it is left out of every step, frozen at its
 /// last good state. Give it a finite state and remove this component, and it goes on.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// /// Out of range means lost: a game that can spare it despawns it.
+/// fn clear(lost: Query<Entity, Added<Quarantined>>, mut commands: Commands) {
+///     for entity in &lost {
+///         commands.entity(entity).despawn();
+///     }
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -24,6 +24,16 @@ impl Default for WorldGravity {
 
 /// The scheme of every body without a [`BodyIntegrator`](super::BodyIntegrator). May be changed at
 /// any time; the state is carried over exactly, because every scheme advances the same one.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn choose(keys: Res<ButtonInput<KeyCode>>, mut integrator: ResMut<GlobalIntegrator>) {
+///     if keys.just_pressed(KeyCode::KeyE) {
+///         integrator.0 = Integrator::Exact;
+///     }
+/// }
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -34,6 +44,16 @@ pub struct GlobalIntegrator(pub Integrator);
 /// The step size is that of the schedule it runs in: `Time<Fixed>` by default. Pause means that the
 /// schedule is not run; for a single step while paused queue [`StepPhysics`](super::StepPhysics).
 /// Slow motion is running it less often: `Time<Virtual>::set_relative_speed`.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn pause(keys: Res<ButtonInput<KeyCode>>, mut clock: ResMut<PhysicsClock>) {
+///     if keys.just_pressed(KeyCode::KeyP) {
+///         clock.paused = !clock.paused;
+///     }
+/// }
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

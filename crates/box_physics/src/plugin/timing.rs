@@ -145,6 +145,18 @@ pub fn scheme_path(integrator: Integrator) -> DiagnosticPath {
 }
 
 /// Times every stage and scheme, and publishes the figures. Leave it out and nothing is timed.
+///
+/// ```
+/// use bevy::diagnostic::DiagnosticsStore;
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn show(store: Res<DiagnosticsStore>) {
+///     let step = store.get(&PhysicsDiagnosticsPlugin::STEP);
+///     if let Some(microseconds) = step.and_then(|d| d.smoothed()) {
+///         println!("physics: {microseconds:.0} µs a step");
+///     }
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PhysicsDiagnosticsPlugin;
 
