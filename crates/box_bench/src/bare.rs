@@ -65,22 +65,24 @@ impl Bare {
 
     /// Bounding boxes and transforms.
     pub fn publish(&mut self) {
-        for (((body, state), aabb), transform) in self
-            .bodies
-            .iter()
-            .zip(&self.states)
-            .zip(&mut self.aabbs)
-            .zip(&mut self.transforms)
-        {
+        self.refit();
+        self.write_transforms();
+    }
+
+    /// Bounding boxes.
+    pub fn refit(&mut self) {
+        let each = self.bodies.iter().zip(&self.states).zip(&mut self.aabbs);
+        for ((body, state), aabb) in each {
             *aabb = WorldAabb::of(body, state);
-            transform.translation = state.position.as_vec3();
-            transform.rotation = state.rotation.as_quat();
         }
     }
 
-    /// The states, for comparisons.
-    pub fn states(&self) -> &[BodyState] {
-        &self.states
+    /// Transforms.
+    pub fn write_transforms(&mut self) {
+        for (state, transform) in self.states.iter().zip(&mut self.transforms) {
+            transform.translation = state.position.as_vec3();
+            transform.rotation = state.rotation.as_quat();
+        }
     }
 }
 

@@ -7,6 +7,8 @@
 
 pub mod bare;
 pub mod bodies;
+pub mod contact_scenes;
+pub mod document;
 pub mod measure;
 pub mod memory;
 pub mod options;

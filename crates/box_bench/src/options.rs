@@ -30,7 +30,8 @@ pub struct Options {
     /// Only situations whose name contains this.
     #[arg(long, value_name = "TEXT")]
     pub only: Option<String>,
-    /// Rewrite the tables between the markers of this file (`--bench report` only).
+    /// Rewrite the tables between the markers of this file, relative to the top of the repository
+    /// (`--bench report` only).
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,
     /// Given by cargo to every benchmark; means nothing here.

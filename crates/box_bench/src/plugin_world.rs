@@ -84,3 +84,46 @@ impl PluginWorld {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn allocations(world: &mut PluginWorld, steps: u64) -> u64 {
+        let total = allocation_counter::measure(|| {
+            for _ in 0..steps {
+                world.step();
+            }
+        });
+        total.count_total.div_ceil(steps)
+    }
+
+    #[test]
+    fn a_warm_step_on_one_thread_allocates_nothing() {
+        for integrator in [Integrator::Split, Integrator::Exact, Integrator::Rk4] {
+            for situation in [Situation::Flight, Situation::Falling, Situation::Rest] {
+                let mut world = PluginWorld::new(situation, integrator, 300);
+                world.use_threads(1);
+                for _ in 0..20 {
+                    world.step();
+                }
+                let spent = allocations(&mut world, 10);
+                assert_eq!(spent, 0, "{} under {integrator}", situation.name());
+            }
+        }
+    }
+
+    #[test]
+    fn with_threads_allocations_do_not_depend_on_the_number_of_bodies() {
+        let spent = [5_000, 50_000].map(|n| {
+            let mut world = PluginWorld::new(Situation::Falling, Integrator::Split, n);
+            world.use_threads(2);
+            for _ in 0..20 {
+                world.step();
+            }
+            allocations(&mut world, 20)
+        });
+        // Two tasks in each of four systems, and what the pool keeps of them.
+        assert!(spent.iter().all(|&count| count <= 64), "{spent:?}");
+    }
+}

@@ -6,6 +6,7 @@ use box_physics::prelude::*;
 
 use crate::bare::Bare;
 use crate::bodies::Situation;
+use crate::contact_scenes::{ContactBench, ContactScene};
 use crate::measure::{Contender, Cost, interleaved};
 use crate::memory::Traffic;
 use crate::options::Options;
@@ -46,19 +47,65 @@ pub fn kernels(options: &Options) -> Vec<Row> {
             })
             .collect();
         let costs = interleaved(&mut contenders, &options.settings());
-        rows.extend(ways.iter().zip(costs).map(|(&(i, way), cost)| Row {
-            suite: "kernels",
-            name: way.to_owned(),
-            integrator: i.id(),
-            bodies: n,
-            threads: 1,
-            cost,
-            to_bare: None,
-            to_memory: None,
-            allocations: None,
-        }));
+        let found = ways.iter().zip(costs);
+        rows.extend(found.map(|(&(i, way), cost)| plain_row("kernels", way, i, n, cost)));
     }
     rows
+}
+
+/// Bounding boxes and transforms on plain arrays, beside a pass over the bytes of a whole step.
+pub fn refit(options: &Options) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for n in options.sizes() {
+        let set = Situation::Flight.bodies(n);
+        let (mut boxes, mut poses) = (Bare::new(&set, DVec3::ZERO), Bare::new(&set, DVec3::ZERO));
+        let mut traffic = Traffic::new(n, Bare::bytes_per_body());
+        let costs = interleaved(
+            &mut [
+                Contender::new(n as f64, || boxes.refit()),
+                Contender::new(n as f64, || poses.write_transforms()),
+                Contender::new(n as f64, || traffic.pass()),
+            ],
+            &options.settings(),
+        );
+        for (name, cost) in ["bounding boxes", "transforms", "memory"].iter().zip(costs) {
+            rows.push(plain_row("refit", name, Integrator::Split, n, cost));
+        }
+    }
+    rows
+}
+
+/// One box at the floor in every state that costs differently, by the bare core and `split`.
+pub fn contact(options: &Options) -> Vec<Row> {
+    let mut boxes = ContactScene::ALL.map(ContactBench::new);
+    let mut contenders: Vec<_> = boxes
+        .iter_mut()
+        .map(|bench| {
+            Contender::new(1.0, || {
+                core::hint::black_box(bench.step());
+            })
+        })
+        .collect();
+    let costs = interleaved(&mut contenders, &options.settings());
+    ContactScene::ALL
+        .iter()
+        .zip(costs)
+        .map(|(scene, cost)| plain_row("contact", scene.name(), Integrator::Split, 1, cost))
+        .collect()
+}
+
+fn plain_row(suite: &'static str, name: &str, i: Integrator, bodies: usize, cost: Cost) -> Row {
+    Row {
+        suite,
+        name: name.to_owned(),
+        integrator: i.id(),
+        bodies,
+        threads: 1,
+        cost,
+        to_bare: None,
+        to_memory: None,
+        allocations: None,
+    }
 }
 
 /// The plugin's whole step in every situation, beside the bare loop and the memory bound.

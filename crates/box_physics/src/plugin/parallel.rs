@@ -90,7 +90,61 @@ impl PhysicsThreads {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy::tasks::TaskPool;
+    use crate::prelude::*;
+    use bevy::MinimalPlugins;
+    use bevy::app::App;
+    use bevy::ecs::system::Command;
+    use bevy::tasks::{TaskPool, TaskPoolBuilder};
+    use bevy::transform::components::Transform;
+
+    /// Boxes that fly, fall, bounce, slide, roll and rest, some with a scale on gravity, a drag or a scheme
+    /// of their own, after 90 steps.
+    fn storm(most: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+            .insert_resource(Floor::default())
+            .insert_resource(PhysicsThreads {
+                most,
+                bodies_each: 100,
+            });
+        let bodies: Vec<_> = (0..1500)
+            .map(|i| {
+                let x = f64::from(i);
+                let half = DVec3::new(0.2 + 0.0001 * x, 0.3, 0.4 - 0.0001 * x);
+                let body = RigidBox::new(half, 1.0).expect("valid");
+                let state = BodyState::at(DVec3::new(x, 0.3 + 0.002 * x, 0.0))
+                    .with_velocity(DVec3::X * f64::from(i % 3))
+                    .with_angular_velocity(&body, DVec3::new(0.1, 0.2, 0.3) * f64::from(i % 7));
+                let mut entity = app.world_mut().spawn((body, state));
+                match i % 5 {
+                    0 => drop(entity.insert(GravityScale(0.5))),
+                    1 => drop(entity.insert(LinearDrag(0.1))),
+                    2 => drop(entity.insert(BodyIntegrator(Integrator::Rk4))),
+                    _ => {}
+                }
+                entity.id()
+            })
+            .collect();
+        StepPhysics(90).apply(app.world_mut());
+        let world = app.world();
+        let get = |e| {
+            (
+                *world.get(e).unwrap(),
+                *world.get(e).unwrap(),
+                *world.get(e).unwrap(),
+            )
+        };
+        bodies.into_iter().map(get).collect()
+    }
+
+    #[test]
+    fn results_do_not_depend_on_the_number_of_threads() {
+        ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(3).build());
+        let alone = storm(1);
+        for most in [2, 4] {
+            assert!(storm(most) == alone, "{most} threads");
+        }
+    }
 
     #[test]
     fn every_chunk_is_done_once_by_any_number_of_threads() {

@@ -1,0 +1,153 @@
+//! One box over the floor in each of the states that cost differently, stepped by the bare core.
+
+use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::prelude::*;
+use box_physics::schemes::Split;
+
+/// What the box does in every measured step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactScene {
+    /// Lies on a face.
+    Resting,
+    /// Flies so low that the broad test does not clear it.
+    FlyingLow,
+    /// Slides on a face.
+    Sliding,
+    /// Slides on a face and turns about the vertical.
+    SlidingAndSpinning,
+    /// Strikes the floor with an edge.
+    EdgeImpact,
+    /// Strikes the floor with a corner.
+    CornerImpact,
+    /// Starts to fall about an edge that lies on the floor.
+    Pivoting,
+}
+
+impl ContactScene {
+    /// Every scene.
+    pub const ALL: [Self; 7] = [
+        Self::Resting,
+        Self::FlyingLow,
+        Self::Sliding,
+        Self::SlidingAndSpinning,
+        Self::EdgeImpact,
+        Self::CornerImpact,
+        Self::Pivoting,
+    ];
+
+    /// As printed.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Resting => "resting",
+            Self::FlyingLow => "flying low",
+            Self::Sliding => "sliding",
+            Self::SlidingAndSpinning => "sliding and spinning",
+            Self::EdgeImpact => "edge impact",
+            Self::CornerImpact => "corner impact",
+            Self::Pivoting => "pivoting",
+        }
+    }
+
+    fn start(self, body: &RigidBox) -> BodyState {
+        let flat = BodyState::at(DVec3::Y * body.half_extents().y);
+        let on_edge = lowered(body, BodyState::default().with_rotation(turned(0.0, 0.4)));
+        let on_corner = lowered(body, BodyState::default().with_rotation(turned(0.3, 0.4)));
+        match self {
+            Self::Resting => flat,
+            Self::FlyingLow => BodyState::at(DVec3::Y * (body.radius() + 0.01))
+                .with_velocity(DVec3::new(1.0, -0.6, 0.0))
+                .with_angular_velocity(body, DVec3::new(0.3, 0.2, 0.1)),
+            Self::Sliding => flat.with_velocity(DVec3::X * 4.0),
+            Self::SlidingAndSpinning => flat
+                .with_velocity(DVec3::X * 4.0)
+                .with_angular_velocity(body, DVec3::Y * 3.0),
+            Self::EdgeImpact => on_edge.with_velocity(DVec3::NEG_Y),
+            Self::CornerImpact => on_corner.with_velocity(DVec3::NEG_Y),
+            Self::Pivoting => on_edge,
+        }
+    }
+}
+
+/// A rotation about x, then z \[rad\].
+fn turned(x: f64, z: f64) -> DQuat {
+    let (s, c) = box_physics::math::sin_cos(0.5 * x);
+    let (t, d) = box_physics::math::sin_cos(0.5 * z);
+    DQuat::from_xyzw(0.0, 0.0, t, d) * DQuat::from_xyzw(s, 0.0, 0.0, c)
+}
+
+/// `state` so high that its lowest corner is on the floor.
+fn lowered(body: &RigidBox, mut state: BodyState) -> BodyState {
+    state.position.y = box_physics::aabb::world_half_extents(state.rotation, body.half_extents()).y;
+    state
+}
+
+/// A box, ready to be stepped over and over from the same start.
+pub struct ContactBench {
+    body: RigidBox,
+    start: BodyState,
+    memory: SchemeMemory,
+    contact: ContactState,
+}
+
+impl ContactBench {
+    /// In this scene; a box that rests has come to rest.
+    pub fn new(scene: ContactScene) -> Self {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).unwrap_or_default();
+        let mut this = Self {
+            body,
+            start: scene.start(&body),
+            memory: SchemeMemory::default(),
+            contact: ContactState::default(),
+        };
+        if scene == ContactScene::Resting {
+            for _ in 0..3 {
+                this.step();
+            }
+        }
+        this
+    }
+
+    /// One step of 1/60 s from the start.
+    pub fn step(&mut self) -> BodyState {
+        let mut state = self.start;
+        step_on_floor::<Split, _>(
+            &Floor::default(),
+            &ContactSettings::default(),
+            &self.body,
+            &mut state,
+            &Gravity(DVec3::NEG_Y * 9.81),
+            1.0 / 60.0,
+            &mut self.memory,
+            &mut self.contact,
+            None,
+        );
+        state
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_do_what_they_say() {
+        for scene in ContactScene::ALL {
+            let mut bench = ContactBench::new(scene);
+            let start = bench.start;
+            let end = bench.step();
+            assert!(end.is_sound());
+            let touching = bench.contact.touching().count_ones();
+            match scene {
+                ContactScene::Resting => assert_eq!(end, start),
+                ContactScene::FlyingLow => assert_eq!(touching, 0),
+                ContactScene::Sliding | ContactScene::SlidingAndSpinning => {
+                    assert!(touching == 4 && end.velocity.x < 4.0);
+                }
+                ContactScene::EdgeImpact | ContactScene::CornerImpact => {
+                    assert!(end.velocity.y > -1.0, "{scene:?}: {end:?}");
+                }
+                ContactScene::Pivoting => assert!(touching == 2, "{touching}"),
+            }
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! The tables of a document, between markers, rewritten from what was measured.
+//!
+//! A table named `step` stands between the lines `<!-- table: step -->` and `<!-- /table -->`; its name is
+//! a suite's.
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::rows::Row;
+
+/// Replaces every table of the file whose suite is among the rows.
+///
+/// # Errors
+/// If the file cannot be read or written.
+pub fn rewrite(file: &Path, rows: &[Row]) -> io::Result<()> {
+    let file = from_the_top(file);
+    let text = std::fs::read_to_string(&file)?;
+    std::fs::write(&file, with_tables(&text, rows))
+}
+
+/// Cargo runs a benchmark in its package's folder; a relative path means the repository's.
+fn from_the_top(file: &Path) -> PathBuf {
+    if file.is_absolute() || file.exists() {
+        return file.to_owned();
+    }
+    Path::new("../..").join(file)
+}
+
+fn with_tables(text: &str, rows: &[Row]) -> String {
+    let mut out = String::new();
+    let mut skipping = false;
+    for line in text.lines() {
+        if line == "<!-- /table -->" {
+            skipping = false;
+        }
+        if !skipping {
+            out.push_str(line);
+            out.push('\n');
+        }
+        let name = line
+            .strip_prefix("<!-- table: ")
+            .and_then(|rest| rest.strip_suffix(" -->"));
+        if let Some(name) = name
+            && rows.iter().any(|row| row.suite == name)
+        {
+            let found: Vec<_> = rows.iter().filter(|row| row.suite == name).collect();
+            out.push_str(&table(&found));
+            skipping = true;
+        }
+    }
+    out
+}
+
+/// Columns that say the same everywhere, or nothing, are left out.
+fn table(rows: &[&Row]) -> String {
+    let ratio = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2}"));
+    let count = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.0}"));
+    let columns: Vec<(&str, Vec<String>)> = vec![
+        ("what", rows.iter().map(|r| r.name.clone()).collect()),
+        (
+            "scheme",
+            rows.iter().map(|r| r.integrator.to_owned()).collect(),
+        ),
+        (
+            "bodies",
+            rows.iter().map(|r| r.bodies.to_string()).collect(),
+        ),
+        (
+            "threads",
+            rows.iter().map(|r| r.threads.to_string()).collect(),
+        ),
+        (
+            "ns, least",
+            rows.iter().map(|r| number(r.cost.min)).collect(),
+        ),
+        (
+            "ns, median",
+            rows.iter().map(|r| number(r.cost.median)).collect(),
+        ),
+        (
+            "to bare loop",
+            rows.iter().map(|r| ratio(r.to_bare)).collect(),
+        ),
+        (
+            "to memory",
+            rows.iter().map(|r| ratio(r.to_memory)).collect(),
+        ),
+        (
+            "allocations",
+            rows.iter().map(|r| count(r.allocations)).collect(),
+        ),
+    ];
+    let tells = |cells: &[String]| cells.len() == 1 || cells.iter().any(|c| *c != cells[0]);
+    let columns: Vec<_> = columns
+        .into_iter()
+        .filter(|(name, cells)| *name == "what" || name.starts_with("ns") || tells(cells))
+        .collect();
+    let mut out = String::new();
+    let mut line = |cells: &mut dyn Iterator<Item = &str>| {
+        for cell in cells {
+            let _ = write!(out, "| {cell} ");
+        }
+        out.push_str("|\n");
+    };
+    line(&mut columns.iter().map(|(name, _)| *name));
+    line(&mut columns.iter().map(|_| "---"));
+    for k in 0..rows.len() {
+        line(&mut columns.iter().map(|(_, cells)| cells[k].as_str()));
+    }
+    out
+}
+
+/// Three significant digits will do.
+fn number(ns: f64) -> String {
+    if ns < 100.0 {
+        format!("{ns:.1}")
+    } else {
+        format!("{ns:.0}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::Cost;
+
+    fn row(name: &str, ns: f64) -> Row {
+        Row {
+            suite: "contact",
+            name: name.to_owned(),
+            integrator: "split",
+            bodies: 1,
+            threads: 1,
+            cost: Cost::of(&[ns]),
+            to_bare: None,
+            to_memory: None,
+            allocations: None,
+        }
+    }
+
+    #[test]
+    fn tables_are_replaced_and_the_rest_stays() {
+        let text = "# A\n<!-- table: contact -->\nold\n<!-- /table -->\nend\n\
+                    <!-- table: step -->\nkept\n<!-- /table -->\n";
+        let once = with_tables(text, &[row("resting", 12.34), row("sliding", 890.6)]);
+        assert!(
+            once.contains("| what | ns, least | ns, median |\n"),
+            "{once}"
+        );
+        assert!(once.contains("| resting | 12.3 | 12.3 |\n| sliding | 891 | 891 |\n"));
+        assert!(!once.contains("old") && once.contains("end\n") && once.contains("kept"));
+        let again = with_tables(&once, &[row("resting", 12.34), row("sliding", 890.6)]);
+        assert_eq!(again, once);
+    }
+}
