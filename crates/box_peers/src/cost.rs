@@ -1,4 +1,4 @@
-//! What a body and a step cost, in free flight and on a floor.
+//! What a body and a step cost: in free flight, landing, and at rest.
 
 use std::time::Instant;
 
@@ -21,6 +21,24 @@ const TIMED: usize = 120;
 /// Distance between boxes \[m\].
 const SPACING: f64 = 3.0;
 
+/// What the boxes are doing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Free,
+    Landing,
+    Resting,
+}
+
+impl Place {
+    const fn id(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Landing => "landing",
+            Self::Resting => "resting",
+        }
+    }
+}
+
 /// One engine in one place with so many bodies.
 #[derive(Debug, Serialize)]
 pub struct CostRow {
@@ -41,16 +59,16 @@ pub fn measure(
     quick: bool,
 ) -> Result<(Vec<CostRow>, Vec<String>), String> {
     let mut rows = Vec::new();
-    for (place, floor) in [("free", false), ("floor", true)] {
+    for place in [Place::Free, Place::Landing, Place::Resting] {
         for (n, samples) in SIZES {
             if quick && n > SIZES[0].0 {
                 continue;
             }
-            let bodies = boxes(n, floor);
+            let bodies = boxes(n, place);
             let spec = Spec {
                 rate: RATE,
                 gravity: 9.81,
-                floor,
+                floor: place != Place::Free,
                 bodies: &bodies,
             };
             let mut times = vec![Vec::new(); engines.len()];
@@ -63,7 +81,7 @@ pub fn measure(
                 let cost = Cost::of(times);
                 rows.push(CostRow {
                     engine: engine.id(),
-                    place,
+                    place: place.id(),
                     bodies: n,
                     ns_per_body_step_min: cost.min,
                     ns_per_body_step_median: cost.median,
@@ -75,7 +93,8 @@ pub fn measure(
     let notes = vec![
         format!(
             "Cost: {TIMED} steps of 1/{RATE} s after {WARM_UP} of warm-up, world built anew for each of {} to {} samples, engines in turns; \
-             in free flight the boxes tumble and fall, on the floor they drop from half a metre and come to rest (who puts boxes to sleep by default, does so).",
+             free: the boxes tumble and fall; landing: they drop tumbling from half a metre, bounce and settle; resting: they lie on the floor from the start \
+             (who puts boxes to sleep by default, does so).",
             SIZES[2].1, SIZES[0].1
         ),
         format!(
@@ -117,12 +136,16 @@ fn empty_update() -> f64 {
     Cost::of(&times).median
 }
 
-/// Boxes on a grid, each turned and spinning its own way.
-fn boxes(n: usize, floor: bool) -> Vec<Body> {
+/// Boxes on a grid, each turned and spinning its own way, or flat on the floor.
+fn boxes(n: usize, place: Place) -> Vec<Body> {
     let shape = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0)
         .expect("half-extents and mass are positive");
     let side = (n as f64).sqrt().ceil() as usize;
-    let height = if floor { 1.25 } else { 500.0 };
+    let height = match place {
+        Place::Free => 500.0,
+        Place::Landing => 1.25,
+        Place::Resting => shape.half_extents().y,
+    };
     let one = |k: usize| {
         let a = k as f64;
         let (row, column) = ((k / side) as f64, (k % side) as f64);
@@ -134,6 +157,10 @@ fn boxes(n: usize, floor: bool) -> Vec<Body> {
         );
         let turn = DQuat::from_xyzw(a.sin(), (1.7 * a).cos(), (2.3 * a).sin(), 1.1).normalize();
         let spin = DVec3::new((3.1 * a).sin(), (0.7 * a).cos(), (1.3 * a).sin()) * 2.0;
+        if place == Place::Resting {
+            let start = BodyState::at(at);
+            return Body { shape, start };
+        }
         Body {
             shape,
             start: BodyState::at(at)

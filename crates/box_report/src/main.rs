@@ -25,7 +25,7 @@ mod work_precision;
 use std::process::ExitCode;
 
 use box_physics::schemes::{Integrator, UnknownIntegrator};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use context::Stop;
 use report::Part;
@@ -75,7 +75,10 @@ const USAGE: u8 = 2;
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => return refuse(&e),
+    };
     let Some(command) = &cli.command else {
         return end(report::run(&cli.options, None));
     };
@@ -92,6 +95,18 @@ fn main() -> ExitCode {
         Command::Verify(options) => return verify(options),
     };
     end(report::run(options, Some(part)))
+}
+
+/// What clap says; it does not list the commands by itself.
+fn refuse(e: &clap::Error) -> ExitCode {
+    // Where standard error is closed there is nobody to tell.
+    let _ = e.print();
+    if e.kind() == clap::error::ErrorKind::InvalidSubcommand {
+        let commands = Cli::command();
+        let names: Vec<_> = commands.get_subcommands().map(|c| c.get_name()).collect();
+        eprintln!("allowed: {}", names.join(", "));
+    }
+    ExitCode::from(if e.use_stderr() { USAGE } else { OK })
 }
 
 fn verify(options: &verify::Options) -> ExitCode {

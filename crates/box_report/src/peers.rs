@@ -45,7 +45,7 @@ struct Accuracy {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct CostRow {
     engine: String,
-    /// `free` or `floor`.
+    /// `free`, `landing` or `resting`.
     place: String,
     bodies: usize,
     ns_per_body_step_min: f64,
@@ -59,6 +59,9 @@ struct Stored {
     machine: Machine,
     measured: Measured,
 }
+
+const ID: &str = "peers";
+const TITLE: &str = "Other engines";
 
 fn manifest() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../box_peers/Cargo.toml")
@@ -108,8 +111,8 @@ pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
         machine: Machine::this(),
         measured,
     };
-    let json = serde_json::to_string_pretty(&stored)
-        .map_err(|e| Stop::Internal(format!("peers.json: {e}")))?;
+    let json =
+        serde_json::to_string(&stored).map_err(|e| Stop::Internal(format!("peers.json: {e}")))?;
     files::write(&ctx.file("peers.json"), &json)?;
     if let Some(docs) = docs {
         let folder = docs.join("results");
@@ -119,15 +122,19 @@ pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// The section: of a result in the folder, if `fresh`, else of the committed one; `None` if there is none.
-pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Option<Section>, Stop> {
+/// The section: of a result in the folder, if `fresh`, else of the committed one.
+pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let path = if fresh {
         ctx.file("peers.json")
     } else {
         committed()
     };
     if !path.is_file() {
-        return Ok(None);
+        return Ok(Section::new(
+            ID,
+            TITLE,
+            "No result is committed; measure one with `cargo box-report peers`.",
+        ));
     }
     let stored: Stored = serde_json::from_str(&files::read(&path)?)
         .map_err(|e| Stop::Failed(format!("{}: {e}", path.display())))?;
@@ -138,8 +145,8 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Option<Section>, Sto
         .map(|e| format!("{} {} ({})", e.name, e.version, e.driven))
         .collect();
     let mut section = Section::new(
-        "peers",
-        "Other engines",
+        ID,
+        TITLE,
         format!(
             "The same boxes in other engines with their default settings: {}. {} on {} ({} threads, {}). \
              Repeat it with `cargo box-report peers`. Attitude and energy against the reference trajectories of free \
@@ -165,7 +172,7 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Option<Section>, Sto
     section.verdicts = verdicts(measured);
     write_csvs(ctx, measured)?;
     section.write_figures(ctx.folder())?;
-    Ok(Some(section))
+    Ok(section)
 }
 
 fn cases(measured: &Measured) -> Vec<String> {
@@ -324,17 +331,14 @@ fn verdicts(measured: &Measured) -> Vec<String> {
     };
     for e in measured.engines.iter().filter(|e| e.id != "box_physics") {
         let mut parts = Vec::new();
-        for place in ["free", "floor"] {
+        for (place, words) in [
+            ("free", "in free flight"),
+            ("landing", "landing"),
+            ("resting", "at rest on the floor"),
+        ] {
             if let (Some(own), Some(other)) = (cost("box_physics", place), cost(&e.id, place)) {
-                let where_ = if place == "free" {
-                    "in free flight"
-                } else {
-                    "on the floor"
-                };
-                parts.push(format!(
-                    "{} times our cost {where_}",
-                    text::significant(other / own, 2)
-                ));
+                let ratio = text::significant(other / own, 2);
+                parts.push(format!("{ratio} times our cost {words}"));
             }
         }
         let worst = |id: &str| {

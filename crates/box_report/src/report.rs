@@ -203,7 +203,7 @@ fn measure_all(
                 if fresh {
                     peers::measure(ctx, options.docs.as_deref())?;
                 }
-                peers::section(ctx, fresh)?
+                Some(peers::section(ctx, fresh)?)
             }
         };
         done.extend(section.filter(|_| wanted.contains(&part)));

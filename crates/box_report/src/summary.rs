@@ -160,7 +160,8 @@ fn cells(r: &Row) -> Vec<String> {
             or_dash(r.invisible_60s_120hz)
         ),
         number(r.us_per_simulated_s_60hz, 2),
-        number(r.ns_per_step_free.map(f64::round), 3),
+        r.ns_per_step_free
+            .map_or_else(|| "–".to_owned(), |ns| format!("{ns:.0}")),
         r.limit_spin.clone(),
         r.limit_drag.clone(),
         r.limit_spring.clone(),
