@@ -79,8 +79,10 @@ pub struct Comparison {
 impl Comparison {
     /// Opens on `scene` with these schemes beside the hero.
     pub fn with_lanes(scene: &str, lanes: &[Integrator]) -> Self {
-        let mut comparison = Self::default();
-        comparison.scene = Some(scene.to_owned());
+        let mut comparison = Self {
+            scene: Some(scene.to_owned()),
+            ..Self::default()
+        };
         comparison.choose(lanes.iter().copied());
         comparison
     }

@@ -57,7 +57,7 @@ struct Piece {
 #[derive(Clone, Debug)]
 enum Source {
     Trusted(Arc<Truth>),
-    Fine(Fine),
+    Fine(Box<Fine>),
 }
 
 /// A simulation that only goes forward.
@@ -127,7 +127,7 @@ impl Reference {
         reference.set_clock_step(step);
         let source = match truth.filter(|t| t.kind() != TruthKind::None) {
             Some(truth) => Source::Trusted(Arc::new(truth)),
-            None => Source::Fine(Fine::new(start, 0.0, law, reference.waiting(0.0))),
+            None => Source::Fine(Box::new(Fine::new(start, 0.0, law, reference.waiting(0.0)))),
         };
         reference.pieces.push_back(Piece { from: 0.0, source });
         reference
@@ -162,7 +162,7 @@ impl Reference {
             let fine = Fine::new(start, from, &self.law, self.waiting(from));
             self.pieces.push_back(Piece {
                 from,
-                source: Source::Fine(fine),
+                source: Source::Fine(Box::new(fine)),
             });
             return self.at(t);
         }
@@ -199,7 +199,7 @@ impl Reference {
         });
         let source = match closed.flatten() {
             Some(truth) => Source::Trusted(Arc::new(truth)),
-            None => Source::Fine(Fine::new(state, t, &self.law, waiting)),
+            None => Source::Fine(Box::new(Fine::new(state, t, &self.law, waiting))),
         };
         self.last = (t, state);
         // Several inputs at one time make one stretch.

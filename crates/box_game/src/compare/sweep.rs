@@ -246,24 +246,38 @@ fn simulate(
     false
 }
 
-/// The slope of log error over log dt, by least squares over the finest four steps at which the error is
-/// neither rounding nor everything; `None` with fewer than three.
+/// The slope of log error over log dt, by least squares along the finest stretch of four neighbouring
+/// steps (three, if there is none of four) over which it is steady: neither lost, nor rounding, nor on the
+/// way from one to the other. `None` where there is no such stretch. `points` are (dt, error), coarsest
+/// first.
 pub fn order(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
-    let mut usable: Vec<(f64, f64)> = points
-        .filter(|(_, e)| (ROUNDING..LOST).contains(e))
-        .map(|(dt, e)| (dt.ln(), e.ln()))
-        .collect();
-    usable.sort_by(|a, b| a.0.total_cmp(&b.0));
-    usable.truncate(4);
-    if usable.len() < 3 {
+    let points: Vec<(f64, f64)> = points.collect();
+    [4, 3].into_iter().find_map(|length| {
+        let mut finest_first = points.windows(length).rev();
+        finest_first.find_map(steady_slope)
+    })
+}
+
+/// By how much the slopes between neighbours may differ, of their mean.
+const STEADY: f64 = 0.15;
+
+fn steady_slope(points: &[(f64, f64)]) -> Option<f64> {
+    if !points.iter().all(|(_, e)| (ROUNDING..LOST).contains(e)) {
         return None;
     }
-    let n = usable.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| usable.iter().map(f).sum::<f64>() / n;
+    let logs: Vec<(f64, f64)> = points.iter().map(|(dt, e)| (dt.ln(), e.ln())).collect();
+    let slopes = || {
+        logs.windows(2)
+            .map(|p| (p[0].1 - p[1].1) / (p[0].0 - p[1].0))
+    };
+    let (low, high) = slopes().fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(s), h.max(s)));
+    let n = logs.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
     let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
-    let sxy: f64 = usable.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-    let sxx: f64 = usable.iter().map(|p| (p.0 - mx).powi(2)).sum();
-    Some(sxy / sxx)
+    let sxy: f64 = logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    let sxx: f64 = logs.iter().map(|p| (p.0 - mx).powi(2)).sum();
+    let slope = sxy / sxx;
+    (low > 0.25 && high - low <= STEADY * slope).then_some(slope)
 }
 
 #[cfg(test)]
@@ -345,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn an_order_needs_three_points_between_rounding_and_lost() {
+    fn an_order_needs_a_steady_slope_between_rounding_and_lost() {
         let line = |c: f64, p: i32| {
             RATES.map(move |r| {
                 let dt = 1.0 / f64::from(r);
@@ -356,5 +370,9 @@ mod tests {
         assert!((found - 3.0).abs() < 1e-9);
         assert!(order(line(1e-13, 0).into_iter()).is_none());
         assert!(order(line(100.0, 0).into_iter()).is_none());
+        // A floor of rounding under a fourth order: the slope is that above the floor.
+        let floored = line(1.0, 4).map(|(dt, e)| (dt, e + 3e-10));
+        let found = order(floored.into_iter()).expect("a slope");
+        assert!((found - 4.0).abs() < 0.3, "{found}");
     }
 }

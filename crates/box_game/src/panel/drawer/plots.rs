@@ -2,11 +2,13 @@
 //! says in words what it shows, for screen readers.
 
 use bevy_egui::egui::{
-    Color32, Label, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder,
+    Color32, Label, Rangef, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder,
     WidgetInfo, WidgetType, pos2, vec2,
 };
 use box_physics::prelude::Integrator;
-use egui_plot::{Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints, PlotUi, Points};
+use egui_plot::{
+    AxisHints, Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints, PlotUi, Points,
+};
 
 use super::super::decimate::{decimate, segments, staircase};
 use super::super::format::number;
@@ -147,6 +149,13 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
 pub(super) fn frame<'a>(name: &str) -> Plot<'a> {
     Plot::new(name.to_owned())
         .allow_scroll(false)
+        // Labels may stand closer than usual: the plots are small.
+        .custom_x_axes(vec![
+            AxisHints::new_x().label_spacing(Rangef::new(36.0, 60.0)),
+        ])
+        .custom_y_axes(vec![
+            AxisHints::new_y().label_spacing(Rangef::new(15.0, 24.0)),
+        ])
         .min_size(vec2(60.0, LOWEST))
         .set_margin_fraction(vec2(0.01, 0.08))
 }
