@@ -319,7 +319,8 @@ fn step_and_substeps_change_live() {
 fn every_scene_starts_and_runs_with_every_scheme() {
     let mut app = game(&[]);
     // The built-in ones and those in files.
-    for _ in app.world().resource::<SceneLibrary>().scenes() {
+    let scenes = app.world().resource::<SceneLibrary>().scenes().len();
+    for _ in 0..scenes {
         tap(&mut app, KeyCode::BracketRight);
         for &integrator in Integrator::ALL {
             ask(&mut app, Action::SetIntegrator(integrator));

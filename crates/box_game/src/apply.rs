@@ -31,6 +31,9 @@ use crate::session::{
 /// How long the frame of [`Action::Hitch`] takes: longer than [`LONGEST_FRAME`].
 pub const HITCH: core::time::Duration = core::time::Duration::from_millis(750);
 
+/// The most steps that one request takes: a script can ask for anything.
+const MOST_STEPS: u32 = 10_000;
+
 /// The actions asked for since the last frame, in order.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Asked(pub Vec<Action>);
@@ -55,7 +58,7 @@ fn apply(world: &mut World, action: Action) {
         }
         Action::Step(n) => {
             world.resource_mut::<PhysicsClock>().paused = true;
-            for _ in 0..n {
+            for _ in 0..n.min(MOST_STEPS) {
                 rewind::keep(world);
                 StepPhysics(1).apply(world);
             }
@@ -295,7 +298,7 @@ pub fn plot_of(preset: PlotPreset) -> Plot {
 }
 
 fn neighbour(world: &mut World, by: isize) {
-    let ids = world.resource::<SceneLibrary>().scenes();
+    let ids = world.resource::<SceneLibrary>().scenes().to_vec();
     let now = world.resource::<Session>().scenario.id;
     let at = ids.iter().position(|(id, _)| id == now).unwrap_or(0);
     let next = (at as isize + by).rem_euclid(ids.len() as isize) as usize;

@@ -163,9 +163,11 @@ pub fn move_camera(
         };
         orbit.distance = (orbit.distance * 0.9_f32.powf(notches)).clamp(0.01, 1e5);
     }
-    // Without a floor there is nothing to stay at: the camera goes along with the hero.
+    // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
+    // with the hero.
+    let stays = floor.is_some() || session.scenario.view.target.is_some();
     let at = hero.iter().next().map(|state| state.position.as_vec3());
-    if let (None, Some(now), Some(before)) = (floor, at, *seen) {
+    if let (false, Some(now), Some(before)) = (stays, at, *seen) {
         orbit.target += now - before;
     }
     *seen = at;

@@ -80,7 +80,7 @@ pub struct Cli {
     #[arg(long, value_name = "FILE", value_parser = parse_png)]
     pub screenshot: Option<PathBuf>,
 
-    /// Size of the window, or of the picture with --offscreen [pixels].
+    /// Size of the window, or of the picture with --offscreen, in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: (u32, u32),
 

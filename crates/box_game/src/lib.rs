@@ -37,4 +37,5 @@ pub mod screenshot;
 pub mod script;
 pub mod session;
 pub mod style;
+pub mod surroundings;
 pub mod visuals;

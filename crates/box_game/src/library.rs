@@ -21,6 +21,8 @@ pub struct SceneLibrary {
     /// A file that the command line named, wherever it lies.
     opened: Option<PathBuf>,
     files: Vec<SceneFile>,
+    /// (id, title) of every scene.
+    menu: Vec<(String, String)>,
     looked: Option<f64>,
 }
 
@@ -41,6 +43,7 @@ impl SceneLibrary {
             folder: folder.into(),
             opened,
             files: Vec::new(),
+            menu: Vec::new(),
             looked: None,
         };
         library.refresh();
@@ -62,13 +65,8 @@ impl SceneLibrary {
     }
 
     /// (id, title) of every scene, in the order of the menu: built-in ones first.
-    pub fn scenes(&self) -> Vec<(String, String)> {
-        let built_in = Scenario::ALL.iter().map(|build| build());
-        let from_files = self.files.iter().filter_map(|f| f.scene.clone());
-        built_in
-            .chain(from_files)
-            .map(|s| (s.id.to_owned(), s.title.to_owned()))
-            .collect()
+    pub fn scenes(&self) -> &[(String, String)] {
+        &self.menu
     }
 
     /// The scene with this id, built in or from a file; or the file at this path.
@@ -148,6 +146,12 @@ impl SceneLibrary {
                 Err(error) => file.error = Some(error),
             }
         }
+        let built_in = Scenario::ALL.iter().map(|build| build());
+        let from_files = self.files.iter().filter_map(|f| f.scene.clone());
+        self.menu = built_in
+            .chain(from_files)
+            .map(|s| (s.id.to_owned(), s.title.to_owned()))
+            .collect();
         changed
     }
 

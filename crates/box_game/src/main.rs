@@ -5,12 +5,15 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use bevy::app::AppExit;
+use box_game::apply::{Accepted, accept};
 use box_game::cli::{self, Cli};
 use box_game::display::{self, Need};
 use box_game::headless::{self, Comparison};
 use box_game::library;
 use box_game::picture;
+use box_game::session::Session;
 use box_physics::prelude::Integrator;
+use box_scenarios::Scenario;
 use clap::Parser;
 
 fn main() -> ExitCode {
@@ -68,6 +71,13 @@ fn compare(cli: &Cli) -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    let scenario = match wished(scenario, cli) {
+        Ok(scenario) => scenario,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::from(2);
+        }
+    };
     let comparison = Comparison {
         scenario,
         integrators: if cli.integrator.is_empty() {
@@ -100,6 +110,18 @@ fn compare(cli: &Cli) -> ExitCode {
         return cli::diverged();
     }
     said
+}
+
+/// The scene with the parameters of `--set`.
+fn wished(mut scenario: Scenario, cli: &Cli) -> Result<Scenario, String> {
+    let mut session = Session::new(scenario.clone(), cli.seed);
+    for wish in &cli.set {
+        if accept(&mut session.parameters, wish) == Accepted::No {
+            return Err(format!("not possible in this scene: {wish:?}"));
+        }
+    }
+    scenario.setup = session.setup();
+    Ok(scenario)
 }
 
 /// Prints; that nobody listens any more (`| head`) is no error.

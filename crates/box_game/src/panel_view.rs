@@ -68,7 +68,7 @@ pub fn view(s: &Sources) -> PanelView {
             .iter()
             .position(|(id, _)| id == session.scenario.id)
             .unwrap_or(0),
-        scenes,
+        scenes: scenes.to_vec(),
         lesson: session.scenario.lesson.to_owned(),
         integrator: s.integrator.0,
         paused: s.clock.paused,

@@ -22,6 +22,7 @@ use crate::preferences::{Preferences, PreferencesPlugin, UI_SCALES};
 use crate::recorder::record_film;
 use crate::screenshot::{OffscreenTarget, take_screenshot};
 use crate::session::Session;
+use crate::surroundings::draw_lattice;
 use crate::visuals;
 
 /// Size of the window and of offscreen pictures \[pixels\].
@@ -79,6 +80,7 @@ impl Plugin for PicturePlugin {
                 (
                     (use_mouse, move_camera, draw_hand).chain(),
                     record_film,
+                    draw_lattice,
                     visuals::dress_boxes,
                     visuals::place_floor,
                     visuals::draw_aabbs,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::apng::{self, Picture};
 use crate::camera::OrbitCamera;
-use crate::screenshot::{OffscreenTarget, source};
+use crate::screenshot::{OffscreenTarget, readable, source};
 use crate::script::PendingPictures;
 use crate::session::Session;
 
@@ -18,7 +18,7 @@ use crate::session::Session;
 pub struct Film {
     /// The file; ends in `.png`.
     pub file: PathBuf,
-    /// How long \[s\] of the program's clock, at most 30.
+    /// How long \[s\] of the program's clock, at most 30, and 360 pictures.
     pub seconds: f64,
     /// Pictures a second, 1 to 30.
     #[serde(default = "twelve")]
@@ -43,6 +43,9 @@ fn yes() -> bool {
     true
 }
 
+/// The most pictures of a film: they are kept until it is written.
+const MOST: usize = 360;
+
 /// A film being made.
 #[derive(Resource, Debug)]
 pub struct Recording {
@@ -57,12 +60,17 @@ impl Recording {
     /// Of `film`, from the next frame on.
     pub fn new(film: Film) -> Self {
         let rate = film.rate.clamp(1, 30);
-        let count = (film.seconds.clamp(0.0, 30.0) * f64::from(rate)).ceil() as usize;
+        let seconds = if film.seconds.is_finite() {
+            film.seconds.clamp(0.0, 30.0)
+        } else {
+            0.0
+        };
+        let count = (seconds * f64::from(rate)).ceil() as usize;
         Self {
             film: Film { rate, ..film },
             began: None,
             taken: 0,
-            pictures: vec![None; count.max(1)],
+            pictures: vec![None; count.clamp(1, MOST)],
         }
     }
 }
@@ -144,6 +152,7 @@ fn finish(recording: &mut Recording) -> Result<(PathBuf, u64), png::EncodingErro
     let mut file = tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))?;
     apng::write(&mut file, &pictures, recording.film.rate)?;
     let bytes = file.as_file().metadata()?.len();
+    readable(file.path())?;
     file.persist(&path).map_err(|e| e.error)?;
     Ok((path, bytes))
 }

@@ -35,6 +35,8 @@ pub fn take_screenshot(
             .map(|n| PathBuf::from(format!("box_game-{n:02}.png")))
             .find(|p| !p.exists())
     });
+    // Who named the file knows of it; a strip about it would be in the next picture.
+    let named = request.0.is_some();
     commands.remove_resource::<ScreenshotRequest>();
     let Some(path) = path else {
         session.notice("no free name for a picture: box_game-01.png to -9999.png are taken");
@@ -49,6 +51,7 @@ pub fn take_screenshot(
                   mut pending: ResMut<PendingPictures>| {
                 pending.0 = pending.0.saturating_sub(1);
                 match save(&captured.image, &path) {
+                    Ok(()) if named => info!("picture: {}", path.display()),
                     Ok(()) => session.notice(format!("picture: {}", path.display())),
                     Err(error) => session.notice(format!("picture {}: {error}", path.display())),
                 }
@@ -76,6 +79,18 @@ fn save(image: &Image, path: &Path) -> io::Result<()> {
         .to_rgb8()
         .save(file.path())
         .map_err(io::Error::other)?;
+    readable(file.path())?;
     file.persist(path)?;
+    Ok(())
+}
+
+/// Lets everybody read what a temporary file kept to its owner.
+pub(crate) fn readable(path: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))?;
+    }
+    let _ = path;
     Ok(())
 }

@@ -221,7 +221,7 @@ pub fn draw_axes(
 }
 
 /// Contact points of the hero during the last step: a cross where it touches, an arrow along the
-/// normal, as long as the impulse over the body's weight in that step.
+/// normal, which grows with the root of the impulse over the body's weight in that step.
 pub fn draw_contacts(
     mut contacts: MessageReader<FloorContact>,
     session: Res<Session>,
@@ -231,14 +231,15 @@ pub fn draw_contacts(
     time: Res<Time<Real>>,
     mut gizmos: Gizmos,
 ) {
-    // A bounce lasts one step: keep what it showed for a tenth of a second.
+    // A bounce lasts one step: keep what it showed for a quarter of a second.
     for (_, age) in &mut *shown {
         *age += time.delta_secs();
     }
-    shown.retain(|(_, age)| *age < 0.1);
+    shown.retain(|(_, age)| *age < 0.25);
     for contact in contacts.read() {
-        shown.retain(|(old, _)| old.corner != contact.corner);
+        // Its end is no reason to stop showing it: a bounce begins and ends in a step.
         if contact.phase != ContactPhase::Ended {
+            shown.retain(|(old, _)| old.corner != contact.corner);
             shown.push((*contact, 0.0));
         }
     }
@@ -257,7 +258,8 @@ pub fn draw_contacts(
             size,
             Color::srgb_u8(213, 94, 0),
         );
-        let length = (contact.normal_impulse / weight).min(20.0) as f32 * 4.0 * size;
+        // The root of it: an impact is a hundred times what holds a resting box.
+        let length = (contact.normal_impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
         gizmos.arrow(
             at,
             at + Vec3::Y * length.max(size),

@@ -13,7 +13,7 @@ use crate::panel::Parameters;
 use crate::session::{Session, start_scene};
 
 /// The most changes that are kept.
-const MOST: usize = 200;
+const MOST: usize = 100;
 /// Changes of one thing closer than this are one: a slider being dragged.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
 

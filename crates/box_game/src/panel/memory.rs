@@ -17,8 +17,12 @@ pub struct PanelMemory {
     pub push_off_centre: bool,
     /// Push buttons push along the world's axes.
     pub push_world: bool,
+    /// The notice that is shown, and since when \[s\].
+    pub(super) shown_notice: Option<((usize, String), f64)>,
     /// What was typed into the list of scenes.
     pub(super) search: String,
+    /// Which of the scenes found is marked.
+    pub(super) picked: usize,
     /// "Reset everything" was pressed once.
     pub(super) sure: bool,
     /// A value that restarts the scene, while it is dragged: its label and the value so far.
@@ -48,7 +52,9 @@ impl Default for PanelMemory {
             dismissed_notice: None,
             push_off_centre: false,
             push_world: false,
+            shown_notice: None,
             search: String::new(),
+            picked: 0,
             sure: false,
             draft: None,
             sweep_position: None,

@@ -16,7 +16,10 @@ use crate::style;
 /// Below this height [points] the picture matters more than the lesson.
 const LESSON_ROOM: f32 = 150.0;
 
-/// Lesson and newest notice, each until dismissed.
+/// How long a notice stays by itself \[s\].
+const NOTICE_STAYS: f64 = 20.0;
+
+/// Lesson and newest notice, each until dismissed; a notice goes by itself after a while.
 pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
     let scene = view.scenes.get(view.scene).map(|(id, _)| id);
     let lesson = !view.lesson.is_empty() && memory.dismissed_lesson.as_ref() != scene;
@@ -34,8 +37,18 @@ pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
         .dismissed_notice
         .as_ref()
         .is_some_and(|(count, text)| *count == view.notices.len() && text == notice);
-    if !seen && strip(ui, "notice", notice) {
-        memory.dismissed_notice = Some((view.notices.len(), notice.clone()));
+    if seen {
+        return;
+    }
+    let now = ui.input(|i| i.time);
+    let shown = (view.notices.len(), notice.clone());
+    let since = match &memory.shown_notice {
+        Some((same, since)) if *same == shown => *since,
+        _ => now,
+    };
+    memory.shown_notice = Some((shown.clone(), since));
+    if strip(ui, "notice", notice) || now - since > NOTICE_STAYS {
+        memory.dismissed_notice = Some(shown);
     }
 }
 
@@ -53,9 +66,9 @@ fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
                 let close = dismiss(ui, "lesson");
                 ui.vertical(|ui| {
                     ui.spacing_mut().item_spacing.y = 2.0;
-                    ui.add(Label::new(&view.lesson).wrap());
+                    ui.add(Label::new(RichText::new(&view.lesson).strong()).wrap());
                     if let Some(text) = try_this {
-                        ui.add(Label::new(RichText::new(text).small().weak()).wrap());
+                        ui.add(Label::new(text).wrap());
                     }
                 });
                 close

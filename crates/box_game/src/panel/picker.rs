@@ -6,10 +6,11 @@ use super::memory::PanelMemory;
 use super::view::PanelView;
 use crate::action::Action;
 
-/// The list over everything, if it is open. Enter takes the first; Esc is left to the game's own keys.
+/// The list over everything, if it is open. Arrows go through it, Enter takes one; Esc is left to the game's own keys.
 pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     if !view.hands.show_picker {
         memory.search.clear();
+        memory.picked = 0;
         return;
     }
     let screen = ui.ctx().content_rect();
@@ -23,10 +24,24 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
         if !field.lost_focus() {
             field.request_focus();
         }
+        if field.changed() {
+            memory.picked = 0;
+        }
         let found = search(&memory.search, &view.scenes);
+        let (up, down, enter) = ui.input(|i| {
+            let pressed = |key| i.key_pressed(key);
+            (
+                pressed(Key::ArrowUp),
+                pressed(Key::ArrowDown),
+                pressed(Key::Enter),
+            )
+        });
+        let last = found.len().saturating_sub(1);
+        memory.picked = (memory.picked + usize::from(down)).min(last);
+        memory.picked = memory.picked.saturating_sub(usize::from(up));
         let mut chosen = None;
-        if ui.input(|i| i.key_pressed(Key::Enter)) {
-            chosen = found.first().copied();
+        if enter {
+            chosen = found.get(memory.picked).copied();
         }
         let height = (screen.height() - 160.0).clamp(40.0, 420.0);
         ScrollArea::vertical()
@@ -36,7 +51,11 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
                 for (place, &k) in found.iter().enumerate() {
                     let (id, title) = &view.scenes[k];
                     let text = format!("{title}  ·  {id}");
-                    if ui.selectable_label(place == 0, text).clicked() {
+                    let label = ui.selectable_label(place == memory.picked, text);
+                    if place == memory.picked && (up || down) {
+                        label.scroll_to_me(None);
+                    }
+                    if label.clicked() {
                         chosen = Some(k);
                     }
                 }
@@ -48,7 +67,6 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
     });
     if let Some((id, _)) = modal.inner.and_then(|k| view.scenes.get(k)) {
         out.push(Action::SelectScene(id.clone()));
-        // The present scene too is started anew; the list closes.
     } else if modal.backdrop_response.clicked() {
         out.push(Action::TogglePicker);
     }

@@ -2,7 +2,8 @@
 //!
 //! [`load`] reads one, [`to_ron`] writes one; what is written reads back bit for bit. Every complaint
 //! names file, line, column and field. Nothing in a file can make the reader panic or hang: it is at
-//! most [`MAX_BYTES`] long, and what a scene may ask for is limited ([`check`] says how).
+//! most [`MAX_BYTES`] long, and what a scene may ask for is limited ([`LONGEST`], [`MOST_TURNS`]; the
+//! errors say the other ranges).
 //!
 //! ```
 //! use box_scenarios::{Scenario, scene_file};

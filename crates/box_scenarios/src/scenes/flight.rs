@@ -29,7 +29,9 @@ pub fn ballistic() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
-        view: SceneView::from(8.0, 8.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(8.0, 8.0)
+            .at([0.0, 8.5, 0.0], 24.0)
+            .with_plot(PlotPreset::Error),
     }
 }
 
@@ -97,6 +99,8 @@ pub fn throw() -> Scenario {
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(15.0, 12.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(15.0, 8.0)
+            .at([0.0, 10.5, 2.0], 28.0)
+            .with_plot(PlotPreset::Error),
     }
 }

@@ -36,12 +36,12 @@ pub fn drop() -> Scenario {
     Scenario {
         id: "drop",
         title: "Flat drop",
-        lesson: "Bounce n reaches e²ⁿ of the first height, infinitely many of them in a finite time, then rest. A scheme that finds the impact inside the step keeps its order.",
+        lesson: "Bounce n reaches e^(2n) of the first height, infinitely many of them in a finite time, then rest. A scheme that finds the impact inside the step keeps its order.",
         hints: ["Set e to 1 or 0.", "A flat landing must not start a spin."],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
         boxes: 1,
-        view: SceneView::from(15.0, 8.0),
+        view: SceneView::from(15.0, 8.0).at([0.0, 1.6, 0.0], 6.5),
     }
 }
 
@@ -87,7 +87,9 @@ pub fn slide() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.0, 0.5)),
         recommended: &["split", "rk4", "backward-euler", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(5.0, 14.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(8.0, 14.0)
+            .at([-2.0, 0.4, 0.0], 6.5)
+            .with_plot(PlotPreset::Error),
     }
 }
 
@@ -108,7 +110,7 @@ pub fn tumble_storm() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.8, 0.3)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(25.0, 22.0),
+        view: SceneView::from(25.0, 18.0).at([1.0, 1.6, 0.0], 13.0),
     }
 }
 
@@ -151,7 +153,7 @@ pub fn contact() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(20.0, 10.0),
+        view: SceneView::from(20.0, 12.0).at([0.6, 0.9, 0.0], 5.0),
     }
 }
 
@@ -165,12 +167,14 @@ pub fn dissertation_2012() -> Scenario {
         title: "The 2012 demo",
         lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. What it called implicit Euler is Heun's explicit method.",
         hints: [
-            "Compare its scheme with Backward Euler, the true implicit Euler.",
-            "Throw it and watch Heun (2012) land ahead of the parabola by ½·g·dt·t.",
+            "Press Ours in the strip and restart: the fall becomes a parabola, and it bounces.",
+            "Push it twice, quickly: in 2012 the second push replaces the first.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["heun-2012", "rk4", "explicit-euler", "backward-euler"],
         boxes: 1,
-        view: SceneView::from(30.0, 20.0).with_plot(PlotPreset::Cpu),
+        view: SceneView::from(30.0, 16.0)
+            .at([0.0, 1.6, 0.0], 9.0)
+            .with_plot(PlotPreset::Cpu),
     }
 }

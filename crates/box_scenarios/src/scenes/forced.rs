@@ -26,7 +26,7 @@ pub fn spring_orbit() -> Scenario {
         setup: Setup::new(body, start, forces, 30.0),
         recommended: &["split", "semi-implicit-euler", "rk4", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(10.0, 50.0),
+        view: SceneView::from(10.0, 50.0).at([0.0, 2.0, 0.0], 7.0),
     }
 }
 

@@ -163,7 +163,12 @@ fn no_character_is_a_hollow_box() {
             texts.extend(person.nodes().into_iter().map(|(_, name, _)| name));
         }
     }
-    texts.push_str("⏸ Pause▶⏭⟲◂▸✖↻·…−×½ωγµ");
+    for scene in box_scenarios::Scenario::ALL.iter().map(|build| build()) {
+        texts.extend([scene.title, scene.lesson].into_iter().chain(scene.hints));
+    }
+    texts.extend(crate::demo::FAULTS);
+    texts.extend(box_scenarios::dissertation::Stepper::ALL.map(|s| s.fault()));
+    texts.push_str("⏮↶↷⏸ Pause▶⏭⟲◂▸✖↻·…−×½ωγµ");
     let hidden = PanelView {
         hidden: true,
         ..sample_view()

@@ -1,6 +1,7 @@
 //! The panel without a window: every control by its accessible name.
 
 mod controls;
+mod hands;
 mod layout;
 mod numbers;
 
