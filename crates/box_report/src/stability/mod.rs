@@ -3,7 +3,8 @@
 pub(crate) mod limits;
 
 use box_physics::schemes::{Integrator, Limit};
-use box_scenarios::hard_cases::{Check, Finding, HardCase, Verdict, hard_cases};
+use box_scenarios::contact_cases;
+use box_scenarios::hard_cases::{Check, Finding, Verdict, hard_cases};
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
@@ -11,9 +12,17 @@ use crate::document::{Section, Table};
 use crate::{files, text};
 use limits::Number;
 
+/// A hard case of free motion or of contact.
+struct Case {
+    number: u8,
+    id: String,
+    title: &'static str,
+    examine: Box<dyn Fn(Integrator) -> Vec<Finding>>,
+}
+
 /// The whole measurement.
 pub(crate) struct StabilityData {
-    cases: Vec<(HardCase, Vec<(Integrator, Vec<Finding>)>)>,
+    cases: Vec<(Case, Vec<(Integrator, Vec<Finding>)>)>,
     limits: Vec<(Integrator, [Limit; 3])>,
 }
 
@@ -39,7 +48,7 @@ impl StabilityData {
 #[derive(Serialize)]
 struct CaseRow {
     number: u8,
-    case: &'static str,
+    case: String,
     integrator: &'static str,
     dt_s: f64,
     quantity: &'static str,
@@ -62,18 +71,35 @@ pub(crate) fn ticks(quick: bool) -> u64 {
     cases(quick).len() as u64 + 1
 }
 
-/// Every case; in a hurry without the million steps.
-fn cases(quick: bool) -> Vec<HardCase> {
-    let mut cases = hard_cases();
-    cases.retain(|c| !(quick && matches!(c.check, Check::Trend { .. })));
-    cases
+/// Every case; in a hurry without the million steps and the thousands of drops.
+fn cases(quick: bool) -> Vec<Case> {
+    let free = hard_cases()
+        .into_iter()
+        .filter(|c| !(quick && matches!(c.check, Check::Trend { .. })))
+        .map(|c| Case {
+            number: c.number,
+            id: c.id.to_owned(),
+            title: c.title,
+            examine: Box::new(move |s| c.examine(s)),
+        });
+    let contact = contact_cases()
+        .into_iter()
+        .enumerate()
+        .filter(|_| !quick)
+        .map(|(k, c)| Case {
+            number: c.number,
+            id: format!("contact-{}", k + 1),
+            title: c.title,
+            examine: Box::new(move |s| vec![c.examine(s)]),
+        });
+    free.chain(contact).collect()
 }
 
 /// Examines every case and finds every limit.
 pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     let mut examined = Vec::new();
     for case in cases(ctx.quick) {
-        let findings = |&s: &Integrator| (s, case.examine(s));
+        let findings = |&s: &Integrator| (s, (case.examine)(s));
         let findings = ctx.schemes.iter().map(findings).collect();
         ctx.tick(case.title)?;
         examined.push((case, findings));
@@ -218,7 +244,7 @@ fn case_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
             });
             rows.extend(findings.iter().map(|f| CaseRow {
                 number: case.number,
-                case: case.id,
+                case: case.id.clone(),
                 integrator: s.id(),
                 dt_s: f.h,
                 quantity: f.quantity,

@@ -10,6 +10,8 @@ mod trial;
 
 use box_physics::schemes::Integrator;
 
+use crate::hard_cases::Finding;
+
 pub use trial::Trial;
 
 /// The step of all cases but those that say otherwise \[s\].
@@ -35,6 +37,18 @@ impl ContactCase {
     /// The measured quantity; not a number or infinite where the motion fell apart.
     pub fn measure(&self, integrator: Integrator) -> f64 {
         (self.measure)(integrator)
+    }
+
+    /// The same with its verdict: diverged where there is no finite figure.
+    pub fn examine(&self, integrator: Integrator) -> Finding {
+        let value = self.measure(integrator);
+        Finding {
+            h: STEP,
+            quantity: self.quantity,
+            value,
+            bound: self.bound,
+            sane: value.is_finite(),
+        }
     }
 }
 
