@@ -23,8 +23,8 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
     let mut section = Section::new(
         "dissertation",
         "The dissertation, redone",
-        "V. Stojanovic, *Evaluation of Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion \
-         Within a Game Environment* (2012), asked which integrator is the most efficient for simple rigid bodies in a game. Its two \
+        "V. Stojanovic, “Evaluation of Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion \
+         Within a Game Environment” (2012), asked which integrator is the most efficient for simple rigid bodies in a game. Its two \
          schemes (what it calls implicit Euler, and RK4), its steps of 0.005 to 0.01 s, one cube over a floor, pushed along each axis in turn, \
          the time of each integration cycle over the run and the share of the processor: here once more, beside ours. \
          `2012-…` are its own steppers with its own contact, line by line.",
