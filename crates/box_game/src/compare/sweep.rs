@@ -182,8 +182,9 @@ fn run(setup: &Setup, schemes: &[Integrator], shared: &Shared) {
                 };
                 let began = Instant::now();
                 let mut best = time();
-                for _ in 1..REPEATS {
-                    if began.elapsed() > PATIENCE {
+                for n in 1..REPEATS {
+                    // Three at least: one may fall into another process's turn.
+                    if n >= 3 && began.elapsed() > PATIENCE {
                         break;
                     }
                     best = best.min(time());
