@@ -10,7 +10,7 @@ use box_physics::prelude::{
 };
 use box_scenarios::Scenario;
 
-use crate::apply::{Accepted, Asked, accept, apply_actions, plot_of, set_speed, set_step};
+use crate::apply::{Accepted, Asked, accept, apply_actions, set_speed, set_step};
 use crate::cli::Cli;
 use crate::csv_log::CsvLog;
 use crate::demo::{Demo2012, run_cycle};
@@ -18,6 +18,7 @@ use crate::hands::HandsPlugin;
 use crate::history::{History, count_dropped, record};
 use crate::input::{UiFocus, read_keys};
 use crate::library::{self, SceneLibrary, watch_scenes};
+use crate::opening::plot_of;
 use crate::preferences::{Preferences, follow, restore};
 use crate::row_log;
 use crate::sampling::{SchemeSamples, sample_schemes};

@@ -23,6 +23,7 @@ pub mod input;
 pub mod lane;
 pub mod library;
 pub mod logging;
+pub mod opening;
 pub mod panel;
 pub mod panel_view;
 pub mod picture;
