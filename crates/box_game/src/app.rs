@@ -11,7 +11,7 @@ use box_physics::prelude::{
 use box_scenarios::Scenario;
 
 use crate::action::{Action, Plot};
-use crate::apply::{Accepted, Asked, accept, apply_actions, plot_of, set_speed, set_step};
+use crate::apply::{Accepted, Asked, accept, apply_actions, set_speed, set_step};
 use crate::cli::Cli;
 use crate::compare::plugin::after_step;
 use crate::compare::{CompareAction, ComparePlugin, Comparison};
@@ -21,6 +21,7 @@ use crate::hands::HandsPlugin;
 use crate::history::{History, count_dropped, record};
 use crate::input::{UiFocus, read_keys};
 use crate::library::{self, SceneLibrary, watch_scenes};
+use crate::opening::plot_of;
 use crate::preferences::{Preferences, follow, restore};
 use crate::row_log;
 use crate::sampling::{SchemeSamples, sample_schemes};

@@ -1,31 +1,29 @@
 //! The one system that carries out what was asked for.
 
-use bevy::clipboard::Clipboard;
 use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::Virtual;
 use box_physics::prelude::{
     ApplyImpulse, BodyState, DVec3, GlobalIntegrator, PhysicsClock, RigidBox, StepPhysics,
 };
-use box_scenarios::{PlotPreset, Scenario};
 
-use crate::action::{Action, Plot, Poke, Push};
+use crate::action::{Action, Push};
 use crate::camera::CameraRequest;
-use crate::command_line::{self, SetUp};
-use crate::compare::{self, CompareAction, Comparison, copy};
+use crate::command_line;
+use crate::compare::{self, CompareAction, copy};
 use crate::csv_log::CsvLog;
-use crate::demo::{self, Demo2012};
+use crate::demo;
+use crate::hands;
 use crate::hands::grab::{Grip, Hold};
-use crate::hands::rewind::{self, Rewind};
-use crate::hands::undo::{self, UndoStack};
+use crate::hands::{rewind, undo};
 use crate::library::SceneLibrary;
+use crate::opening::{open_scene, reset_everything};
 use crate::panel::Parameters;
 use crate::preferences::{Preferences, UI_SCALES};
 use crate::recorder::Recording;
 use crate::screenshot::ScreenshotRequest;
 use crate::session::{
-    Hero, LONGEST_FRAME, SPEEDS, SceneEntity, Session, apply_world, insert_forces, parameters_of,
-    start_scene,
+    Hero, LONGEST_FRAME, SPEEDS, SceneEntity, Session, apply_world, insert_forces, start_scene,
 };
 
 /// How long the frame of [`Action::Hitch`] takes: longer than [`LONGEST_FRAME`].
@@ -98,7 +96,7 @@ fn apply(world: &mut World, action: Action) {
         Action::NextScene => neighbour(world, 1),
         Action::PreviousScene => neighbour(world, -1),
         Action::Push(push) => self::push(world, push),
-        Action::Poke(poke) => self::poke(world, poke),
+        Action::Poke(poke) => hands::poke(world, poke),
         Action::Grab(hold) => {
             let finite = |h: &Hold| h.body_point.is_finite() && h.anchor.is_finite();
             let hold = hold.filter(finite);
@@ -117,7 +115,7 @@ fn apply(world: &mut World, action: Action) {
         }
         Action::ScreenshotTo(path) => world.insert_resource(ScreenshotRequest(Some(path))),
         Action::Record(film) => world.insert_resource(Recording::new(film)),
-        Action::CopyCommandLine => copy_command_line(world),
+        Action::CopyCommandLine => command_line::copy(world),
         Action::SetCamera(view) => world.insert_resource(CameraRequest::Look(view)),
         Action::SetUiScale(scale) => {
             let (low, high) = UI_SCALES;
@@ -266,97 +264,12 @@ fn select_scene(world: &mut World, id: &str) {
     }
 }
 
-/// Starts `scenario`: a new one (with its own camera and plot), or the present one read again.
-pub fn open_scene(world: &mut World, scenario: Scenario, new: bool) {
-    let mut session = world.resource_mut::<Session>();
-    session.defaults = parameters_of(&scenario);
-    session.parameters = session.defaults;
-    if new {
-        session.plot = plot_of(scenario.view.plot);
-        session.show_picker = false;
-    }
-    session.scenario = scenario;
-    world.resource_mut::<UndoStack>().clear();
-    world.resource_mut::<Rewind>().clear();
-    if new {
-        world.resource_mut::<Demo2012>().stepper = Demo2012::default().stepper;
-        world.insert_resource(CameraRequest::Home);
-    }
-    start_scene(world);
-}
-
-/// The game's plot for a scene's wish.
-pub fn plot_of(preset: PlotPreset) -> Plot {
-    match preset {
-        PlotPreset::Error => Plot::Error,
-        PlotPreset::Energy => Plot::Energy,
-        PlotPreset::Timing => Plot::Timing,
-        PlotPreset::WorkPrecision => Plot::WorkPrecision,
-        PlotPreset::Cpu => Plot::Cpu,
-        PlotPreset::Table => Plot::Table,
-    }
-}
-
 fn neighbour(world: &mut World, by: isize) {
     let ids = world.resource::<SceneLibrary>().scenes().to_vec();
     let now = world.resource::<Session>().scenario.id;
     let at = ids.iter().position(|(id, _)| id == now).unwrap_or(0);
     let next = (at as isize + by).rem_euclid(ids.len() as isize) as usize;
     select_scene(world, &ids[next].0);
-}
-
-fn reset_everything(world: &mut World) {
-    world.insert_resource(GlobalIntegrator::default());
-    set_speed(world, 1.0);
-    set_step(world, 1.0 / 60.0);
-    {
-        let mut clock = world.resource_mut::<PhysicsClock>();
-        (clock.paused, clock.substeps) = (false, 1);
-    }
-    world.insert_resource(Preferences::default());
-    let seed = world.resource::<Session>().seed;
-    let fresh = Session::new(Scenario::default(), seed);
-    let mut session = world.resource_mut::<Session>();
-    let (run, notices) = (session.run, core::mem::take(&mut session.notices));
-    *session = Session {
-        run,
-        notices,
-        ..fresh
-    };
-    open_scene(world, Scenario::default(), true);
-}
-
-/// The command line that brings the present set-up back.
-pub fn command_line_of(world: &World) -> String {
-    let session = world.resource::<Session>();
-    let library = world.resource::<SceneLibrary>();
-    let comparison = world.get_resource::<Comparison>();
-    let scene = library.path_of(session.scenario.id);
-    command_line::line(&SetUp {
-        scene: scene.as_deref().unwrap_or(session.scenario.id),
-        integrator: world.resource::<GlobalIntegrator>().0,
-        lanes: comparison.map_or(&[], |c| c.chosen()),
-        layout: comparison.map(|c| c.settings.layout).unwrap_or_default(),
-        step: world.resource::<Time<Fixed>>().timestep().as_secs_f64(),
-        substeps: world.resource::<PhysicsClock>().substeps,
-        speed: session.speed,
-        seed: session.seed,
-        parameters: &session.parameters,
-        defaults: &session.defaults,
-    })
-}
-
-fn copy_command_line(world: &mut World) {
-    let line = command_line_of(world);
-    let copied = world
-        .get_resource_mut::<Clipboard>()
-        .is_some_and(|mut clipboard| clipboard.set_text(line.as_str()).is_ok());
-    let text = if copied {
-        format!("copied: {line}")
-    } else {
-        line
-    };
-    world.resource_mut::<Session>().notice(text);
 }
 
 /// The impulse of a push on the hero: world axes, at the middle of the face it comes from, or at that
@@ -409,36 +322,6 @@ fn push(world: &mut World, push: Push) {
     demo::push(world, impulse, at);
     world.resource_mut::<Session>().perturb(format!(
         "push {:.3} {:.3} {:.3} N s",
-        impulse.x, impulse.y, impulse.z
-    ));
-}
-
-/// An impulse at a point of the hero's surface, against its normal.
-fn poke(world: &mut World, poke: Poke) {
-    let strength = world.resource::<Session>().parameters.impulse * poke.strength;
-    let hero = world
-        .query_filtered::<(Entity, &BodyState), With<Hero>>()
-        .iter(world)
-        .next()
-        .map(|(entity, state)| (entity, *state));
-    let Some((entity, state)) = hero else {
-        return;
-    };
-    let impulse = state.rotation * -poke.normal.normalize_or_zero() * strength;
-    if !(impulse.is_finite() && poke.normal.is_finite() && poke.body_point.is_finite()) {
-        world
-            .resource_mut::<Session>()
-            .notice(format!("not possible: {poke:?}"));
-        return;
-    }
-    world.write_message(ApplyImpulse::at_body_point(
-        entity,
-        impulse,
-        poke.body_point,
-    ));
-    demo::push(world, impulse, poke.body_point);
-    world.resource_mut::<Session>().perturb(format!(
-        "poke {:.3} {:.3} {:.3} N s",
         impulse.x, impulse.y, impulse.z
     ));
 }

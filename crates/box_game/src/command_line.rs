@@ -1,9 +1,13 @@
 //! The command line that brings the present set-up back.
 
-use box_physics::prelude::Integrator;
+use bevy::clipboard::Clipboard;
+use bevy::prelude::*;
+use box_physics::prelude::{GlobalIntegrator, Integrator, PhysicsClock};
 
-use crate::compare::Layout;
+use crate::compare::{Comparison, Layout};
+use crate::library::SceneLibrary;
 use crate::panel::{Parameters, number};
+use crate::session::Session;
 
 /// What it is made of.
 #[derive(Clone, Debug)]
@@ -81,6 +85,40 @@ pub fn line(set_up: &SetUp) -> String {
         words.push(format!("--set half-extents={},{},{}", h.x, h.y, h.z));
     }
     words.join(" ")
+}
+
+/// The command line that brings the present set-up back.
+pub fn of(world: &World) -> String {
+    let session = world.resource::<Session>();
+    let library = world.resource::<SceneLibrary>();
+    let comparison = world.get_resource::<Comparison>();
+    let scene = library.path_of(session.scenario.id);
+    line(&SetUp {
+        scene: scene.as_deref().unwrap_or(session.scenario.id),
+        integrator: world.resource::<GlobalIntegrator>().0,
+        lanes: comparison.map_or(&[], |c| c.chosen()),
+        layout: comparison.map(|c| c.settings.layout).unwrap_or_default(),
+        step: world.resource::<Time<Fixed>>().timestep().as_secs_f64(),
+        substeps: world.resource::<PhysicsClock>().substeps,
+        speed: session.speed,
+        seed: session.seed,
+        parameters: &session.parameters,
+        defaults: &session.defaults,
+    })
+}
+
+/// Puts it on the clipboard, and shows it.
+pub fn copy(world: &mut World) {
+    let line = of(world);
+    let copied = world
+        .get_resource_mut::<Clipboard>()
+        .is_some_and(|mut clipboard| clipboard.set_text(line.as_str()).is_ok());
+    let text = if copied {
+        format!("copied: {line}")
+    } else {
+        line
+    };
+    world.resource_mut::<Session>().notice(text);
 }
 
 /// A rate where that is shorter and says the same.

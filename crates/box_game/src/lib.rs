@@ -25,6 +25,7 @@ pub mod input;
 pub mod lane;
 pub mod library;
 pub mod logging;
+pub mod opening;
 pub mod panel;
 pub mod panel_plugin;
 pub mod panel_view;

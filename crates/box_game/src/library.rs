@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use bevy::prelude::*;
 use box_scenarios::{Scenario, scene_file};
 
-use crate::apply::open_scene;
+use crate::opening::open_scene;
 use crate::session::Session;
 
 /// How often the files are looked at [s of real time].

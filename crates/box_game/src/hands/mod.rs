@@ -10,6 +10,11 @@ pub mod rewind;
 pub mod undo;
 
 use bevy::prelude::*;
+use box_physics::prelude::{ApplyImpulse, BodyState};
+
+use crate::action::Poke;
+use crate::demo;
+use crate::session::{Hero, Session};
 
 /// Everything but the mouse: runs without a window.
 pub struct HandsPlugin;
@@ -21,4 +26,34 @@ impl Plugin for HandsPlugin {
             .init_resource::<undo::UndoStack>()
             .add_systems(FixedUpdate, (rewind::record, grab::pull).chain());
     }
+}
+
+/// An impulse at a point of the hero's surface, against its normal.
+pub fn poke(world: &mut World, poke: Poke) {
+    let strength = world.resource::<Session>().parameters.impulse * poke.strength;
+    let hero = world
+        .query_filtered::<(Entity, &BodyState), With<Hero>>()
+        .iter(world)
+        .next()
+        .map(|(entity, state)| (entity, *state));
+    let Some((entity, state)) = hero else {
+        return;
+    };
+    let impulse = state.rotation * -poke.normal.normalize_or_zero() * strength;
+    if !(impulse.is_finite() && poke.normal.is_finite() && poke.body_point.is_finite()) {
+        world
+            .resource_mut::<Session>()
+            .notice(format!("not possible: {poke:?}"));
+        return;
+    }
+    world.write_message(ApplyImpulse::at_body_point(
+        entity,
+        impulse,
+        poke.body_point,
+    ));
+    demo::push(world, impulse, poke.body_point);
+    world.resource_mut::<Session>().perturb(format!(
+        "poke {:.3} {:.3} {:.3} N s",
+        impulse.x, impulse.y, impulse.z
+    ));
 }

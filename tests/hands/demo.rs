@@ -1,0 +1,69 @@
+//! The scene of 2012.
+
+use super::*;
+
+#[test]
+fn the_2012_scene_moves_as_its_own_steppers_have_it() {
+    for stepper in Stepper::ALL {
+        let mut app = game(&["dissertation-2012"]);
+        ask(&mut app, Action::SetDemo(Some(stepper)));
+        ask(&mut app, Action::Restart);
+        let setup = session(&app).setup();
+        assert_eq!(setup.body.mass(), 10.0);
+        let demo = Demo::of(&setup.body, Some(0.0));
+        let mut expected = State::new(&setup.body, &setup.initial);
+        // The restart's own frame took a step.
+        let h = clock(&app).step();
+        demo.cycle(stepper, &mut expected, h);
+        for k in 0..120 {
+            if k == 70 {
+                let push = Push {
+                    direction: DVec3::X,
+                    world: true,
+                    off_centre: false,
+                };
+                app.world_mut()
+                    .resource_mut::<Asked>()
+                    .0
+                    .push(Action::Push(push));
+                let force = Demo::force_for(DVec3::X * session(&app).parameters.impulse);
+                demo.push(&mut expected, force, DVec3::ZERO);
+            }
+            app.update();
+            demo.cycle(stepper, &mut expected, h);
+            assert_eq!(
+                hero(&mut app),
+                expected.body_state(&setup.body),
+                "{stepper:?} {k}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_button_switches_to_ours_and_back_in_flight() {
+    let mut app = game(&["dissertation-2012"]);
+    run(&mut app, 10);
+    let fall = hero(&mut app);
+    assert_eq!(fall.velocity.y, 0.0, "it falls without a speed");
+    assert!((fall.position.y - (4.5 - 9.81 * clock(&app).time())).abs() < 1e-6);
+    ask(&mut app, Action::SetDemo(None));
+    let ours = hero(&mut app);
+    assert!(
+        (ours.velocity.y + 9.81 / 60.0).abs() < 1e-3,
+        "now it has one"
+    );
+    run(&mut app, 5);
+    let before = hero(&mut app);
+    ask(&mut app, Action::SetDemo(Some(Stepper::Rk4)));
+    let after = hero(&mut app);
+    let gone = (before.velocity.y - 9.81) * clock(&app).step();
+    assert!(
+        (after.position.y - before.position.y - gone).abs() < 1e-6,
+        "goes on from there"
+    );
+    // Only in its own scene.
+    ask(&mut app, Action::SelectScene("throw".to_owned()));
+    let demo = app.world().resource::<Demo2012>();
+    assert_eq!(demo.active(session(&app)), None);
+}
