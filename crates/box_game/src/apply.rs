@@ -3,9 +3,7 @@
 use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::Virtual;
-use box_physics::prelude::{
-    ApplyImpulse, BodyState, DVec3, GlobalIntegrator, PhysicsClock, RigidBox, StepPhysics,
-};
+use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox, StepPhysics};
 
 use crate::action::{Action, Push};
 use crate::camera::CameraRequest;
