@@ -9,7 +9,7 @@
 //! ]
 //! ```
 //!
-//! Times are seconds since the script began, of the program's clock: they go on while the scene is
+//! What follows a picture in a list happens in the frame after it. Times are seconds since the script began, of the program's clock: they go on while the scene is
 //! paused. Without a window a frame is one step of the physics, however long it takes to draw.
 
 use std::collections::VecDeque;
@@ -133,16 +133,25 @@ pub fn play(
     };
     let now = time.elapsed_secs_f64();
     let began = *script.began.get_or_insert(now);
+    let mut asking = false;
     while let Some(beat) = script.beats.front_mut() {
         // A step of the clock is not always the same in its last digits.
         if now - began < beat.at - 1e-6 {
             return;
         }
         while !beat.actions.is_empty() {
-            if beat.actions[0] == Action::Quit && pending.0 > 0 {
+            // A picture asked for in this frame is not counted before the next.
+            if beat.actions[0] == Action::Quit && (pending.0 > 0 || asking) {
                 return;
             }
-            asked.0.push(beat.actions.remove(0));
+            let action = beat.actions.remove(0);
+            let picture = matches!(action, Action::Screenshot | Action::ScreenshotTo(_));
+            asked.0.push(action);
+            asking = true;
+            // What follows must not be in it: it waits for the next frame.
+            if picture {
+                return;
+            }
         }
         script.beats.pop_front();
     }
@@ -168,6 +177,28 @@ mod tests {
         let written = ron::to_string(&beats).expect("plain data");
         let again: Vec<Beat> = ron::from_str(&written).expect("own text");
         assert_eq!(again, beats);
+    }
+
+    #[test]
+    fn what_follows_a_picture_is_not_in_it() {
+        let actions = vec![
+            Action::TogglePause,
+            Action::ScreenshotTo("a.png".into()),
+            Action::Restart,
+            Action::Quit,
+        ];
+        let mut app = App::new();
+        app.init_resource::<Time<Real>>()
+            .init_resource::<PendingPictures>()
+            .init_resource::<Asked>()
+            .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
+            .add_systems(Update, play);
+        for expected in [2, 3, 4] {
+            app.update();
+            assert_eq!(app.world().resource::<Asked>().0.len(), expected);
+        }
+        app.update();
+        assert!(app.world().resource::<Script>().is_over());
     }
 
     #[test]
