@@ -89,6 +89,9 @@ impl PluginWorld {
 mod tests {
     use super::*;
 
+    /// Until the diagnostics' histories (120 values) have their final size.
+    const WARM: u32 = 150;
+
     fn allocations(world: &mut PluginWorld, steps: u64) -> u64 {
         let total = allocation_counter::measure(|| {
             for _ in 0..steps {
@@ -104,7 +107,7 @@ mod tests {
             for situation in [Situation::Flight, Situation::Falling, Situation::Rest] {
                 let mut world = PluginWorld::new(situation, integrator, 300);
                 world.use_threads(1);
-                for _ in 0..20 {
+                for _ in 0..WARM {
                     world.step();
                 }
                 let spent = allocations(&mut world, 10);
@@ -118,7 +121,7 @@ mod tests {
         let spent = [5_000, 50_000].map(|n| {
             let mut world = PluginWorld::new(Situation::Falling, Integrator::Split, n);
             world.use_threads(2);
-            for _ in 0..20 {
+            for _ in 0..WARM {
                 world.step();
             }
             allocations(&mut world, 20)

@@ -161,6 +161,7 @@ impl Plugin for PhysicsPlugin {
             .register_type::<WorldGravity>()
             .register_type::<GlobalIntegrator>()
             .register_type::<PhysicsClock>()
+            .register_type::<PhysicsThreads>()
             .register_type::<Floor>();
         app.register_required_components::<RigidBox, ContactState>();
 
