@@ -18,8 +18,7 @@ pub struct PhysicsThreads {
     /// At most so many, the calling one included; 0 counts as 1. Default: all of Bevy's
     /// `ComputeTaskPool`.
     pub most: usize,
-    /// Bodies that make another thread worth waking. Default 2048: at 20 ns a body, 40 µs of work for the
-    /// 5 to 10 µs that it takes.
+    /// Bodies that make another thread worth waking. Default 2048: some 100 µs of free flight.
     pub bodies_each: usize,
 }
 
