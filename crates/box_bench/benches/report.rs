@@ -6,7 +6,7 @@ use clap::Parser;
 
 fn main() -> std::io::Result<()> {
     let options = Options::parse();
-    let count = |f: &mut dyn FnMut()| allocation_counter::measure(|| f()).count_total;
+    let count = |f: &mut dyn FnMut()| allocation_counter::measure(f).count_total;
     let mut found = suites::contact(&options);
     found.extend(suites::kernels(&options));
     found.extend(suites::refit(&options));

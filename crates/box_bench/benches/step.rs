@@ -5,7 +5,7 @@ use clap::Parser;
 
 fn main() -> std::io::Result<()> {
     let options = Options::parse();
-    let count = |f: &mut dyn FnMut()| allocation_counter::measure(|| f()).count_total;
+    let count = |f: &mut dyn FnMut()| allocation_counter::measure(f).count_total;
     let found = suites::step(&options, count);
     rows::print(&found);
     options

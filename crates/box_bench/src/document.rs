@@ -56,7 +56,7 @@ fn with_tables(text: &str, rows: &[Row]) -> String {
 fn table(rows: &[&Row]) -> String {
     let ratio = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2}"));
     let count = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.0}"));
-    let columns: Vec<(&str, Vec<String>)> = vec![
+    let columns: [(&str, Vec<String>); 9] = [
         ("what", rows.iter().map(|r| r.name.clone()).collect()),
         (
             "scheme",

@@ -225,6 +225,7 @@ fn register_types(app: &mut App) {
         .register_type::<WorldGravity>()
         .register_type::<GlobalIntegrator>()
         .register_type::<PhysicsClock>()
+        .register_type::<PhysicsThreads>()
         .register_type::<ApplyImpulse>()
         .register_type::<BodyQuarantined>();
 }

@@ -18,8 +18,7 @@ pub struct PhysicsThreads {
     /// At most so many, the calling one included; 0 counts as 1. Default: all of Bevy's
     /// `ComputeTaskPool`.
     pub most: usize,
-    /// Bodies that make another thread worth waking. Default 2048: at 20 ns a body, 40 µs of work for the
-    /// 5 to 10 µs that it takes.
+    /// Bodies that make another thread worth waking. Default 2048: some 100 µs of free flight.
     pub bodies_each: usize,
 }
 
@@ -117,12 +116,12 @@ mod tests {
                     .with_angular_velocity(&body, DVec3::new(0.1, 0.2, 0.3) * f64::from(i % 7));
                 let mut entity = app.world_mut().spawn((body, state));
                 match i % 5 {
-                    0 => drop(entity.insert(GravityScale(0.5))),
-                    1 => drop(entity.insert(LinearDrag(0.1))),
-                    2 => drop(entity.insert(BodyIntegrator(Integrator::Rk4))),
-                    _ => {}
+                    0 => entity.insert(GravityScale(0.5)),
+                    1 => entity.insert(LinearDrag(0.1)),
+                    2 => entity.insert(BodyIntegrator(Integrator::Rk4)),
+                    _ => &mut entity,
                 }
-                entity.id()
+                .id()
             })
             .collect();
         StepPhysics(90).apply(app.world_mut());

@@ -9,6 +9,11 @@
 //! A body for which the loop does not apply (its turn is beyond the polynomials' range, a number is not
 //! finite) takes the scheme's plain step, which gives the same bits wherever both apply.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane is one index into several arrays, of which only the first `count` entries are in use"
+)]
+
 use glam::DVec3;
 
 use super::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
