@@ -40,7 +40,6 @@ fn measure(arguments: &[&str]) {
         app.update();
     }
     let context = egui::Context::default();
-    let scenes = panel_view::scenes();
     let mut memory = PanelMemory::default();
     let mut state = SystemState::<Sources>::new(app.world_mut());
     box_game::compare::apply(app.world_mut(), CompareAction::StartSweep);
@@ -59,8 +58,10 @@ fn measure(arguments: &[&str]) {
             let start = Instant::now();
             app.update();
             let updated = start.elapsed().as_secs_f64() * 1e3;
-            let sources = state.get(app.world()).expect("every resource is there");
-            let view = panel_view::view(&sources, &scenes);
+            let sources = state
+                .get_mut(app.world_mut())
+                .expect("every resource is there");
+            let view = panel_view::view(&sources);
             let input = egui::RawInput {
                 screen_rect: Some(egui::Rect::from_min_size(
                     egui::Pos2::ZERO,

@@ -11,6 +11,8 @@ use box_physics::prelude::{BodyState, Integrator, RigidBox};
 
 use crate::compare::track::Track;
 use crate::compare::{Comparison, Layout, Quantity, Run};
+use crate::demo::Demo2012;
+use crate::session::Session;
 use crate::style;
 use crate::visuals::painted_cuboid;
 
@@ -198,7 +200,7 @@ fn place_strips(
     mut cameras: Query<&mut crate::camera::OrbitCamera>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
-    session: Option<Res<crate::session::Session>>,
+    session: Option<Res<Session>>,
     mut plane: Local<Option<Handle<Mesh>>>,
     mut away: Local<Option<(String, f32)>>,
     mut commands: Commands,
@@ -397,6 +399,8 @@ fn edges(body: &RigidBox, state: &BodyState, offset: Vec3) -> [[Vec3; 2]; 12] {
 /// beside them, each with a line to its box.
 fn draw_tags(
     comparison: Res<Comparison>,
+    session: Option<Res<Session>>,
+    demo: Option<Res<Demo2012>>,
     mut contexts: EguiContexts,
     camera: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
     window: Query<&Window>,
@@ -423,9 +427,21 @@ fn draw_tags(
     let seen = |at: Vec3| camera.world_to_viewport(eye, at).ok().map(point);
     let attitude = run.attitude_says_more();
     let mut taken: Vec<egui::Rect> = Vec::new();
-    let mut next = view.top() + 10.0;
+    // Below the one line that a hidden panel leaves.
+    let hidden = session.as_ref().is_some_and(|s| s.hidden);
+    // The demo of 2012 moves its box itself.
+    let stepper = match (&demo, &session) {
+        (Some(demo), Some(session)) => demo.active(session),
+        _ => None,
+    };
+    let line = if hidden { 46.0 } else { 10.0 };
+    let mut next = view.top() + line;
     for (k, (integrator, state, track, offset)) in shown(run, layout).into_iter().enumerate() {
-        let text = tag(integrator, k == 0, track, attitude);
+        let name = match stepper {
+            Some(stepper) if k == 0 => stepper.name().to_owned(),
+            _ => style::tagged(integrator),
+        };
+        let text = tag(name, k == 0, track, attitude);
         let centre = state.position.as_vec3() + offset;
         let font = egui::FontId::proportional(13.0);
         let looks = style::of(integrator).color();
@@ -474,8 +490,7 @@ fn draw_tags(
 }
 
 /// `■ RK4 · 0.13°`.
-fn tag(integrator: Integrator, hero: bool, track: &Track, attitude: bool) -> String {
-    let mut text = style::tagged(integrator);
+fn tag(mut text: String, hero: bool, track: &Track, attitude: bool) -> String {
     if hero {
         text.push_str(" (hero)");
     }

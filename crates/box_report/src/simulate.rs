@@ -12,7 +12,7 @@ use clap::Args;
 
 use crate::context::Stop;
 
-/// Longest run [steps].
+/// Longest run \[steps\].
 const MOST_STEPS: u64 = 100_000_000;
 
 /// What to simulate.

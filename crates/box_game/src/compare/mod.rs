@@ -9,7 +9,7 @@
 //! ```
 //!
 //! - [`run`]: one run of a scene; [`runner`]: a lane with its clock; [`track`]: what is measured of it.
-//! - [`reference`]: the trusted trajectory; [`ledger`]: the books; [`series`]: the past in fixed memory.
+//! - [`mod@reference`]: the trusted trajectory; [`ledger`]: the books; [`series`]: the past in fixed memory.
 //! - [`input`]: what is done to all alike; [`action`]: what can be asked.
 //! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked

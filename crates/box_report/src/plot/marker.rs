@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 use super::{Area, Chart, DrawResult, color};
 
-/// Half the size of a marker [px].
+/// Half the size of a marker \[px\].
 const R: i32 = 5;
 
 type Shape<'a> = DynElement<'static, SVGBackend<'a>, (i32, i32)>;

@@ -12,11 +12,11 @@ use plotters::prelude::*;
 pub(crate) use axis::Axis;
 use axis::Range;
 
-/// Width and height of a figure [px].
+/// Width and height of a figure \[px\].
 const SIZE: (u32, u32) = (960, 540);
-/// Width of the legend [px].
+/// Width of the legend \[px\].
 const LEGEND: i32 = 270;
-/// What surrounds the plotting area [px].
+/// What surrounds the plotting area \[px\].
 const MARGIN: u32 = 14;
 const X_LABELS: u32 = 46;
 const Y_LABELS: u32 = 66;
@@ -168,7 +168,7 @@ fn color(style: Style) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-/// Length of a dash and of the gap after it [px].
+/// Length of a dash and of the gap after it \[px\].
 fn dashes(dash: Dash) -> Option<(i32, i32)> {
     match dash {
         Dash::Solid => None,

@@ -1,5 +1,5 @@
 //! The hard cases of contact, numbers 25 to 32: bounces, rest, balance, sliding, tipping, corner
-//! impacts, spin-down, and impacts that a step jumps over. Like [`crate::hard_cases`] each has a
+//! impacts, spin-down, and impacts that a step jumps over. Like [`mod@crate::hard_cases`] each has a
 //! measured quantity and the bound up to which it is ok.
 
 mod bounce;
