@@ -291,6 +291,14 @@ fn a_trajectory_as_csv() {
     let o = run(&["simulate", "contact", "--duration", "0.5"]);
     let table = text(&o.stdout);
     assert_eq!(table.lines().count(), 32);
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes/example.ron");
+    let o = run(&[
+        "simulate",
+        scene.to_str().expect("text"),
+        "--duration",
+        "0.5",
+    ]);
+    assert_eq!(text(&o.stdout).lines().count(), 32, "{}", text(&o.stderr));
     // Corner drop with friction: no answer to compare with.
     assert!(table.lines().nth(1).is_some_and(|l| l.ends_with(",,")));
 }

@@ -7,7 +7,7 @@ use box_physics::schemes::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::oracle::Case;
 use box_scenarios::run::steps_in;
-use box_scenarios::{Family, Plan, Scenario, Setup, StateError, parse_step, run_plan};
+use box_scenarios::{Family, Plan, Scenario, Setup, StateError, parse_step, run_plan, scene_file};
 use clap::Args;
 
 use crate::context::Stop;
@@ -18,7 +18,7 @@ const MOST_STEPS: u64 = 100_000_000;
 /// What to simulate.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// A scene's name, or a file: a reference trajectory (JSON)
+    /// A scene's name, or a file: a scene (RON) or a reference trajectory (JSON)
     #[arg(value_name = "SCENE|FILE")]
     scene: String,
     /// The scheme
@@ -75,8 +75,11 @@ fn find(name: &str) -> Result<Setup, Stop> {
             Some("json") => Case::load(path)
                 .map(|c| c.setup)
                 .map_err(|e| Stop::Usage(e.to_string())),
+            Some("ron") => scene_file::load(path)
+                .map(|s| s.setup)
+                .map_err(|e| Stop::Usage(e.to_string())),
             _ => Err(Stop::Usage(format!(
-                "{name}: a scene file ends in .json (a reference trajectory)"
+                "{name}: a scene file ends in .ron, a reference trajectory in .json"
             ))),
         };
     }
