@@ -229,6 +229,21 @@ fn hero_and_ghost_change_places() {
     updates(&mut app, 10);
     updates(&mut euler, 10);
     assert_eq!(hero(&mut app), hero(&mut euler));
+    // While the clock stands the picture follows at once, and is no teleport.
+    ask(&mut app, Action::TogglePause);
+    ask(&mut app, Action::SetIntegrator(Integrator::Split));
+    let state = hero(&mut app);
+    let pose = *app
+        .world_mut()
+        .query_filtered::<&Transform, With<Hero>>()
+        .single(app.world())
+        .expect("one hero");
+    assert_eq!(pose.translation, state.position.as_vec3());
+    assert_eq!(pose.rotation, state.rotation.as_quat());
+    let rules = run(&app).rules.len();
+    ask(&mut app, Action::Step(1));
+    let inputs = run(&app).rules.iter().skip(rules);
+    assert_eq!(inputs.filter(|r| r.kind == RuleKind::Input).count(), 0);
 }
 
 /// Equal evaluations: the lane's step is longer by what its evaluations are more. Inputs reach it at its
@@ -381,6 +396,85 @@ fn lanes_follow_the_clock_back() {
         let energy = run.hero.track.ledger.residual(&law, state).energy;
         assert!((energy - sample.get(Quantity::Energy)).abs() < 1e-9);
     }
+}
+
+/// The same through the keys of the game: back and forward again, with a push in between, hero and lanes
+/// are at every step where they were.
+#[test]
+fn stepping_back_takes_the_lanes_along() {
+    let mut app = game(&["contact", "--integrator", "split,rk4,semi-implicit-euler"]);
+    let mut past = Vec::new();
+    let note = |app: &mut App| {
+        let lanes: Vec<_> = run(app).lanes.iter().map(|r| r.lane.state).collect();
+        (run(app).clock, hero(app), lanes)
+    };
+    for k in 0..150 {
+        if k == 100 {
+            ask(&mut app, push(DVec3::new(0.0, 0.0, 1.0), true));
+        } else {
+            app.update();
+        }
+        past.push(note(&mut app));
+    }
+    ask(&mut app, Action::TogglePause);
+    let last = past.len() - 1;
+    for back in [1, 30, 60] {
+        ask(&mut app, Action::StepBack(back));
+        app.update();
+        let now = note(&mut app);
+        let then = past
+            .iter()
+            .find(|p| (p.0 - now.0).abs() < 1e-9)
+            .expect("a step that was taken");
+        assert_eq!(now.1, then.1, "the hero, {back} back");
+        assert_eq!(now.2, then.2, "the lanes, {back} back");
+    }
+    // Past the push, which is not repeated by going back: what is to come is new.
+    let again = past
+        .iter()
+        .position(|p| (p.0 - run(&app).clock).abs() < 1e-9);
+    let again = again.expect("a step that was taken");
+    assert!(again < 100 && last > 100);
+    for expected in &past[again + 1..100] {
+        ask(&mut app, Action::Step(1));
+        assert_eq!(&note(&mut app), expected);
+    }
+}
+
+/// In the scene of 2012 its stepper moves the hero alone: the lanes go their own way, through the same
+/// pushes, and what the stepper gets wrong is in the hero's error and in nobody else's.
+#[test]
+fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
+    let mut app = game(&["dissertation-2012", "--integrator", "split,rk4,exact"]);
+    updates(&mut app, 20);
+    ask(&mut app, push(DVec3::X, false));
+    updates(&mut app, 20);
+    let law = box_game::lane::Law::of(&box_game::session::Session::setup(
+        app.world().resource::<box_game::session::Session>(),
+    ));
+    let [rk4, exact] = [Integrator::Rk4, Integrator::Exact].map(|i| lane(&app, i).lane.state);
+    // A parabola with the push, as the closed form has it.
+    assert!((rk4.position - exact.position).length() < 1e-9);
+    let strength = app
+        .world()
+        .resource::<box_game::session::Session>()
+        .parameters
+        .impulse;
+    assert!((rk4.velocity.x - strength / law.body.mass()).abs() < 1e-9);
+    let fallen = -9.81 * run(&app).clock;
+    assert!((rk4.velocity.y - fallen).abs() < 1e-6, "{}", rk4.velocity.y);
+    for r in &run(&app).lanes {
+        assert!(r.track.now.worst.0 < 1e-9, "{}", r.lane.integrator);
+    }
+    // It falls at 9.81 m/s from the start: three metres apart by now.
+    assert!(run(&app).hero.track.now.worst.0 > 1.0);
+    // Ours takes over from where the box is; the lanes go along and everything is right again.
+    ask(&mut app, Action::SetDemo(None));
+    compare(&mut app, CompareAction::Resync);
+    updates(&mut app, 10);
+    let apart =
+        (hero(&mut app).position - lane(&app, Integrator::Rk4).lane.state.position).length();
+    assert!(apart < 1e-9, "{apart:e}");
 }
 
 /// The first run: `dzhanibekov`, the hero and two ghosts, the drawer on Energy, and within five seconds at

@@ -92,6 +92,8 @@ pub enum Action {
     Screenshot,
     /// The same under this name.
     ScreenshotTo(PathBuf),
+    /// Save a PNG of the open plot or table alone, under this name or the next free one.
+    SavePlot(Option<PathBuf>),
     /// Film the picture, as animated PNG.
     Record(Film),
     /// The command line that brings this set-up back, to the clipboard.

@@ -236,7 +236,7 @@ fn end(
         None => {
             // A picture left from an earlier run must not pass for this one's.
             let _ = std::fs::remove_file(path);
-            commands.insert_resource(ScreenshotRequest(Some(path.clone())));
+            commands.insert_resource(ScreenshotRequest::of(Some(path.clone())));
             *asked = Some(*frames);
         }
         Some(_) if path.exists() => {

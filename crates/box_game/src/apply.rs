@@ -19,7 +19,7 @@ use crate::opening::{open_scene, reset_everything};
 use crate::panel::Parameters;
 use crate::preferences::{Preferences, UI_SCALES};
 use crate::recorder::Recording;
-use crate::screenshot::ScreenshotRequest;
+use crate::screenshot::{Part, ScreenshotRequest};
 use crate::session::{
     Hero, LONGEST_FRAME, SPEEDS, SceneEntity, Session, apply_world, insert_forces, start_scene,
 };
@@ -111,7 +111,11 @@ fn apply(world: &mut World, action: Action) {
         Action::Screenshot => {
             world.init_resource::<ScreenshotRequest>();
         }
-        Action::ScreenshotTo(path) => world.insert_resource(ScreenshotRequest(Some(path))),
+        Action::ScreenshotTo(path) => world.insert_resource(ScreenshotRequest::of(Some(path))),
+        Action::SavePlot(path) => world.insert_resource(ScreenshotRequest {
+            path,
+            part: Part::Plot,
+        }),
         Action::Record(film) => world.insert_resource(Recording::new(film)),
         Action::CopyCommandLine => command_line::copy(world),
         Action::SetCamera(view) => world.insert_resource(CameraRequest::Look(view)),

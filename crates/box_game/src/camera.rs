@@ -5,6 +5,7 @@
 
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
 use box_physics::prelude::{BodyState, Floor};
 use box_scenarios::SceneView;
 
@@ -59,6 +60,20 @@ impl OrbitCamera {
             distance: view
                 .distance
                 .map_or(self.distance, |d| (d as f32).clamp(0.01, 1e5)),
+        }
+    }
+
+    /// Nearer by this factor, farther above 1, without moving `fixed`, a point of the plane through the
+    /// target across the view, in the picture.
+    #[must_use]
+    pub fn zoomed(self, factor: f32, fixed: Option<Vec3>) -> Self {
+        let distance = (self.distance * factor).clamp(0.01, 1e5);
+        let factor = distance / self.distance;
+        let target = fixed.map_or(self.target, |fixed| fixed + (self.target - fixed) * factor);
+        Self {
+            target,
+            distance,
+            ..self
         }
     }
 
@@ -124,7 +139,8 @@ impl Gesture {
 
 /// Moves the camera by the mouse.
 pub fn move_camera(
-    mut camera: Single<(&mut OrbitCamera, &mut Transform)>,
+    mut camera: Single<(&mut OrbitCamera, &mut Transform, &Camera)>,
+    window: Query<&Window, With<PrimaryWindow>>,
     buttons: Res<ButtonInput<MouseButton>>,
     motion: Res<AccumulatedMouseMotion>,
     scroll: Res<AccumulatedMouseScroll>,
@@ -137,7 +153,8 @@ pub fn move_camera(
     mut seen: Local<Option<Vec3>>,
     mut commands: Commands,
 ) {
-    let (orbit, transform) = &mut *camera;
+    let (orbit, transform, lens) = &mut *camera;
+    let window = window.iter().next();
     let left = buttons.pressed(MouseButton::Left);
     let others = [MouseButton::Right, MouseButton::Middle];
     let other = buttons.any_pressed(others);
@@ -161,7 +178,7 @@ pub fn move_camera(
             bevy::input::mouse::MouseScrollUnit::Line => scroll.delta.y,
             bevy::input::mouse::MouseScrollUnit::Pixel => scroll.delta.y / 40.0,
         };
-        orbit.distance = (orbit.distance * 0.9_f32.powf(notches)).clamp(0.01, 1e5);
+        **orbit = orbit.zoomed(0.9_f32.powf(notches), under_cursor(orbit, lens, window));
     }
     // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
     // with the hero.
@@ -173,7 +190,14 @@ pub fn move_camera(
     *seen = at;
     if let Some(request) = request {
         match *request {
-            CameraRequest::Home => **orbit = OrbitCamera::home(&session),
+            CameraRequest::Home => {
+                **orbit = OrbitCamera::home(&session);
+                // The hero may have moved on since the start.
+                if let (false, Some(now)) = (stays, at) {
+                    let start = session.setup().initial.position.as_vec3();
+                    orbit.target += now - start;
+                }
+            }
             CameraRequest::Look(view) => **orbit = orbit.seen_as(&view),
             CameraRequest::Frame => {
                 if let Some(at) = at {
@@ -184,6 +208,15 @@ pub fn move_camera(
         commands.remove_resource::<CameraRequest>();
     }
     **transform = orbit.transform();
+}
+
+/// The point under the mouse of the plane through the target across the view.
+fn under_cursor(orbit: &OrbitCamera, camera: &Camera, window: Option<&Window>) -> Option<Vec3> {
+    let eye = orbit.transform();
+    let cursor = window?.cursor_position()?;
+    let ray = camera.viewport_to_world(&eye.into(), cursor).ok()?;
+    let along = ray.direction.dot(*eye.forward());
+    (along > 0.1).then(|| ray.get_point(orbit.distance / along))
 }
 
 #[cfg(test)]
@@ -211,6 +244,34 @@ mod tests {
         assert_eq!(hand.next(true, false, false, true, true), Gesture::Hand);
         // A second button does not take it over.
         assert_eq!(g.next(true, true, true, false, false), Gesture::Orbit);
+    }
+
+    /// What is under the mouse stays there: seen from the camera it keeps its direction.
+    #[test]
+    fn zooming_keeps_the_point_under_the_mouse() {
+        let before = OrbitCamera {
+            target: Vec3::new(1.0, 2.0, 3.0),
+            yaw: 0.4,
+            pitch: 0.3,
+            distance: 5.0,
+        };
+        let eye = before.transform();
+        let fixed = before.target + eye.right() * 1.5 + eye.up() * 0.5;
+        let after = before.zoomed(0.5, Some(fixed));
+        assert_eq!(after.distance, 2.5);
+        let seen = |camera: &OrbitCamera| {
+            let eye = camera.transform();
+            (eye.rotation.inverse() * (fixed - eye.translation)).normalize()
+        };
+        assert!((seen(&before) - seen(&after)).length() < 1e-5);
+        // Without a mouse the target stays in the middle.
+        assert_eq!(before.zoomed(0.5, None).target, before.target);
+        // At the limit nothing moves.
+        let near = OrbitCamera {
+            distance: 0.01,
+            ..before
+        };
+        assert_eq!(near.zoomed(0.5, Some(fixed)), near);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::panel::{self, PanelMemory};
 use crate::panel_view::{self, Sources};
 use crate::preferences::{Preferences, PreferencesPlugin, UI_SCALES};
 use crate::recorder::record_film;
-use crate::screenshot::{OffscreenTarget, take_screenshot};
+use crate::screenshot::{OffscreenTarget, PlotArea, take_screenshot};
 use crate::session::Session;
 use crate::surroundings::draw_lattice;
 use crate::visuals;
@@ -54,6 +54,7 @@ impl Plugin for PicturePlugin {
         app.insert_resource(ClearColor(Color::srgb(0.10, 0.115, 0.14)))
             .init_resource::<PanelState>()
             .init_resource::<Hand>()
+            .init_resource::<PlotArea>()
             .add_systems(
                 Startup,
                 (
@@ -82,6 +83,7 @@ impl Plugin for PicturePlugin {
                     record_film,
                     draw_lattice,
                     visuals::dress_boxes,
+                    visuals::tint_hero,
                     visuals::place_floor,
                     visuals::draw_aabbs,
                     visuals::draw_axes,
@@ -139,6 +141,7 @@ fn show_panel(
     mut drawn: Local<f64>,
     window: Query<&Window, With<PrimaryWindow>>,
     (target, images): (Option<Res<OffscreenTarget>>, Res<Assets<Image>>),
+    mut plot: ResMut<PlotArea>,
 ) -> Result {
     let start = std::time::Instant::now();
     let context = contexts.ctx_mut()?;
@@ -173,17 +176,14 @@ fn show_panel(
                 .map(|i| (i.width(), i.height()))
         })
         .unwrap_or(SIZE);
-    let at = UVec2::new(
-        ((layout.central.min.x * scale) as u32).min(width.saturating_sub(1)),
-        ((layout.central.min.y * scale) as u32).min(height.saturating_sub(1)),
-    );
-    let size = UVec2::new(
-        ((layout.central.width() * scale) as u32).clamp(1, (width - at.x).max(1)),
-        ((layout.central.height() * scale) as u32).clamp(1, (height - at.y).max(1)),
-    );
+    let whole = UVec2::new(width, height);
+    plot.0 = layout
+        .plot
+        .map_or_else(URect::default, |rect| pixels(rect, scale, whole));
+    let central = pixels(layout.central, scale, whole);
     let viewport = Viewport {
-        physical_position: at,
-        physical_size: size,
+        physical_position: central.min,
+        physical_size: central.size(),
         ..default()
     };
     let same = camera.viewport.as_ref().is_some_and(|v| {
@@ -195,6 +195,19 @@ fn show_panel(
     }
     *drawn = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
+}
+
+/// A place on the panel in pixels of the picture, of which at least one is in it.
+fn pixels(rect: egui::Rect, scale: f32, whole: UVec2) -> URect {
+    let least = |at: f32, all: u32| ((at * scale) as u32).min(all.saturating_sub(1));
+    let min = UVec2::new(least(rect.min.x, whole.x), least(rect.min.y, whole.y));
+    let extent =
+        |length: f32, from: u32, all: u32| ((length * scale) as u32).clamp(1, (all - from).max(1));
+    let size = UVec2::new(
+        extent(rect.width(), min.x, whole.x),
+        extent(rect.height(), min.y, whole.y),
+    );
+    URect::from_corners(min, min + size)
 }
 
 /// Sets the panel's scale where it was asked for, and keeps the one that Ctrl and + or − made.

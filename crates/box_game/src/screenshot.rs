@@ -11,9 +11,38 @@ use bevy::window::WindowRef;
 use crate::script::PendingPictures;
 use crate::session::Session;
 
-/// Asks for a picture of the next frame, under this name or the next free `box_game-NN.png`.
+/// Asks for a picture of the next frame.
 #[derive(Resource, Clone, Debug, Default)]
-pub struct ScreenshotRequest(pub Option<PathBuf>);
+pub struct ScreenshotRequest {
+    /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
+    pub path: Option<PathBuf>,
+    /// How much of the window.
+    pub part: Part,
+}
+
+impl ScreenshotRequest {
+    /// Of the whole window.
+    pub const fn of(path: Option<PathBuf>) -> Self {
+        Self {
+            path,
+            part: Part::Window,
+        }
+    }
+}
+
+/// How much of the window is in a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    #[default]
+    Window,
+    /// The open plot or table.
+    Plot,
+}
+
+/// Where the open plot or table is \[pixels\]; empty while the drawer is shut.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct PlotArea(pub URect);
 
 /// The image that is rendered instead of a window.
 #[derive(Resource, Clone, Debug)]
@@ -23,6 +52,7 @@ pub struct OffscreenTarget(pub Handle<Image>);
 pub fn take_screenshot(
     request: Option<Res<ScreenshotRequest>>,
     offscreen: Option<Res<OffscreenTarget>>,
+    plot: Res<PlotArea>,
     mut session: ResMut<Session>,
     mut pending: ResMut<PendingPictures>,
     mut commands: Commands,
@@ -30,18 +60,28 @@ pub fn take_screenshot(
     let Some(request) = request else {
         return;
     };
-    let path = request.0.clone().or_else(|| {
+    let (name, area) = match request.part {
+        Part::Window => ("box_game", None),
+        Part::Plot => ("plot", Some(plot.0)),
+    };
+    let path = request.path.clone().or_else(|| {
         (1..10_000)
-            .map(|n| PathBuf::from(format!("box_game-{n:02}.png")))
+            .map(|n| PathBuf::from(format!("{name}-{n:02}.png")))
             .find(|p| !p.exists())
     });
     // Who named the file knows of it; a strip about it would be in the next picture.
-    let named = request.0.is_some();
+    let named = request.path.is_some();
     commands.remove_resource::<ScreenshotRequest>();
     let Some(path) = path else {
-        session.notice("no free name for a picture: box_game-01.png to -9999.png are taken");
+        session.notice(format!(
+            "no free name for a picture: {name}-01.png to -9999.png are taken"
+        ));
         return;
     };
+    if area.is_some_and(|area| area.is_empty()) {
+        session.notice("no plot is open: M opens them");
+        return;
+    }
     pending.0 += 1;
     commands
         .spawn(Screenshot(source(offscreen.as_deref())))
@@ -50,7 +90,7 @@ pub fn take_screenshot(
                   mut session: ResMut<Session>,
                   mut pending: ResMut<PendingPictures>| {
                 pending.0 = pending.0.saturating_sub(1);
-                match save(&captured.image, &path) {
+                match save(&captured.image, area, &path) {
                     Ok(()) if named => info!("picture: {}", path.display()),
                     Ok(()) => session.notice(format!("picture: {}", path.display())),
                     Err(error) => session.notice(format!("picture {}: {error}", path.display())),
@@ -68,8 +108,11 @@ pub fn source(offscreen: Option<&OffscreenTarget>) -> RenderTarget {
 }
 
 /// Writes a PNG beside its place and moves it there, so that nobody sees half a picture.
-fn save(image: &Image, path: &Path) -> io::Result<()> {
-    let picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
+fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
+    let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
+    if let Some(URect { min, max }) = area {
+        picture = picture.crop_imm(min.x, min.y, max.x - min.x, max.y - min.y);
+    }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     let file = tempfile::Builder::new()
         .suffix(".png")

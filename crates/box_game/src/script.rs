@@ -145,7 +145,10 @@ pub fn play(
                 return;
             }
             let action = beat.actions.remove(0);
-            let picture = matches!(action, Action::Screenshot | Action::ScreenshotTo(_));
+            let picture = matches!(
+                action,
+                Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
+            );
             asked.0.push(action);
             asking = true;
             // What follows must not be in it: it waits for the next frame.

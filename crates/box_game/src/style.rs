@@ -5,7 +5,7 @@ use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
 use egui_plot::{LineStyle, MarkerShape};
 
-use bevy_egui::egui::{Color32, Context, FontDefinitions, FontFamily, Id};
+use bevy_egui::egui::{Color32, Context, FontDefinitions, FontFamily, FontId, Id, TextStyle};
 
 /// The looks of one scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,14 +83,21 @@ const fn look(
     }
 }
 
+/// Small print \[points\]: egui's own nine are hard to read over a dark ground.
+const SMALL: f32 = 10.5;
+
 /// Lets text fall back on egui's own monospaced font, once per context: the proportional one has no
-/// ▲ ◆ ● and no arrows.
+/// ▲ ◆ ● and no arrows. And makes the small print readable.
 pub fn install_symbols(ctx: &Context) {
     let done = Id::new("box_game symbols");
     if ctx.data(|data| data.get_temp::<()>(done)).is_some() {
         return;
     }
     ctx.data_mut(|data| data.insert_temp(done, ()));
+    ctx.all_styles_mut(|style| {
+        let small = FontId::new(SMALL, FontFamily::Proportional);
+        style.text_styles.insert(TextStyle::Small, small);
+    });
     let mut fonts = FontDefinitions::default();
     let symbols = fonts.families.get(&FontFamily::Monospace).cloned();
     if let (Some(symbols), Some(text)) =

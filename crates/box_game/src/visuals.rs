@@ -6,8 +6,12 @@ use bevy::light::CascadeShadowConfigBuilder;
 use bevy::mesh::Mesh;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use box_physics::prelude::{BodyState, ContactPhase, Floor, FloorContact, RigidBox, WorldAabb};
+use box_physics::prelude::{
+    BodyIntegrator, BodyState, ContactPhase, Floor, FloorContact, GlobalIntegrator, Integrator,
+    RigidBox, WorldAabb,
+};
 
+use crate::demo::Demo2012;
 use crate::session::{Hero, Session};
 
 /// Edge of the drawn floor \[m\].
@@ -85,31 +89,50 @@ pub fn set_up(
     });
 }
 
-/// Two by two squares of 1 m.
+/// Texels along an edge of the floor's tile, a power of two.
+const TILE: u32 = 128;
+
+/// Two by two squares of 1 m, with all smaller versions of it: a distant floor is grey and does not
+/// shimmer.
 fn checker() -> Image {
     let (light, dark) = ([96, 102, 112, 255], [78, 84, 94, 255]);
+    let mean: [u8; 4] = core::array::from_fn(|k| u8::midpoint(light[k], dark[k]));
+    let level = |edge: u32| {
+        (0..edge * edge).flat_map(move |texel| {
+            let square = |at: u32| at * 2 / edge;
+            match edge {
+                1 => mean,
+                _ if (square(texel % edge) + square(texel / edge)).is_multiple_of(2) => light,
+                _ => dark,
+            }
+        })
+    };
+    let levels = TILE.ilog2() + 1;
     let mut image = Image::new(
         Extent3d {
-            width: 2,
-            height: 2,
+            width: TILE,
+            height: TILE,
             depth_or_array_layers: 1,
         },
         TextureDimension::D2,
-        [light, dark, dark, light].concat(),
+        level(TILE).collect(),
         TextureFormat::Rgba8UnormSrgb,
         RenderAssetUsages::RENDER_WORLD,
     );
+    image.texture_descriptor.mip_level_count = levels;
+    image.data = Some((0..levels).flat_map(|k| level(TILE >> k)).collect());
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
         address_mode_u: ImageAddressMode::Repeat,
         address_mode_v: ImageAddressMode::Repeat,
-        ..ImageSamplerDescriptor::nearest()
+        anisotropy_clamp: 8,
+        ..ImageSamplerDescriptor::linear()
     });
     image
 }
 
-/// A cuboid whose three pairs of faces differ in colour, and whose positive faces are lighter, so that
-/// every attitude looks different. Colours: Okabe and Ito 2008.
-pub(crate) fn painted_cuboid(half: Vec3) -> Mesh {
+/// A cuboid with six faces of different lightness and no colour of its own, so that every attitude looks
+/// different and the material's colour says whose box it is.
+pub(crate) fn shaded_cuboid(half: Vec3) -> Mesh {
     let mut mesh = Cuboid::from_size(half * 2.0).mesh().build();
     let colors: Vec<[f32; 4]> = mesh
         .attribute(Mesh::ATTRIBUTE_NORMAL)
@@ -117,7 +140,7 @@ pub(crate) fn painted_cuboid(half: Vec3) -> Mesh {
         .map(|normals| {
             normals
                 .iter()
-                .map(|n| face_color(Vec3::from_array(*n)))
+                .map(|n| face_shade(Vec3::from_array(*n)))
                 .collect()
         })
         .unwrap_or_default();
@@ -125,21 +148,50 @@ pub(crate) fn painted_cuboid(half: Vec3) -> Mesh {
     mesh
 }
 
-fn face_color(normal: Vec3) -> [f32; 4] {
-    let color = if normal.x.abs() > 0.5 {
-        Color::srgb_u8(0, 114, 178)
+/// Opposite faces are far apart in lightness: a box that has turned over is told at a glance.
+fn face_shade(normal: Vec3) -> [f32; 4] {
+    let pair = if normal.x.abs() > 0.5 {
+        (0.62, 0.14)
     } else if normal.y.abs() > 0.5 {
-        Color::srgb_u8(230, 159, 0)
+        (1.0, 0.07)
     } else {
-        Color::srgb_u8(0, 158, 115)
+        (0.36, 0.22)
     };
     let shade = if normal.element_sum() > 0.0 {
-        1.0
+        pair.0
     } else {
-        0.45
+        pair.1
     };
-    let c = color.to_linear();
-    [c.red * shade, c.green * shade, c.blue * shade, 1.0]
+    [shade, shade, shade, 1.0]
+}
+
+/// The colour of a box that `integrator` moves: that of the scheme.
+pub(crate) fn box_color(integrator: Integrator) -> Color {
+    let [r, g, b] = crate::style::of(integrator).rgb;
+    Color::srgb_u8(r, g, b)
+}
+
+/// Paints the hero in the colour of the scheme that moves it; white where that is none of ours.
+pub fn tint_hero(
+    hero: Query<Option<&BodyIntegrator>, With<Hero>>,
+    global: Res<GlobalIntegrator>,
+    demo: Res<Demo2012>,
+    session: Res<Session>,
+    look: Res<BoxLook>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    let own = hero.iter().next().flatten();
+    let integrator = own.map_or(global.0, |own| own.0);
+    let wanted = match demo.active(&session) {
+        Some(_) => Color::WHITE,
+        None => box_color(integrator),
+    };
+    let differs = |m: &StandardMaterial| m.base_color != wanted;
+    if materials.get(&look.hero).is_some_and(differs)
+        && let Some(mut material) = materials.get_mut(&look.hero)
+    {
+        material.base_color = wanted;
+    }
 }
 
 /// Gives new boxes a mesh: one mesh and two materials for all, so that they are drawn in few calls.
@@ -154,7 +206,7 @@ pub fn dress_boxes(
         let mesh = match &look.mesh {
             Some((size, mesh)) if *size == half => mesh.clone(),
             _ => {
-                let mesh = meshes.add(painted_cuboid(half));
+                let mesh = meshes.add(shaded_cuboid(half));
                 look.mesh = Some((half, mesh.clone()));
                 mesh
             }

@@ -308,9 +308,18 @@ fn resync(world: &mut World) {
     else {
         return;
     };
-    let mut hero = world.query_filtered::<&mut BodyState, With<Hero>>();
-    if let Some(mut now) = hero.iter_mut(world).next() {
+    let mut hero = world.query_filtered::<(&mut BodyState, Option<&mut Transform>), With<Hero>>();
+    if let Some((mut now, pose)) = hero.iter_mut(world).next() {
         *now = state;
+        show(&state, pose);
+    }
+}
+
+/// The pose as the plugin will write it, at once: the clock may stand.
+fn show(state: &BodyState, pose: Option<Mut<Transform>>) {
+    if let Some(mut pose) = pose {
+        pose.translation = state.position.as_vec3();
+        pose.rotation = state.rotation.as_quat();
     }
 }
 
@@ -322,13 +331,18 @@ pub fn make_hero(world: &mut World, scheme: Integrator) {
             return false;
         };
         let old = run.hero.integrator;
-        let mut hero = world
-            .query_filtered::<(&mut BodyState, &mut SchemeMemory, &mut ContactState), With<Hero>>();
-        let Some((mut state, mut memory, mut contact)) = hero.iter_mut(world).next() else {
+        let mut hero = world.query_filtered::<(
+            &mut BodyState,
+            &mut SchemeMemory,
+            &mut ContactState,
+            Option<&mut Transform>,
+        ), With<Hero>>();
+        let Some((mut state, mut memory, mut contact, pose)) = hero.iter_mut(world).next() else {
             return false;
         };
         let swapped = run.swap(scheme, (&mut state, &mut memory, &mut contact));
         if swapped {
+            show(&state, pose);
             let others = comparison.chosen.clone().into_iter();
             let others: Vec<_> = others.filter(|&i| i != scheme).chain([old]).collect();
             comparison.choose(others);

@@ -1,6 +1,8 @@
 //! One run of a scene: the hero, the lanes beside it, and the reference, all from the same start through
 //! the same inputs.
 
+mod past;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,19 +14,16 @@ use box_scenarios::simulate::sanity;
 use box_scenarios::{Setup, StateError, TimedImpulse, Truth};
 
 use super::input::{Change, Input, Inputs};
-use super::ledger::Ledger;
 use super::reference::Reference;
-use super::runner::{Runner, SAME, Saved, Shared};
+use super::runner::{Runner, SAME, Shared};
 use super::track::{ReferenceStep, Track, local_error};
 use crate::lane::Law;
+use past::Checkpoint;
 
 /// Vertical lines in the plots that are kept.
 const RULES: usize = 512;
 /// Contacts closer than this are one line \[s\].
 const RULE_SPACING: f64 = 0.02;
-/// Distance of the states to which stepping back returns \[s\], and how many there are: four minutes.
-const CHECKPOINT: f64 = 1.0;
-const CHECKPOINTS: usize = 240;
 /// Lane steps between two looks at the clock.
 const BATCH: u32 = 16;
 
@@ -66,15 +65,6 @@ pub struct HeroTrack {
     next_impulse: usize,
     /// The step began with one of the scene's impulses.
     kicked: bool,
-}
-
-#[derive(Clone, Debug)]
-struct Checkpoint {
-    t: f64,
-    reference: Reference,
-    law: Arc<Law>,
-    hero: (Ledger, (f64, f64)),
-    lanes: Vec<Saved>,
 }
 
 /// See the module.
@@ -360,99 +350,6 @@ impl Run {
         }
         self.save();
         true
-    }
-
-    fn save(&mut self) {
-        let due = self
-            .checkpoints
-            .back()
-            .is_none_or(|last| self.clock >= last.t + CHECKPOINT);
-        if due {
-            let track = &self.hero.track;
-            self.checkpoints.push_back(Checkpoint {
-                t: self.clock,
-                reference: self.reference.clone(),
-                law: self.law.clone(),
-                hero: (track.ledger, track.now.worst),
-                lanes: self.lanes.iter().map(Runner::save).collect(),
-            });
-            if self.checkpoints.len() > CHECKPOINTS {
-                self.checkpoints.pop_front();
-            }
-        }
-    }
-
-    /// Back to `t` \[s\], where the hero was in `state`: the lanes return to the checkpoint before it
-    /// (or to the start) and are simulated again up to there.
-    pub fn rewind(&mut self, t: f64, state: &BodyState) {
-        let margin = SAME * self.step;
-        self.inputs.rewind(t - margin);
-        while self.checkpoints.back().is_some_and(|c| c.t > t + margin) {
-            self.checkpoints.pop_back();
-        }
-        while self.rules.back().is_some_and(|r| r.t > t + margin) {
-            self.rules.pop_back();
-        }
-        let schemes: Vec<Integrator> = self.lanes.iter().map(|r| r.lane.integrator).collect();
-        let Some(c) = self.checkpoints.back().cloned() else {
-            // Before the first: anew from the start.
-            self.reference = Reference::new(
-                &self.start.0,
-                self.start.1,
-                &self.impulses,
-                Truth::closed_form(&{
-                    let mut setup = self.start.0.setup(self.start.1, 3600.0);
-                    setup.impulses = self.impulses.to_vec();
-                    setup
-                }),
-                self.step,
-            );
-            self.law = self.start.0.clone();
-            self.lanes.clear();
-            self.choose(schemes);
-            self.hero.track = Track::new(&self.law, &self.start.1, 0.0);
-            self.arrive(t, state);
-            return;
-        };
-        self.reference = c.reference.clone();
-        self.law = c.law.clone();
-        let mut lanes = core::mem::take(&mut self.lanes);
-        lanes.retain_mut(|r| {
-            let saved = c.lanes.iter().find(|s| s.integrator() == r.lane.integrator);
-            saved.map(|s| r.restore(s)).is_some()
-        });
-        self.lanes = lanes;
-        self.choose(schemes);
-        let track = &mut self.hero.track;
-        (track.ledger, track.now.worst) = c.hero;
-        self.arrive(t, state);
-    }
-
-    /// The hero is in `state` at `t` \[s\], a time between a checkpoint and the next.
-    fn arrive(&mut self, t: f64, state: &BodyState) {
-        // Inputs since the checkpoint belong to the reference as well.
-        let from = self.checkpoints.back().map_or(0.0, |c| c.t);
-        for n in 0..self.inputs.end() {
-            if let Some(input) = self.inputs.get(n).filter(|i| i.t >= from - 1e-12).cloned() {
-                self.reference.push(input.t, &input.change);
-                if let Change::Law(law) = input.change {
-                    self.law = law;
-                }
-            }
-        }
-        self.clock = t;
-        self.hero.track.series.rewind(t);
-        // Its own steps since then are not known: what they left over stays as the last sample had it.
-        let left = self.hero.track.series.last().map_or(0.0, |s| {
-            let energy = s.get(super::series::Quantity::Energy);
-            if energy.is_finite() { energy } else { 0.0 }
-        });
-        self.hero.track.ledger.rebase(&self.law, state, left);
-        self.hero.track.diverged = self.hero.track.diverged.filter(|d| *d <= t);
-        self.hero.state = *state;
-        self.hero.before = *state;
-        self.hero.reference = self.reference.at(t);
-        self.hero.next_impulse = self.impulses.partition_point(|i| i.t < t - 1e-9);
     }
 
     /// Puts every lane into the reference's state and opens new books; returns that state for the hero.

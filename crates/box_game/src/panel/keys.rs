@@ -48,7 +48,10 @@ pub const KEYS: &[(&str, &str)] = &[
         "orbit · pan · zoom",
     ),
     ("L", "start or stop the CSV log"),
-    ("F12", "save a picture of the window"),
+    (
+        "F12",
+        "save a picture of the window (of a plot: its PNG button)",
+    ),
     ("M", "show or hide the plots"),
     ("` (backtick)", "show or hide the panel"),
     ("F1 or ?", "show or hide this list"),

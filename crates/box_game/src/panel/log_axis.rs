@@ -75,7 +75,9 @@ pub(super) fn tick(mark: GridMark, low: f64, high: f64) -> String {
     let digit = from_axis(mark.value - mark.value.floor()).round() as u8;
     if decade {
         let exponent = mark.value.round();
-        if (-3.0..=5.0).contains(&exponent) {
+        if exponent <= FLOOR.log10().round() {
+            "≤1e-17".to_owned()
+        } else if (-3.0..=5.0).contains(&exponent) {
             number_of_decade(exponent)
         } else {
             format!("1e{exponent}")

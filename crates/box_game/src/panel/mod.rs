@@ -18,6 +18,7 @@ mod drawer;
 mod fields;
 mod format;
 mod keys;
+mod linear_axis;
 mod log_axis;
 mod memory;
 mod overlay;
@@ -63,6 +64,8 @@ pub fn comparison_window(
 pub struct PanelLayout {
     /// For the picture \[points\]: times `pixels_per_point` for pixels. Never negative in size.
     pub central: Rect,
+    /// Where the open plot or table is \[points\].
+    pub plot: Option<Rect>,
 }
 
 /// Width of the side panel: as it opens, and the least that shows everything [points].
@@ -82,7 +85,10 @@ pub fn show(
     if view.hidden {
         let central = ui.available_rect_before_wrap();
         overlay::hud(ui, view, out);
-        return PanelLayout { central };
+        return PanelLayout {
+            central,
+            plot: None,
+        };
     }
     Panel::top("top bar").show(ui, |ui| top_bar::show(ui, view, out));
 
@@ -92,19 +98,21 @@ pub fn show(
         .size_range(SIDE_LEAST..=(width * 0.6).max(SIDE_LEAST))
         .show(ui, |ui| side::show(ui, view, memory, out));
 
-    if view.show_plots {
+    let plot = view.show_plots.then(|| {
         let height = ui.available_height();
         Panel::bottom("drawer")
             .resizable(true)
             .default_size((height * 0.38).clamp(90.0, 300.0))
             .size_range(80.0..=(height * 0.6).max(80.0))
-            .show(ui, |ui| drawer::show(ui, view, memory, out));
-    }
+            .show(ui, |ui| drawer::show(ui, view, memory, out))
+            .inner
+    });
     overlay::strips(ui, view, memory);
     demo::show(ui, view, out);
 
     let left = ui.available_rect_before_wrap();
     PanelLayout {
         central: Rect::from_min_size(left.min, left.size().max(Default::default())),
+        plot,
     }
 }

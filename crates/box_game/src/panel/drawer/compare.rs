@@ -7,6 +7,7 @@ use bevy_egui::egui::{
 use egui_plot::{LineStyle, PlotUi, VLine};
 
 use super::super::format::number;
+use super::super::linear_axis;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::plots::{describe, frame, line, scrolled, time_and};
 use crate::compare::{CompareView, LaneView, Quantity, RuleKind};
@@ -136,6 +137,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
         // Rounding noise on a constant must not fill the plot.
         plot.include_y(-1e-9)
             .include_y(1e-9)
+            .y_grid_spacer(linear_axis::marks)
             .y_axis_formatter(|mark, _| number(mark.value))
     };
     let response = plot

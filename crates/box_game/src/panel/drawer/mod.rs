@@ -5,7 +5,7 @@ mod plots;
 mod table;
 mod work_precision;
 
-use bevy_egui::egui::{Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Button, Checkbox, Rect, RichText, Ui, WidgetInfo, WidgetType};
 use box_physics::prelude::Integrator;
 
 use super::memory::{Frozen, PanelMemory};
@@ -97,8 +97,13 @@ fn select(ui: &mut Ui, chosen: bool, name: &str, hint: &str) -> bool {
     tab.on_hover_text(hint).clicked() && !chosen
 }
 
-/// Draws the tabs and the chosen one's content.
-pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+/// Draws the tabs and the chosen one's content; returns where that is.
+pub(super) fn show(
+    ui: &mut Ui,
+    view: &PanelView,
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) -> Rect {
     let now = ui.input(|i| i.time);
     memory
         .frozen
@@ -113,6 +118,14 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         let mut asked = Vec::new();
         tools(ui, &view.compare, view.plot, &mut asked);
         out.extend(asked.into_iter().map(Action::Compare));
+        let picture = ui.button("PNG");
+        picture.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Save plot"));
+        if picture
+            .on_hover_text("Save this plot or table as plot-NN.png in the present folder.")
+            .clicked()
+        {
+            out.push(Action::SavePlot(None));
+        }
         if ui
             .button("Close plots")
             .on_hover_text("Hide the drawer (M).")
@@ -169,6 +182,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         }),
         other => other,
     };
+    place
 }
 
 /// What can be chosen of the open tab.

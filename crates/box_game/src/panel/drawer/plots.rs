@@ -17,7 +17,7 @@ use super::super::view::PanelView;
 use crate::style::{self, SchemeStyle};
 
 /// Width of a column of the legend beside the plot [points].
-const LEGEND: f32 = 125.0;
+const LEGEND: f32 = 140.0;
 /// The plot keeps this much beside a legend, or there is none [points].
 const PLOT_BESIDE_LEGEND: f32 = 220.0;
 /// A plot lower than this is no use; the drawer scrolls instead.
@@ -40,7 +40,7 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
         .truncate(),
     );
     let whole = ui.available_rect_before_wrap();
-    let line = ui.text_style_height(&TextStyle::Small) + 1.0;
+    let line = ui.text_style_height(&TextStyle::Small);
     let rows = ((whole.height() / line) as usize).max(1);
     let columns = Integrator::ALL.len().div_ceil(rows);
     let width = LEGEND * columns as f32;

@@ -16,7 +16,10 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             if tick(ui, view, integrator) {
                 out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
             }
-            if row(ui, view, integrator) && integrator != view.integrator {
+            if row(ui, view, integrator) && active(view) != Some(integrator) {
+                if active(view).is_none() {
+                    out.push(Action::SetDemo(None));
+                }
                 out.push(Action::SetIntegrator(integrator));
             }
         });
@@ -26,6 +29,12 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             .small(),
     );
     together(ui, view, out);
+}
+
+/// The scheme that moves the box; none while a stepper of 2012 does.
+fn active(view: &PanelView) -> Option<Integrator> {
+    let demo = view.hands.demo.as_ref().and_then(|demo| demo.stepper);
+    demo.is_none().then_some(view.integrator)
 }
 
 /// Whether the scheme runs beside the hero; returns whether that is to change.
@@ -103,7 +112,7 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
 
 /// Draws one row and returns whether it was chosen.
 fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
-    let active = integrator == view.integrator;
+    let active = active(view) == Some(integrator);
     let timing = view
         .timings
         .iter()
