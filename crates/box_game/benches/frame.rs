@@ -23,34 +23,43 @@ const WARM_UP: u32 = 3700;
 /// Frames timed for each tab.
 const FRAMES: usize = 300;
 
+const TABS: [(&str, Plot); 6] = [
+    ("Error", Plot::Error),
+    ("Energy", Plot::Energy),
+    ("Timing", Plot::Timing),
+    ("CPU", Plot::Cpu),
+    ("Work–precision", Plot::WorkPrecision),
+    ("Table", Plot::Table),
+];
+
 fn main() {
     for scene in ["dzhanibekov", "bounce", "spring-orbit"] {
         let schemes = "split,exact,rk4,semi-implicit-euler,engine-rescaled,engine-newton";
         println!("{scene}, hero and 5 lanes: a frame [ms], least and median of {FRAMES}");
-        measure(&[scene, "--integrator", schemes]);
+        measure(&[scene, "--integrator", schemes], WARM_UP, &TABS);
+    }
+    for boxes in ["1000", "10000"] {
+        println!(
+            "load, {boxes} boxes, from the throw on, hero and 2 lanes: a frame [ms], least and median of {FRAMES}"
+        );
+        measure(&["load", "--boxes", boxes], 5, &TABS[2..3]);
     }
 }
 
-fn measure(arguments: &[&str]) {
+/// Frames of a scene under each of `tabs`, after the first `warm_up`.
+fn measure(arguments: &[&str], warm_up: u32, tabs: &[(&str, Plot)]) {
     let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid arguments");
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli }))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    for _ in 0..WARM_UP {
+    for _ in 0..warm_up {
         app.update();
     }
     let context = egui::Context::default();
     let mut memory = PanelMemory::default();
     let mut state = SystemState::<Sources>::new(app.world_mut());
     box_game::compare::apply(app.world_mut(), CompareAction::StartSweep);
-    for (name, plot) in [
-        ("Error", Plot::Error),
-        ("Energy", Plot::Energy),
-        ("Timing", Plot::Timing),
-        ("CPU", Plot::Cpu),
-        ("Work–precision", Plot::WorkPrecision),
-        ("Table", Plot::Table),
-    ] {
+    for &(name, plot) in tabs {
         app.world_mut().resource_mut::<Session>().plot = plot;
         let mut times = Vec::with_capacity(FRAMES);
         let (mut systems, mut drawing) = (f64::INFINITY, f64::INFINITY);

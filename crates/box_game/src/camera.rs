@@ -214,6 +214,10 @@ pub fn move_camera(
 fn under_cursor(orbit: &OrbitCamera, camera: &Camera, window: Option<&Window>) -> Option<Vec3> {
     let eye = orbit.transform();
     let cursor = window?.cursor_position()?;
+    // Not in another view.
+    camera
+        .logical_viewport_rect()
+        .filter(|rect| rect.contains(cursor))?;
     let ray = camera.viewport_to_world(&eye.into(), cursor).ok()?;
     let along = ray.direction.dot(*eye.forward());
     (along > 0.1).then(|| ray.get_point(orbit.distance / along))

@@ -1,6 +1,6 @@
 //! What a window or a picture adds to the game: renderer, cameras, panel.
 
-use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
+use bevy::camera::{ClearColorConfig, RenderTarget};
 use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, SystemInformationDiagnosticsPlugin};
 use bevy::prelude::*;
 use bevy::window::{ExitCondition, PrimaryWindow, WindowResolution};
@@ -14,6 +14,7 @@ use crate::apply::Asked;
 use crate::camera::{OrbitCamera, move_camera};
 use crate::cli::Cli;
 use crate::ghosts::GhostPlugin;
+use crate::ghosts::views::{self, PictureArea, arrange_views, follow_main, spawn_views};
 use crate::hands::mouse::{Hand, draw_hand, use_mouse};
 use crate::input::UiFocus;
 use crate::panel::{self, PanelMemory};
@@ -55,6 +56,7 @@ impl Plugin for PicturePlugin {
             .init_resource::<PanelState>()
             .init_resource::<Hand>()
             .init_resource::<PlotArea>()
+            .init_resource::<PictureArea>()
             .add_systems(
                 Startup,
                 (
@@ -81,6 +83,7 @@ impl Plugin for PicturePlugin {
                 (
                     (use_mouse, move_camera, draw_hand).chain(),
                     record_film,
+                    follow_main.after(move_camera),
                     draw_lattice,
                     visuals::dress_boxes,
                     visuals::tint_hero,
@@ -91,7 +94,7 @@ impl Plugin for PicturePlugin {
                     take_screenshot,
                 ),
             )
-            .add_systems(EguiPrimaryContextPass, show_panel);
+            .add_systems(EguiPrimaryContextPass, (show_panel, arrange_views).chain());
         #[cfg(feature = "gamepad")]
         app.add_systems(Update, crate::gamepad::turn_camera.before(move_camera));
         if !offscreen {
@@ -116,12 +119,13 @@ fn spawn_cameras(commands: &mut Commands, session: &Session, target: &RenderTarg
         target.clone(),
         Msaa::Sample4,
     ));
+    spawn_views(commands, target);
     commands.spawn((
         PanelCamera,
         PrimaryEguiContext,
         Camera2d,
         Camera {
-            order: 1,
+            order: views::MOST as isize,
             clear_color: ClearColorConfig::None,
             ..default()
         },
@@ -137,7 +141,7 @@ fn show_panel(
     mut state: ResMut<PanelState>,
     mut asked: ResMut<Asked>,
     mut focus: ResMut<UiFocus>,
-    mut camera: Single<&mut Camera, With<OrbitCamera>>,
+    mut picture: ResMut<PictureArea>,
     mut drawn: Local<f64>,
     window: Query<&Window, With<PrimaryWindow>>,
     (target, images): (Option<Res<OffscreenTarget>>, Res<Assets<Image>>),
@@ -180,19 +184,7 @@ fn show_panel(
     plot.0 = layout
         .plot
         .map_or_else(URect::default, |rect| pixels(rect, scale, whole));
-    let central = pixels(layout.central, scale, whole);
-    let viewport = Viewport {
-        physical_position: central.min,
-        physical_size: central.size(),
-        ..default()
-    };
-    let same = camera.viewport.as_ref().is_some_and(|v| {
-        v.physical_position == viewport.physical_position
-            && v.physical_size == viewport.physical_size
-    });
-    if !same {
-        camera.viewport = Some(viewport);
-    }
+    picture.0 = pixels(layout.central, scale, whole);
     *drawn = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
 }

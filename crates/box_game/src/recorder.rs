@@ -7,7 +7,7 @@ use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
 use serde::{Deserialize, Serialize};
 
 use crate::apng::{self, Picture};
-use crate::camera::OrbitCamera;
+use crate::ghosts::views::PictureArea;
 use crate::screenshot::{OffscreenTarget, readable, source};
 use crate::script::PendingPictures;
 use crate::session::Session;
@@ -80,7 +80,7 @@ pub fn record_film(
     recording: Option<ResMut<Recording>>,
     time: Res<Time<Real>>,
     target: Option<Res<OffscreenTarget>>,
-    camera: Query<&Camera, With<OrbitCamera>>,
+    area: Option<Res<PictureArea>>,
     mut pending: ResMut<PendingPictures>,
     mut session: ResMut<Session>,
     mut commands: Commands,
@@ -111,12 +111,10 @@ pub fn record_film(
     }
     let number = recording.taken;
     recording.taken += 1;
-    let view = camera
-        .iter()
-        .next()
-        .and_then(|c| c.viewport.as_ref())
-        .filter(|_| recording.film.view_only)
-        .map(|v| (v.physical_position, v.physical_size));
+    let view = area
+        .map(|area| area.0)
+        .filter(|area| recording.film.view_only && !area.is_empty())
+        .map(|area| (area.min, area.size()));
     commands
         .spawn(Screenshot(source(target.as_deref())))
         .observe(

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use box_physics::prelude::Floor;
 
 use crate::camera::OrbitCamera;
+use crate::ghosts::views::Everywhere;
 
 /// Crosses along each axis, on either side of the middle.
 const REACH: i32 = 3;
@@ -30,7 +31,11 @@ fn lattice(target: Vec3, spacing: f32) -> impl Iterator<Item = Vec3> {
 }
 
 /// Draws the lattice, fainter towards its edge.
-pub fn draw_lattice(floor: Option<Res<Floor>>, camera: Single<&OrbitCamera>, mut gizmos: Gizmos) {
+pub fn draw_lattice(
+    floor: Option<Res<Floor>>,
+    camera: Single<&OrbitCamera>,
+    mut gizmos: Gizmos<Everywhere>,
+) {
     if floor.is_some() {
         return;
     }

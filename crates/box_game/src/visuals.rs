@@ -12,6 +12,7 @@ use box_physics::prelude::{
 };
 
 use crate::demo::Demo2012;
+use crate::ghosts::views::everywhere;
 use crate::session::{Hero, Session};
 
 /// Edge of the drawn floor \[m\].
@@ -37,6 +38,7 @@ pub fn set_up(
     mut images: ResMut<Assets<Image>>,
 ) {
     commands.spawn((
+        everywhere(),
         DirectionalLight {
             illuminance: 9_000.0,
             shadow_maps_enabled: true,
@@ -69,6 +71,7 @@ pub fn set_up(
     }
     commands.spawn((
         FloorSurface,
+        everywhere(),
         Mesh3d(meshes.add(plane)),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color_texture: Some(images.add(checker())),

@@ -51,11 +51,13 @@ pub enum Layout {
     Ghosts,
     /// Side by side; only the picture is shifted.
     Lanes,
+    /// The hero and the first three lanes, a view each, all from the same place.
+    Split,
 }
 
 impl Layout {
     /// In the order of the key.
-    pub const ALL: [Self; 3] = [Self::Solo, Self::Ghosts, Self::Lanes];
+    pub const ALL: [Self; 4] = [Self::Solo, Self::Ghosts, Self::Lanes, Self::Split];
 
     /// On its button.
     pub const fn name(self) -> &'static str {
@@ -63,6 +65,7 @@ impl Layout {
             Self::Solo => "Solo",
             Self::Ghosts => "Ghosts",
             Self::Lanes => "Lanes",
+            Self::Split => "Split",
         }
     }
 
@@ -71,7 +74,8 @@ impl Layout {
         match self {
             Self::Solo => Self::Ghosts,
             Self::Ghosts => Self::Lanes,
-            Self::Lanes => Self::Solo,
+            Self::Lanes => Self::Split,
+            Self::Split => Self::Solo,
         }
     }
 }

@@ -48,8 +48,8 @@ impl Quantity {
             Self::Attitude => "attitude error [°]",
             Self::LocalPosition => "position error of one step [m]",
             Self::LocalAttitude => "attitude error of one step [°]",
-            Self::Energy => "energy not accounted for [of E]",
-            Self::Momentum => "|L| not accounted for [of L]",
+            Self::Energy => "energy drift [of E]",
+            Self::Momentum => "|L| drift [of L]",
             Self::Direction => "direction of L [°]",
         }
     }

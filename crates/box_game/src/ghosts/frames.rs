@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Integrator, RigidBox};
 
-use super::{color, shown, tip};
+use super::views::{Fourth, PictureArea, Second, Third};
+use super::{Shown, color, drawn, shown, tip};
 use crate::compare::{Comparison, Layout};
 
 /// How much of the past a trail shows \[s\], and how many points it has at most.
@@ -57,24 +58,62 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
     }
 }
 
-/// Edges of ghosts and of the reference, and the trails.
-pub(super) fn draw_frames(comparison: Res<Comparison>, trails: Res<Trails>, mut gizmos: Gizmos) {
+/// Edges of ghosts and of the reference, and the trails, each in its view.
+pub(super) fn draw_frames(
+    comparison: Res<Comparison>,
+    trails: Res<Trails>,
+    area: Option<Res<PictureArea>>,
+    mut first: Gizmos,
+    mut second: Gizmos<Second>,
+    mut third: Gizmos<Third>,
+    mut fourth: Gizmos<Fourth>,
+) {
     let Some(run) = &comparison.run else {
         return;
     };
-    let layout = comparison.settings.layout;
+    let layout = drawn(&comparison, area.is_some());
     if layout == Layout::Solo {
         return;
     }
-    let body = &run.law.body;
-    for (k, (integrator, state, _, offset)) in shown(run, layout).into_iter().enumerate() {
-        if k > 0 && layout == Layout::Ghosts {
-            for [a, b] in edges(body, state, offset) {
+    for (k, lane) in shown(run, layout).into_iter().enumerate() {
+        let trail = trails.points.iter().find(|(i, _)| *i == lane.0);
+        let lines = Lines {
+            body: &run.law.body,
+            edges: k > 0 && layout == Layout::Ghosts,
+            reference: run.trusted().filter(|_| k == 0 || layout != Layout::Ghosts),
+            trail: trail.map(|(_, points)| points),
+        };
+        match (layout, k) {
+            (Layout::Split, 1) => lines.draw(&mut second, lane),
+            (Layout::Split, 2) => lines.draw(&mut third, lane),
+            (Layout::Split, 3) => lines.draw(&mut fourth, lane),
+            _ => lines.draw(&mut first, lane),
+        }
+    }
+}
+
+/// What is drawn of one trajectory.
+struct Lines<'a> {
+    body: &'a RigidBox,
+    /// The box's own edges.
+    edges: bool,
+    reference: Option<&'a BodyState>,
+    trail: Option<&'a VecDeque<(f64, Vec3)>>,
+}
+
+impl Lines<'_> {
+    fn draw<G: GizmoConfigGroup>(
+        &self,
+        gizmos: &mut Gizmos<G>,
+        (integrator, state, _, offset): Shown<'_>,
+    ) {
+        if self.edges {
+            for [a, b] in edges(self.body, state, offset) {
                 gizmos.line(a, b, color(integrator, 0.95));
             }
         }
-        if let (Some(reference), true) = (run.trusted(), k == 0 || layout == Layout::Lanes) {
-            for [a, b] in edges(body, reference, offset) {
+        if let Some(reference) = self.reference {
+            for [a, b] in edges(self.body, reference, offset) {
                 for d in 0..DASHES {
                     let part = |s: f32| a.lerp(b, s / DASHES as f32);
                     let from = d as f32;
@@ -82,16 +121,14 @@ pub(super) fn draw_frames(comparison: Res<Comparison>, trails: Res<Trails>, mut 
                 }
             }
         }
-        let Some((_, points)) = trails.points.iter().find(|(i, _)| *i == integrator) else {
-            continue;
-        };
-        let count = points.len().max(2) as f32;
-        gizmos.linestrip_gradient(
-            points
-                .iter()
-                .enumerate()
-                .map(|(n, (_, at))| (*at + offset, color(integrator, n as f32 / (count - 1.0)))),
-        );
+        if let Some(points) = self.trail {
+            let count = points.len().max(2) as f32;
+            gizmos.linestrip_gradient(
+                points.iter().enumerate().map(|(n, (_, at))| {
+                    (*at + offset, color(integrator, n as f32 / (count - 1.0)))
+                }),
+            );
+        }
     }
 }
 

@@ -6,7 +6,9 @@
 mod frames;
 mod strips;
 mod tags;
+pub mod views;
 
+use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 use box_physics::prelude::{BodyState, Integrator};
@@ -28,6 +30,7 @@ pub struct GhostPlugin;
 
 impl Plugin for GhostPlugin {
     fn build(&self, app: &mut App) {
+        views::add_gizmos(app);
         app.init_resource::<frames::Trails>().add_systems(
             Update,
             (
@@ -49,8 +52,11 @@ impl Plugin for GhostPlugin {
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Ghost(pub Integrator);
 
-/// Every trajectory that is drawn: scheme, state, books, by how much its picture is shifted.
-fn shown(run: &Run, layout: Layout) -> Vec<(Integrator, &BodyState, &Track, Vec3)> {
+/// A trajectory that is drawn: scheme, state, books, by how much its picture is shifted.
+type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3);
+
+/// Every trajectory that is drawn, the hero's first.
+fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     let hero = (
         run.hero.integrator,
         &run.hero.state,
@@ -61,14 +67,14 @@ fn shown(run: &Run, layout: Layout) -> Vec<(Integrator, &BodyState, &Track, Vec3
     let lanes = run.lanes.iter().enumerate().map(|(k, r)| {
         let offset = match layout {
             Layout::Lanes => side * place(k),
-            Layout::Solo | Layout::Ghosts => Vec3::ZERO,
+            Layout::Solo | Layout::Ghosts | Layout::Split => Vec3::ZERO,
         };
         (r.lane.integrator, &r.lane.state, &r.track, offset)
     });
-    let beside = if layout == Layout::Solo {
-        0
-    } else {
-        run.lanes.len()
+    let beside = match layout {
+        Layout::Solo => 0,
+        Layout::Ghosts | Layout::Lanes => run.lanes.len(),
+        Layout::Split => run.lanes.len().min(views::MOST - 1),
     };
     [hero].into_iter().chain(lanes.take(beside)).collect()
 }
@@ -104,7 +110,9 @@ fn place_ghosts(
         &mut Visibility,
         &mut Mesh3d,
         &mut MeshMaterial3d<StandardMaterial>,
+        &mut RenderLayers,
     )>,
+    area: Option<Res<views::PictureArea>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut made: Local<Option<(Vec3, [Handle<Mesh>; 2])>>,
@@ -124,7 +132,7 @@ fn place_ghosts(
     let Some((_, [plain, shaded])) = &*made else {
         return;
     };
-    let layout = comparison.settings.layout;
+    let layout = drawn(&comparison, area.is_some());
     let wanted = shown(run, layout);
     let mut tint = |i: Integrator| match tints.iter().find(|(s, _)| *s == i) {
         Some((_, tint)) => tint.clone(),
@@ -144,20 +152,22 @@ fn place_ghosts(
             [clear, solid]
         }
     };
-    let mut missing: Vec<_> = wanted[1..].to_vec();
-    for (ghost, mut transform, mut visibility, mut mesh, mut material) in &mut ghosts {
-        let found = missing.iter().position(|(i, ..)| *i == ghost.0);
-        let Some(k) = found else {
+    // With the view that it is seen in alone.
+    let mut missing: Vec<_> = wanted[1..].iter().zip(1..).collect();
+    for (ghost, mut transform, mut visibility, mut mesh, mut material, mut layers) in &mut ghosts {
+        let found = missing.iter().position(|((i, ..), _)| *i == ghost.0);
+        let Some(n) = found else {
             visibility.set_if_neq(Visibility::Hidden);
             continue;
         };
-        let (integrator, state, _, offset) = missing.swap_remove(k);
-        *transform = pose(state, offset);
+        let ((integrator, state, _, offset), k) = missing.swap_remove(n);
+        *transform = pose(state, *offset);
         visibility.set_if_neq(Visibility::Visible);
-        let [clear, solid] = tint(integrator);
-        let (shape, look) = match layout {
-            Layout::Lanes => (shaded, solid),
-            Layout::Solo | Layout::Ghosts => (plain, clear),
+        let [clear, solid] = tint(*integrator);
+        let (shape, look, view) = match layout {
+            Layout::Lanes => (shaded, solid, 0),
+            Layout::Split => (shaded, solid, k),
+            Layout::Solo | Layout::Ghosts => (plain, clear, 0),
         };
         if mesh.0 != *shape {
             mesh.0 = shape.clone();
@@ -165,15 +175,25 @@ fn place_ghosts(
         if material.0 != look {
             material.0 = look;
         }
+        layers.set_if_neq(views::only(view));
     }
-    for (integrator, state, _, offset) in missing {
+    for ((integrator, state, _, offset), _) in missing {
         commands.spawn((
-            Ghost(integrator),
+            Ghost(*integrator),
             Mesh3d(plain.clone()),
-            MeshMaterial3d(tint(integrator)[0].clone()),
-            pose(state, offset),
+            MeshMaterial3d(tint(*integrator)[0].clone()),
+            pose(state, *offset),
+            views::only(0),
             bevy::light::NotShadowCaster,
         ));
+    }
+}
+
+/// The layout as it is drawn: without a room of its own for the picture, views are ghosts.
+fn drawn(comparison: &Comparison, area: bool) -> Layout {
+    match comparison.settings.layout {
+        Layout::Split if !area => Layout::Ghosts,
+        layout => layout,
     }
 }
 

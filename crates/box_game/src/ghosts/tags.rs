@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
-use super::{shown, tip};
+use super::views::{PictureArea, SplitView, cells};
+use super::{drawn, shown, tip};
 use crate::compare::track::Track;
 use crate::compare::{Comparison, Layout, Quantity};
 use crate::demo::Demo2012;
@@ -21,13 +22,14 @@ pub(super) fn draw_tags(
     session: Option<Res<Session>>,
     demo: Option<Res<Demo2012>>,
     mut contexts: EguiContexts,
-    camera: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
+    camera: Query<(&Camera, &GlobalTransform), (With<Camera3d>, Without<SplitView>)>,
     window: Query<&Window>,
+    area: Option<Res<PictureArea>>,
 ) -> Result {
     let (Some(run), Some((camera, eye))) = (&comparison.run, camera.iter().next()) else {
         return Ok(());
     };
-    let layout = comparison.settings.layout;
+    let layout = drawn(&comparison, area.is_some());
     if layout == Layout::Solo || run.lanes.is_empty() {
         return Ok(());
     }
@@ -37,7 +39,21 @@ pub(super) fn draw_tags(
         return Ok(());
     };
     let point = |v: Vec2| egui::pos2(v.x * scale, v.y * scale);
-    let view = egui::Rect::from_min_max(point(view.min), point(view.max));
+    let lanes = shown(run, layout);
+    // In pixels; the views of the split layout and the whole of them.
+    let pixels = |r: URect| {
+        let corner =
+            |c: UVec2| egui::Pos2::from(c.as_vec2().to_array()) / context.pixels_per_point();
+        egui::Rect::from_min_max(corner(r.min), corner(r.max))
+    };
+    let cells: Vec<egui::Rect> = match (&area, layout) {
+        (Some(area), Layout::Split) => cells(area.0, lanes.len()).into_iter().map(pixels).collect(),
+        _ => Vec::new(),
+    };
+    let view = match &area {
+        Some(area) if layout == Layout::Split => pixels(area.0),
+        _ => egui::Rect::from_min_max(point(view.min), point(view.max)),
+    };
     let painter = context
         .layer_painter(egui::LayerId::new(egui::Order::Background, "tags".into()))
         .with_clip_rect(view);
@@ -53,10 +69,10 @@ pub(super) fn draw_tags(
         (Some(demo), Some(session)) => demo.active(session),
         _ => None,
     };
-    let narrow = view.width() < NARROW;
+    let narrow = cells.first().unwrap_or(&view).width() < NARROW;
     let line = if hidden { 46.0 } else { 10.0 };
     let mut next = view.top() + line;
-    for (k, (integrator, state, track, offset)) in shown(run, layout).into_iter().enumerate() {
+    for (k, (integrator, state, track, offset)) in lanes.into_iter().enumerate() {
         let name = match stepper {
             Some(stepper) if k == 0 => stepper.name().to_owned(),
             _ if narrow => style::of(integrator).glyph.to_owned(),
@@ -82,6 +98,14 @@ pub(super) fn draw_tags(
                     corner.y = other.top() - size.y - 2.0;
                 }
                 corner
+            }
+            Layout::Split => {
+                let Some(cell) = cells.get(k) else {
+                    continue;
+                };
+                // The first is below the one line, too.
+                let down = if cell.top() > view.top() { 10.0 } else { line };
+                cell.min + egui::vec2(12.0, down)
             }
             Layout::Solo | Layout::Ghosts => {
                 let corner = egui::pos2(view.left() + 12.0, next);

@@ -230,7 +230,9 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
             ui.label(RichText::new(name).small().color(color));
         }
     });
-    let height = ((ui.available_height() - 4.0) / view.lanes.len().max(1) as f32).clamp(6.0, 22.0);
+    // All of them fit: a drawer that grows with them would not shrink again.
+    ui.spacing_mut().item_spacing.y = 2.0;
+    let height = (ui.available_height() / view.lanes.len().max(1) as f32).clamp(5.0, 22.0);
     for lane in &view.lanes {
         let (place, response) =
             ui.allocate_exact_size(vec2(ui.available_width(), height - 2.0), Sense::hover());
@@ -250,7 +252,7 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
             pos2(place.left(), place.center().y),
             bevy_egui::egui::Align2::LEFT_CENTER,
             style::of(lane.integrator).glyph,
-            bevy_egui::egui::FontId::proportional((height - 4.0).clamp(6.0, 12.0)),
+            bevy_egui::egui::FontId::proportional((height - 2.0).clamp(5.0, 12.0)),
             style::of(lane.integrator).color(),
         );
         for (energy, (_, color)) in lane.energies.iter().zip(ENERGIES) {

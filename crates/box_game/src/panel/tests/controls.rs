@@ -11,7 +11,8 @@ use crate::compare::{CompareAction, Fairness, Layout, Window};
 use crate::style;
 
 /// What the plot of the sample's energy says.
-const ENERGY: &str = "energy not accounted for [of E] over simulated time, now Split 1e-6, RK4 1e-4, Semi-implicit Euler 0.01";
+const ENERGY: &str =
+    "energy drift [of E] over simulated time, now Split 1e-6, RK4 1e-4, Semi-implicit Euler 0.01";
 
 #[test]
 fn every_button_asks_for_its_action() {
@@ -126,7 +127,7 @@ fn a_plot_under_the_pointer_is_frozen() {
         person
             .nodes()
             .into_iter()
-            .find(|(_, name, _)| name.starts_with("energy not accounted for"))
+            .find(|(_, name, _)| name.starts_with("energy drift"))
             .expect("a plot")
     };
     let (_, before, place) = words(&person);

@@ -1,0 +1,193 @@
+//! The split layout: up to four schemes, a view each, all from the same place. The hero is in the first,
+//! each lane alone in one of the others; floor, light and lattice are in all.
+
+use bevy::camera::visibility::RenderLayers;
+use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
+use bevy::prelude::*;
+
+use super::shown;
+use crate::camera::OrbitCamera;
+use crate::compare::{Comparison, Layout};
+
+/// Views at most.
+pub const MOST: usize = 4;
+/// Between two views \[pixels\].
+const GAP: u32 = 2;
+/// The layer of what is in every view.
+const COMMON: usize = MOST;
+
+/// The room for the picture \[pixels\], which a panel leaves. Where there is none, the split layout is drawn
+/// as ghosts.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct PictureArea(pub URect);
+
+/// A further view, by its number: 1 to 3.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplitView(pub usize);
+
+/// For what is seen in every view.
+pub fn everywhere() -> RenderLayers {
+    RenderLayers::from_layers(&[0, COMMON])
+}
+
+/// For what is seen in view `k` alone; 0 is also all that is said nothing of.
+pub(super) fn only(k: usize) -> RenderLayers {
+    RenderLayers::layer(k)
+}
+
+/// Lines in every view.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub struct Everywhere;
+
+/// Lines in the second view.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub(super) struct Second;
+
+/// Lines in the third view.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub(super) struct Third;
+
+/// Lines in the fourth view.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub(super) struct Fourth;
+
+/// The lines of one view each, and of all.
+pub(super) fn add_gizmos(app: &mut App) {
+    let group = |layers: RenderLayers| GizmoConfig {
+        render_layers: layers,
+        ..default()
+    };
+    app.insert_gizmo_config(Everywhere, group(everywhere()))
+        .insert_gizmo_config(Second, group(only(1)))
+        .insert_gizmo_config(Third, group(only(2)))
+        .insert_gizmo_config(Fourth, group(only(3)));
+}
+
+/// The views of `n` schemes in `area`: one, two or three side by side, or two by two.
+pub fn cells(area: URect, n: usize) -> Vec<URect> {
+    let wide = 2 * area.width() > 3 * area.height();
+    let (columns, rows) = match n {
+        0 | 1 => (1, 1),
+        2 => (2, 1),
+        3 if wide => (3, 1),
+        _ => (2, 2),
+    };
+    let part = |length: u32, parts: u32| (length.saturating_sub(GAP * (parts - 1)) / parts).max(1);
+    let size = UVec2::new(part(area.width(), columns), part(area.height(), rows));
+    (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| UVec2::new(column, row)))
+        .take(n.max(1))
+        .map(|at| {
+            let corner = area.min + at * (size + GAP);
+            URect::from_corners(corner, corner + size)
+        })
+        .collect()
+}
+
+/// How many views there are.
+pub(super) fn count(comparison: &Comparison) -> usize {
+    match &comparison.run {
+        Some(run) if comparison.settings.layout == Layout::Split => shown(run, Layout::Split).len(),
+        _ => 1,
+    }
+}
+
+/// The cameras of the further views, which look as `main` does. They cost nothing while they are off.
+pub fn spawn_views(commands: &mut Commands, target: &RenderTarget) {
+    for k in 1..MOST {
+        commands.spawn((
+            SplitView(k),
+            Camera3d::default(),
+            Camera {
+                order: k as isize,
+                is_active: false,
+                // The first clears all of the picture.
+                clear_color: ClearColorConfig::None,
+                ..default()
+            },
+            RenderLayers::from_layers(&[k, COMMON]),
+            target.clone(),
+            Msaa::Sample4,
+        ));
+    }
+}
+
+/// Gives every camera its part of the picture.
+pub fn arrange_views(
+    comparison: Res<Comparison>,
+    area: Res<PictureArea>,
+    mut main: Query<&mut Camera, (With<OrbitCamera>, Without<SplitView>)>,
+    mut views: Query<(&SplitView, &mut Camera)>,
+) {
+    if area.0.is_empty() {
+        return;
+    }
+    let cells = cells(area.0, count(&comparison));
+    for mut camera in &mut main {
+        place(&mut camera, cells[0]);
+    }
+    for (view, mut camera) in &mut views {
+        let cell = cells.get(view.0);
+        if camera.is_active != cell.is_some() {
+            camera.is_active = cell.is_some();
+        }
+        if let Some(cell) = cell {
+            place(&mut camera, *cell);
+        }
+    }
+}
+
+/// Only where it changes: the camera's picture is made anew.
+fn place(camera: &mut Mut<Camera>, cell: URect) {
+    let same = camera
+        .viewport
+        .as_ref()
+        .is_some_and(|v| v.physical_position == cell.min && v.physical_size == cell.size());
+    if !same {
+        camera.viewport = Some(Viewport {
+            physical_position: cell.min,
+            physical_size: cell.size(),
+            ..default()
+        });
+    }
+}
+
+/// Every view from where the first is seen.
+pub fn follow_main(
+    main: Query<&Transform, (With<OrbitCamera>, Without<SplitView>)>,
+    mut views: Query<&mut Transform, With<SplitView>>,
+) {
+    if let Some(main) = main.iter().next() {
+        for mut view in &mut views {
+            view.set_if_neq(*main);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Inside the area, apart, equal, and as many as there are schemes.
+    #[test]
+    fn views_share_the_picture() {
+        for area in [URect::new(0, 96, 940, 462), URect::new(3, 5, 8, 8)] {
+            for n in 1..=MOST {
+                let cells = cells(area, n);
+                assert_eq!(cells.len(), n);
+                for (k, cell) in cells.iter().enumerate() {
+                    assert!(area.contains(cell.min) && area.contains(cell.max));
+                    assert_eq!(cell.size(), cells[0].size());
+                    assert!(!cell.is_empty());
+                    for other in &cells[..k] {
+                        assert!(cell.intersect(*other).is_empty());
+                    }
+                }
+            }
+        }
+        assert_eq!(
+            cells(URect::new(0, 0, 10, 10), 1),
+            [URect::new(0, 0, 10, 10)]
+        );
+    }
+}
