@@ -1,0 +1,260 @@
+//! The library's own law: forces at points of the body and springs, beside what is uniform.
+
+use bevy::ecs::VariantDefaults;
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+use glam::{DMat3, DVec3};
+
+use super::{Dissipation, ForceLaw, Wrench};
+use crate::body::RigidBox;
+use crate::state::BodyState;
+
+/// A force at a body point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PointForce {
+    /// Where it acts, body axes from the centre \[m\].
+    pub body_point: DVec3,
+    /// The force \[N\], constant in the axes that `frame` names.
+    pub force: DVec3,
+    /// The axes in which it is constant.
+    pub frame: Frame,
+}
+
+/// In which axes a vector is constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, VariantDefaults)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Frame {
+    /// The world's: wind, a magnetic field.
+    #[default]
+    World,
+    /// The body's: a thruster.
+    Body,
+}
+
+/// A spring of zero natural length from a body point to a world anchor, with a damper:
+/// force −k (x + R r − anchor) − d u at the point, u its velocity. A mouse grab is one of these.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Spring {
+    /// Where it holds the box, body axes from the centre \[m\].
+    pub body_point: DVec3,
+    /// Where it is fixed in the world \[m\].
+    pub anchor: DVec3,
+    /// k [N/m], ≥ 0.
+    pub stiffness: f64,
+    /// d [N s/m], ≥ 0.
+    pub damping: f64,
+}
+
+/// The whole force law of the library: every term may be absent.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// // A box hangs on a spring from a metre above: k = 20 N/m stretches by m g / k.
+/// let body = RigidBox::default(); // 1 kg
+/// let springs = [Spring { anchor: DVec3::Y, stiffness: 20.0, damping: 4.0, ..Spring::default() }];
+/// let law = Forces {
+///     acceleration: DVec3::new(0.0, -9.81, 0.0),
+///     springs: &springs,
+///     ..Forces::default()
+/// };
+/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// for _ in 0..1200 {
+///     Integrator::Split.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
+/// }
+/// assert!((state.position.y - (1.0 - 9.81 / 20.0)).abs() < 1e-9);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Forces<'a> {
+    /// Gravity times the body's scale, plus constant force over mass [m/s²].
+    pub acceleration: DVec3,
+    /// Drag and damping.
+    pub dissipation: Dissipation,
+    /// Constant torque in body axes \[N m\].
+    pub body_torque: DVec3,
+    /// Constant torque in world axes \[N m\].
+    pub world_torque: DVec3,
+    /// Forces at body points.
+    pub point_forces: &'a [PointForce],
+    /// Springs at body points.
+    pub springs: &'a [Spring],
+}
+
+impl ForceLaw for Forces<'_> {
+    #[inline(always)]
+    fn acceleration(&self) -> DVec3 {
+        self.acceleration
+    }
+
+    #[inline(always)]
+    fn dissipation(&self) -> Dissipation {
+        self.dissipation
+    }
+
+    #[inline(always)]
+    fn has_wrench(&self) -> bool {
+        !(self.point_forces.is_empty()
+            && self.springs.is_empty()
+            && self.body_torque == DVec3::ZERO
+            && self.world_torque == DVec3::ZERO)
+    }
+
+    fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        let mut total = self.elastic_wrench(body, state);
+        for spring in self.springs.iter().filter(|s| s.damping != 0.0) {
+            let local = state.body_angular_velocity(body).cross(spring.body_point);
+            let force = -spring.damping * (state.velocity + state.rotation * local);
+            total += at_point(state, force, spring.body_point);
+        }
+        total
+    }
+
+    fn elastic_wrench(&self, _body: &RigidBox, state: &BodyState) -> Wrench {
+        let inverse = state.rotation.inverse();
+        let mut total = Wrench {
+            force: DVec3::ZERO,
+            torque: self.body_torque + inverse * self.world_torque,
+        };
+        for p in self.point_forces {
+            let (force, local) = match p.frame {
+                Frame::World => (p.force, inverse * p.force),
+                Frame::Body => (state.rotation * p.force, p.force),
+            };
+            total += Wrench {
+                force,
+                torque: p.body_point.cross(local),
+            };
+        }
+        for s in self.springs {
+            let force = -s.stiffness * (state.point(s.body_point) - s.anchor);
+            total += at_point(state, force, s.body_point);
+        }
+        total
+    }
+
+    /// Every damper by the implicit midpoint rule on its point's velocity, once forwards and once
+    /// backwards over half the time each, so that the whole is symmetric (order 2) and never gains
+    /// energy: u⁺ = u + W p with p = −(hd/2)(u + u⁺).
+    fn damp(&self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        if self.springs.iter().all(|s| s.damping == 0.0) {
+            return;
+        }
+        for spring in self.springs.iter().chain(self.springs.iter().rev()) {
+            if spring.damping != 0.0 {
+                damp_point(body, state, spring, 0.5 * h);
+            }
+        }
+    }
+}
+
+/// The wrench of a world force at a body point.
+fn at_point(state: &BodyState, force: DVec3, body_point: DVec3) -> Wrench {
+    Wrench {
+        force,
+        torque: body_point.cross(state.rotation.inverse() * force),
+    }
+}
+
+fn damp_point(body: &RigidBox, state: &mut BodyState, spring: &Spring, h: f64) {
+    let r = spring.body_point;
+    // In body axes: W = 1/m − [r]× I⁻¹ [r]×, column by column.
+    let inverse = state.rotation.inverse();
+    let u = inverse * state.velocity + state.body_angular_velocity(body).cross(r);
+    let response =
+        |p: DVec3| p * body.inverse_mass() + (body.inverse_inertia() * r.cross(p)).cross(r);
+    let w = DMat3::from_cols(response(DVec3::X), response(DVec3::Y), response(DVec3::Z));
+    let hd = h * spring.damping;
+    let impulse = (DMat3::IDENTITY + w * (0.5 * hd)).inverse() * (u * -hd);
+    state.velocity += state.rotation * impulse * body.inverse_mass();
+    state.angular_momentum += r.cross(impulse);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::setting;
+    use super::*;
+
+    #[test]
+    fn a_dipole_is_a_pair_of_point_forces() {
+        // torque_world = (Rµ)×B
+        let (body, state) = setting();
+        let (moment, field) = (DVec3::new(0.0, -4.0, 1.0), DVec3::new(0.5, 1.0, 0.0));
+        let pair = [
+            PointForce {
+                body_point: moment,
+                force: field,
+                frame: Frame::World,
+            },
+            PointForce {
+                body_point: DVec3::ZERO,
+                force: -field,
+                frame: Frame::World,
+            },
+        ];
+        let law = Forces {
+            point_forces: &pair,
+            ..Default::default()
+        };
+        let w = law.wrench(&body, &state);
+        let expected = (state.rotation * moment).cross(field);
+        assert!(w.force.length() < 1e-15);
+        assert!((state.rotation * w.torque - expected).length() < 1e-14);
+    }
+
+    #[test]
+    fn a_thruster_turns_with_the_body() {
+        let (body, state) = setting();
+        let thruster = [PointForce {
+            body_point: DVec3::X,
+            force: DVec3::Y,
+            frame: Frame::Body,
+        }];
+        let law = Forces {
+            point_forces: &thruster,
+            ..Default::default()
+        };
+        let w = law.wrench(&body, &state);
+        assert_eq!(w.torque, DVec3::Z);
+        assert!((w.force - state.rotation * DVec3::Y).length() < 1e-15);
+    }
+
+    #[test]
+    fn dampers_take_energy_and_are_reversible() {
+        let (body, start) = setting();
+        let springs = [
+            Spring {
+                body_point: DVec3::new(0.5, 0.25, 0.0),
+                anchor: DVec3::ZERO,
+                stiffness: 0.0,
+                damping: 7.0,
+            },
+            Spring {
+                body_point: DVec3::new(-0.5, 0.0, 0.3),
+                anchor: DVec3::Y,
+                stiffness: 0.0,
+                damping: 2.0,
+            },
+        ];
+        let law = Forces {
+            springs: &springs,
+            ..Default::default()
+        };
+        for h in [1e-3, 0.1, 10.0, 1e4] {
+            let mut state = start;
+            law.damp(&body, &mut state, h);
+            assert!(state.kinetic_energy(&body) < start.kinetic_energy(&body));
+        }
+        let mut state = start;
+        law.damp(&body, &mut state, 0.05);
+        law.damp(&body, &mut state, -0.05);
+        assert!((state.velocity - start.velocity).length() < 1e-13);
+        // To first order it is the damper's wrench.
+        let (mut state, h) = (start, 1e-6);
+        law.damp(&body, &mut state, h);
+        let expected = start.velocity + law.wrench(&body, &start).force * (h / 3.0);
+        assert!((state.velocity - expected).length() < 1e-10);
+    }
+}
