@@ -53,7 +53,10 @@ fn main() {
             "{name}: x = {:.3} m, y = {:.3} m",
             state.position.x, state.position.y
         );
-        assert!((state.position.y - 0.5).abs() < 1.0, "it is near the floor");
+        assert!(
+            (state.position.y - 0.5).abs() < 1e-6,
+            "it lies on the floor"
+        );
         seen += 1;
     }
     assert_eq!(seen, 2);
