@@ -14,6 +14,7 @@ use crate::apply::Asked;
 use crate::camera::{OrbitCamera, move_camera};
 use crate::cli::Cli;
 use crate::ghosts::GhostPlugin;
+use crate::gizmos_plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 use crate::hands::mouse::{Hand, draw_hand, use_mouse};
 use crate::input::UiFocus;
 use crate::panel::{self, PanelMemory};
@@ -21,7 +22,7 @@ use crate::panel_view::{self, Sources};
 use crate::preferences::{Preferences, PreferencesPlugin, UI_SCALES};
 use crate::recorder::record_film;
 use crate::screenshot::{OffscreenTarget, take_screenshot};
-use crate::session::Session;
+use crate::session::{Hero, Session};
 use crate::surroundings::draw_lattice;
 use crate::visuals;
 
@@ -54,6 +55,7 @@ impl Plugin for PicturePlugin {
         app.insert_resource(ClearColor(Color::srgb(0.10, 0.115, 0.14)))
             .init_resource::<PanelState>()
             .init_resource::<Hand>()
+            .add_plugins(BodyGizmosPlugin)
             .add_systems(
                 Startup,
                 (
@@ -83,9 +85,7 @@ impl Plugin for PicturePlugin {
                     draw_lattice,
                     visuals::dress_boxes,
                     visuals::place_floor,
-                    visuals::draw_aabbs,
-                    visuals::draw_axes,
-                    visuals::draw_contacts,
+                    switch_gizmos.before(BodyGizmosSystems),
                     take_screenshot,
                 ),
             )
@@ -96,6 +96,21 @@ impl Plugin for PicturePlugin {
             app.add_systems(Update, title);
         }
     }
+}
+
+/// The switches of the panel: boxes of all bodies, the rest of the hero alone.
+fn switch_gizmos(
+    session: Res<Session>,
+    hero: Query<Entity, With<Hero>>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+) {
+    let hero = hero.iter().next();
+    *gizmos.config_mut::<BodyGizmos>().1 = BodyGizmos {
+        aabbs: session.show_aabb,
+        axes: session.show_axes && hero.is_some(),
+        contacts: session.show_contacts && hero.is_some(),
+        only: hero,
+    };
 }
 
 fn offscreen_image(size: (u32, u32)) -> Image {
