@@ -4,10 +4,9 @@ use std::any::TypeId;
 
 use bevy::prelude::*;
 use bevy::reflect::ReflectFromReflect;
+use bevy::scene::ScenePlugin;
 use bevy::time::TimeUpdateStrategy;
 use bevy_asset::AssetPlugin;
-use bevy_scene::ScenePlugin;
-use bevy_scene::prelude::*;
 use box_physics::error::InvalidValue;
 use box_physics::floor::{ContactState, FloorOutcome};
 use box_physics::plugin::Stage;
@@ -26,19 +25,15 @@ fn brick() -> RigidBox {
     RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
 }
 
-/// A scene function: a brick that users patch further. It is what `bsn!` expands to; the macro itself
-/// wants the feature `bevy_scene` of `bevy`, which this workspace does not have.
+/// A scene function: a brick that users patch further.
 fn thrown_brick(height: f64) -> impl Scene {
-    (
-        template_value(brick()),
-        BodyState::patch(move |state, _| {
-            state.position = DVec3::Y * height;
-            state.velocity = DVec3::X * 2.0;
-        }),
-        LinearDrag::patch(|drag, _| drag.0 = 0.1),
-        BodyIntegrator::patch(|integrator, _| integrator.0 = Integrator::Exact),
-        ReportContacts::patch(|_, _| ()),
-    )
+    bsn! {
+        template_value(brick())
+        BodyState { position: {DVec3::Y * height}, velocity: {DVec3::X * 2.0} }
+        LinearDrag(0.1)
+        BodyIntegrator(Integrator::Exact)
+        ReportContacts
+    }
 }
 
 #[test]
@@ -50,34 +45,52 @@ fn bodies_in_scenes() {
     ));
     let world = app.world_mut();
     let plain = world
-        .spawn_scene((
-            RigidBox::patch(|_, _| ()),
-            Transform::patch(|transform, _| transform.translation.y = 3.0),
-            GravityScale::patch(|scale, _| scale.0 *= 0.5),
-        ))
+        .spawn_scene(bsn! {
+            #Plain
+            RigidBox
+            Transform { translation: Vec3 { y: 3.0 } }
+            GravityScale(0.5)
+        })
         .expect("no assets to wait for")
         .id();
     let patched = world
-        .spawn_scene((
-            thrown_brick(7.0),
-            BodyState::patch(|state, _| state.velocity = DVec3::Z),
-            ExternalForce::patch(|external, _| external.force = DVec3::Y * 3.0),
-            Springs::patch(|springs, _| springs.0.push(Spring::default())),
-        ))
+        .spawn_scene(bsn! {
+            thrown_brick(7.0)
+            BodyState { velocity: DVec3 { z: 1.0 } }
+            ExternalForce { force: {DVec3::Y * 3.0} }
+            BodyTorque({DVec3::X})
+            QuadraticDrag(0.25)
+            AngularDamping(0.5)
+            AngularDrag(0.125)
+            PointForces({vec![PointForce { force: DVec3::Y, frame: Frame::Body, ..default() }]})
+            Springs({vec![Spring { stiffness: 20.0, ..default() }]})
+        })
         .expect("no assets to wait for")
         .id();
-    let state = *app.world().get::<BodyState>(patched).expect("in the scene");
+    let entity = app.world().entity(patched);
+    let state = *entity.get::<BodyState>().expect("in the scene");
     assert_eq!(state.position, DVec3::Y * 7.0, "from the function");
-    assert_eq!(state.velocity, DVec3::Z, "patched");
-    assert_eq!(app.world().get::<RigidBox>(patched), Some(&brick()));
+    assert_eq!(state.velocity, DVec3::new(2.0, 0.0, 1.0), "patched");
+    assert_eq!(entity.get::<RigidBox>(), Some(&brick()));
     assert_eq!(
-        app.world().get::<BodyIntegrator>(patched),
+        entity.get::<BodyIntegrator>(),
         Some(&BodyIntegrator(Integrator::Exact))
     );
+    assert_eq!(entity.get::<LinearDrag>(), Some(&LinearDrag(0.1)));
+    assert_eq!(entity.get::<QuadraticDrag>(), Some(&QuadraticDrag(0.25)));
+    assert_eq!(entity.get::<AngularDamping>(), Some(&AngularDamping(0.5)));
+    assert_eq!(entity.get::<AngularDrag>(), Some(&AngularDrag(0.125)));
+    assert_eq!(entity.get::<BodyTorque>(), Some(&BodyTorque(DVec3::X)));
+    let external = entity.get::<ExternalForce>().expect("in the scene");
+    assert_eq!((external.force.y, external.torque), (3.0, DVec3::ZERO));
+    let thrusters = &entity.get::<PointForces>().expect("in the scene").0;
+    assert_eq!(thrusters[0].frame, Frame::Body);
+    let springs = &entity.get::<Springs>().expect("in the scene").0;
+    assert_eq!((springs.len(), springs[0].stiffness), (1, 20.0));
+    assert!(entity.contains::<ReportContacts>() && entity.contains::<SchemeMemory>());
     assert_eq!(
         app.world().get::<GravityScale>(plain),
-        Some(&GravityScale(0.5)),
-        "patched from its own default, 1"
+        Some(&GravityScale(0.5))
     );
     app.update();
     let fell = app.world().get::<BodyState>(plain).expect("required");

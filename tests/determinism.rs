@@ -6,30 +6,29 @@ use std::process::Command;
 use bevy::app::TaskPoolOptions;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_physics::digest::state_digest;
+use box_physics::digest::{fingerprint, state_digest};
 use box_physics::floor::{ContactState, step_on_floor};
 use box_physics::prelude::*;
 use box_physics::schemes::{Scheme, SchemeVisitor};
 
 const H: f64 = 1.0 / 64.0;
 
-/// The digest of [`scene`] under every scheme: what every machine must find. A change here is a change of
-/// results, and belongs into the changelog.
+/// What every machine must find. A change here is a change of results, and belongs into the changelog.
 const EXPECTED: &[(Integrator, u64)] = &[
-    (Integrator::Split, 0xbffed901dcaac055),
-    (Integrator::Exact, 0x529c71b2ae88f0b6),
-    (Integrator::Split4, 0x8ab444815cbda73f),
-    (Integrator::Dmv6, 0xbb1a2ca107bbd670),
-    (Integrator::Rk4, 0xb6bd8ce57c715bd1),
-    (Integrator::ImplicitMidpoint, 0x118ce0339ea04a91),
-    (Integrator::VelocityVerlet, 0xc8208d474febaa1e),
-    (Integrator::Midpoint, 0x658a87302039d51d),
-    (Integrator::BackwardEuler, 0xd57ac94e6f970239),
-    (Integrator::SemiImplicitEuler, 0x9a077529fd7706ad),
-    (Integrator::EngineRescaled, 0x6f2a59721c18fe1c),
-    (Integrator::EngineNewton, 0xdb12070c943c0e2e),
-    (Integrator::Heun2012, 0xbe468536319ff04e),
-    (Integrator::ExplicitEuler, 0xaa031b159ec08d84),
+    (Integrator::Split, 0xfd4a550f3f7c6d9e),
+    (Integrator::Exact, 0xfacd4de1785a7ba3),
+    (Integrator::Split4, 0x436dd70d12f01269),
+    (Integrator::Dmv6, 0xab3e2f410aeb4b75),
+    (Integrator::Rk4, 0x58069e597f23f66d),
+    (Integrator::ImplicitMidpoint, 0x17f2f38db3a2ae2c),
+    (Integrator::VelocityVerlet, 0x5d5c7c82a4244855),
+    (Integrator::Midpoint, 0xac8164f255d4544a),
+    (Integrator::BackwardEuler, 0x4313f115fc3dacab),
+    (Integrator::SemiImplicitEuler, 0x02b36d41e1ca806d),
+    (Integrator::EngineRescaled, 0x0cd665670c5c1963),
+    (Integrator::EngineNewton, 0x52aa9bf48ab4e8d9),
+    (Integrator::Heun2012, 0xa57b358119c97a1d),
+    (Integrator::ExplicitEuler, 0x07dc245fa66b311f),
 ];
 
 fn brick() -> RigidBox {
@@ -117,16 +116,7 @@ impl SchemeVisitor for Scene {
 fn every_scheme_finds_the_bits_that_are_written_here() {
     let found: Vec<_> = Integrator::ALL
         .iter()
-        .map(|&integrator| {
-            let scene = Scene {
-                bodies: 6,
-                steps: 90,
-            };
-            let states = integrator.dispatch(scene);
-            // The bits of a NaN are nobody's business.
-            assert!(states.iter().all(BodyState::is_sound), "{integrator}");
-            (integrator, state_digest(&states))
-        })
+        .map(|&integrator| (integrator, fingerprint(integrator)))
         .collect();
     for (integrator, digest) in &found {
         println!("    (Integrator::{integrator:?}, 0x{digest:016x}),");

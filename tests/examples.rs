@@ -28,5 +28,5 @@ fn every_example_is_a_target_and_says_how_to_run_it() {
         assert!(!text.contains("DefaultPlugins,"), "{name} opens a window");
         seen += 1;
     }
-    assert!(seen >= 16, "{seen}");
+    assert!(seen >= 17, "{seen}");
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
+use box_physics::digest::fingerprint;
 use box_physics::schemes::{Integrator, Limit};
 
 fn box_report(arguments: &[&str]) -> Command {
@@ -80,6 +81,7 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
         "visible",
         "dissertation-cycles",
         "dissertation-answer",
+        "determinism",
     ] {
         assert!(
             !rows(&report.join(format!("{table}.csv"))).is_empty(),
@@ -108,6 +110,10 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
     let digest = read(&docs.join("results.md"));
     for rate in [30, 60, 120] {
         assert!(digest.contains(&format!("At {rate} Hz take `")), "{rate}");
+    }
+    for scheme in Integrator::ALL {
+        let row = format!("| `{scheme}` | `{:016x}` |", fingerprint(*scheme));
+        assert!(digest.contains(&row), "{row}");
     }
     let shown = files(&docs.join("results"), "svg");
     assert!(shown.len() >= 10);

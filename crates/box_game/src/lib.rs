@@ -18,6 +18,7 @@ pub mod display;
 #[cfg(feature = "gamepad")]
 pub mod gamepad;
 pub mod ghosts;
+pub mod gizmos_plugin;
 pub mod hands;
 pub mod headless;
 pub mod history;

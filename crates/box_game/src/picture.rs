@@ -15,6 +15,7 @@ use crate::camera::{OrbitCamera, move_camera};
 use crate::cli::Cli;
 use crate::ghosts::GhostPlugin;
 use crate::ghosts::views::{self, PictureArea, arrange_views, follow_main, spawn_views};
+use crate::gizmos_plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 use crate::hands::mouse::{Hand, draw_hand, use_mouse};
 use crate::input::UiFocus;
 use crate::panel::{self, PanelMemory};
@@ -22,7 +23,7 @@ use crate::panel_view::{self, Sources};
 use crate::preferences::{Preferences, PreferencesPlugin, UI_SCALES};
 use crate::recorder::record_film;
 use crate::screenshot::{OffscreenTarget, PlotArea, take_screenshot};
-use crate::session::Session;
+use crate::session::{Hero, Session};
 use crate::surroundings::draw_lattice;
 use crate::visuals;
 
@@ -57,6 +58,7 @@ impl Plugin for PicturePlugin {
             .init_resource::<Hand>()
             .init_resource::<PlotArea>()
             .init_resource::<PictureArea>()
+            .add_plugins(BodyGizmosPlugin)
             .add_systems(
                 Startup,
                 (
@@ -88,9 +90,7 @@ impl Plugin for PicturePlugin {
                     visuals::dress_boxes,
                     visuals::tint_hero,
                     visuals::place_floor,
-                    visuals::draw_aabbs,
-                    visuals::draw_axes,
-                    visuals::draw_contacts,
+                    switch_gizmos.before(BodyGizmosSystems),
                     take_screenshot,
                 ),
             )
@@ -101,6 +101,21 @@ impl Plugin for PicturePlugin {
             app.add_systems(Update, title);
         }
     }
+}
+
+/// The switches of the panel: boxes of all bodies, the rest of the hero alone.
+fn switch_gizmos(
+    session: Res<Session>,
+    hero: Query<Entity, With<Hero>>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+) {
+    let hero = hero.iter().next();
+    *gizmos.config_mut::<BodyGizmos>().1 = BodyGizmos {
+        aabbs: session.show_aabb,
+        axes: session.show_axes && hero.is_some(),
+        contacts: session.show_contacts && hero.is_some(),
+        only: hero,
+    };
 }
 
 fn offscreen_image(size: (u32, u32)) -> Image {

@@ -1,4 +1,4 @@
-//! What there is to see besides the panel: boxes, floor, light, and what the switches add.
+//! What there is to see besides the panel: boxes, floor, light.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
@@ -6,10 +6,7 @@ use bevy::light::CascadeShadowConfigBuilder;
 use bevy::mesh::Mesh;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use box_physics::prelude::{
-    BodyIntegrator, BodyState, ContactPhase, Floor, FloorContact, GlobalIntegrator, Integrator,
-    RigidBox, WorldAabb,
-};
+use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, Integrator, RigidBox};
 
 use crate::demo::Demo2012;
 use crate::ghosts::views::everywhere;
@@ -239,86 +236,5 @@ pub fn place_floor(
         None => {
             visibility.set_if_neq(Visibility::Hidden);
         }
-    }
-}
-
-/// The re-fitted bounding boxes.
-pub fn draw_aabbs(session: Res<Session>, boxes: Query<&WorldAabb>, mut gizmos: Gizmos) {
-    if session.show_aabb {
-        for aabb in boxes.iter().take(2000) {
-            gizmos.aabb_3d(aabb.0, Transform::IDENTITY, Color::srgb_u8(240, 228, 66));
-        }
-    }
-}
-
-/// Body axes and the velocity of the hero.
-pub fn draw_axes(
-    session: Res<Session>,
-    hero: Query<(&RigidBox, &BodyState, &Transform), With<Hero>>,
-    mut gizmos: Gizmos,
-) {
-    if !session.show_axes {
-        return;
-    }
-    for (body, state, transform) in &hero {
-        let at = transform.translation;
-        let length = 1.4 * body.radius() as f32;
-        let axes = [
-            (transform.rotation * Vec3::X, Color::srgb_u8(0, 114, 178)),
-            (transform.rotation * Vec3::Y, Color::srgb_u8(230, 159, 0)),
-            (transform.rotation * Vec3::Z, Color::srgb_u8(0, 158, 115)),
-        ];
-        for (axis, color) in axes {
-            gizmos.arrow(at, at + axis * length, color);
-        }
-        gizmos.arrow(at, at + 0.25 * state.velocity.as_vec3(), Color::WHITE);
-    }
-}
-
-/// Contact points of the hero during the last step: a cross where it touches, an arrow along the
-/// normal, which grows with the root of the impulse over the body's weight in that step.
-pub fn draw_contacts(
-    mut contacts: MessageReader<FloorContact>,
-    session: Res<Session>,
-    hero: Query<(&RigidBox, Entity), With<Hero>>,
-    fixed: Res<Time<Fixed>>,
-    mut shown: Local<Vec<(FloorContact, f32)>>,
-    time: Res<Time<Real>>,
-    mut gizmos: Gizmos,
-) {
-    // A bounce lasts one step: keep what it showed for a quarter of a second.
-    for (_, age) in &mut *shown {
-        *age += time.delta_secs();
-    }
-    shown.retain(|(_, age)| *age < 0.25);
-    for contact in contacts.read() {
-        // Its end is no reason to stop showing it: a bounce begins and ends in a step.
-        if contact.phase != ContactPhase::Ended {
-            shown.retain(|(old, _)| old.corner != contact.corner);
-            shown.push((*contact, 0.0));
-        }
-    }
-    let Some((body, entity)) = hero.iter().next() else {
-        return;
-    };
-    if !session.show_contacts {
-        return;
-    }
-    let size = 0.15 * body.radius() as f32;
-    let weight = body.mass() * 9.81 * fixed.timestep().as_secs_f64();
-    for (contact, _) in shown.iter().filter(|(c, _)| c.entity == entity) {
-        let at = contact.point.as_vec3();
-        gizmos.cross(
-            Isometry3d::from_translation(at),
-            size,
-            Color::srgb_u8(213, 94, 0),
-        );
-        // The root of it: an impact is a hundred times what holds a resting box.
-        let length = (contact.normal_impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
-        gizmos.arrow(
-            at,
-            at + Vec3::Y * length.max(size),
-            Color::srgb_u8(213, 94, 0),
-        );
     }
 }

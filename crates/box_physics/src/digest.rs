@@ -1,5 +1,11 @@
 //! A digest of the motion: whether two simulations agree, to the last bit.
 
+use glam::{DQuat, DVec3};
+
+use crate::body::RigidBox;
+use crate::floor::{ContactSettings, ContactState, Floor, step_on_floor};
+use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
+use crate::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor};
 use crate::state::BodyState;
 
 /// FNV-1a, 64 bit (Fowler, Noll, Vo): its basis and its prime.
@@ -41,10 +47,132 @@ pub fn state_digest<'a>(states: impl IntoIterator<Item = &'a BodyState>) -> u64 
     hash
 }
 
+/// What this build makes of a fixed scene under `integrator`: the digest of bodies that tumble, bounce,
+/// slide, feel drag and hang on a spring for a second and a half. Peers that compute in lock-step compare it
+/// before they start; a difference in any part of a step shows in it.
+///
+/// ```
+/// use box_physics::{digest::fingerprint, prelude::*};
+/// // What the other player's machine sent:
+/// let theirs = fingerprint(Integrator::Split);
+/// assert_eq!(fingerprint(Integrator::Split), theirs, "another version: its game would drift from ours");
+/// assert_ne!(fingerprint(Integrator::Exact), theirs);
+/// ```
+pub fn fingerprint(integrator: Integrator) -> u64 {
+    state_digest(&integrator.dispatch(FixedScene))
+}
+
+/// Three bodies over a floor, each with terms of its own in its law, so that no part of a step is left out.
+struct FixedScene;
+
+impl FixedScene {
+    const STEPS: u32 = 96;
+    /// A power of two: n steps are at n·dt without rounding \[s\].
+    const DT: f64 = 1.0 / 64.0;
+    const BODIES: usize = 3;
+
+    fn body() -> RigidBox {
+        RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)
+            .expect("in range: a test computes every fingerprint")
+    }
+
+    fn start(body: &RigidBox, k: usize) -> BodyState {
+        let k = k as f64;
+        BodyState::at(DVec3::new(3.0 * k, 1.0 + 0.25 * k, -0.5))
+            .with_rotation(DQuat::from_xyzw(0.25, 0.125 * k, -0.5, 1.0))
+            .with_velocity(DVec3::new(0.75, 0.5 - k, 1.25))
+            .with_angular_velocity(body, DVec3::new(1.5, 2.5 - k, 1.0))
+    }
+}
+
+impl SchemeVisitor for FixedScene {
+    type Output = [BodyState; Self::BODIES];
+
+    fn visit<S: Scheme>(self) -> Self::Output {
+        let body = Self::body();
+        let springs = [Spring {
+            body_point: DVec3::new(0.5, 0.25, 0.125),
+            anchor: DVec3::new(6.0, 2.0, 0.0),
+            stiffness: 30.0,
+            damping: 0.25,
+        }];
+        let thrusters = [PointForce {
+            body_point: DVec3::new(0.25, 0.0, 0.125),
+            force: DVec3::new(0.0, 0.5, 1.0),
+            frame: Frame::Body,
+        }];
+        let weight = Forces {
+            acceleration: DVec3::new(0.0, -9.81, 0.0),
+            ..Forces::default()
+        };
+        let laws: [Forces<'_>; Self::BODIES] = [
+            weight,
+            Forces {
+                dissipation: Dissipation {
+                    linear_drag: 0.25,
+                    quadratic_drag: 0.0625,
+                    angular_damping: 0.125,
+                    angular_drag: 0.015_625,
+                },
+                ..weight
+            },
+            Forces {
+                springs: &springs,
+                point_forces: &thrusters,
+                body_torque: DVec3::new(0.125, 0.0, 0.0),
+                world_torque: DVec3::new(0.0, 0.0625, 0.0),
+                ..weight
+            },
+        ];
+        let (floor, settings) = (Floor::default(), ContactSettings::default());
+        core::array::from_fn(|k| {
+            let mut state = Self::start(&body, k);
+            let (mut memory, mut contact) = (SchemeMemory::default(), ContactState::default());
+            for _ in 0..Self::STEPS {
+                step_on_floor::<S, _>(
+                    &floor,
+                    &settings,
+                    &body,
+                    &mut state,
+                    &laws[k],
+                    Self::DT,
+                    &mut memory,
+                    &mut contact,
+                    None,
+                );
+            }
+            state
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+
+    /// The bits of a NaN are nobody's business; and a scene in which nothing happens proves nothing.
+    #[test]
+    fn the_fixed_scene_is_sound_and_lively_under_every_scheme() {
+        let body = FixedScene::body();
+        for &integrator in Integrator::ALL {
+            let states = integrator.dispatch(FixedScene);
+            for (k, state) in states.iter().enumerate() {
+                assert!(state.is_sound(), "{integrator}, body {k}");
+                let start = FixedScene::start(&body, k);
+                assert_ne!(start.rotation, state.rotation, "{integrator}, body {k}");
+                // In free fall it would be 11 m below.
+                assert!(state.position.y > 0.0, "{integrator}, body {k}");
+            }
+            let others = Integrator::ALL.iter().filter(|o| **o != integrator);
+            for &other in others {
+                assert_ne!(
+                    fingerprint(integrator),
+                    fingerprint(other),
+                    "{integrator}, {other}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn every_bit_counts_and_so_does_the_order() {
@@ -70,7 +198,7 @@ mod tests {
     #[test]
     fn it_is_fnv_1a() {
         let mut zero = BodyState::at(DVec3::ZERO);
-        zero.rotation = glam::DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
+        zero.rotation = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         let expected = (0..104).fold(BASIS, |h, _| h.wrapping_mul(PRIME));
         assert_eq!(state_digest([&zero]), expected);
     }

@@ -23,6 +23,20 @@ pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> 
 }
 
 /// Kinetic and potential energy \[J\].
+///
+/// ```
+/// use box_physics::energy::total_energy;
+/// use box_physics::prelude::*;
+/// let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
+/// let law = Forces { acceleration: DVec3::new(0.0, -9.81, 0.0), ..Forces::default() };
+/// let mut state = BodyState::at(DVec3::Y).with_angular_velocity(&body, DVec3::new(1.5, 2.5, 1.0));
+/// let (start, mut memory) = (total_energy(&body, &state, &law), SchemeMemory::default());
+/// for _ in 0..60 {
+///     Integrator::Exact.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
+/// }
+/// assert!((total_energy(&body, &state, &law) / start - 1.0).abs() < 1e-12);
+/// # Ok::<(), InvalidValue>(())
+/// ```
 pub fn total_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
     state.kinetic_energy(body) + potential_energy(body, state, forces)
 }

@@ -31,7 +31,23 @@
 //!
 //! A body is a [`RigidBox`](body::RigidBox); what else it needs comes along as required components. Its
 //! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step, and one that you
-//! change teleports the body. Give it a mesh, or a child with one, and it is on screen.
+//! change teleports the body. Give it a mesh, or a child with one, and it is on screen. Every component has a
+//! default and is patched in scene literals:
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use box_physics::prelude::*;
+//!
+//! fn balloon() -> impl Scene {
+//!     bsn! {
+//!         RigidBox
+//!         BodyState { position: DVec3 { y: 2.0 } }
+//!         GravityScale(-0.1)
+//!         LinearDrag(0.5)
+//!         BodyIntegrator(Integrator::Split4)
+//!     }
+//! }
+//! ```
 //!
 //! # What acts on it
 //!
@@ -85,7 +101,8 @@
 //! # The same bits everywhere
 //!
 //! Results do not depend on the run, the number of threads, the order of insertion, debug or release, or the
-//! machine (no platform sine, no fused multiply-add); [`digest`] compares them. With the feature `serde` a
+//! machine (no platform sine, no fused multiply-add); [`digest`] compares them, and
+//! [`digest::fingerprint`] tells whether two builds compute the same. With the feature `serde` a
 //! saved body continues bit for bit.
 //!
 //! # When something is wrong

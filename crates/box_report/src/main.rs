@@ -2,6 +2,7 @@
 
 mod check;
 mod context;
+mod determinism;
 mod dissertation;
 mod document;
 mod efficiency;
@@ -55,6 +56,8 @@ enum Command {
     Visible(report::Options),
     /// The comparison of 2012 redone, and its question answered
     Dissertation(report::Options),
+    /// What every machine must compute: a digest of the bits for every scheme
+    Determinism(report::Options),
     /// The same boxes in Avian, Rapier and Box3D: builds and runs crates/box_peers
     Peers(report::Options),
     /// Compare the errors of a short deterministic run with the stored ones
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         Command::Timing(options) => (options, Part::Timing),
         Command::Visible(options) => (options, Part::Visible),
         Command::Dissertation(options) => (options, Part::Dissertation),
+        Command::Determinism(options) => (options, Part::Determinism),
         Command::Peers(options) => (options, Part::Peers),
         Command::Check(options) => return end(check::run(options)),
         Command::Simulate(options) => return end(simulate::run(options)),

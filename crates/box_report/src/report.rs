@@ -12,7 +12,8 @@ use crate::machine::Machine;
 use crate::progress::Progress;
 use crate::summary::Results;
 use crate::{
-    dissertation, efficiency, files, peers, stability, summary, timing, visible, work_precision,
+    determinism, dissertation, efficiency, files, peers, stability, summary, timing, visible,
+    work_precision,
 };
 
 /// Options of every part that measures.
@@ -41,18 +42,20 @@ pub(crate) enum Part {
     Timing,
     Visible,
     Dissertation,
+    Determinism,
     Peers,
 }
 
 impl Part {
     /// Everything, in the order in which it is measured: what others need first.
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::WorkPrecision,
         Self::Efficiency,
         Self::Stability,
         Self::Timing,
         Self::Visible,
         Self::Dissertation,
+        Self::Determinism,
         Self::Peers,
     ];
 
@@ -64,6 +67,7 @@ impl Part {
             Self::Timing => "timing",
             Self::Visible => "visible",
             Self::Dissertation => "dissertation",
+            Self::Determinism => "determinism",
             Self::Peers => "peers",
         }
     }
@@ -72,7 +76,7 @@ impl Part {
     fn ticks(self, quick: bool) -> u64 {
         match self {
             Self::WorkPrecision => work_precision::ticks(),
-            Self::Efficiency | Self::Peers => 0,
+            Self::Efficiency | Self::Determinism | Self::Peers => 0,
             Self::Stability => stability::ticks(quick),
             Self::Timing => timing::ticks(),
             Self::Visible => visible::ticks(),
@@ -198,6 +202,7 @@ fn measure_all(
                 Some(section)
             }
             Part::Dissertation => Some(dissertation::section(ctx, &results)?),
+            Part::Determinism => Some(determinism::section(ctx)?),
             Part::Peers => {
                 let fresh = only == Some(Part::Peers);
                 if fresh {

@@ -16,6 +16,16 @@ use crate::state::BodyState;
 /// What the contact remembers of one body between steps: which corners touch, and for which state and
 /// forces it was found to lie still. It is checked, not trusted: a box lies still only as long as pose,
 /// velocities, body, floor and forces are bit for bit what they were. Empty is always valid.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::floor::ContactState;
+/// use box_physics::prelude::*;
+/// /// The dice are cast when all of them lie still.
+/// fn all_lie(dice: Query<&ContactState>) -> bool {
+///     dice.iter().all(ContactState::is_resting)
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Clone, PartialEq, Debug)]

@@ -43,6 +43,23 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 /// - **rest** if the box lies on a face and nothing moves it: the state stays bit for bit.
 ///
 /// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is left to the scheme.
+///
+/// ```
+/// use box_physics::floor::{ContactState, step_on_floor};
+/// use box_physics::prelude::*;
+/// use box_physics::schemes::Split;
+/// // A cube is dropped from a metre, without an App.
+/// let (body, floor, settings) = (RigidBox::default(), Floor::default(), ContactSettings::default());
+/// let weight = Gravity(DVec3::new(0.0, -9.81, 0.0));
+/// let mut state = BodyState::at(DVec3::Y * 1.5);
+/// let (mut memory, mut contact) = (SchemeMemory::default(), ContactState::default());
+/// for _ in 0..600 {
+///     step_on_floor::<Split, _>(
+///         &floor, &settings, &body, &mut state, &weight, 1.0 / 60.0, &mut memory, &mut contact, None,
+///     );
+/// }
+/// assert!(contact.is_resting() && (state.position.y - 0.5).abs() < 1e-9);
+/// ```
 pub fn step_on_floor<S: Scheme, F: ForceLaw>(
     floor: &Floor,
     settings: &ContactSettings,

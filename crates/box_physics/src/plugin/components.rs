@@ -30,6 +30,15 @@ pub struct BodyIntegrator(pub Integrator);
 
 /// Factor on the [`WorldGravity`](super::WorldGravity) for this body (1 without the component; 0
 /// floats, negative rises).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn setup(mut commands: Commands) {
+///     commands.spawn((RigidBox::default(), GravityScale(0.0))); // floats
+///     commands.spawn((RigidBox::default(), GravityScale(-0.2))); // a balloon
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -113,6 +122,20 @@ pub struct ExternalForce {
 pub struct BodyTorque(pub DVec3);
 
 /// Forces at body points, evaluated at every stage of the scheme.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// /// Two thrusters at the sides, full throttle: it rises, and turns with the box.
+/// fn setup(mut commands: Commands) {
+///     let thruster = |x| PointForce {
+///         body_point: DVec3::new(x, 0.0, 0.0),
+///         force: DVec3::Y * 8.0, // N
+///         frame: Frame::Body,
+///     };
+///     commands.spawn((RigidBox::default(), PointForces(vec![thruster(-0.5), thruster(0.5)])));
+/// }
+/// ```
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

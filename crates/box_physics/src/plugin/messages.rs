@@ -129,6 +129,16 @@ pub struct FloorContact {
 }
 
 /// A body was quarantined: see [`Quarantined`](super::Quarantined).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn report(mut lost: MessageReader<BodyQuarantined>) {
+///     for m in lost.read() {
+///         println!("{} at {} s under {}: {}", m.entity, m.time, m.integrator, m.cause);
+///     }
+/// }
+/// ```
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Message, Clone, PartialEq)]
 pub struct BodyQuarantined {

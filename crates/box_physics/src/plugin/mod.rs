@@ -57,6 +57,22 @@ use crate::state::BodyState;
 pub struct PhysicsSchedule;
 
 /// The sets of [`PhysicsSchedule`], chained in this order.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// /// A system of a step: it runs once a step, and the state is that of `PhysicsClock::time`.
+/// fn highest(clock: Res<PhysicsClock>, bodies: Query<&BodyState>, mut record: Local<f64>) {
+///     for state in &bodies {
+///         *record = record.max(state.position.y);
+///     }
+///     println!("{:.3} s: {:.3} m", clock.time(), *record);
+/// }
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///     .add_systems(PhysicsSchedule, highest.in_set(PhysicsSystems::Last));
+/// app.update();
+/// ```
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicsSystems {
     /// Empty, for users.
@@ -119,6 +135,18 @@ impl PluginGroup for PhysicsPlugins {
 }
 
 /// The physics itself: the schedule, the clock, bodies and forces.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// // Nothing but the physics, in a schedule of one's choice: no floor, no boxes, no timings.
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugin::in_schedule(FixedUpdate)));
+/// let body = app.world_mut().spawn(RigidBox::default()).id();
+/// app.update();
+/// assert!(app.world().get::<BodyState>(body).is_some());
+/// assert!(app.world().get::<WorldAabb>(body).is_none());
+/// ```
 #[derive(Clone, Debug)]
 pub struct PhysicsPlugin {
     schedule: Interned<dyn ScheduleLabel>,

@@ -12,6 +12,16 @@ use crate::schemes::LANES;
 
 /// How many threads the physics may use. Results do not depend on it, to the last bit: bodies do not
 /// act on each other.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::plugin::PhysicsThreads;
+/// use box_physics::prelude::*;
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///     .insert_resource(PhysicsThreads { most: 1, ..default() }); // leaves the cores to others
+/// app.update();
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct PhysicsThreads {

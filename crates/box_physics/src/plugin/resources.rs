@@ -11,6 +11,15 @@ use crate::error::InvalidValue;
 use crate::schemes::Integrator;
 
 /// Gravity of the world [m/s²]. By default 9.81 downwards (−Y).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///     .insert_resource(WorldGravity(DVec3::new(0.0, -1.62, 0.0))); // the Moon
+/// app.update();
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -65,6 +65,22 @@ impl SchemeTiming {
 }
 
 /// Figures of the last step. Present with [`PhysicsDiagnosticsPlugin`]; without it nothing is timed.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::plugin::Stage;
+/// use box_physics::prelude::*;
+/// fn show(timings: Res<PhysicsTimings>) {
+///     let floor = timings.stage(Stage::Contact) as f64 / 1000.0;
+///     println!("{floor:.1} µs for {} bodies at the floor", timings.bodies_at_floor);
+///     if let Some(ns) = timings.scheme(Integrator::Split).per_body() {
+///         println!("split: {ns:.0} ns a body");
+///     }
+/// }
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default())).add_systems(Update, show);
+/// app.update();
+/// ```
 #[derive(Resource, Reflect, Clone, Debug)]
 #[reflect(Resource, Default, Clone)]
 pub struct PhysicsTimings {

@@ -238,6 +238,18 @@ impl fmt::Display for Evaluations {
 }
 
 /// Everything a scheme says of itself.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// use box_physics::schemes::EnergyBehaviour;
+/// let keeps_energy: Vec<&str> = Integrator::ALL
+///     .iter()
+///     .map(|i| i.info())
+///     .filter(|info| info.keeps.energy == EnergyBehaviour::Exact)
+///     .map(|info| info.id)
+///     .collect();
+/// assert_eq!(keeps_energy, ["exact", "dmv6", "implicit-midpoint"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SchemeInfo {
     /// As typed on a command line and in files: lower case, hyphens.

@@ -14,6 +14,23 @@ use super::trajectory::Trajectory;
 ///
 /// To try several steps from one state, copy the memory into a scratch one with
 /// [`clone_from`](Clone::clone_from), which reuses what the scratch has allocated.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// let (body, weight) = (RigidBox::default(), Gravity(DVec3::new(0.0, -9.81, 0.0)));
+/// let mut state = BodyState::default().with_angular_velocity(&body, DVec3::new(1.0, 2.0, 3.0));
+/// let mut memory = SchemeMemory::default();
+/// let mut step = |state: &mut BodyState, memory: &mut SchemeMemory| {
+///     Integrator::Exact.step(&body, state, &weight, 1.0 / 60.0, memory);
+/// };
+/// step(&mut state, &mut memory);
+/// // To go back and continue to the last bit, keep both.
+/// let kept = (state, memory.clone());
+/// step(&mut state, &mut memory);
+/// let (mut again, mut memory) = kept;
+/// step(&mut again, &mut memory);
+/// assert_eq!(again, state);
+/// ```
 #[derive(Component, Reflect, Debug, Default, PartialEq)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Clone, PartialEq, Debug)]

@@ -27,6 +27,7 @@ pub(crate) use split::split_step;
 use core::fmt;
 use core::str::FromStr;
 
+use bevy::ecs::VariantDefaults;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 use crate::body::RigidBox;
@@ -106,7 +107,25 @@ macro_rules! schemes {
         $(pub use $module::$name;)+
 
         /// A choice of scheme: every scheme there is, in the order of the menu.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect)]
+        ///
+        /// ```
+        /// use box_physics::prelude::*;
+        /// // A menu, in its order; what was typed; what is shown.
+        /// let menu: Vec<&str> = Integrator::ALL.iter().map(|i| i.name()).collect();
+        /// assert_eq!(menu[..2], ["Split", "Exact"]);
+        /// let typed: Integrator = "rk4".parse()?;
+        /// assert_eq!(typed, Integrator::Rk4);
+        /// assert!("leapfrog".parse::<Integrator>().is_err());
+        /// println!("{typed}: {}", typed.info().summary);
+        /// // One step of one body, without an App.
+        /// let (body, mut memory) = (RigidBox::default(), SchemeMemory::default());
+        /// let mut state = BodyState::default();
+        /// let weight = Gravity(DVec3::new(0.0, -9.81, 0.0));
+        /// let outcome = typed.step(&body, &mut state, &weight, 1.0 / 60.0, &mut memory);
+        /// assert_eq!(outcome.evaluations, 4);
+        /// # Ok::<(), box_physics::schemes::UnknownIntegrator>(())
+        /// ```
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect, VariantDefaults)]
         #[reflect(Default, Clone, PartialEq, Hash)]
         pub enum Integrator {
             $($(#[$attribute])* #[doc = concat!("[`", stringify!($name), "`](struct@", stringify!($name), ")")] $name,)+

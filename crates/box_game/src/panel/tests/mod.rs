@@ -4,6 +4,7 @@ mod controls;
 mod hands;
 mod layout;
 mod numbers;
+mod texts;
 
 use bevy_egui::egui::{Event, Key, PointerButton, Pos2, Rect, Vec2, accesskit::Role, pos2};
 use egui_kittest::{

@@ -1,18 +1,16 @@
 //! The twelve families of motion over which the report compares schemes: one setup each, with an answer
 //! that can be trusted, and the errors that tell schemes apart there.
 
+mod list;
+
 use std::sync::OnceLock;
 
-use box_physics::body::RigidBox;
 use box_physics::schemes::Integrator;
 use box_physics::state::BodyState;
-use glam::{DQuat, DVec3};
 
-use crate::forces::ForceSet;
 use crate::metrics::{Errors, StateError, energy_scale};
 use crate::run::{Plan, Totals, run_plan};
-use crate::scenario::Scenario;
-use crate::setup::{FloorSpec, Setup};
+use crate::setup::Setup;
 use crate::simulate::sanity;
 use crate::truth::TruthKind;
 
@@ -112,7 +110,7 @@ impl Family {
     /// Every family.
     pub fn all() -> &'static [Self] {
         static ALL: OnceLock<Vec<Family>> = OnceLock::new();
-        ALL.get_or_init(families)
+        ALL.get_or_init(list::families)
     }
 
     /// The trusted states at 1, 2, … times `interval` \[s\] up to `duration` \[s\].
@@ -279,139 +277,6 @@ impl Reference {
 
 fn short(x: f64) -> String {
     format!("{x:.0e}")
-}
-
-fn families() -> Vec<Family> {
-    use Metric::{Attitude, Energy, Position};
-    let solid = |half: [f64; 3], mass: f64| {
-        RigidBox::new(DVec3::from_array(half), mass)
-            .expect("the numbers of a built-in family are valid: a test builds every one")
-    };
-    let scene = |build: fn() -> Scenario, duration: f64| Setup {
-        duration,
-        ..build().setup
-    };
-    let brick = solid([0.5, 0.25, 0.125], 3.0);
-    let cube = solid([0.5; 3], 2.0);
-    let tumble =
-        BodyState::at(DVec3::Y * 2.0).with_body_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
-    let thrown = BodyState::at(DVec3::Y).with_velocity(DVec3::new(10.0, 12.0, 3.0));
-    let drag = ForceSet {
-        linear_drag: 1.0,
-        ..ForceSet::gravity(9.81)
-    };
-    let corner = solid([0.5, 0.25, 0.375], 3.0);
-    let tilted = BodyState::at(DVec3::Y * 1.5)
-        .with_rotation(DQuat::from_xyzw(0.25, 0.075, 0.2, 1.063))
-        .with_velocity(DVec3::X)
-        .with_body_angular_velocity(&corner, DVec3::new(0.5, 1.5, -0.25));
-    let family = |id, title, what, setup: Setup, metrics, watch| Family {
-        id,
-        title,
-        what,
-        setup,
-        metrics,
-        watch,
-    };
-    vec![
-        family(
-            "free-tumble",
-            "Free tumble",
-            "An ordinary box, 4:2:1, tumbles for 10 s without any force.",
-            Setup::new(brick, tumble, ForceSet::none(), 10.0),
-            &[Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "flip",
-            "Near-separatrix flip",
-            "The same box spun at 8 rad/s about its middle axis turns over every few seconds.",
-            scene(crate::scenes::free::dzhanibekov, 10.0),
-            &[Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "thin-plate",
-            "Thin plate",
-            "A plate of 64:1 tumbles: the largest moment is the sum of the others.",
-            scene(crate::scenes::free::thin_plate, 10.0),
-            &[Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "needle",
-            "Needle",
-            "A rod with moments 800:1 spins at 20 rad/s about its length, slightly off.",
-            scene(crate::scenes::free::needle, 5.0),
-            &[Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "symmetric-top",
-            "Symmetric top",
-            "A square bar precesses steadily.",
-            scene(crate::scenes::free::symmetric_top, 10.0),
-            &[Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "linear-drag",
-            "Projectile, linear drag",
-            "A throw with drag in proportion to the speed, c/m = 0.5 1/s.",
-            Setup::new(cube, thrown, drag, 10.0),
-            &[Position],
-            60.0,
-        ),
-        family(
-            "quadratic-drag",
-            "Projectile, quadratic drag",
-            "Straight up at 45 m/s through air and down again.",
-            scene(crate::scenes::flight::quadratic_drag, 8.0),
-            &[Position],
-            60.0,
-        ),
-        family(
-            "heavy-top",
-            "Heavy top",
-            "A spinning bar leans, precesses and nods under a torque.",
-            scene(crate::scenes::forced::heavy_top, 5.0),
-            &[Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "spring",
-            "Spring orbit",
-            "A tumbling box on a spring: an ellipse that closes every π seconds.",
-            scene(crate::scenes::forced::spring_orbit, 10.0),
-            &[Position, Attitude, Energy],
-            60.0,
-        ),
-        family(
-            "damped-spin",
-            "Damped spin",
-            "Tumbling under a torque −γL, γ = 0.25 1/s.",
-            scene(crate::scenes::free::damped_spin, 10.0),
-            &[Attitude],
-            60.0,
-        ),
-        family(
-            "bounce",
-            "Bounce",
-            "A flat drop from a metre with e = 1: ten seconds of bounces at one height.",
-            scene(crate::scenes::floor::bounce, 10.0),
-            &[Position, Energy],
-            60.0,
-        ),
-        family(
-            "corner-drop",
-            "Corner drop",
-            "A tilted, slowly turning box falls on a frictionless floor with e = 0.5, corner after corner.",
-            Setup::new(corner, tilted, ForceSet::gravity(9.81), 16.0 / 15.0)
-                .with_floor(FloorSpec::at_zero(0.5, 0.0)),
-            &[Attitude, Position],
-            16.0 / 15.0,
-        ),
-    ]
 }
 
 #[cfg(test)]

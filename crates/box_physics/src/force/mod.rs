@@ -1,0 +1,235 @@
+//! The force law of a body, as the schemes see it.
+//!
+//! ```text
+//! m v' = m a − c₁ v − k₂ |v| v + F(x, q, v, ω)        world axes
+//! L'   = L×ω − γ L − c_ω ω + τ(x, q, v, ω)           body axes, ω = L/I
+//! ```
+//!
+//! The parts are kept apart because a good scheme treats them apart: the uniform acceleration and the
+//! isotropic dissipation have exact flows, the rest (the *wrench*) is what a kick applies.
+
+mod parts;
+
+pub use parts::{Forces, Frame, PointForce, Spring};
+
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+use glam::DVec3;
+
+use crate::body::RigidBox;
+use crate::state::BodyState;
+
+/// A force through the centre of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Wrench {
+    /// Force \[N\], world axes.
+    pub force: DVec3,
+    /// Torque about the centre of mass \[N m\], body axes.
+    pub torque: DVec3,
+}
+
+impl Wrench {
+    /// No force, no torque.
+    pub const ZERO: Self = Self {
+        force: DVec3::ZERO,
+        torque: DVec3::ZERO,
+    };
+}
+
+impl core::ops::AddAssign for Wrench {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.force += other.force;
+        self.torque += other.torque;
+    }
+}
+
+/// The isotropic dissipation of a body; every coefficient ≥ 0, and 0 means absent.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// // Falling through air: the speed at which drag equals weight.
+/// let body = RigidBox::default(); // 1 kg
+/// let law = Forces {
+///     acceleration: DVec3::new(0.0, -9.81, 0.0),
+///     dissipation: Dissipation { quadratic_drag: 0.1, ..Dissipation::NONE },
+///     ..Forces::default()
+/// };
+/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// for _ in 0..600 {
+///     Integrator::Rk4.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
+/// }
+/// assert!((state.velocity.y + (9.81_f64 / 0.1).sqrt()).abs() < 1e-6);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct Dissipation {
+    /// c₁ [N s/m]: force −c₁ v.
+    pub linear_drag: f64,
+    /// k₂ [N s²/m²]: force −k₂ |v| v.
+    pub quadratic_drag: f64,
+    /// γ [1/s]: torque −γ L.
+    pub angular_damping: f64,
+    /// c_ω \[N m s\]: torque −c_ω ω.
+    pub angular_drag: f64,
+}
+
+impl Dissipation {
+    /// A body in vacuum.
+    pub const NONE: Self = Self {
+        linear_drag: 0.0,
+        quadratic_drag: 0.0,
+        angular_damping: 0.0,
+        angular_drag: 0.0,
+    };
+}
+
+/// What acts on one body. The schemes are generic over it, so a body without a force pays nothing
+/// for it: the compiler removes what [`Gravity`] says is absent.
+///
+/// Implement it for forces of your own: give the state-dependent part in [`ForceLaw::wrench`] and
+/// say so in [`ForceLaw::has_wrench`].
+///
+/// ```
+/// use box_physics::prelude::*;
+/// /// A rotor that drives the box about its own z axis, weaker the faster it turns.
+/// struct Motor;
+/// impl ForceLaw for Motor {
+///     fn acceleration(&self) -> DVec3 { DVec3::ZERO }
+///     fn has_wrench(&self) -> bool { true }
+///     fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+///         let spin = state.body_angular_velocity(body).z;
+///         Wrench { force: DVec3::ZERO, torque: DVec3::Z * (1.0 - 0.1 * spin) }
+///     }
+/// }
+/// let body = RigidBox::default();
+/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// for _ in 0..60 {
+///     Integrator::Rk4.step(&body, &mut state, &Motor, 1.0 / 60.0, &mut memory);
+/// }
+/// assert!(state.angular_velocity(&body).z > 4.0);
+/// ```
+pub trait ForceLaw {
+    /// The uniform acceleration [m/s²], world axes: gravity and whatever constant force acts on the
+    /// centre, divided by the mass. Constant over a step.
+    fn acceleration(&self) -> DVec3;
+
+    /// Isotropic drag and damping. Constant over a step.
+    #[inline(always)]
+    fn dissipation(&self) -> Dissipation {
+        Dissipation::NONE
+    }
+
+    /// Whether [`ForceLaw::wrench`] is ever different from zero; schemes skip the kicks if not.
+    #[inline(always)]
+    fn has_wrench(&self) -> bool {
+        false
+    }
+
+    /// Everything else, evaluated at every stage of a multi-stage scheme.
+    #[inline(always)]
+    fn wrench(&self, _body: &RigidBox, _state: &BodyState) -> Wrench {
+        Wrench::ZERO
+    }
+
+    /// The part of [`ForceLaw::wrench`] that does not depend on the velocities, for schemes that
+    /// kick: what it leaves out must be in [`ForceLaw::damp`]. By default the whole wrench, whose
+    /// velocity-dependent part such a scheme then takes at the velocity it has (order 1).
+    #[inline(always)]
+    fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        self.wrench(body, state)
+    }
+
+    /// Applies the velocity-dependent remainder over `h` \[s\] at a fixed pose.
+    #[inline(always)]
+    fn damp(&self, _body: &RigidBox, _state: &mut BodyState, _h: f64) {}
+}
+
+/// Uniform acceleration [m/s²] alone: a body in free flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
+#[reflect(Default, Clone, PartialEq)]
+pub struct Gravity(pub DVec3);
+
+impl ForceLaw for Gravity {
+    #[inline(always)]
+    fn acceleration(&self) -> DVec3 {
+        self.0
+    }
+}
+
+/// The time derivatives (v', L') of the whole law at `state`: one force evaluation.
+#[inline(always)]
+pub fn rates<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {
+    let (dv, torque) = applied_rates(body, state, force);
+    let omega = state.body_angular_velocity(body);
+    (dv, state.angular_momentum.cross(omega) + torque)
+}
+
+/// [`rates`] without the gyroscopic term L×ω, for schemes whose drift contains it.
+#[inline(always)]
+pub(crate) fn applied_rates<F: ForceLaw>(
+    body: &RigidBox,
+    state: &BodyState,
+    force: &F,
+) -> (DVec3, DVec3) {
+    let d = force.dissipation();
+    let mut dv = force.acceleration();
+    let mut torque = DVec3::ZERO;
+    if d != Dissipation::NONE {
+        let speed = state.velocity.length();
+        let rate = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        let omega = state.body_angular_velocity(body);
+        dv -= rate * state.velocity;
+        torque -= d.angular_damping * state.angular_momentum + d.angular_drag * omega;
+    }
+    if force.has_wrench() {
+        let w = force.wrench(body, state);
+        dv += w.force * body.inverse_mass();
+        torque += w.torque;
+    }
+    (dv, torque)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    /// A box, and a state without any symmetry.
+    pub(super) fn setting() -> (RigidBox, BodyState) {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
+        let state = BodyState::at(DVec3::new(0.2, 1.0, -0.4))
+            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
+            .with_velocity(DVec3::new(1.0, -2.0, 0.5))
+            .with_angular_velocity(&body, DVec3::new(3.0, 1.0, -2.0));
+        (body, state)
+    }
+
+    #[test]
+    fn rates_are_the_law() {
+        let (body, state) = setting();
+        let d = Dissipation {
+            linear_drag: 0.3,
+            quadratic_drag: 0.2,
+            angular_damping: 0.1,
+            angular_drag: 0.05,
+        };
+        let law = Forces {
+            acceleration: DVec3::NEG_Y,
+            dissipation: d,
+            body_torque: DVec3::X,
+            ..Default::default()
+        };
+        let (dv, dl) = rates(&body, &state, &law);
+        let (v, l, w) = (
+            state.velocity,
+            state.angular_momentum,
+            state.body_angular_velocity(&body),
+        );
+        let expected = DVec3::NEG_Y - (0.3 * v + 0.2 * v.length() * v) / 3.0;
+        assert!((dv - expected).length() < 1e-15);
+        let expected = l.cross(w) - 0.1 * l - 0.05 * w + DVec3::X;
+        assert!((dl - expected).length() < 1e-15);
+    }
+}

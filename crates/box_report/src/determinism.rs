@@ -1,0 +1,79 @@
+//! `determinism`: the bits that every machine must find.
+
+use std::num::NonZero;
+use std::thread;
+
+use box_physics::digest::fingerprint;
+use box_physics::schemes::Integrator;
+use serde::Serialize;
+
+use crate::context::{Context, Stop};
+use crate::document::{Section, Table};
+use crate::{files, text};
+
+#[derive(Serialize)]
+struct Row {
+    integrator: &'static str,
+    /// 16 hexadecimal digits.
+    digest: String,
+}
+
+/// Computes the fingerprint of every scheme, on every thread of this machine at once.
+///
+/// # Errors
+/// An unwritable file; threads that disagree.
+pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
+    let threads = thread::available_parallelism().map_or(1, NonZero::get);
+    let digests = on_threads(threads, &ctx.schemes)?;
+    let rows: Vec<Row> = ctx
+        .schemes
+        .iter()
+        .zip(digests)
+        .map(|(scheme, digest)| Row {
+            integrator: scheme.id(),
+            digest: format!("{digest:016x}"),
+        })
+        .collect();
+    files::write_csv(&ctx.file("determinism.csv"), &rows)?;
+    let mut section = Section::new(
+        "determinism",
+        "The same bits",
+        "Three boxes that tumble, bounce, slide, feel drag and hang on a spring, for 96 steps of 1/64 s; of their last \
+         states a digest (FNV-1a, 64 bit). No sine of the platform, no fused multiply-add: every machine, every \
+         number of threads, debug and release find these digits, or a step differs. A game asks for them by \
+         `box_physics::digest::fingerprint`; the tests hold them (`tests/determinism.rs`).",
+    );
+    section.verdicts.push(format!(
+        "Here {threads} threads at once found the same {} digests.",
+        rows.len()
+    ));
+    section.tables.push(Table {
+        title: "State digest of every scheme".to_owned(),
+        note: "Compare them with those of another machine.".to_owned(),
+        columns: vec!["scheme".to_owned(), "digest".to_owned()],
+        rows: rows
+            .iter()
+            .map(|r| vec![text::code(r.integrator), text::code(&r.digest)])
+            .collect(),
+        csv: "determinism.csv".to_owned(),
+        digest: true,
+    });
+    Ok(section)
+}
+
+/// The fingerprints of `schemes`, computed by `threads` threads beside each other.
+fn on_threads(threads: usize, schemes: &[Integrator]) -> Result<Vec<u64>, Stop> {
+    let all = || schemes.iter().map(|&s| fingerprint(s)).collect::<Vec<_>>();
+    let found = thread::scope(|scope| {
+        let running: Vec<_> = (0..threads).map(|_| scope.spawn(all)).collect();
+        running
+            .into_iter()
+            .map(thread::ScopedJoinHandle::join)
+            .collect::<Result<Vec<_>, _>>()
+    });
+    let found = found.map_err(|_| Stop::Internal("a fingerprint panicked".to_owned()))?;
+    match found.split_first() {
+        Some((first, others)) if others.iter().all(|o| o == first) => Ok(first.clone()),
+        _ => Err(Stop::Internal("threads found different bits".to_owned())),
+    }
+}

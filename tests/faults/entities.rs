@@ -1,0 +1,185 @@
+//! Entities and components that come, go and stand where they should not, between steps and within one.
+
+use bevy::prelude::*;
+use box_physics::floor::ContactState;
+use box_physics::prelude::*;
+
+use super::{Log, app, brick, run, state, tumbling};
+
+#[test]
+fn bodies_that_go_between_message_and_step() {
+    let log = Log::start();
+    let mut app = app();
+    for _ in 0..5 {
+        let gone = app.world_mut().spawn((brick(), tumbling())).id();
+        app.world_mut()
+            .write_message(ApplyImpulse::centre(gone, DVec3::X));
+        app.world_mut().despawn(gone);
+        app.update();
+    }
+    log.says_once("is no body (any more)");
+}
+
+#[test]
+fn bodies_that_go_while_the_step_runs() {
+    let log = Log::start();
+    for set in [
+        PhysicsSystems::First,
+        PhysicsSystems::Impulses,
+        PhysicsSystems::Forces,
+        PhysicsSystems::Integrate,
+        PhysicsSystems::Contact,
+        PhysicsSystems::Refit,
+        PhysicsSystems::Writeback,
+        PhysicsSystems::Last,
+    ] {
+        let mut app = app();
+        app.insert_resource(Floor::default());
+        // Bodies that are just being quarantined go as well.
+        app.add_systems(
+            PhysicsSchedule,
+            (|bodies: Query<Entity, With<GravityScale>>, mut commands: Commands| {
+                for entity in &bodies {
+                    commands.entity(entity).despawn();
+                }
+            })
+            .in_set(set),
+        );
+        for _ in 0..3 {
+            let lying = BodyState::at(DVec3::Y * 0.25);
+            for state in [tumbling(), lying] {
+                for scale in [1.0, f64::NAN] {
+                    app.world_mut()
+                        .spawn((brick(), state, ReportContacts, GravityScale(scale)));
+                }
+            }
+            let stays = app.world_mut().spawn((brick(), tumbling())).id();
+            run(&mut app, 3);
+            assert!(state(&app, stays).is_sound());
+        }
+        let mut doomed = app.world_mut().query::<&GravityScale>();
+        assert_eq!(doomed.iter(app.world()).count(), 0);
+    }
+    log.take();
+}
+
+#[test]
+fn components_that_are_removed_in_flight() {
+    let log = Log::start();
+    let removals: [(&str, fn(&mut EntityWorldMut)); 5] = [
+        ("", |e| {
+            e.remove::<ContactState>();
+        }),
+        ("", |e| {
+            e.remove::<WorldAabb>();
+        }),
+        ("put back", |e| {
+            e.remove::<BodyState>();
+        }),
+        ("put back", |e| {
+            e.remove::<SchemeMemory>();
+        }),
+        ("put back", |e| {
+            e.remove::<Transform>();
+        }),
+    ];
+    for (words, remove) in removals {
+        for with_floor in [false, true] {
+            let mut app = app();
+            if with_floor {
+                app.insert_resource(Floor::default());
+            }
+            let entity = app.world_mut().spawn((brick(), tumbling())).id();
+            run(&mut app, 10);
+            for _ in 0..3 {
+                remove(&mut app.world_mut().entity_mut(entity));
+                app.update();
+                let one = state(&app, entity);
+                app.update();
+                assert_ne!(state(&app, entity), one, "it goes on: {words}");
+            }
+            assert!(app.world().get::<ContactState>(entity).is_some());
+            assert!(app.world().get::<WorldAabb>(entity).is_some());
+            if words.is_empty() {
+                log.is_silent();
+            } else {
+                log.says_once(words);
+            }
+        }
+    }
+    // A state that is lost begins again where the body is shown.
+    let mut app = app();
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    run(&mut app, 10);
+    let shown = *app.world().get::<Transform>(entity).expect("required");
+    app.world_mut().entity_mut(entity).remove::<BodyState>();
+    app.update();
+    let after = state(&app, entity).position.as_vec3();
+    assert!((after - shown.translation).length() < 0.01, "{after}");
+    log.take();
+}
+
+#[test]
+fn without_its_rigid_box_a_body_is_left_alone() {
+    let log = Log::start();
+    let mut app = app();
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    run(&mut app, 10);
+    app.world_mut().entity_mut(entity).remove::<RigidBox>();
+    let mine = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_x(0.3));
+    *app.world_mut().get_mut(entity).expect("stays") = mine;
+    let frozen = state(&app, entity);
+    run(&mut app, 10);
+    assert_eq!(state(&app, entity), frozen);
+    assert_eq!(*app.world().get::<Transform>(entity).expect("stays"), mine);
+    app.world_mut().entity_mut(entity).insert(brick());
+    app.update();
+    assert!((state(&app, entity).position - DVec3::new(1.0, 2.0, 3.0)).length() < 0.1);
+    log.is_silent();
+}
+
+#[test]
+fn parents_that_displace_their_bodies_are_reported_once() {
+    let log = Log::start();
+    let spawn_under = |app: &mut App, parent: Entity| {
+        let child = app.world_mut().spawn((brick(), tumbling())).id();
+        app.world_mut().entity_mut(parent).add_child(child);
+        child
+    };
+    // At the origin, unturned, unscaled: a folder, and nothing to say.
+    let mut app = app();
+    let parent = app.world_mut().spawn(Transform::IDENTITY).id();
+    spawn_under(&mut app, parent);
+    run(&mut app, 5);
+    log.is_silent();
+    // … until it moves.
+    *app.world_mut().get_mut(parent).expect("spawned") = Transform::from_xyz(1.0, 0.0, 0.0);
+    run(&mut app, 5);
+    log.says_once("top of the hierarchy");
+    // A scaled grandparent.
+    let mut app = super::app();
+    let grandparent = app
+        .world_mut()
+        .spawn(Transform::from_scale(Vec3::splat(2.0)))
+        .id();
+    let parent = app.world_mut().spawn(Transform::IDENTITY).id();
+    app.world_mut().entity_mut(grandparent).add_child(parent);
+    let child = spawn_under(&mut app, parent);
+    run(&mut app, 5);
+    log.says_once(&grandparent.to_string());
+    // It is simulated in world coordinates all the same.
+    let mut expected = tumbling();
+    let mut memory = SchemeMemory::default();
+    let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();
+    for _ in 0..5 {
+        let gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));
+        Integrator::Split.step(&brick(), &mut expected, &gravity, h, &mut memory);
+    }
+    assert_eq!(state(&app, child), expected);
+    // A body below a body.
+    let mut app = super::app();
+    let parent = app.world_mut().spawn((brick(), BodyState::default())).id();
+    spawn_under(&mut app, parent);
+    run(&mut app, 5);
+    log.says_once("top of the hierarchy");
+}

@@ -1,0 +1,218 @@
+//! NaN and infinities in every component that users can write.
+
+use bevy::ecs::message::Messages;
+use bevy::math::bounding::Aabb3d;
+use bevy::prelude::*;
+use box_physics::prelude::*;
+
+use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
+
+type Poison = fn(&mut EntityWorldMut);
+const NAN: DVec3 = DVec3::NAN;
+
+fn poisons() -> Vec<(&'static str, Poison)> {
+    fn poison<C: Component<Mutability = bevy::ecs::component::Mutable>>(
+        e: &mut EntityWorldMut,
+        f: fn(&mut C),
+    ) {
+        f(&mut e.get_mut::<C>().expect("there"));
+    }
+    vec![
+        ("position", |e| {
+            poison::<BodyState>(e, |s| s.position.y = f64::NAN);
+        }),
+        ("rotation", |e| {
+            poison::<BodyState>(e, |s| s.rotation.w = f64::INFINITY);
+        }),
+        ("rotation of length 0", |e| {
+            poison::<BodyState>(e, |s| s.rotation = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+        }),
+        ("velocity", |e| poison::<BodyState>(e, |s| s.velocity = NAN)),
+        ("momentum", |e| {
+            poison::<BodyState>(e, |s| s.angular_momentum.x = f64::NEG_INFINITY);
+        }),
+        ("everything", |e| {
+            poison::<BodyState>(e, |s| {
+                *s = BodyState {
+                    position: NAN,
+                    rotation: DQuat::NAN,
+                    velocity: NAN,
+                    angular_momentum: NAN,
+                };
+            });
+        }),
+        ("translation", |e| {
+            poison::<Transform>(e, |t| t.translation = Vec3::NAN);
+        }),
+        ("quaternion", |e| {
+            poison::<Transform>(e, |t| t.rotation = Quat::from_xyzw(0.0, f32::NAN, 0.0, 1.0));
+        }),
+        ("quaternion of length 0", |e| {
+            poison::<Transform>(e, |t| t.rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
+        }),
+        ("GravityScale", |e| {
+            e.insert(GravityScale(f64::NAN));
+        }),
+        ("LinearDrag", |e| {
+            e.insert(LinearDrag(f64::NAN));
+        }),
+        ("LinearDrag infinite", |e| {
+            e.insert(LinearDrag(f64::INFINITY));
+        }),
+        ("QuadraticDrag", |e| {
+            e.insert(QuadraticDrag(f64::NAN));
+        }),
+        ("AngularDamping", |e| {
+            e.insert(AngularDamping(f64::NAN));
+        }),
+        ("AngularDrag", |e| {
+            e.insert(AngularDrag(f64::NAN));
+        }),
+        ("force", |e| {
+            e.insert(ExternalForce {
+                force: NAN,
+                torque: DVec3::ZERO,
+            });
+        }),
+        ("torque", |e| {
+            e.insert(ExternalForce {
+                force: DVec3::ZERO,
+                torque: NAN,
+            });
+        }),
+        ("BodyTorque", |e| {
+            e.insert(BodyTorque(NAN));
+        }),
+        ("PointForces", |e| {
+            e.insert(PointForces(vec![PointForce {
+                body_point: NAN,
+                force: DVec3::X,
+                frame: Frame::World,
+            }]));
+        }),
+        ("Springs", |e| {
+            e.insert(Springs(vec![Spring {
+                body_point: DVec3::X,
+                anchor: DVec3::ZERO,
+                stiffness: f64::NAN,
+                damping: 1.0,
+            }]));
+        }),
+        ("damper", |e| {
+            e.insert(Springs(vec![Spring {
+                body_point: DVec3::X,
+                anchor: DVec3::ZERO,
+                stiffness: 1.0,
+                damping: f64::NAN,
+            }]));
+        }),
+        ("WorldAabb", |e| {
+            e.insert(WorldAabb(Aabb3d {
+                min: Vec3::NAN.into(),
+                max: Vec3::NAN.into(),
+            }));
+        }),
+    ]
+}
+
+#[test]
+fn nan_in_every_component() {
+    let log = Log::start();
+    for integrator in [
+        Integrator::Split,
+        Integrator::Exact,
+        Integrator::Rk4,
+        Integrator::BackwardEuler,
+    ] {
+        for with_floor in [false, true] {
+            let poisoned = |poison: Option<Poison>| {
+                let mut app = app();
+                app.insert_resource(GlobalIntegrator(integrator));
+                if with_floor {
+                    app.insert_resource(Floor::default());
+                }
+                let ids = [tumbling(), BodyState::at(DVec3::Y * 0.3), tumbling()]
+                    .map(|start| app.world_mut().spawn((brick(), start)).id());
+                run(&mut app, 3);
+                if let Some(poison) = poison {
+                    poison(&mut app.world_mut().entity_mut(ids[1]));
+                }
+                run(&mut app, 20);
+                assert_shown_sanely(&mut app);
+                let aabb = app.world().get::<WorldAabb>(ids[1]).expect("required").0;
+                assert!(aabb.min.is_finite() && aabb.max.is_finite());
+                [state(&app, ids[0]), state(&app, ids[2])]
+            };
+            let clean = poisoned(None);
+            log.is_silent();
+            for (name, poison) in poisons() {
+                assert_eq!(poisoned(Some(poison)), clean, "{name}: neighbours notice");
+                let lines = log.take();
+                assert!(lines.len() <= 1, "{name}: {lines:#?}");
+                // An infinite drag is a wall to a scheme that takes drag exactly, and a resting box
+                // feels none of the drags.
+                if !matches!(name, "WorldAabb" | "LinearDrag infinite") && !with_floor {
+                    assert_eq!(lines.len(), 1, "{integrator}, {name}: said nothing");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_body_that_begins_as_nonsense() {
+    let log = Log::start();
+    for transform in [
+        Transform::from_xyz(1.0, 2.0, 3.0),
+        Transform::from_xyz(f32::NAN, 2.0, 3.0),
+    ] {
+        let mut app = app();
+        let bad = BodyState {
+            position: NAN,
+            ..tumbling()
+        };
+        let entity = app.world_mut().spawn((brick(), bad, transform)).id();
+        run(&mut app, 3);
+        assert_shown_sanely(&mut app);
+        let expected = transform.translation.is_finite();
+        let expected = if expected {
+            transform.translation
+        } else {
+            Vec3::ZERO
+        };
+        assert_eq!(state(&app, entity).position.as_vec3(), expected);
+        assert!(app.world().get::<Quarantined>(entity).is_some());
+        let lines = log.take();
+        assert!((1..=2).contains(&lines.len()), "{lines:#?}");
+        assert!(
+            lines.iter().any(|l| l.contains("is quarantined")),
+            "{lines:#?}"
+        );
+        // Nobody can make a quarantined body show nonsense.
+        *app.world_mut().get_mut(entity).expect("a body") = bad;
+        run(&mut app, 3);
+        assert_shown_sanely(&mut app);
+        log.is_silent();
+    }
+}
+
+#[test]
+fn a_thousand_quarantines_are_one_line() {
+    let log = Log::start();
+    let mut app = app();
+    for _ in 0..1000 {
+        app.world_mut()
+            .spawn((brick(), tumbling(), GravityScale(f64::NAN)));
+    }
+    app.update();
+    log.says_once("999 more with it");
+    let told: Vec<_> = app
+        .world_mut()
+        .resource_mut::<Messages<BodyQuarantined>>()
+        .drain()
+        .collect();
+    assert_eq!(told.len(), 1000);
+    assert!(told.iter().all(|m| m.cause == QuarantineCause::Step));
+    run(&mut app, 3);
+    log.is_silent();
+}

@@ -1,0 +1,215 @@
+//! Plugins in the wrong order, settings out of range, constants and floors that change in motion.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_physics::floor::ContactState;
+use box_physics::prelude::*;
+
+use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
+
+#[test]
+fn a_duplicate_plugin_is_named() {
+    let _log = Log::start();
+    let panic = catch_unwind(AssertUnwindSafe(|| {
+        App::new().add_plugins((
+            MinimalPlugins,
+            PhysicsPlugins::default(),
+            PhysicsPlugins::default(),
+        ));
+    }))
+    .expect_err("Bevy refuses a plugin that is there already");
+    let text = panic.downcast_ref::<String>().expect("a formatted message");
+    assert!(text.contains("PhysicsPlugin"), "{text}");
+}
+
+#[test]
+fn what_comes_before_the_plugin_is_not_lost() {
+    #[derive(Resource, Default)]
+    struct Calls(u32);
+    let log = Log::start();
+    let mut app = App::new();
+    app.init_resource::<Calls>()
+        .add_systems(
+            PhysicsSchedule,
+            (|mut calls: ResMut<Calls>| calls.0 += 1).in_set(PhysicsSystems::Last),
+        )
+        .insert_resource(Floor::default())
+        .insert_resource(GlobalIntegrator(Integrator::Rk4));
+    let entity = app
+        .world_mut()
+        .spawn((brick(), BodyState::at(DVec3::Y * 0.3)))
+        .id();
+    app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    run(&mut app, 100);
+    assert!(app.world().resource::<Calls>().0 >= 99);
+    assert_eq!(
+        *app.world().resource::<GlobalIntegrator>(),
+        GlobalIntegrator(Integrator::Rk4)
+    );
+    // It fell on the floor and lies there.
+    assert!((state(&app, entity).position.y - 0.25).abs() < 1e-9);
+    assert!(app.world().get::<WorldAabb>(entity).is_some());
+    let late = app.world_mut().spawn((brick(), tumbling())).id();
+    run(&mut app, 2);
+    assert!(app.world().get::<WorldAabb>(late).is_some());
+    log.take();
+}
+
+#[test]
+fn settings_out_of_range_stop_the_clock_until_they_are_put_right() {
+    let log = Log::start();
+    let bad_floor = |f: fn(&mut Floor)| {
+        let mut floor = Floor::default();
+        f(&mut floor);
+        floor
+    };
+    let faults: Vec<(&str, Box<dyn Fn(&mut App)>)> = vec![
+        (
+            "WorldGravity.y",
+            Box::new(|app| {
+                app.insert_resource(WorldGravity(DVec3::new(0.0, f64::NAN, 0.0)));
+            }),
+        ),
+        (
+            "height",
+            Box::new(move |app| {
+                app.insert_resource(bad_floor(|f| f.height = f64::NAN));
+            }),
+        ),
+        (
+            "restitution",
+            Box::new(move |app| {
+                app.insert_resource(bad_floor(|f| f.restitution = 1.5));
+            }),
+        ),
+        (
+            "friction",
+            Box::new(move |app| {
+                app.insert_resource(bad_floor(|f| f.friction = -0.1));
+            }),
+        ),
+        (
+            "tolerance",
+            Box::new(|app| {
+                app.world_mut().resource_mut::<ContactSettings>().tolerance = 0.0;
+            }),
+        ),
+        (
+            "restitution_threshold",
+            Box::new(|app| {
+                app.world_mut()
+                    .resource_mut::<ContactSettings>()
+                    .restitution_threshold = f64::NAN;
+            }),
+        ),
+        (
+            "PhysicsClock.substeps",
+            Box::new(|app| app.world_mut().resource_mut::<PhysicsClock>().substeps = 1_000_000),
+        ),
+    ];
+    for (field, spoil) in faults {
+        let mut app = app();
+        app.insert_resource(Floor::default());
+        let entity = app.world_mut().spawn((brick(), tumbling())).id();
+        for _ in 0..2 {
+            run(&mut app, 3);
+            let steps = |app: &App| app.world().resource::<PhysicsClock>().steps();
+            let before = (state(&app, entity), steps(&app));
+            log.is_silent();
+            spoil(&mut app);
+            run(&mut app, 5);
+            log.says_once(field);
+            let fault = app.world().resource::<PhysicsClock>().fault();
+            assert_eq!(fault.map(|f| f.field), Some(field));
+            assert_eq!((state(&app, entity), steps(&app)), before);
+            // Put right, it goes on.
+            app.insert_resource(WorldGravity::default())
+                .insert_resource(Floor::default())
+                .insert_resource(ContactSettings::default());
+            app.world_mut().resource_mut::<PhysicsClock>().substeps = 1;
+            app.update();
+            assert_ne!(state(&app, entity), before.0, "{field}");
+            assert_eq!(app.world().resource::<PhysicsClock>().fault(), None);
+        }
+    }
+}
+
+#[test]
+fn constants_that_change_in_motion() {
+    let log = Log::start();
+    for &integrator in Integrator::ALL {
+        let mut app = app();
+        app.insert_resource(Floor::default())
+            .insert_resource(GlobalIntegrator(integrator));
+        let flying = app.world_mut().spawn((brick(), tumbling())).id();
+        let lying = BodyState::at(DVec3::Y * 0.25);
+        let lying = app.world_mut().spawn((brick(), lying)).id();
+        run(&mut app, 30);
+        let before = state(&app, flying);
+        let larger = RigidBox::new(DVec3::new(0.6, 0.9, 0.4), 30.0).expect("valid");
+        for entity in [flying, lying] {
+            app.world_mut().entity_mut(entity).insert(larger);
+        }
+        // The numbers of the motion stay; the angular velocity follows from the new inertia.
+        assert_eq!(state(&app, flying), before);
+        run(&mut app, 30);
+        assert_shown_sanely(&mut app);
+        // It was in the floor: it is lifted out, and not shot out.
+        let up = state(&app, lying);
+        assert!((up.position.y - 0.9).abs() < 1e-9, "{integrator}: {up:?}");
+        assert!(up.velocity.length() < 1e-9, "{integrator}: {up:?}");
+        // Hot changes of everything else.
+        app.insert_resource(WorldGravity(DVec3::new(1.0, -3.0, 0.0)))
+            .insert_resource(Floor::new(0.5, 1.0, 0.0).expect("valid"));
+        app.world_mut().resource_mut::<PhysicsClock>().substeps = 7;
+        app.world_mut()
+            .entity_mut(flying)
+            .insert((LinearDrag(1.0), AngularDrag(0.1)));
+        run(&mut app, 30);
+        assert_shown_sanely(&mut app);
+    }
+    log.is_silent();
+}
+
+#[test]
+fn a_floor_that_goes_ends_its_contacts() {
+    let log = Log::start();
+    let mut app = app();
+    app.insert_resource(Floor::default());
+    let lying = BodyState::at(DVec3::Y * 0.25);
+    let entity = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
+    run(&mut app, 5);
+    let contact = |app: &App| {
+        app.world()
+            .get::<ContactState>(entity)
+            .expect("there")
+            .clone()
+    };
+    assert_eq!(contact(&app).touching().count_ones(), 4);
+    app.world_mut()
+        .resource_mut::<Messages<FloorContact>>()
+        .clear();
+    app.world_mut().remove_resource::<Floor>();
+    app.update();
+    let ended = app
+        .world_mut()
+        .resource_mut::<Messages<FloorContact>>()
+        .drain()
+        .filter(|c| c.phase == ContactPhase::Ended)
+        .count();
+    assert_eq!(ended, 4);
+    run(&mut app, 2);
+    assert_eq!(contact(&app), ContactState::default());
+    assert!(state(&app, entity).velocity.y < 0.0, "it falls");
+    app.insert_resource(Floor {
+        height: -1.0,
+        ..Floor::default()
+    });
+    run(&mut app, 200);
+    assert!((state(&app, entity).position.y + 0.75).abs() < 1e-9);
+    log.is_silent();
+}

@@ -1,0 +1,123 @@
+//! Clocks: none, one that stands still, one that jumps, a tick far too long.
+
+use std::time::Duration;
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_physics::prelude::*;
+
+use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
+
+#[test]
+fn without_a_clock_it_says_so() {
+    let log = Log::start();
+    let mut app = App::new();
+    app.add_plugins((TaskPoolPlugin::default(), PhysicsPlugins::default()));
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    run(&mut app, 5);
+    assert_eq!(state(&app, entity), tumbling());
+    log.says_once("TimePlugin");
+    app.world_mut().commands().queue(StepPhysics(1));
+    app.world_mut().flush();
+    log.says_once("Time<Fixed>");
+    // In a schedule of its own the same.
+    let mut app = App::new();
+    app.add_plugins((
+        TaskPoolPlugin::default(),
+        PhysicsPlugins::in_schedule(Update),
+    ));
+    run(&mut app, 5);
+    log.says_once("TimePlugin");
+}
+
+/// Frames without length, in a schedule of variable time: nothing moves, nothing is told, and what was
+/// asked for is done at the first tick that takes time.
+#[test]
+fn frames_of_no_time_change_nothing() {
+    let log = Log::start();
+    for &integrator in Integrator::ALL {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(Update)))
+            .insert_resource(Floor::default())
+            .insert_resource(GlobalIntegrator(integrator))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
+        app.update();
+        let lying = BodyState::at(DVec3::Y * 0.25);
+        let falling = BodyState::at(DVec3::Y * 0.3).with_velocity(DVec3::NEG_Y * 9.0);
+        let ids = [tumbling(), lying, falling]
+            .map(|start| app.world_mut().spawn((brick(), start, ReportContacts)).id());
+        run(&mut app, 3);
+        let all = |app: &App| ids.map(|id| state(app, id));
+        let told = |app: &mut App| {
+            let mut messages = app.world_mut().resource_mut::<Messages<FloorContact>>();
+            messages.drain().count()
+        };
+        let steps = |app: &App| app.world().resource::<PhysicsClock>().steps();
+        let before = (all(&app), steps(&app));
+        told(&mut app);
+
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        app.world_mut()
+            .write_message(ApplyImpulse::centre(ids[0], DVec3::X * 3.0));
+        run(&mut app, 5);
+        assert_eq!((all(&app), steps(&app)), before, "{integrator}");
+        assert_eq!(told(&mut app), 0, "{integrator}");
+
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
+        app.update();
+        let pushed = state(&app, ids[0]).velocity.x - before.0[0].velocity.x;
+        assert!((pushed - 1.0).abs() < 1e-9, "{integrator}: {pushed} m/s");
+    }
+    log.is_silent();
+}
+
+#[test]
+fn a_tick_of_eleven_days() {
+    let log = Log::start();
+    for &integrator in Integrator::ALL {
+        for with_floor in [false, true] {
+            let mut app = app();
+            app.insert_resource(Time::<Fixed>::from_seconds(1e6))
+                .insert_resource(GlobalIntegrator(integrator));
+            if with_floor {
+                app.insert_resource(Floor::default());
+            }
+            app.world_mut()
+                .spawn((brick(), tumbling(), QuadraticDrag(0.1)));
+            app.world_mut().spawn((brick(), tumbling()));
+            app.world_mut()
+                .spawn((brick(), BodyState::at(DVec3::Y * 0.25)));
+            for _ in 0..3 {
+                app.world_mut().commands().queue(StepPhysics(1));
+                app.world_mut().flush();
+                assert_shown_sanely(&mut app);
+            }
+        }
+    }
+    log.take();
+}
+
+#[test]
+fn a_hitch_costs_a_bounded_number_of_steps_and_is_counted() {
+    let log = Log::start();
+    let mut app = app();
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(10)));
+    let before = *app.world().resource::<PhysicsClock>();
+    app.update();
+    let clock = *app.world().resource::<PhysicsClock>();
+    let steps = clock.steps() - before.steps();
+    assert!((14..=16).contains(&steps), "250 ms at 60 Hz, not {steps}");
+    assert_eq!(
+        clock.dropped() - before.dropped(),
+        Duration::from_millis(9_750)
+    );
+    // Paused time is not lost.
+    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    app.update();
+    assert_eq!(
+        app.world().resource::<PhysicsClock>().dropped(),
+        clock.dropped()
+    );
+    log.is_silent();
+}
