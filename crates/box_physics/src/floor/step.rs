@@ -134,6 +134,7 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             state: *state,
             memory,
             corners,
+            normal,
             candidates: held,
             still_speed: hold,
             acceleration: pull,
@@ -236,6 +237,7 @@ fn move_until_event<S: Scheme, F: ForceLaw>(
     let search = Search {
         watch,
         start: start.corners.height,
+        rate: start.normal,
         time: tau,
         curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
         tolerance,

@@ -87,6 +87,8 @@ pub(super) struct Start<'a, F> {
     pub(super) state: BodyState,
     pub(super) memory: &'a SchemeMemory,
     pub(super) corners: Corners,
+    /// The corners' velocities upwards [m/s].
+    pub(super) normal: [f64; 8],
     /// The corners that may be held: touching, with no normal velocity to speak of.
     pub(super) candidates: u8,
     /// Slower than this is not moving [m/s].
