@@ -172,6 +172,21 @@ impl ContactSet {
         self.velocities(self.twist(p))
     }
 
+    /// The change of (v, ω) that the impulse p at the i-th corner makes.
+    #[inline]
+    pub(super) fn unit_twist(&self, i: usize, p: DVec3) -> (DVec3, DVec3) {
+        let torque = self.lever[i].cross(p);
+        (p * self.inverse_mass, self.inverse_inertia * torque)
+    }
+
+    /// The i-th and the j-th corner alone.
+    pub(super) fn pick(&self, [i, j]: [usize; 2]) -> Self {
+        let mut two = Self { count: 2, ..*self };
+        (two.corner[0], two.corner[1]) = (self.corner[i], self.corner[j]);
+        (two.lever[0], two.lever[1]) = (self.lever[i], self.lever[j]);
+        two
+    }
+
     /// 1/m [1/kg].
     pub(super) fn inverse_mass(&self) -> f64 {
         self.inverse_mass
