@@ -131,7 +131,16 @@ fn attempt(
                 w[..2].copy_from_slice(&edge.velocities([p[0], p[1]]));
                 w
             };
-            search(set, b, alpha, friction, target, max_iterations, velocities, solution);
+            search(
+                set,
+                b,
+                alpha,
+                friction,
+                target,
+                max_iterations,
+                velocities,
+                solution,
+            );
         }
     } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p) {
         if set.count <= 4 && friction > 0.0 && spans_face(set) {
@@ -143,12 +152,22 @@ fn attempt(
             return;
         }
         let velocities = |p: &Corner3| add(b, &set.response(p), alpha, set.count);
-        search(set, b, alpha, friction, target, max_iterations, velocities, solution);
+        search(
+            set,
+            b,
+            alpha,
+            friction,
+            target,
+            max_iterations,
+            velocities,
+            solution,
+        );
     }
 }
 
 fn spans_face(set: &ContactSet) -> bool {
-    super::geometry::spans_face(set.corner[..set.count].iter().fold(0, |m, k| m | 1 << k))
+    let corners = set.corner[..set.count].iter();
+    super::geometry::spans_face(corners.fold(0, |m, k| m | 1 << k))
 }
 
 fn on_a_face(
@@ -184,7 +203,9 @@ fn on_a_face(
         return true;
     }
     let stop = cancel(set, b, &[DVec3::Y; 8]);
-    let found = face.two_leave(&stop).or_else(|| if fast { None } else { face.slide() });
+    let found = face
+        .two_leave(&stop)
+        .or_else(|| if fast { None } else { face.slide() });
     if let Some(q) = found {
         *p = q;
     }

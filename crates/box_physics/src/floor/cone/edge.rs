@@ -8,11 +8,12 @@
 //!   from two linear equations. What remains are two angles with t̂_k × w_kt = 0: Newton's method;
 //! - one sticks: w_i = 0 gives p_i = −A_ii⁻¹(b_i + A_ij p_j), and the other is alone with
 //!   A_jj − A_ji A_ii⁻¹ A_ij;
-//! - both stick: the parent module knows.
+//! - both stick: w = 0, a linear problem.
 
 use glam::{DMat3, DVec3};
 
 use super::super::geometry::{ContactSet, Corner3};
+use super::super::projection::{least_along, stopped_along};
 use super::{project, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
@@ -24,8 +25,8 @@ const LARGEST_TURN: f64 = 0.7;
 
 /// b + Ap for two corners.
 pub(super) struct Edge<'a> {
-    set: &'a ContactSet,
-    alpha: f64,
+    /// From one corner to the other \[m\].
+    edge: DVec3,
     own: [DMat3; 2],
     /// A_01 and A_10.
     other: [DMat3; 2],
@@ -39,7 +40,7 @@ pub(super) struct Edge<'a> {
 
 impl<'a> Edge<'a> {
     pub(super) fn new(
-        set: &'a ContactSet,
+        set: &ContactSet,
         b: &'a Corner3,
         alpha: f64,
         friction: f64,
@@ -47,8 +48,7 @@ impl<'a> Edge<'a> {
     ) -> Self {
         let cross = set.block(0, 1, alpha);
         Self {
-            set,
-            alpha,
+            edge: set.lever[1] - set.lever[0],
             own: [set.block(0, 0, alpha), set.block(1, 1, alpha)],
             other: [cross, cross.transpose()],
             b,
@@ -68,42 +68,35 @@ impl<'a> Edge<'a> {
     }
 
     /// Whether the slips are so fast that both corners sliding on is the likeliest.
-    pub(super) fn is_fast(&self) -> bool {
+    fn is_fast(&self) -> bool {
         let fast = |u: DVec3| u.x * u.x + u.z * u.z;
         let approach = (-self.b[0].y).max(-self.b[1].y);
         let bound = 4.0 * self.friction * approach;
         fast(self.b[0]).min(fast(self.b[1])) > bound * bound
     }
 
-    /// The impulses, if one of the cases fits.
+    /// The impulses, if one of the cases fits: the likeliest first.
     pub(super) fn solve(&self) -> Option<[DVec3; 2]> {
-        if self.is_fast() {
-            self.moves().or_else(|| self.sticks())
-        } else {
-            self.sticks().or_else(|| self.moves())
-        }
-    }
-
-    /// Both stick.
-    fn sticks(&self) -> Option<[DVec3; 2]> {
-        let mut p = [DVec3::ZERO; 8];
-        super::stick(self.set, self.b, self.alpha, self.friction, &mut p).then_some([p[0], p[1]])
-    }
-
-    /// The impulses if both corners slide, or one slides or sticks and the other leaves or sticks.
-    fn moves(&self) -> Option<[DVec3; 2]> {
         let smooth = self.smooth_normals();
         let likely = usize::from(smooth[1] < smooth[0]);
-        let leaves = |i| self.one_leaves(i);
-        if smooth[likely] <= 0.0 {
-            leaves(likely).or_else(|| self.slide(smooth))
+        let t = self.first_directions(smooth);
+        // Full friction that turns no slip round is the answer, or near it.
+        let slides = |t| self.sliding(t).is_some_and(|s| s.forward);
+        let first = if smooth[likely] <= 0.0 {
+            self.one_leaves(likely)
+        } else if t.is_some_and(slides) {
+            self.slide(t)
         } else {
-            self.slide(smooth).or_else(|| leaves(likely))
-        }
-        .or_else(|| self.one_sticks(0))
-        .or_else(|| self.one_sticks(1))
-        .or_else(|| self.one_after_the_other(smooth))
-        .or_else(|| leaves(1 - likely))
+            self.both_stick()
+        };
+        first
+            .or_else(|| self.both_stick())
+            .or_else(|| self.slide(t))
+            .or_else(|| self.one_sticks(0))
+            .or_else(|| self.one_sticks(1))
+            .or_else(|| self.one_leaves(likely))
+            .or_else(|| self.one_after_the_other(smooth))
+            .or_else(|| self.one_leaves(1 - likely))
     }
 
     /// The normal impulses that would stop both corners if there were no friction.
@@ -139,33 +132,57 @@ impl<'a> Edge<'a> {
         self.checked(p)
     }
 
+    /// Both stick: w_0 = 0 for p_0, then w_1 = 0. Of all that do it the
+    /// smallest.
+    fn both_stick(&self) -> Option<[DVec3; 2]> {
+        let mu = self.friction;
+        let holds = |p: DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
+        let inverse = self.own[0].inverse();
+        let (reduced, b) = self.without(0, &inverse);
+        let p1 = -(stopped_along(reduced, self.edge, self.own[1].y_axis.y) * b);
+        let p0 = -(inverse * (self.b[0] + self.other[0] * p1));
+        let mut p = [p0, p1];
+        least_along(self.edge, &mut p);
+        // No check: two corners that keep their distance can be stopped, to the rounding of b. That may be
+        // more than the target, where b is what is left of large velocities.
+        (holds(p[0]) && holds(p[1])).then_some(p)
+    }
+
+    /// A_jj − A_ji A_ii⁻¹ A_ij and b_j − A_ji A_ii⁻¹ b_i: corner j with corner `i` stuck.
+    fn without(&self, i: usize, inverse: &DMat3) -> (DMat3, DVec3) {
+        let j = 1 - i;
+        let through = self.other[j] * *inverse;
+        (
+            self.own[j] - through * self.other[i],
+            self.b[j] - through * self.b[i],
+        )
+    }
+
     /// Corner `i` sticks, the other one slides.
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
-        let j = 1 - i;
         let inverse = self.own[i].inverse();
-        let reduced = self.own[j] - self.other[j] * inverse * self.other[i];
-        let b = self.b[j] - self.other[j] * (inverse * self.b[i]);
+        let (reduced, b) = self.without(i, &inverse);
         let slide = single::slide(&reduced, b, self.friction)?;
         let mut p = [slide; 2];
         p[i] = -(inverse * (self.b[i] + self.other[i] * slide));
         self.checked(p)
     }
 
-    /// Both slide. The slips before are the first guess if they are fast, otherwise those that the normal
-    /// impulses alone would leave.
-    fn slide(&self, smooth: [f64; 2]) -> Option<[DVec3; 2]> {
-        let mut start = [self.b[0], self.b[1]];
+    /// Where the corners slip: before, if that is fast, otherwise after the normal impulses alone. `None` if
+    /// one does not.
+    fn first_directions(&self, smooth: [f64; 2]) -> Option<[(f64, f64); 2]> {
+        let mut slip = [self.b[0], self.b[1]];
         if !self.is_fast() {
-            start = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
+            slip = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
         }
-        let mut t = start.map(|u| (u.x, u.z));
-        for t in &mut t {
-            let speed = (t.0 * t.0 + t.1 * t.1).sqrt();
-            if speed <= self.target {
-                return None;
-            }
-            *t = (t.0 / speed, t.1 / speed);
-        }
+        let speed = slip.map(|u| (u.x * u.x + u.z * u.z).sqrt());
+        let direction = |i: usize| (slip[i].x / speed[i], slip[i].z / speed[i]);
+        (speed[0].min(speed[1]) > self.target).then(|| [direction(0), direction(1)])
+    }
+
+    /// Both slide, first along these directions.
+    fn slide(&self, t: Option<[(f64, f64); 2]>) -> Option<[DVec3; 2]> {
+        let mut t = t?;
         for _ in 0..STEPS {
             let now = self.sliding(t)?;
             let (f, j) = (now.residual, now.slope);
@@ -210,8 +227,8 @@ impl<'a> Edge<'a> {
             let inverse = 1.0 / (self.own[j] * s).y;
             // n·A_ji, the row that the corner's own column has by symmetry.
             let row = inverse * self.other[i].y_axis;
-            let reduced = self.own[i]
-                - DMat3::from_cols(column * row.x, column * row.y, column * row.z);
+            let reduced =
+                self.own[i] - DMat3::from_cols(column * row.x, column * row.y, column * row.z);
             let b = self.b[i] - column * (inverse * self.b[j].y);
             let (q, found) = single::solve(&reduced, b, self.friction);
             let push = -inverse * self.b[j].y - row.dot(q);
@@ -284,6 +301,7 @@ impl<'a> Edge<'a> {
         let impulse = |p: f64, (c, s): (f64, f64)| DVec3::new(-mu * p * c, p, -mu * p * s);
         Some(Sliding {
             p: [impulse(p0, t[0]), impulse(p1, t[1])],
+            forward: along(t[0], w0) > 0.0 && along(t[1], w1) > 0.0,
             residual: [cross(t[0], w0), cross(t[1], w1)],
             slope,
         })
@@ -293,6 +311,8 @@ impl<'a> Edge<'a> {
 /// Both corners sliding along given directions.
 struct Sliding {
     p: [DVec3; 2],
+    /// Whether the slips go along them and not the other way.
+    forward: bool,
     /// t̂_k × w_k: zero where the slips are along them.
     residual: [f64; 2],
     /// Its derivatives by the two angles.

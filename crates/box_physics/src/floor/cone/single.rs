@@ -59,7 +59,8 @@ pub(super) fn slide(w: &DMat3, b: DVec3, friction: f64) -> Option<DVec3> {
         return None;
     }
     let slip = Slip { w, b, friction };
-    slip.near().or_else(|| CIRCLES.iter().find_map(|directions| slip.among(directions)))
+    slip.near()
+        .or_else(|| CIRCLES.iter().find_map(|directions| slip.among(directions)))
 }
 
 /// The corner slips: everything as a function of the unit direction t = (c, s).
