@@ -8,11 +8,11 @@
 use super::geometry::has;
 
 /// The end of a piece of motion: either all the time there was, or a touch.
-pub(super) struct Reached<T> {
+pub(super) struct Reached<'a, T> {
     /// How long \[s\].
     pub(super) tau: f64,
     /// What the motion gave there.
-    pub(super) motion: T,
+    pub(super) motion: &'a mut T,
     /// Whether the dip test ran out of evaluations.
     pub(super) capped: bool,
 }
@@ -37,15 +37,9 @@ pub(super) struct Search {
     pub(super) budget: u32,
 }
 
-struct Sample<T> {
-    tau: f64,
-    motion: T,
-    height: [f64; 8],
-}
-
-/// What was tried last: how long, and the heights there.
+/// A piece that was tried: how long, and the heights there.
 #[derive(Clone, Copy)]
-struct Known {
+struct Sample {
     tau: f64,
     height: [f64; 8],
 }
@@ -53,31 +47,41 @@ struct Known {
 /// Samples that the polynomial goes through, besides the start.
 const NODES: usize = 3;
 /// Evaluations in which the bracket must have halved, or the next one halves it.
-const PATIENCE: u32 = 3;
+const PATIENCE: usize = 3;
 
-/// The motion as the search sees it: every sample taken is remembered for the polynomial.
-struct Track<M> {
+/// The motion as the search sees it: every sample is remembered for the polynomial, and the best so far is kept
+/// while the next is tried.
+struct Track<'a, T, M> {
     motion: M,
+    /// The motion to the earliest touch found so far, or else over the whole time.
+    best: &'a mut T,
+    /// The motion of the last sample, where that is not the best.
+    last: &'a mut T,
     used: u32,
-    /// The last ones, the newest first.
-    known: [Known; NODES],
+    /// The last samples, the newest first.
+    known: [Sample; NODES],
 }
 
-impl<T, M: FnMut(f64) -> (T, [f64; 8])> Track<M> {
-    fn sample(&mut self, tau: f64) -> Sample<T> {
-        let (motion, height) = (self.motion)(tau);
+impl<T, M: FnMut(f64, &mut T) -> [f64; 8]> Track<'_, T, M> {
+    fn sample(&mut self, tau: f64) -> Sample {
+        let height = (self.motion)(tau, self.last);
+        self.add(Sample { tau, height })
+    }
+
+    fn add(&mut self, sample: Sample) -> Sample {
         self.used += 1;
         self.known.copy_within(0..NODES - 1, 1);
-        self.known[0] = Known { tau, height };
-        Sample {
-            tau,
-            motion,
-            height,
-        }
+        self.known[0] = sample;
+        sample
+    }
+
+    /// The last sample is the best.
+    fn keep(&mut self) {
+        core::mem::swap(&mut self.best, &mut self.last);
     }
 
     /// Those of `known` that are, at different times.
-    fn nodes(&self) -> &[Known] {
+    fn nodes(&self) -> &[Sample] {
         &self.known[..NODES.min(self.used as usize)]
     }
 }
@@ -102,24 +106,32 @@ impl Search {
             .all(|k| from[k].max(0.0).sqrt() + to[k].max(0.0).sqrt() >= needed)
     }
 
-    /// The first touch of a watched corner, or the whole time. `motion(τ)` gives the motion over τ
-    /// and the heights there.
-    pub(super) fn run<T>(&self, motion: impl FnMut(f64) -> (T, [f64; 8])) -> Reached<T> {
-        let start = Known {
+    /// The first touch of a watched corner, or the whole time. `motion(τ, piece)` makes the motion over τ and
+    /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten.
+    pub(super) fn run<'a, T>(
+        &self,
+        whole: &'a mut T,
+        height: [f64; 8],
+        other: &'a mut T,
+        motion: impl FnMut(f64, &mut T) -> [f64; 8],
+    ) -> Reached<'a, T> {
+        let mut low = Sample {
             tau: 0.0,
             height: self.start,
         };
         let mut track = Track {
             motion,
+            best: whole,
+            last: other,
             used: 0,
-            known: [start; NODES],
+            known: [low; NODES],
         };
-        let mut end = track.sample(self.time);
-        let mut low = start;
-        if self.lowest(&end.height) < -self.tolerance {
-            end = self.locate(&low, end, &mut track);
+        let tau = self.time;
+        let mut end = track.add(Sample { tau, height });
+        if self.lowest(&height) < -self.tolerance {
+            end = self.locate(low.tau, end, &mut track);
         }
-        let mut stride = self.time;
+        let mut stride = tau;
         let mut capped = false;
         while !self.clear(&low.height, &end.height, end.tau - low.tau) {
             stride = stride.min(0.5 * (end.tau - low.tau));
@@ -129,9 +141,10 @@ impl Search {
             }
             let try_it = track.sample(low.tau + stride);
             if self.lowest(&try_it.height) < -self.tolerance {
-                end = self.locate(&low, try_it, &mut track);
+                track.keep();
+                end = self.locate(low.tau, try_it, &mut track);
             } else if self.clear(&low.height, &try_it.height, stride) {
-                low = track.known[0];
+                low = try_it;
                 stride *= 2.0;
             } else {
                 stride *= 0.5;
@@ -139,7 +152,7 @@ impl Search {
         }
         Reached {
             tau: end.tau,
-            motion: end.motion,
+            motion: track.best,
             capped,
         }
     }
@@ -148,18 +161,17 @@ impl Search {
     /// it): the roots of polynomials, and bisection where they do not converge.
     fn locate<T>(
         &self,
-        low: &Known,
-        mut high: Sample<T>,
-        track: &mut Track<impl FnMut(f64) -> (T, [f64; 8])>,
-    ) -> Sample<T> {
-        let mut low = low.tau;
-        let mut widths = [f64::INFINITY; PATIENCE as usize];
+        mut low: f64,
+        mut high: Sample,
+        track: &mut Track<T, impl FnMut(f64, &mut T) -> [f64; 8]>,
+    ) -> Sample {
+        let mut widths = [f64::INFINITY; PATIENCE];
         for i in 0.. {
             let gap = high.tau - low;
             if gap <= 2.0 * f64::EPSILON * high.tau {
                 break;
             }
-            let slow = gap > 0.5 * core::mem::replace(&mut widths[i % widths.len()], gap);
+            let slow = gap > 0.5 * core::mem::replace(&mut widths[i % PATIENCE], gap);
             let mut tau = if slow {
                 f64::NAN
             } else {
@@ -170,13 +182,14 @@ impl Search {
             }
             let here = track.sample(tau);
             let value = self.lowest(&here.height);
-            if value.abs() <= self.tolerance {
-                return here;
-            }
-            if value > 0.0 {
+            if value > self.tolerance {
                 low = tau;
-            } else {
-                high = here;
+                continue;
+            }
+            track.keep();
+            high = here;
+            if value >= -self.tolerance {
+                break;
             }
         }
         high
@@ -184,14 +197,14 @@ impl Search {
 
     /// The earliest root, between `low` and `high`, of the polynomials of the corners that are below the
     /// floor at `high`; infinity if there is none.
-    fn first_root<T>(&self, low: f64, high: &Sample<T>, nodes: &[Known]) -> f64 {
+    fn first_root(&self, low: f64, high: &Sample, nodes: &[Sample]) -> f64 {
         (0..8)
             .filter(|&k| has(self.watch, k) && high.height[k] < 0.0)
             .map(|k| self.polynomial(k, nodes).root(low, high.tau))
             .fold(f64::INFINITY, f64::min)
     }
 
-    fn polynomial(&self, k: usize, nodes: &[Known]) -> Polynomial {
+    fn polynomial(&self, k: usize, nodes: &[Sample]) -> Polynomial {
         let (mut tau, mut value) = ([0.0; NODES], [0.0; NODES]);
         for (i, node) in nodes.iter().enumerate() {
             tau[i] = node.tau;
@@ -286,15 +299,50 @@ mod tests {
         }
     }
 
+    /// The time of the first touch, how many pieces it took, and whether the search gave up.
+    fn touch(search: &Search, height: impl Fn(f64) -> f64) -> (f64, u32, bool) {
+        let (mut whole, mut other) = (search.time, f64::NAN);
+        let mut pieces = 1;
+        let reached = search.run(
+            &mut whole,
+            [height(search.time); 8],
+            &mut other,
+            |t, piece| {
+                pieces += 1;
+                *piece = t;
+                [height(t); 8]
+            },
+        );
+        assert_eq!(
+            *reached.motion, reached.tau,
+            "the piece is the one to that time"
+        );
+        (reached.tau, pieces, reached.capped)
+    }
+
     #[test]
     fn the_first_root_is_found_sharply_and_cheaply() {
-        let mut evaluations = 0;
-        let reached = search(1.0, 0.0, 1.0, 0.0).run(|t| {
-            evaluations += 1;
-            ((), [1.0 - 4.905 * t * t; 8])
-        });
-        assert!((reached.tau - (1.0_f64 / 4.905).sqrt()).abs() < 1e-12);
-        assert!(evaluations <= 3, "{evaluations}");
+        let (tau, pieces, _) = touch(&search(1.0, 0.0, 1.0, 0.0), |t| 1.0 - 4.905 * t * t);
+        assert!((tau - (1.0_f64 / 4.905).sqrt()).abs() < 1e-12);
+        assert!(pieces <= 3, "{pieces}");
+    }
+
+    /// Its derivatives are of every order, and it turns by more than a radian.
+    #[test]
+    fn a_turning_corner_is_found_in_a_few_pieces() {
+        let height = |t: f64| 0.3 - t - 0.5 * libm::sin(2.0 * t);
+        let (tau, pieces, _) = touch(&search(0.3, -2.0, 0.7, 2.0), height);
+        assert!(height(tau).abs() <= 1e-12);
+        assert!(pieces <= 6, "{pieces}");
+    }
+
+    /// A jump, as friction makes that sticks or slips by the length of the piece: bisection ends it.
+    #[test]
+    fn a_jump_is_found_as_well() {
+        let height = |t: f64| if t < 0.3 { 0.5 } else { -0.5 };
+        let (tau, pieces, _) = touch(&search(0.5, 0.0, 1.0, 0.0), height);
+        assert!((tau - 0.3).abs() < 1e-15);
+        assert!(pieces <= 60 * PATIENCE as u32, "{pieces}");
     }
 
     #[test]
@@ -302,16 +350,15 @@ mod tests {
         // A corner of radius 1 turns at 40 rad/s: it is high at both ends and below in between.
         let height = |t: f64| 0.9 + libm::cos(40.0 * t);
         let time = core::f64::consts::TAU / 40.0;
-        let reached = search(height(0.0), 0.0, time, 1600.0).run(|t| ((), [height(t); 8]));
-        assert!((reached.tau - libm::acos(-0.9) / 40.0).abs() < 1e-12 && !reached.capped);
+        let (tau, _, capped) = touch(&search(height(0.0), 0.0, time, 1600.0), height);
+        assert!((tau - libm::acos(-0.9) / 40.0).abs() < 1e-12 && !capped);
     }
 
     #[test]
     fn a_start_on_the_floor_is_not_a_touch() {
         let height = |t: f64| t - 4.0 * t * t;
-        let reached = search(0.0, 1.0, 1.0, 0.0).run(|t| ((), [height(t); 8]));
-        assert!((reached.tau - 0.25).abs() < 1e-12);
-        let reached = search(0.0, 1.0, 0.2, 0.0).run(|t| ((), [height(t); 8]));
-        assert_eq!(reached.tau, 0.2);
+        let (tau, ..) = touch(&search(0.0, 1.0, 1.0, 0.0), height);
+        assert!((tau - 0.25).abs() < 1e-12);
+        assert_eq!(touch(&search(0.0, 1.0, 0.2, 0.0), height).0, 0.2);
     }
 }

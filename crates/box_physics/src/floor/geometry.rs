@@ -10,7 +10,7 @@ use crate::state::BodyState;
 pub(super) type Corner3 = [DVec3; 8];
 
 /// The eight corners at one instant; index bits as in [`crate::aabb::corners`].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Corners {
     /// r_k = R (±h_x, ±h_y, ±h_z): from the centre to the corner \[m\], world axes.
     pub(super) lever: Corner3,

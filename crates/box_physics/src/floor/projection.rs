@@ -5,7 +5,7 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::geometry::{ContactSet, Corner3, Corners};
+use super::geometry::{ContactSet, Corner3, Corners, has};
 use crate::body::RigidBox;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
@@ -125,21 +125,26 @@ fn cancel_iteratively(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 
 }
 
 /// Moves and turns the body so that the corners `held` lie on the floor: Newton's method on their
-/// heights. The centre moves along the normal only.
-pub(super) fn place_on_floor(floor: &Floor, body: &RigidBox, state: &mut BodyState, held: u8) {
+/// heights. The centre moves along the normal only. Returns where the corners are then.
+pub(super) fn place_on_floor(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &mut BodyState,
+    held: u8,
+) -> Corners {
+    let mut corners = Corners::at(floor, body, state);
     for _ in 0..3 {
-        let corners = Corners::at(floor, body, state);
+        let worst = (0..8)
+            .filter(|&k| has(held, k))
+            .fold(0.0, |a: f64, k| a.max(corners.height[k].abs()));
+        if worst <= 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs()) {
+            break;
+        }
         let attitude = DMat3::from_quat(state.rotation);
         let set = ContactSet::new(body, attitude, &corners.lever, held);
         let mut gap = [DVec3::ZERO; 8];
-        let mut worst = 0.0_f64;
         for i in 0..set.count {
-            let c = corners.height[usize::from(set.corner[i])];
-            gap[i] = DVec3::Y * c;
-            worst = worst.max(c.abs());
-        }
-        if worst <= 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs()) {
-            return;
+            gap[i].y = corners.height[usize::from(set.corner[i])];
         }
         let (shift, turn) = set.twist(&cancel(&set, &gap, &[DVec3::Y; 8]));
         state.position += shift;
@@ -148,7 +153,9 @@ pub(super) fn place_on_floor(floor: &Floor, body: &RigidBox, state: &mut BodySta
             state.rotation = compose(exponential_map(turn), state.rotation);
             state.renormalise();
         }
+        corners = Corners::at(floor, body, state);
     }
+    corners
 }
 
 /// Lifts the body so that no corner is below the floor; never pushes it down. Returns the lift \[m\].

@@ -114,9 +114,37 @@ pub(super) struct Piece {
     pub(super) repaired: bool,
 }
 
+impl Piece {
+    /// Yet to be made, with this memory to write to.
+    pub(super) fn new(memory: SchemeMemory) -> Self {
+        Self {
+            state: BodyState::default(),
+            memory,
+            corners: Corners::default(),
+            impulse: [DVec3::ZERO; 8],
+            stop: 1.0,
+            still: false,
+            outcome: StepOutcome::default(),
+            iterations: 0,
+            capped: false,
+            repaired: false,
+        }
+    }
+
+    /// Forgets what was reported of it.
+    pub(super) fn clear(&mut self) {
+        self.impulse = [DVec3::ZERO; 8];
+        self.stop = 1.0;
+        self.still = false;
+        self.iterations = 0;
+        self.capped = false;
+        self.repaired = false;
+    }
+}
+
 impl<F: ForceLaw> Start<'_, F> {
-    /// The motion over `tau` \[s\] by scheme `S`.
-    pub(super) fn advance<S: Scheme>(&self, tau: f64) -> Piece {
+    /// The motion over `tau` \[s\] by scheme `S`, from the memory that `piece` holds.
+    pub(super) fn advance<S: Scheme>(&self, tau: f64, piece: &mut Piece) {
         let (floor, body, start) = (self.floor, self.body, &self.state);
         let mut free = *start;
         let mut outcome = Split::step(
@@ -126,11 +154,10 @@ impl<F: ForceLaw> Start<'_, F> {
             tau,
             &mut SchemeMemory::default(),
         );
-        let moved = Corners::at(floor, body, &free);
         let (middle, levers) = middle_attitude(floor, body, start, &free);
         let set = ContactSet::new(body, middle, &levers, self.candidates);
 
-        let d = self.mean_velocities(&free, &moved, &set, tau);
+        let d = self.mean_velocities(&free, &set, tau);
         let rate = 1.0 / tau;
         let settings = self.settings;
         let friction = floor.friction;
@@ -142,18 +169,11 @@ impl<F: ForceLaw> Start<'_, F> {
             settings.tolerance,
             settings.max_iterations,
         );
-        let mut piece = Piece {
-            state: *start,
-            memory: self.memory.clone(),
-            corners: self.corners,
-            impulse: [DVec3::ZERO; 8],
-            stop: 1.0,
-            still: false,
-            outcome,
-            iterations: solution.iterations,
-            capped: !solution.converged,
-            repaired: false,
-        };
+        piece.clear();
+        piece.state = *start;
+        piece.outcome = outcome;
+        piece.iterations = solution.iterations;
+        piece.capped = !solution.converged;
         for i in 0..set.count {
             piece.impulse[usize::from(set.corner[i])] = solution.p[i];
         }
@@ -162,8 +182,9 @@ impl<F: ForceLaw> Start<'_, F> {
             && spans_face(self.candidates)
             && set.largest(&solution.w) <= 1e-9 * set.largest(&d)
         {
+            piece.corners = self.corners;
             piece.still = true;
-            return piece;
+            return;
         }
 
         let (force, torque) = set.resultant(&solution.p);
@@ -181,21 +202,15 @@ impl<F: ForceLaw> Start<'_, F> {
             let slips = |i: usize| solution.w[i].x.abs().max(solution.w[i].z.abs()) > still;
             let sticking = (0..set.count).filter(|&i| !slips(i));
             let stuck = sticking.fold(0, |m, i| m | 1 << set.corner[i]);
-            self.settle(&mut piece, held, stuck, tau);
+            self.settle(piece, held, stuck, tau);
+        } else {
+            piece.corners = Corners::at(floor, body, &piece.state);
         }
-        piece.corners = Corners::at(floor, body, &piece.state);
-        piece
     }
 
     /// d_k: the mean velocity of the corners on the way to `free`. From velocities where that is as good
     /// as it gets, since displacements over a short time, or far from the origin, are mostly rounding.
-    fn mean_velocities(
-        &self,
-        free: &BodyState,
-        moved: &Corners,
-        set: &ContactSet,
-        tau: f64,
-    ) -> Corner3 {
+    fn mean_velocities(&self, free: &BodyState, set: &ContactSet, tau: f64) -> Corner3 {
         let start = &self.state;
         let rate = 1.0 / tau;
         // Exact under a uniform acceleration.
@@ -208,11 +223,11 @@ impl<F: ForceLaw> Start<'_, F> {
         }
         // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
         let omega = 0.5 * (start.angular_velocity(self.body) + free.angular_velocity(self.body));
-        let slow = omega.length() * tau < 0.01;
         let mut d = set.velocities((centre, omega));
-        for i in 0..set.count {
-            let k = usize::from(set.corner[i]);
-            if !slow {
+        if omega.length() * tau >= 0.01 {
+            let moved = Corners::at(self.floor, self.body, free);
+            for i in 0..set.count {
+                let k = usize::from(set.corner[i]);
                 d[i] = centre + (moved.lever[k] - self.corners.lever[k]) * rate;
             }
         }
@@ -223,13 +238,11 @@ impl<F: ForceLaw> Start<'_, F> {
     fn settle(&self, piece: &mut Piece, held: u8, stuck: u8, tau: f64) {
         let (floor, body) = (self.floor, self.body);
         let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
-        place_on_floor(floor, body, &mut piece.state, held);
-        let corners = Corners::at(floor, body, &piece.state);
+        piece.corners = place_on_floor(floor, body, &mut piece.state, held);
         let attitude = DMat3::from_quat(piece.state.rotation);
-        let set = ContactSet::new(body, attitude, &corners.lever, held);
+        let set = ContactSet::new(body, attitude, &piece.corners.lever, held);
         let after = set.velocities(twist(&piece.state));
-        let mut slip_before = ContactSet::new(body, attitude, &self.corners.lever, held)
-            .velocities(twist(&self.state));
+        let (velocity, omega) = twist(&self.state);
 
         // Which corners stick, and when the first slip vanishes.
         let mut components = [DVec3::Y; 8];
@@ -238,11 +251,12 @@ impl<F: ForceLaw> Start<'_, F> {
             let limit = floor.friction * p.y;
             let used = (p.x * p.x + p.z * p.z).sqrt();
             let sticks = floor.friction > 0.0 && has(stuck, usize::from(set.corner[i]));
-            slip_before[i].y = 0.0;
-            let slip = DVec3::new(after[i].x, 0.0, after[i].z);
-            let speed = slip_before[i].length();
+            let lever = self.corners.lever[usize::from(set.corner[i])];
+            let slip_before = (velocity + omega.cross(lever)).with_y(0.0);
+            let slip = after[i].with_y(0.0);
+            let speed = slip_before.length();
             if speed > self.still_speed {
-                let along = slip_before[i].dot(slip) / speed;
+                let along = slip_before.dot(slip) / speed;
                 if sticks && speed * tau <= 1e-9 * body.radius() {
                     components[i] = DVec3::ONE; // it stops within no distance to speak of
                 } else if sticks {
