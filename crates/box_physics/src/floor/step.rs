@@ -99,7 +99,8 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             Flight::Low => {}
         }
     }
-    let mut pieces = core::mem::take(&mut contact.spare.0).map(Piece::new);
+    let [first, second] = core::mem::take(&mut contact.spare.0);
+    let (mut first, mut second) = (Piece::new(first), Piece::new(second));
     let mut ledger = Ledger::new();
     let mut rest = h;
     let (mut held_pieces, mut rounds, mut iterations) = (0, 0, 0);
@@ -165,7 +166,8 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             time,
             tolerance,
             flown.take(),
-            &mut pieces,
+            &mut first,
+            &mut second,
             &mut outcome,
         );
         iterations += piece.iterations;
@@ -186,7 +188,7 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         rest = if tau >= rest { 0.0 } else { rest - tau };
     }
 
-    contact.spare.0 = pieces.map(|piece| piece.memory);
+    contact.spare.0 = [first.memory, second.memory];
     lift_out(floor, body, state);
     let corners = Corners::at(floor, body, state);
     let now = corners.touching(2.0 * tolerance);
@@ -262,7 +264,8 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
     time: f64,
     tolerance: f64,
     flown: Option<Flown>,
-    [whole, other]: &'a mut [Piece; 2],
+    whole: &'a mut Piece,
+    other: &'a mut Piece,
     outcome: &mut FloorOutcome,
 ) -> (f64, &'a mut Piece) {
     let mut tau = time;
