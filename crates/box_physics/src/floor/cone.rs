@@ -190,22 +190,12 @@ fn on_a_face(
         *p = q;
         return true;
     }
-    let mut least = cancel(set, b, &[DVec3::ONE; 8]);
-    for q in &mut least[..set.count] {
-        *q *= 1.0 / alpha;
-    }
-    if in_cones(set, &least, friction) {
-        *p = least;
-        return true;
-    }
-    if let Some(q) = face.stick(&least) {
-        *p = q;
-        return true;
-    }
-    let stop = cancel(set, b, &[DVec3::Y; 8]);
-    let found = face
-        .two_leave(&stop)
-        .or_else(|| if fast { None } else { face.slide() });
+    let stop = face.stop();
+    let found = if face.sticks(&stop) {
+        Some(stop)
+    } else {
+        face.two_leave(&stop).or_else(|| face.slide())
+    };
     if let Some(q) = found {
         *p = q;
     }

@@ -182,6 +182,14 @@ impl ContactSet {
         (p * self.inverse_mass, self.inverse_inertia * torque)
     }
 
+    /// The impulse and its torque that make this change of (v, ω).
+    pub(super) fn impulse_for(&self, v: DVec3, omega: DVec3) -> (DVec3, DVec3) {
+        (
+            v / self.inverse_mass,
+            self.inverse_inertia.inverse() * omega,
+        )
+    }
+
     /// W_ni of the first two corners' normal velocities for a normal impulse at the i-th [1/kg].
     #[inline]
     pub(super) fn normal_column(&self, i: usize) -> [f64; 2] {

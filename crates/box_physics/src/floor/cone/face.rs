@@ -55,34 +55,66 @@ impl Face<'_> {
         stiffness * worst.sqrt() <= self.target
     }
 
-    /// All stick, with the normal impulses of `least` (the smallest that stop them) and its friction handed to
-    /// the corners by their load: t_k = π_k² (A + B n×r_k), the smallest in units of what a corner can hold,
-    /// with the same sum and the same torque about the normal.
-    pub(super) fn stick(&self, least: &Corner3) -> Option<Corner3> {
-        let n = self.set.count;
-        let (mut gram, mut wanted) = (DMat3::ZERO, DVec3::ZERO);
-        for (q, r) in least[..n].iter().zip(&self.set.lever) {
-            if !(q.y > 0.0) {
-                return None;
-            }
-            // t·x, t·z, (r × t)·n
-            wanted += DVec3::new(q.x, q.z, r.z * q.x - r.x * q.z);
-            let rows = [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)];
-            for a in rows {
-                gram += (q.y * q.y) * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+    /// The impulses that stop all corners, the normal ones the smallest that do, the friction handed to the
+    /// corners by their load.
+    ///
+    /// The change of (v, ω) that stops them, and with it the sum and the torque of the impulses, follow from b.
+    /// The levers have one height, so that the two parts separate: π_k = A + B·r_k with the right sum and the
+    /// right torque about the horizontal axes, and t_k = π_k² (C + D n×r_k) with the right sum and torque
+    /// about the normal, the smallest in units of what a corner can hold.
+    pub(super) fn stop(&self) -> Corner3 {
+        let (set, n) = (self.set, self.set.count);
+        let (r, b) = (&set.lever, self.b);
+        // −b as a motion of the floor's plane: opposite corners are neighbours, so 0, 1 and 2 span it.
+        let (e, f) = (r[1] - r[0], r[2] - r[0]);
+        let area = e.z * f.x - e.x * f.z;
+        let (p, q) = (b[1].y - b[0].y, b[2].y - b[0].y);
+        let slide = self.planar(b);
+        let spin = self.spin_of(slide);
+        // u_y = v_y + ω_z x − ω_x z
+        let omega = -DVec3::new((e.x * q - f.x * p) / area, spin, (e.z * q - f.z * p) / area);
+        let v = DVec3::new(-slide.x, -b[0].y, -slide.y) - omega.with_y(0.0).cross(r[0]);
+        let (force, torque) = set.impulse_for(v, omega);
+        let (force, torque) = (force / self.alpha, torque / self.alpha);
+
+        let height = r[0].y;
+        let mut gram = DMat3::ZERO;
+        for r in &r[..n] {
+            let a = DVec3::new(1.0, r.x, r.z);
+            gram += DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+        }
+        let wanted = DVec3::new(
+            force.y,
+            torque.z + height * force.x,
+            height * force.z - torque.x,
+        );
+        let load = gram.inverse() * wanted;
+        let mut p = [DVec3::ZERO; 8];
+        let mut gram = DMat3::ZERO;
+        for (p, r) in p[..n].iter_mut().zip(r) {
+            p.y = load.x + load.y * r.x + load.z * r.z;
+            for a in [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)] {
+                gram += (p.y * p.y) * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
             }
         }
-        let x = gram.inverse() * wanted;
-        let mut p = *least;
-        for (q, r) in p[..n].iter_mut().zip(&self.set.lever) {
-            let weight = q.y * q.y;
-            q.x = weight * (x.x + x.z * r.z);
-            q.z = weight * (x.y - x.z * r.x);
+        let share = gram.inverse() * DVec3::new(force.x, force.z, torque.y);
+        for (p, r) in p[..n].iter_mut().zip(r) {
+            let weight = p.y * p.y;
+            p.x = weight * (share.x + share.z * r.z);
+            p.z = weight * (share.y - share.z * r.x);
         }
-        (super::in_cones(self.set, &p, self.friction) && self.obeys(&p)).then_some(p)
+        p
     }
 
-    /// Two corners leave: those that lose most when all are stopped without friction.
+    /// Whether these impulses hold every corner. That they stop it is checked only roughly, since what is left
+    /// is the rounding of b: to see whether the corners can be stopped at all, which those that are to
+    /// bounce differently cannot.
+    pub(super) fn sticks(&self, stop: &Corner3) -> bool {
+        let left = self.set.largest(&self.velocities(stop));
+        super::in_cones(self.set, stop, self.friction) && left <= 1e-9 * self.set.largest(self.b)
+    }
+
+    /// Two corners leave: those that would have to pull most if all were stopped.
     pub(super) fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
         let n = self.set.count;
         let mut order = [0, 1, 2, 3];
@@ -101,10 +133,20 @@ impl Face<'_> {
     /// All slide.
     pub(super) fn slide(&self) -> Option<Corner3> {
         let mut x = self.planar(self.b);
-        // The inverse of the Jacobian of x − F(x), whose F is nearly constant.
-        let mut inverse = DMat3::IDENTITY;
         let (mut p, next) = self.sliding(x)?;
         let mut f = x - next;
+        // The inverse of the Jacobian of x − F(x); the F of fast slips is nearly constant.
+        let mut inverse = DMat3::IDENTITY;
+        if !self.is_fast() {
+            let small = 1e-4 * self.set.largest(self.b);
+            let mut columns = DMat3::IDENTITY;
+            for axis in 0..3 {
+                let shifted = x + small * DVec3::AXES[axis];
+                let (_, image) = self.sliding(shifted)?;
+                *columns.col_mut(axis) = (shifted - image - f) / small;
+            }
+            inverse = columns.inverse();
+        }
         // Speeds, so that the three are alike.
         let scale = self.set.largest(self.b);
         for _ in 0..STEPS {
@@ -130,6 +172,12 @@ impl Face<'_> {
         self.obeys(&p).then_some(p)
     }
 
+    /// Ω of (V_x, V_z, Ω ℓ).
+    fn spin_of(&self, x: DVec3) -> f64 {
+        let arm = self.set.lever[1] - self.set.lever[0];
+        2.0 * x.z / (arm.x * arm.x + arm.z * arm.z).sqrt()
+    }
+
     /// (V_x, V_z, Ω ℓ) of these velocities of corners, ℓ half the diagonal.
     fn planar(&self, w: &Corner3) -> DVec3 {
         let arm = self.set.lever[1] - self.set.lever[0];
@@ -149,8 +197,7 @@ impl Face<'_> {
     /// pull.
     fn sliding(&self, x: DVec3) -> Option<(Corner3, DVec3)> {
         let (set, n) = (self.set, self.set.count);
-        let arm = set.lever[1] - set.lever[0];
-        let spin = 2.0 * x.z / (arm.x * arm.x + arm.z * arm.z).sqrt();
+        let spin = self.spin_of(x);
         let mut s = [DVec3::Y; 8];
         let mut normal = [DVec3::ZERO; 4];
         for j in 0..n {
