@@ -158,19 +158,22 @@ pub(super) fn place_on_floor(
     corners
 }
 
-/// Lifts the body so that no corner is below the floor; never pushes it down. Returns the lift \[m\].
-pub(super) fn lift_out(floor: &Floor, body: &RigidBox, state: &mut BodyState) -> f64 {
-    let mut total = 0.0;
+/// Lifts the body so that no corner, of which `corners` knows, is below the floor; never pushes it down.
+pub(super) fn lift_out(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &mut BodyState,
+    corners: &mut Corners,
+) {
     // Rounding may leave the last bit below: a second pass takes it.
     for _ in 0..2 {
-        let depth = -Corners::at(floor, body, state).lowest();
+        let depth = -corners.lowest();
         if depth <= 0.0 || !depth.is_finite() {
             break;
         }
         state.position.y += depth;
-        total += depth;
+        *corners = Corners::at(floor, body, state);
     }
-    total
 }
 
 #[cfg(test)]

@@ -104,7 +104,12 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
     let mut ledger = Ledger::new();
     let mut rest = h;
     let (mut held_pieces, mut rounds, mut iterations) = (0, 0, 0);
-    lift_out_if_deep(floor, body, state, tolerance);
+    let mut corners = Corners::at(floor, body, state);
+    // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
+    // velocity stays what it was, so depth never turns into speed.
+    if corners.lowest() < -tolerance {
+        lift_out(floor, body, state, &mut corners);
+    }
 
     while rest > 0.0 {
         rounds += 1;
@@ -115,9 +120,9 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         if exhausted {
             outcome.solves_capped += 1;
             rest_of_step::<S, F>(floor, body, state, force, rest, memory);
+            corners = Corners::at(floor, body, state);
             break;
         }
-        let corners = Corners::at(floor, body, state);
         let touching = corners.touching(2.0 * tolerance);
         let normal = normal_velocities(body, state, &corners);
         let pull = acceleration_bound(body, state, force);
@@ -149,7 +154,7 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             force,
             state: *state,
             memory,
-            corners,
+            corners: &corners,
             normal,
             candidates: held,
             still_speed: hold,
@@ -181,16 +186,16 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         if held != 0 {
             start.finish(piece);
         }
+        corners = piece.corners;
         outcome.energy_repairs += u32::from(piece.repaired);
-        ledger.add(&piece.state, &piece.corners.lever, &piece.impulse);
+        ledger.add(&piece.state, &corners.lever, &piece.impulse);
         *state = piece.state;
         core::mem::swap(memory, &mut piece.memory);
         rest = if tau >= rest { 0.0 } else { rest - tau };
     }
 
     contact.spare.0 = [first.memory, second.memory];
-    lift_out(floor, body, state);
-    let corners = Corners::at(floor, body, state);
+    lift_out(floor, body, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
     if let Some(points) = points {
         ledger.report(points, state, &corners.lever, contact.touching, now);
@@ -351,17 +356,9 @@ fn rest_of_step<S: Scheme, F: ForceLaw>(
 ) {
     let start = *state;
     S::step(body, state, force, rest, memory);
-    lift_out(floor, body, state);
+    lift_out(floor, body, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());
-}
-
-/// A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
-/// velocity stays what it was, so depth never turns into speed.
-fn lift_out_if_deep(floor: &Floor, body: &RigidBox, state: &mut BodyState, tolerance: f64) {
-    if Corners::at(floor, body, state).lowest() < -tolerance {
-        lift_out(floor, body, state);
-    }
 }
 
 /// u_kn of all corners [m/s].

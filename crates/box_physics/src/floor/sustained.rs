@@ -86,7 +86,7 @@ pub(super) struct Start<'a, F> {
     pub(super) force: &'a F,
     pub(super) state: BodyState,
     pub(super) memory: &'a SchemeMemory,
-    pub(super) corners: Corners,
+    pub(super) corners: &'a Corners,
     /// The corners' velocities upwards [m/s].
     pub(super) normal: [f64; 8],
     /// The corners that may be held: touching, with no normal velocity to speak of.
@@ -182,7 +182,7 @@ impl<F: ForceLaw> Start<'_, F> {
             && spans_face(self.candidates)
             && set.largest(&solution.w) <= 1e-9 * set.largest(&d)
         {
-            piece.corners = self.corners;
+            piece.corners = *self.corners;
             piece.still = true;
             return;
         }
@@ -293,10 +293,14 @@ impl<F: ForceLaw> Start<'_, F> {
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
     pub(super) fn finish(&self, piece: &mut Piece) {
-        lift_out(self.floor, self.body, &mut piece.state);
+        lift_out(self.floor, self.body, &mut piece.state, &mut piece.corners);
         if !self.force.has_wrench() {
             let pull = self.force.acceleration();
+            let height = piece.state.position.y;
             piece.repaired = limit_energy(self.body, &self.state, &mut piece.state, pull);
+            if piece.state.position.y != height {
+                piece.corners = *self.corners; // it was put back to where it was
+            }
         }
     }
 }
