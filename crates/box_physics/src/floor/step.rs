@@ -57,18 +57,8 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
     let mut outcome = FloorOutcome::default();
     if contact.still_rests(floor, body, state, force) {
         outcome.resting = true;
-        if let (Some(points), Some(rest)) = (points, &contact.rest) {
-            let mut ledger = Ledger::new();
-            let corners = Corners::at(floor, body, state);
-            let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
-            ledger.add(state, &corners.lever, &impulse);
-            ledger.report(
-                points,
-                state,
-                &corners.lever,
-                contact.touching,
-                contact.touching,
-            );
+        if let Some(points) = points {
+            report_rest(floor, body, state, h, contact, points);
         }
         return outcome;
     }
@@ -76,11 +66,9 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         return outcome;
     }
     contact.rest = None;
-    let scale = body.radius() + floor.height.abs();
-    let tolerance = settings.tolerance * scale;
     let mut flown = None;
     if contact.touching == 0 {
-        let margin = 2.0 * tolerance;
+        let margin = 2.0 * tolerated_height(floor, settings, body);
         match fly::<S, F>(
             floor,
             body,
@@ -99,6 +87,31 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             Flight::Low => {}
         }
     }
+    outcome = between_events::<S, F>(
+        floor, settings, body, state, force, h, memory, contact, points, flown,
+    );
+    // However many pieces and trials it took: one step gave way once.
+    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
+    outcome.step.unconverged = outcome.step.unconverged.min(1);
+    outcome
+}
+
+/// The step of a box that touches the floor or may: piece after piece. `flown` is the plain step, if it is known.
+#[inline(never)] // its large frame is not for boxes that rest or fly
+fn between_events<S: Scheme, F: ForceLaw>(
+    floor: &Floor,
+    settings: &ContactSettings,
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    memory: &mut SchemeMemory,
+    contact: &mut ContactState,
+    points: Option<&mut Vec<ContactPoint>>,
+    mut flown: Option<Flown>,
+) -> FloorOutcome {
+    let mut outcome = FloorOutcome::default();
+    let tolerance = tolerated_height(floor, settings, body);
     let [first, second] = core::mem::take(&mut contact.spare.0);
     let (mut first, mut second) = (Piece::new(first), Piece::new(second));
     let mut ledger = Ledger::new();
@@ -201,11 +214,32 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         ledger.report(points, state, &corners.lever, contact.touching, now);
     }
     contact.touching = now;
-    // However many pieces and trials it took: one step gave way once.
-    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
-    outcome.step.unconverged = outcome.step.unconverged.min(1);
     outcome.resting = contact.rest.is_some();
     outcome
+}
+
+/// What holds a box that lies still.
+fn report_rest(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &BodyState,
+    h: f64,
+    contact: &ContactState,
+    points: &mut Vec<ContactPoint>,
+) {
+    let mut ledger = Ledger::new();
+    let corners = Corners::at(floor, body, state);
+    if let Some(rest) = &contact.rest {
+        let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
+        ledger.add(state, &corners.lever, &impulse);
+    }
+    let touching = contact.touching;
+    ledger.report(points, state, &corners.lever, touching, touching);
+}
+
+/// |c| at which a corner touches \[m\].
+fn tolerated_height(floor: &Floor, settings: &ContactSettings, body: &RigidBox) -> f64 {
+    settings.tolerance * (body.radius() + floor.height.abs())
 }
 
 /// A plain step from off the floor.
@@ -246,20 +280,38 @@ fn fly<S: Scheme, F: ForceLaw>(
     spare.clone_from(memory);
     let outcome = S::step(body, &mut end, force, h, spare);
     let after = clearance(&end);
-    if after > margin {
-        let pull = acceleration_bound(body, state, force);
-        let curvature = curvature_bound(body, state, pull, force);
-        // As in the event search: √c₀ + √c₁ ≥ h√(M/2).
-        if before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt() {
-            *state = end;
-            core::mem::swap(memory, spare);
-            return Flight::Clear(outcome);
-        }
+    if after > margin && clears(body, state, force, h, before, after) {
+        *state = end;
+        core::mem::swap(memory, spare);
+        return Flight::Clear(outcome);
     }
     Flight::Meets(Flown {
         state: end,
         outcome,
     })
+}
+
+/// Whether no corner can have been below the floor between the heights `before` and `after` of the lowest: as in
+/// the event search √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 is enough.
+fn clears<F: ForceLaw>(
+    body: &RigidBox,
+    state: &BodyState,
+    force: &F,
+    h: f64,
+    before: f64,
+    after: f64,
+) -> bool {
+    if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
+        // A larger M without a root.
+        let spin = 2.12 * state.body_angular_velocity(body).length_squared();
+        let curvature = spin * body.radius() + force.acceleration().y.max(0.0);
+        if before + after >= 0.5 * h * h * curvature {
+            return true;
+        }
+    }
+    let pull = acceleration_bound(body, state, force);
+    let curvature = curvature_bound(body, state, pull, force);
+    before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt()
 }
 
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
