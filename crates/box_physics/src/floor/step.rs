@@ -154,7 +154,7 @@ fn between_events<S: Scheme, F: ForceLaw>(
             ledger.add(state, &corners.lever, &hit.impulse);
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
-            outcome.energy_repairs += u32::from(hit.repaired);
+            outcome.repair(hit.repaired);
             iterations += hit.iterations;
             continue;
         }
@@ -200,7 +200,7 @@ fn between_events<S: Scheme, F: ForceLaw>(
             start.finish(piece);
         }
         corners = piece.corners;
-        outcome.energy_repairs += u32::from(piece.repaired);
+        outcome.repair(piece.repaired);
         ledger.add(&piece.state, &corners.lever, &piece.impulse);
         *state = piece.state;
         core::mem::swap(memory, &mut piece.memory);

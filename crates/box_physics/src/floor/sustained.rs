@@ -111,7 +111,8 @@ pub(super) struct Piece {
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,
     pub(super) capped: bool,
-    pub(super) repaired: bool,
+    /// Energy taken because the errors of scheme and projection had added it \[J\].
+    pub(super) repaired: Option<f64>,
 }
 
 impl Piece {
@@ -127,7 +128,7 @@ impl Piece {
             outcome: StepOutcome::default(),
             iterations: 0,
             capped: false,
-            repaired: false,
+            repaired: None,
         }
     }
 
@@ -138,7 +139,7 @@ impl Piece {
         self.still = false;
         self.iterations = 0;
         self.capped = false;
-        self.repaired = false;
+        self.repaired = None;
     }
 }
 
@@ -305,14 +306,14 @@ impl<F: ForceLaw> Start<'_, F> {
     }
 }
 
-/// Scales the velocities of `state` so that its energy does not exceed that of `start`; whether it had
-/// to by more than rounding.
+/// Scales the velocities of `state` so that its energy does not exceed that of `start`; what that took \[J\], if
+/// it was more than rounding.
 pub(super) fn limit_energy(
     body: &RigidBox,
     start: &BodyState,
     state: &mut BodyState,
     acceleration: DVec3,
-) -> bool {
+) -> Option<f64> {
     let fall = body.mass() * acceleration.dot(state.position - start.position);
     // Positions are rounded, and the height's last bit is worth this much: it must not stop a box that
     // has just begun to fall off its edge.
@@ -321,7 +322,7 @@ pub(super) fn limit_energy(
     let allowed = start.kinetic_energy(body) + fall + rounding;
     let kinetic = state.kinetic_energy(body);
     if kinetic <= allowed * (1.0 + 1e-14) {
-        return false;
+        return None;
     }
     if allowed < 0.0 {
         // Not even at rest may it be where it is: it stays where it was.
@@ -330,12 +331,12 @@ pub(super) fn limit_energy(
             angular_momentum: DVec3::ZERO,
             ..*start
         };
-        return true;
+        return Some(kinetic);
     }
     let scale = (allowed / kinetic).sqrt();
     state.velocity *= scale;
     state.angular_momentum *= scale;
-    scale < 1.0 - 1e-9
+    (scale < 1.0 - 1e-9).then_some(kinetic - allowed)
 }
 
 /// The attitude halfway between two states, and the corners' levers there.
