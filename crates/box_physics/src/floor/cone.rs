@@ -19,10 +19,14 @@
 //!    µ = 0.5, but not for µ above 2.)
 //! 4. What has not converged soon is left to Newton's method on the same equation (`newton`).
 
+mod edge;
+mod face;
 mod newton;
 mod single;
 mod uniform;
 
+use edge::Edge;
+use face::Face;
 use glam::DVec3;
 
 use super::geometry::{ContactSet, Corner3};
@@ -116,54 +120,117 @@ fn attempt(
         if !solution.converged {
             newton::solve(set, b, alpha, friction, target, solution);
         }
-    } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p)
-        && !stick(set, b, alpha, friction, &mut solution.p)
-    {
-        // Without friction the problem is convex: gradients alone end it.
-        let patience = if friction > 0.0 {
-            GRADIENT_STEPS.min(max_iterations)
+    } else if set.count == 2 {
+        let edge = Edge::new(set, b, alpha, friction, target);
+        solution.iterations += 1;
+        if let Some(p) = edge.solve() {
+            solution.p[..2].copy_from_slice(&p);
         } else {
-            max_iterations
-        };
-        for steps in [patience, max_iterations] {
-            descend(set, b, alpha, friction, target, steps, solution);
-            if solution.converged {
-                return;
-            }
-            newton::solve(set, b, alpha, friction, target, solution);
-            if solution.converged {
-                return;
-            }
+            let velocities = |p: &Corner3| {
+                let mut w = [DVec3::ZERO; 8];
+                w[..2].copy_from_slice(&edge.velocities([p[0], p[1]]));
+                w
+            };
+            search(
+                set,
+                b,
+                alpha,
+                friction,
+                target,
+                max_iterations,
+                velocities,
+                solution,
+            );
         }
+    } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p) {
+        if set.count <= 4 && friction > 0.0 && spans_face(set) {
+            solution.iterations += 1;
+            if on_a_face(set, b, alpha, friction, target, &mut solution.p) {
+                return;
+            }
+        } else if stick(set, b, alpha, friction, &mut solution.p) {
+            return;
+        }
+        let velocities = |p: &Corner3| add(b, &set.response(p), alpha, set.count);
+        search(
+            set,
+            b,
+            alpha,
+            friction,
+            target,
+            max_iterations,
+            velocities,
+            solution,
+        );
     }
 }
 
-/// [`gradient`] with the operator in its cheapest form.
-fn descend(
+fn spans_face(set: &ContactSet) -> bool {
+    let corners = set.corner[..set.count].iter();
+    super::geometry::spans_face(corners.fold(0, |m, k| m | 1 << k))
+}
+
+fn on_a_face(
     set: &ContactSet,
     b: &Corner3,
     alpha: f64,
     friction: f64,
     target: f64,
-    steps: u32,
+    p: &mut Corner3,
+) -> bool {
+    let face = Face {
+        set,
+        b,
+        alpha,
+        friction,
+        target,
+    };
+    let fast = face.is_fast();
+    if fast && let Some(q) = face.slide() {
+        *p = q;
+        return true;
+    }
+    let stop = face.stop();
+    let found = if face.sticks(&stop) {
+        Some(stop)
+    } else {
+        face.two_leave(&stop).or_else(|| face.slide())
+    };
+    if let Some(q) = found {
+        *p = q;
+    }
+    found.is_some()
+}
+
+/// Gradient steps, then Newton's method, then both again with more patience; `velocities` is p ↦ b + αWp in
+/// its cheapest form.
+fn search(
+    set: &ContactSet,
+    b: &Corner3,
+    alpha: f64,
+    friction: f64,
+    target: f64,
+    max_iterations: u32,
+    velocities: impl Fn(&Corner3) -> Corner3,
     solution: &mut ConeSolution,
 ) {
     let n = set.count;
     let stiffness = alpha * set.stiffness_bound();
-    if n == 2 {
-        // The commonest by far, an edge: its operator as a matrix.
-        let own = [set.block(0, 0, alpha), set.block(1, 1, alpha)];
-        let other = [set.block(0, 1, alpha), set.block(1, 0, alpha)];
-        let velocities = |p: &Corner3| {
-            let mut w = [DVec3::ZERO; 8];
-            w[0] = b[0] + (own[0] * p[0] + other[0] * p[1]);
-            w[1] = b[1] + (own[1] * p[1] + other[1] * p[0]);
-            w
-        };
-        gradient(2, velocities, stiffness, friction, target, steps, solution);
+    // Without friction the problem is convex: gradients alone end it.
+    let patience = if friction > 0.0 {
+        GRADIENT_STEPS.min(max_iterations)
     } else {
-        let velocities = |p: &Corner3| add(b, &set.response(p), alpha, n);
-        gradient(n, velocities, stiffness, friction, target, steps, solution);
+        max_iterations
+    };
+    for steps in [patience, max_iterations] {
+        gradient(n, &velocities, stiffness, friction, target, steps, solution);
+        if solution.converged {
+            return;
+        }
+        newton::solve(set, b, alpha, friction, target, solution);
+        if solution.converged {
+            return;
+        }
     }
 }
 
@@ -175,12 +242,19 @@ fn stick(set: &ContactSet, b: &Corner3, alpha: f64, friction: f64, p: &mut Corne
     let mut stop = cancel(set, b, &[DVec3::ONE; 8]);
     for q in &mut stop[..set.count] {
         *q *= 1.0 / alpha;
-        if !(q.x * q.x + q.z * q.z <= (friction * q.y) * (friction * q.y) && q.y > 0.0) {
-            return false;
-        }
     }
-    *p = stop;
-    true
+    let inside = in_cones(set, &stop, friction);
+    if inside {
+        *p = stop;
+    }
+    inside
+}
+
+/// Whether every impulse pushes, and lies in its cone.
+fn in_cones(set: &ContactSet, p: &Corner3, friction: f64) -> bool {
+    p[..set.count]
+        .iter()
+        .all(|q| q.y > 0.0 && q.x * q.x + q.z * q.z <= (friction * q.y) * (friction * q.y))
 }
 
 /// Accelerated projected gradients for `n` corners; `velocities` is p ↦ b + αWp, `stiffness` a bound of αW.

@@ -10,7 +10,7 @@ use crate::state::BodyState;
 pub(super) type Corner3 = [DVec3; 8];
 
 /// The eight corners at one instant; index bits as in [`crate::aabb::corners`].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Corners {
     /// r_k = R (±h_x, ±h_y, ±h_z): from the centre to the corner \[m\], world axes.
     pub(super) lever: Corner3,
@@ -47,6 +47,16 @@ impl Corners {
     }
 }
 
+/// The corners of the faces: those whose bit 0 is 0, is 1, and so on.
+const FACES: [u8; 6] = [
+    0b0101_0101,
+    0b1010_1010,
+    0b0011_0011,
+    0b1100_1100,
+    0b0000_1111,
+    0b1111_0000,
+];
+
 /// The set of the corners for which `f` holds.
 pub(super) fn mask(f: impl Fn(usize) -> bool) -> u8 {
     (0..8).fold(0, |m, k| if f(k) { m | 1 << k } else { m })
@@ -60,14 +70,6 @@ pub(super) fn has(set: u8, k: usize) -> bool {
 
 /// Whether the corners hold a face: three of one face do, and so do four.
 pub(super) fn spans_face(set: u8) -> bool {
-    const FACES: [u8; 6] = [
-        0b0101_0101,
-        0b1010_1010,
-        0b0011_0011,
-        0b1100_1100,
-        0b0000_1111,
-        0b1111_0000,
-    ];
     FACES.iter().any(|f| (set & f).count_ones() >= 3)
 }
 
@@ -89,18 +91,19 @@ pub(super) struct ContactSet {
 impl ContactSet {
     /// The corners `set` of a body whose world axes are `attitude`.
     pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
-        let mut corner = [0; 8];
-        let mut count = 0;
         // The bit that all have in common names the face; its opposite corner flips the other two.
-        let flip = match (0..3).find(|bit| {
-            let ones = mask(|k| k >> bit & 1 == 1);
+        let flip = match (0..3).find(|&bit| {
+            let ones = FACES[2 * bit + 1];
             set & ones == set || set & !ones == set
         }) {
             Some(bit) => 7 ^ (1 << bit),
             None => 7,
         };
+        let mut corner = [0; 8];
+        let mut count = 0;
         let mut left = set;
-        for k in 0..8 {
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
             for j in [k, k ^ flip] {
                 if has(left, j) {
                     corner[count] = j as u8;
@@ -170,6 +173,36 @@ impl ContactSet {
     #[inline]
     pub(super) fn response(&self, p: &Corner3) -> Corner3 {
         self.velocities(self.twist(p))
+    }
+
+    /// The change of (v, ω) that the impulse p at the i-th corner makes.
+    #[inline]
+    pub(super) fn unit_twist(&self, i: usize, p: DVec3) -> (DVec3, DVec3) {
+        let torque = self.lever[i].cross(p);
+        (p * self.inverse_mass, self.inverse_inertia * torque)
+    }
+
+    /// The impulse and its torque that make this change of (v, ω).
+    pub(super) fn impulse_for(&self, v: DVec3, omega: DVec3) -> (DVec3, DVec3) {
+        (
+            v / self.inverse_mass,
+            self.inverse_inertia.inverse() * omega,
+        )
+    }
+
+    /// W_ni of the first two corners' normal velocities for a normal impulse at the i-th [1/kg].
+    #[inline]
+    pub(super) fn normal_column(&self, i: usize) -> [f64; 2] {
+        let (v, omega) = self.unit_twist(i, DVec3::Y);
+        [0, 1].map(|k| v.y + omega.cross(self.lever[k]).y)
+    }
+
+    /// The i-th and the j-th corner alone.
+    pub(super) fn pick(&self, [i, j]: [usize; 2]) -> Self {
+        let mut two = Self { count: 2, ..*self };
+        (two.corner[0], two.corner[1]) = (self.corner[i], self.corner[j]);
+        (two.lever[0], two.lever[1]) = (self.lever[i], self.lever[j]);
+        two
     }
 
     /// 1/m [1/kg].

@@ -24,8 +24,8 @@ pub(super) struct ImpactOutcome {
     pub(super) impulse: Corner3,
     /// Whether the solver ended at its cap.
     pub(super) capped: bool,
-    /// Whether Newton's restitution would have gained energy and was scaled down.
-    pub(super) repaired: bool,
+    /// The energy that Newton's restitution would have gained, if it was scaled down \[J\].
+    pub(super) repaired: Option<f64>,
     /// Solver iterations.
     pub(super) iterations: u32,
 }
@@ -54,13 +54,18 @@ pub(super) fn strike(
     let mut solution = solve(e);
     let mut iterations = solution.iterations;
     let mut capped = !solution.converged;
-    let mut repaired = false;
-    if e > 0.0 && gain(&set, &before, &solution.p) > 1e-12 * state.kinetic_energy(body) {
+    let mut repaired = None;
+    let gained = if e > 0.0 {
+        gain(&set, &before, &solution.p)
+    } else {
+        0.0
+    };
+    if gained > 1e-12 * state.kinetic_energy(body) {
         let plastic = solve(0.0);
         iterations += plastic.iterations;
         capped |= !plastic.converged;
         solution.p = without_gain(&set, &before, &plastic.p, &solution.p);
-        repaired = true;
+        repaired = Some(gained);
     }
     // A landing on a face below the threshold, or the last impact allowed: whatever still leaves the
     // floor by rocking is taken too. (A column rocks through ever smaller, ever more frequent impacts

@@ -11,6 +11,7 @@ use super::Floor;
 use super::geometry::{Corner3, has};
 use crate::body::RigidBox;
 use crate::force::{ForceLaw, Wrench};
+use crate::schemes::SchemeMemory;
 use crate::state::BodyState;
 
 /// What the contact remembers of one body between steps: which corners touch, and for which state and
@@ -37,6 +38,24 @@ use crate::state::BodyState;
 pub struct ContactState {
     pub(super) touching: u8,
     pub(super) rest: Option<Rest>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) spare: Spare,
+}
+
+/// Scheme memories for pieces that are tried: kept for what they have allocated, not for what they say.
+#[derive(Debug, Default)]
+pub(super) struct Spare(pub(super) [SchemeMemory; 2]);
+
+impl Clone for Spare {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PartialEq for Spare {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// For what the box was found to lie still.

@@ -169,8 +169,20 @@ pub struct FloorOutcome {
     pub solves_capped: u32,
     /// Impacts or pieces whose energy would have grown and was put right.
     pub energy_repairs: u32,
+    /// The energy that these repairs took \[J\].
+    pub energy_repaired: f64,
     /// The box lies still. Of a sum: at least one does.
     pub resting: bool,
+}
+
+impl FloorOutcome {
+    /// Counts a repair that took so much energy \[J\].
+    fn repair(&mut self, taken: Option<f64>) {
+        if let Some(energy) = taken {
+            self.energy_repairs += 1;
+            self.energy_repaired += energy;
+        }
+    }
 }
 
 impl core::ops::AddAssign for FloorOutcome {
@@ -180,6 +192,7 @@ impl core::ops::AddAssign for FloorOutcome {
         self.impacts_capped += other.impacts_capped;
         self.solves_capped += other.solves_capped;
         self.energy_repairs += other.energy_repairs;
+        self.energy_repaired += other.energy_repaired;
         self.resting |= other.resting;
     }
 }

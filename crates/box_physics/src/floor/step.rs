@@ -74,18 +74,8 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
     let mut outcome = FloorOutcome::default();
     if contact.still_rests(floor, body, state, force) {
         outcome.resting = true;
-        if let (Some(points), Some(rest)) = (points, &contact.rest) {
-            let mut ledger = Ledger::new();
-            let corners = Corners::at(floor, body, state);
-            let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
-            ledger.add(state, &corners.lever, &impulse);
-            ledger.report(
-                points,
-                state,
-                &corners.lever,
-                contact.touching,
-                contact.touching,
-            );
+        if let Some(points) = points {
+            report_rest(floor, body, state, h, contact, points);
         }
         return outcome;
     }
@@ -93,19 +83,63 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         return outcome;
     }
     contact.rest = None;
-    let scale = body.radius() + floor.height.abs();
-    let tolerance = settings.tolerance * scale;
-    if contact.touching == 0
-        && let Some(flight) =
-            fly_clear::<S, F>(floor, body, state, force, h, memory, 2.0 * tolerance)
-    {
-        outcome.step = flight;
-        return outcome;
+    let mut flown = None;
+    if contact.touching == 0 {
+        let margin = 2.0 * tolerated_height(floor, settings, body);
+        match fly::<S, F>(
+            floor,
+            body,
+            state,
+            force,
+            h,
+            memory,
+            &mut contact.spare.0[0],
+            margin,
+        ) {
+            Flight::Clear(flight) => {
+                outcome.step = flight;
+                return outcome;
+            }
+            Flight::Meets(piece) => flown = Some(piece),
+            Flight::Low => {}
+        }
     }
+    outcome = between_events::<S, F>(
+        floor, settings, body, state, force, h, memory, contact, points, flown,
+    );
+    // However many pieces and trials it took: one step gave way once.
+    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
+    outcome.step.unconverged = outcome.step.unconverged.min(1);
+    outcome
+}
+
+/// The step of a box that touches the floor or may: piece after piece. `flown` is the plain step, if it is known.
+#[inline(never)] // its large frame is not for boxes that rest or fly
+fn between_events<S: Scheme, F: ForceLaw>(
+    floor: &Floor,
+    settings: &ContactSettings,
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    memory: &mut SchemeMemory,
+    contact: &mut ContactState,
+    points: Option<&mut Vec<ContactPoint>>,
+    mut flown: Option<Flown>,
+) -> FloorOutcome {
+    let mut outcome = FloorOutcome::default();
+    let tolerance = tolerated_height(floor, settings, body);
+    let [first, second] = core::mem::take(&mut contact.spare.0);
+    let (mut first, mut second) = (Piece::new(first), Piece::new(second));
     let mut ledger = Ledger::new();
     let mut rest = h;
-    let (mut pieces, mut rounds, mut iterations) = (0, 0, 0);
-    lift_out_if_deep(floor, body, state, tolerance);
+    let (mut held_pieces, mut rounds, mut iterations) = (0, 0, 0);
+    let mut corners = Corners::at(floor, body, state);
+    // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
+    // velocity stays what it was, so depth never turns into speed.
+    if corners.lowest() < -tolerance {
+        lift_out(floor, body, state, &mut corners);
+    }
 
     while rest > 0.0 {
         rounds += 1;
@@ -116,9 +150,9 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
         if exhausted {
             outcome.solves_capped += 1;
             rest_of_step::<S, F>(floor, body, state, force, rest, memory);
+            corners = Corners::at(floor, body, state);
             break;
         }
-        let corners = Corners::at(floor, body, state);
         let touching = corners.touching(2.0 * tolerance);
         let normal = normal_velocities(body, state, &corners);
         let pull = acceleration_bound(body, state, force);
@@ -137,7 +171,7 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             ledger.add(state, &corners.lever, &hit.impulse);
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
-            outcome.energy_repairs += u32::from(hit.repaired);
+            outcome.repair(hit.repaired);
             iterations += hit.iterations;
             continue;
         }
@@ -150,18 +184,27 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             force,
             state: *state,
             memory,
-            corners,
+            corners: &corners,
+            normal,
             candidates: held,
             still_speed: hold,
             acceleration: pull,
         };
         let mut time = rest;
         if held != 0 {
-            pieces += 1;
-            let left = f64::from(MAX_PIECES.saturating_sub(pieces)) + 1.0;
+            held_pieces += 1;
+            let left = f64::from(MAX_PIECES.saturating_sub(held_pieces)) + 1.0;
             time = rest.min(longest_piece(body, state, pull).max(rest / left));
         }
-        let (tau, mut piece) = move_until_event::<S, F>(&start, time, tolerance, &mut outcome);
+        let (tau, piece) = move_until_event::<S, F>(
+            &start,
+            time,
+            tolerance,
+            flown.take(),
+            &mut first,
+            &mut second,
+            &mut outcome,
+        );
         iterations += piece.iterations;
         outcome.solves_capped += u32::from(piece.capped);
         if piece.still {
@@ -171,81 +214,154 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
             break;
         }
         if held != 0 {
-            start.finish(&mut piece);
+            start.finish(piece);
         }
-        outcome.energy_repairs += u32::from(piece.repaired);
-        ledger.add(&piece.state, &piece.corners.lever, &piece.impulse);
+        corners = piece.corners;
+        outcome.repair(piece.repaired);
+        ledger.add(&piece.state, &corners.lever, &piece.impulse);
         *state = piece.state;
-        *memory = piece.memory;
+        core::mem::swap(memory, &mut piece.memory);
         rest = if tau >= rest { 0.0 } else { rest - tau };
     }
 
-    lift_out(floor, body, state);
-    let corners = Corners::at(floor, body, state);
+    contact.spare.0 = [first.memory, second.memory];
+    lift_out(floor, body, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
     if let Some(points) = points {
         ledger.report(points, state, &corners.lever, contact.touching, now);
     }
     contact.touching = now;
-    // However many pieces and trials it took: one step gave way once.
-    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
-    outcome.step.unconverged = outcome.step.unconverged.min(1);
     outcome.resting = contact.rest.is_some();
     outcome
 }
 
-/// The commonest case: a plain step that starts and ends off the floor and cannot have dipped in between.
-/// Changes nothing if it is not that. The lowest corner stands for all.
-fn fly_clear<S: Scheme, F: ForceLaw>(
+/// What holds a box that lies still.
+fn report_rest(
+    floor: &Floor,
+    body: &RigidBox,
+    state: &BodyState,
+    h: f64,
+    contact: &ContactState,
+    points: &mut Vec<ContactPoint>,
+) {
+    let mut ledger = Ledger::new();
+    let corners = Corners::at(floor, body, state);
+    if let Some(rest) = &contact.rest {
+        let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
+        ledger.add(state, &corners.lever, &impulse);
+    }
+    let touching = contact.touching;
+    ledger.report(points, state, &corners.lever, touching, touching);
+}
+
+/// |c| at which a corner touches \[m\].
+fn tolerated_height(floor: &Floor, settings: &ContactSettings, body: &RigidBox) -> f64 {
+    settings.tolerance * (body.radius() + floor.height.abs())
+}
+
+/// A plain step from off the floor.
+enum Flight {
+    /// It ends off the floor and cannot have dipped in between: it is made.
+    Clear(StepOutcome),
+    /// It may meet the floor: nothing has changed, and this is where it would have led.
+    Meets(Flown),
+    /// It did not start off the floor.
+    Low,
+}
+
+/// The end of a plain step, its memory aside.
+struct Flown {
+    state: BodyState,
+    outcome: StepOutcome,
+}
+
+/// The commonest case. The lowest corner stands for all. `spare` gets the memory of what is not made.
+fn fly<S: Scheme, F: ForceLaw>(
     floor: &Floor,
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
     h: f64,
     memory: &mut SchemeMemory,
+    spare: &mut SchemeMemory,
     margin: f64,
-) -> Option<StepOutcome> {
+) -> Flight {
     let clearance = |s: &BodyState| {
         s.position.y - floor.height - world_half_extents(s.rotation, body.half_extents()).y
     };
     let before = clearance(state);
     if before <= margin {
-        return None;
+        return Flight::Low;
+    }
+    let mut end = *state;
+    spare.clone_from(memory);
+    let outcome = S::step(body, &mut end, force, h, spare);
+    let after = clearance(&end);
+    if after > margin && clears(body, state, force, h, before, after) {
+        *state = end;
+        core::mem::swap(memory, spare);
+        return Flight::Clear(outcome);
+    }
+    Flight::Meets(Flown {
+        state: end,
+        outcome,
+    })
+}
+
+/// Whether no corner can have been below the floor between the heights `before` and `after` of the lowest: as in
+/// the event search √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 is enough.
+fn clears<F: ForceLaw>(
+    body: &RigidBox,
+    state: &BodyState,
+    force: &F,
+    h: f64,
+    before: f64,
+    after: f64,
+) -> bool {
+    if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
+        // A larger M without a root.
+        let spin = 2.12 * state.body_angular_velocity(body).length_squared();
+        let curvature = spin * body.radius() + force.acceleration().y.max(0.0);
+        if before + after >= 0.5 * h * h * curvature {
+            return true;
+        }
     }
     let pull = acceleration_bound(body, state, force);
     let curvature = curvature_bound(body, state, pull, force);
-    let (mut end, mut remembered) = (*state, memory.clone());
-    let outcome = S::step(body, &mut end, force, h, &mut remembered);
-    let after = clearance(&end);
-    // As in the event search: √c₀ + √c₁ ≥ h√(M/2).
-    if after > margin && before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt() {
-        (*state, *memory) = (end, remembered);
-        return Some(outcome);
-    }
-    None
+    before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt()
 }
 
-/// The motion until a corner that is not held touches, a slip vanishes, or `time` is over.
-fn move_until_event<S: Scheme, F: ForceLaw>(
+/// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
+/// step over `time`, if it is known, with its memory in the first of the pieces, which are overwritten.
+fn move_until_event<'a, S: Scheme, F: ForceLaw>(
     start: &Start<F>,
     time: f64,
     tolerance: f64,
+    flown: Option<Flown>,
+    whole: &'a mut Piece,
+    other: &'a mut Piece,
     outcome: &mut FloorOutcome,
-) -> (f64, Piece) {
+) -> (f64, &'a mut Piece) {
     let mut tau = time;
-    let mut spent = start.spent::<S>(outcome, tau);
+    match flown {
+        Some(flown) => {
+            outcome.step += flown.outcome;
+            whole.fly_to(start, flown);
+        }
+        None => start.spent::<S>(outcome, tau, whole),
+    }
     if start.candidates != 0 {
         // The part found from the whole piece is exact for a constant deceleration; otherwise the
         // next try starts from a better guess.
         for _ in 0..STOP_TRIES {
-            if spent.still || spent.stop >= 1.0 - 1e-9 || tau <= SHORTEST_STOP * time {
+            if whole.still || whole.stop >= 1.0 - 1e-9 || tau <= SHORTEST_STOP * time {
                 break;
             }
-            tau = (tau * spent.stop).max(SHORTEST_STOP * time);
-            spent = start.spent::<S>(outcome, tau);
+            tau = (tau * whole.stop).max(SHORTEST_STOP * time);
+            start.spent::<S>(outcome, tau, whole);
         }
-        if spent.still {
-            return (tau, spent);
+        if whole.still {
+            return (tau, whole);
         }
     }
     let watch = !start.candidates;
@@ -253,6 +369,7 @@ fn move_until_event<S: Scheme, F: ForceLaw>(
     let search = Search {
         watch,
         start: start.corners.height,
+        rate: start.normal,
         time: tau,
         curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
         tolerance,
@@ -263,43 +380,37 @@ fn move_until_event<S: Scheme, F: ForceLaw>(
             SEARCH_BUDGET
         },
     };
-    let mut first = Some(spent);
-    let reached = search.run(|t| {
-        let piece = first.take().unwrap_or_else(|| start.spent::<S>(outcome, t));
-        let height = piece.corners.height;
-        (piece, height)
+    let height = whole.corners.height;
+    let reached = search.run(whole, height, other, |t, piece| {
+        start.spent::<S>(outcome, t, piece);
+        piece.corners.height
     });
     outcome.solves_capped += u32::from(reached.capped);
     (reached.tau, reached.motion)
 }
 
+impl Piece {
+    /// Free flight to where it is known to lead.
+    fn fly_to<F>(&mut self, start: &Start<F>, end: Flown) {
+        self.clear();
+        self.outcome = end.outcome;
+        self.corners = Corners::at(start.floor, start.body, &end.state);
+        self.state = end.state;
+    }
+}
+
 impl<F: ForceLaw> Start<'_, F> {
     /// [`Start::advance`], its cost counted; a bare scheme step if nothing may be held.
-    fn spent<S: Scheme>(&self, outcome: &mut FloorOutcome, tau: f64) -> Piece {
-        let piece = if self.candidates == 0 {
-            self.fly::<S>(tau)
+    fn spent<S: Scheme>(&self, outcome: &mut FloorOutcome, tau: f64, piece: &mut Piece) {
+        piece.memory.clone_from(self.memory);
+        if self.candidates == 0 {
+            let mut state = self.state;
+            let outcome = S::step(self.body, &mut state, self.force, tau, &mut piece.memory);
+            piece.fly_to(self, Flown { state, outcome });
         } else {
-            self.advance::<S>(tau)
-        };
-        outcome.step += piece.outcome;
-        piece
-    }
-
-    fn fly<S: Scheme>(&self, tau: f64) -> Piece {
-        let (mut state, mut memory) = (self.state, self.memory.clone());
-        let outcome = S::step(self.body, &mut state, self.force, tau, &mut memory);
-        Piece {
-            corners: Corners::at(self.floor, self.body, &state),
-            state,
-            memory,
-            impulse: [DVec3::ZERO; 8],
-            stop: 1.0,
-            still: false,
-            outcome,
-            iterations: 0,
-            capped: false,
-            repaired: false,
+            self.advance::<S>(tau, piece);
         }
+        outcome.step += piece.outcome;
     }
 }
 
@@ -314,17 +425,9 @@ fn rest_of_step<S: Scheme, F: ForceLaw>(
 ) {
     let start = *state;
     S::step(body, state, force, rest, memory);
-    lift_out(floor, body, state);
+    lift_out(floor, body, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());
-}
-
-/// A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
-/// velocity stays what it was, so depth never turns into speed.
-fn lift_out_if_deep(floor: &Floor, body: &RigidBox, state: &mut BodyState, tolerance: f64) {
-    if Corners::at(floor, body, state).lowest() < -tolerance {
-        lift_out(floor, body, state);
-    }
 }
 
 /// u_kn of all corners [m/s].

@@ -86,7 +86,9 @@ pub(super) struct Start<'a, F> {
     pub(super) force: &'a F,
     pub(super) state: BodyState,
     pub(super) memory: &'a SchemeMemory,
-    pub(super) corners: Corners,
+    pub(super) corners: &'a Corners,
+    /// The corners' velocities upwards [m/s].
+    pub(super) normal: [f64; 8],
     /// The corners that may be held: touching, with no normal velocity to speak of.
     pub(super) candidates: u8,
     /// Slower than this is not moving [m/s].
@@ -109,12 +111,41 @@ pub(super) struct Piece {
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,
     pub(super) capped: bool,
-    pub(super) repaired: bool,
+    /// Energy taken because the errors of scheme and projection had added it \[J\].
+    pub(super) repaired: Option<f64>,
+}
+
+impl Piece {
+    /// Yet to be made, with this memory to write to.
+    pub(super) fn new(memory: SchemeMemory) -> Self {
+        Self {
+            state: BodyState::default(),
+            memory,
+            corners: Corners::default(),
+            impulse: [DVec3::ZERO; 8],
+            stop: 1.0,
+            still: false,
+            outcome: StepOutcome::default(),
+            iterations: 0,
+            capped: false,
+            repaired: None,
+        }
+    }
+
+    /// Forgets what was reported of it.
+    pub(super) fn clear(&mut self) {
+        self.impulse = [DVec3::ZERO; 8];
+        self.stop = 1.0;
+        self.still = false;
+        self.iterations = 0;
+        self.capped = false;
+        self.repaired = None;
+    }
 }
 
 impl<F: ForceLaw> Start<'_, F> {
-    /// The motion over `tau` \[s\] by scheme `S`.
-    pub(super) fn advance<S: Scheme>(&self, tau: f64) -> Piece {
+    /// The motion over `tau` \[s\] by scheme `S`, from the memory that `piece` holds.
+    pub(super) fn advance<S: Scheme>(&self, tau: f64, piece: &mut Piece) {
         let (floor, body, start) = (self.floor, self.body, &self.state);
         let mut free = *start;
         let mut outcome = Split::step(
@@ -124,11 +155,10 @@ impl<F: ForceLaw> Start<'_, F> {
             tau,
             &mut SchemeMemory::default(),
         );
-        let moved = Corners::at(floor, body, &free);
         let (middle, levers) = middle_attitude(floor, body, start, &free);
         let set = ContactSet::new(body, middle, &levers, self.candidates);
 
-        let d = self.mean_velocities(&free, &moved, &set, tau);
+        let d = self.mean_velocities(&free, &set, tau);
         let rate = 1.0 / tau;
         let settings = self.settings;
         let friction = floor.friction;
@@ -140,18 +170,11 @@ impl<F: ForceLaw> Start<'_, F> {
             settings.tolerance,
             settings.max_iterations,
         );
-        let mut piece = Piece {
-            state: *start,
-            memory: self.memory.clone(),
-            corners: self.corners,
-            impulse: [DVec3::ZERO; 8],
-            stop: 1.0,
-            still: false,
-            outcome,
-            iterations: solution.iterations,
-            capped: !solution.converged,
-            repaired: false,
-        };
+        piece.clear();
+        piece.state = *start;
+        piece.outcome = outcome;
+        piece.iterations = solution.iterations;
+        piece.capped = !solution.converged;
         for i in 0..set.count {
             piece.impulse[usize::from(set.corner[i])] = solution.p[i];
         }
@@ -160,8 +183,9 @@ impl<F: ForceLaw> Start<'_, F> {
             && spans_face(self.candidates)
             && set.largest(&solution.w) <= 1e-9 * set.largest(&d)
         {
+            piece.corners = *self.corners;
             piece.still = true;
-            return piece;
+            return;
         }
 
         let (force, torque) = set.resultant(&solution.p);
@@ -179,21 +203,15 @@ impl<F: ForceLaw> Start<'_, F> {
             let slips = |i: usize| solution.w[i].x.abs().max(solution.w[i].z.abs()) > still;
             let sticking = (0..set.count).filter(|&i| !slips(i));
             let stuck = sticking.fold(0, |m, i| m | 1 << set.corner[i]);
-            self.settle(&mut piece, held, stuck, tau);
+            self.settle(piece, held, stuck, tau);
+        } else {
+            piece.corners = Corners::at(floor, body, &piece.state);
         }
-        piece.corners = Corners::at(floor, body, &piece.state);
-        piece
     }
 
     /// d_k: the mean velocity of the corners on the way to `free`. From velocities where that is as good
     /// as it gets, since displacements over a short time, or far from the origin, are mostly rounding.
-    fn mean_velocities(
-        &self,
-        free: &BodyState,
-        moved: &Corners,
-        set: &ContactSet,
-        tau: f64,
-    ) -> Corner3 {
+    fn mean_velocities(&self, free: &BodyState, set: &ContactSet, tau: f64) -> Corner3 {
         let start = &self.state;
         let rate = 1.0 / tau;
         // Exact under a uniform acceleration.
@@ -206,11 +224,11 @@ impl<F: ForceLaw> Start<'_, F> {
         }
         // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
         let omega = 0.5 * (start.angular_velocity(self.body) + free.angular_velocity(self.body));
-        let slow = omega.length() * tau < 0.01;
         let mut d = set.velocities((centre, omega));
-        for i in 0..set.count {
-            let k = usize::from(set.corner[i]);
-            if !slow {
+        if omega.length() * tau >= 0.01 {
+            let moved = Corners::at(self.floor, self.body, free);
+            for i in 0..set.count {
+                let k = usize::from(set.corner[i]);
                 d[i] = centre + (moved.lever[k] - self.corners.lever[k]) * rate;
             }
         }
@@ -221,13 +239,11 @@ impl<F: ForceLaw> Start<'_, F> {
     fn settle(&self, piece: &mut Piece, held: u8, stuck: u8, tau: f64) {
         let (floor, body) = (self.floor, self.body);
         let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
-        place_on_floor(floor, body, &mut piece.state, held);
-        let corners = Corners::at(floor, body, &piece.state);
+        piece.corners = place_on_floor(floor, body, &mut piece.state, held);
         let attitude = DMat3::from_quat(piece.state.rotation);
-        let set = ContactSet::new(body, attitude, &corners.lever, held);
+        let set = ContactSet::new(body, attitude, &piece.corners.lever, held);
         let after = set.velocities(twist(&piece.state));
-        let mut slip_before = ContactSet::new(body, attitude, &self.corners.lever, held)
-            .velocities(twist(&self.state));
+        let (velocity, omega) = twist(&self.state);
 
         // Which corners stick, and when the first slip vanishes.
         let mut components = [DVec3::Y; 8];
@@ -236,11 +252,12 @@ impl<F: ForceLaw> Start<'_, F> {
             let limit = floor.friction * p.y;
             let used = (p.x * p.x + p.z * p.z).sqrt();
             let sticks = floor.friction > 0.0 && has(stuck, usize::from(set.corner[i]));
-            slip_before[i].y = 0.0;
-            let slip = DVec3::new(after[i].x, 0.0, after[i].z);
-            let speed = slip_before[i].length();
+            let lever = self.corners.lever[usize::from(set.corner[i])];
+            let slip_before = (velocity + omega.cross(lever)).with_y(0.0);
+            let slip = after[i].with_y(0.0);
+            let speed = slip_before.length();
             if speed > self.still_speed {
-                let along = slip_before[i].dot(slip) / speed;
+                let along = slip_before.dot(slip) / speed;
                 if sticks && speed * tau <= 1e-9 * body.radius() {
                     components[i] = DVec3::ONE; // it stops within no distance to speak of
                 } else if sticks {
@@ -277,22 +294,26 @@ impl<F: ForceLaw> Start<'_, F> {
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
     pub(super) fn finish(&self, piece: &mut Piece) {
-        lift_out(self.floor, self.body, &mut piece.state);
+        lift_out(self.floor, self.body, &mut piece.state, &mut piece.corners);
         if !self.force.has_wrench() {
             let pull = self.force.acceleration();
+            let height = piece.state.position.y;
             piece.repaired = limit_energy(self.body, &self.state, &mut piece.state, pull);
+            if piece.state.position.y != height {
+                piece.corners = *self.corners; // it was put back to where it was
+            }
         }
     }
 }
 
-/// Scales the velocities of `state` so that its energy does not exceed that of `start`; whether it had
-/// to by more than rounding.
+/// Scales the velocities of `state` so that its energy does not exceed that of `start`; what that took \[J\], if
+/// it was more than rounding.
 pub(super) fn limit_energy(
     body: &RigidBox,
     start: &BodyState,
     state: &mut BodyState,
     acceleration: DVec3,
-) -> bool {
+) -> Option<f64> {
     let fall = body.mass() * acceleration.dot(state.position - start.position);
     // Positions are rounded, and the height's last bit is worth this much: it must not stop a box that
     // has just begun to fall off its edge.
@@ -301,7 +322,7 @@ pub(super) fn limit_energy(
     let allowed = start.kinetic_energy(body) + fall + rounding;
     let kinetic = state.kinetic_energy(body);
     if kinetic <= allowed * (1.0 + 1e-14) {
-        return false;
+        return None;
     }
     if allowed < 0.0 {
         // Not even at rest may it be where it is: it stays where it was.
@@ -310,12 +331,12 @@ pub(super) fn limit_energy(
             angular_momentum: DVec3::ZERO,
             ..*start
         };
-        return true;
+        return Some(kinetic);
     }
     let scale = (allowed / kinetic).sqrt();
     state.velocity *= scale;
     state.angular_momentum *= scale;
-    scale < 1.0 - 1e-9
+    (scale < 1.0 - 1e-9).then_some(kinetic - allowed)
 }
 
 /// The attitude halfway between two states, and the corners' levers there.

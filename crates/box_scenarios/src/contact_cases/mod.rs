@@ -182,6 +182,20 @@ pub fn contact_cases() -> Vec<ContactCase> {
             drops::gain,
         ),
         case(
+            30,
+            "the same, steps with impacts",
+            "gain that Newton's restitution was not let, relative",
+            1.0,
+            drops::repaired_impacts,
+        ),
+        case(
+            30,
+            "the same, steps without impacts",
+            "gain by errors that was taken back, relative",
+            0.01,
+            drops::repaired_pieces,
+        ),
+        case(
             31,
             "spinning plate, 3 and 20 rad/s",
             "time to rest outside the two laws, by [steps]",

@@ -12,6 +12,10 @@ use crate::math::sin_cos;
 /// close together: more directions.
 const DIRECTIONS: [usize; 2] = [24, 120];
 
+/// Newton steps from the slip before, and the largest turn in one of them \[rad\].
+const NEAR_STEPS: u32 = 8;
+const LARGEST_TURN: f64 = 0.5;
+
 /// (cos, sin) of these directions, the first one again at the end.
 static CIRCLES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
     DIRECTIONS.map(|n| {
@@ -43,13 +47,20 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
     if stick.y > 0.0 && tangential <= (friction * stick.y) * (friction * stick.y) {
         return (stick, true);
     }
-    let slip = Slip { w, b, friction };
-    for directions in CIRCLES.iter() {
-        if let Some(p) = slip.among(directions) {
-            return (p, true);
-        }
+    match slide(w, b, friction) {
+        Some(p) => (p, true),
+        None => (smooth, false),
     }
-    (smooth, false)
+}
+
+/// The impulse if the corner slides; `w` may be singular.
+pub(super) fn slide(w: &DMat3, b: DVec3, friction: f64) -> Option<DVec3> {
+    if b.y >= 0.0 {
+        return None;
+    }
+    let slip = Slip { w, b, friction };
+    slip.near()
+        .or_else(|| CIRCLES.iter().find_map(|directions| slip.among(directions)))
 }
 
 /// The corner slips: everything as a function of the unit direction t = (c, s).
@@ -85,6 +96,35 @@ impl Slip<'_> {
         (c * z - s * x, (c * dz - s * z) - (s * dx + c * x))
     }
 
+    /// The sliding solution by Newton's method from where the corner slips before: most turn little.
+    fn near(&self) -> Option<DVec3> {
+        let speed = (self.b.x * self.b.x + self.b.z * self.b.z).sqrt();
+        let mut t = (self.b.x / speed, self.b.z / speed);
+        for _ in 0..NEAR_STEPS {
+            let (value, slope) = self.turn(t);
+            let step = -value / slope;
+            if !(step.abs() <= LARGEST_TURN) {
+                return None;
+            }
+            t = on_circle(t.0 - step * t.1, t.1 + step * t.0);
+            // The next would be the square of this.
+            if step.abs() <= 1e-9 {
+                return self.impulse(t);
+            }
+        }
+        None
+    }
+
+    /// The impulse against the slip along t, if that is where it goes.
+    fn impulse(&self, t: (f64, f64)) -> Option<DVec3> {
+        let (d, x, z) = self.along(t);
+        (d > 0.0 && t.0 * x + t.1 * z >= 0.0).then(|| {
+            let normal = -self.b.y / d;
+            let along = -self.friction * normal;
+            DVec3::new(along * t.0, normal, along * t.1)
+        })
+    }
+
     /// The sliding solution, its root looked for between neighbours of these directions.
     fn among(&self, directions: &[(f64, f64)]) -> Option<DVec3> {
         let mut last = directions[0];
@@ -97,14 +137,12 @@ impl Slip<'_> {
             let crosses = turn == 0.0 || (turn < 0.0) != (next_turn < 0.0);
             if crosses && (forward >= 0.0 || next_forward >= 0.0) {
                 let t = self.root((last, turn), next);
-                let (d, x, z) = self.along(t);
                 // Of several the one that turns the slip least.
                 let likeness = t.0 * self.b.x + t.1 * self.b.z;
-                let forwards = t.0 * x + t.1 * z >= 0.0;
-                if d > 0.0 && forwards && best.is_none_or(|(l, _)| likeness > l) {
-                    let normal = -self.b.y / d;
-                    let along = -self.friction * normal;
-                    best = Some((likeness, DVec3::new(along * t.0, normal, along * t.1)));
+                if let Some(p) = self.impulse(t)
+                    && best.is_none_or(|(l, _)| likeness > l)
+                {
+                    best = Some((likeness, p));
                 }
             }
             (last, turn, forward) = (next, next_turn, next_forward);
@@ -155,7 +193,7 @@ fn cross(a: (f64, f64), b: (f64, f64)) -> f64 {
 }
 
 #[inline(always)]
-fn on_circle(c: f64, s: f64) -> (f64, f64) {
+pub(super) fn on_circle(c: f64, s: f64) -> (f64, f64) {
     let scale = 1.0 / (c * c + s * s).sqrt();
     (c * scale, s * scale)
 }

@@ -1,0 +1,320 @@
+//! Two corners with Coulomb's friction: an edge, the commonest problem that has no closed form.
+//!
+//! Each corner sticks, slides or leaves; every case is a small problem of its own, and the one whose
+//! solution obeys the law is the answer. With A the blocks of αW:
+//!
+//! - one leaves: p = 0 there, and the other is alone (`single`);
+//! - both slide, along the unit vectors t̂_k: p_k = p_kn s_k, s_k = n − µt̂_k, and w_kn = 0 gives both p_kn
+//!   from two linear equations. What remains are two angles with t̂_k × w_kt = 0: Newton's method;
+//! - one sticks: w_i = 0 gives p_i = −A_ii⁻¹(b_i + A_ij p_j), and the other is alone with
+//!   A_jj − A_ji A_ii⁻¹ A_ij;
+//! - both stick: w = 0, a linear problem.
+
+use glam::{DMat3, DVec3};
+
+use super::super::geometry::{ContactSet, Corner3};
+use super::super::projection::{least_along, stopped_along};
+use super::{project, single};
+
+/// Newton steps for the two angles: slips that turn little take three.
+const STEPS: u32 = 12;
+/// Steps for the angle of one, the other corner solved in each.
+const SECANTS: u32 = 20;
+/// Largest turn in one of them \[rad\].
+const LARGEST_TURN: f64 = 0.7;
+
+/// b + Ap for two corners.
+pub(super) struct Edge<'a> {
+    /// From one corner to the other \[m\].
+    edge: DVec3,
+    own: [DMat3; 2],
+    /// A_01 and A_10.
+    other: [DMat3; 2],
+    b: &'a Corner3,
+    friction: f64,
+    /// A bound of A [1/kg].
+    stiffness: f64,
+    /// |w| to which the law is to hold [m/s].
+    target: f64,
+}
+
+impl<'a> Edge<'a> {
+    pub(super) fn new(
+        set: &ContactSet,
+        b: &'a Corner3,
+        alpha: f64,
+        friction: f64,
+        target: f64,
+    ) -> Self {
+        let cross = set.block(0, 1, alpha);
+        Self {
+            edge: set.lever[1] - set.lever[0],
+            own: [set.block(0, 0, alpha), set.block(1, 1, alpha)],
+            other: [cross, cross.transpose()],
+            b,
+            friction,
+            stiffness: alpha * set.stiffness_bound(),
+            target,
+        }
+    }
+
+    /// w = b + Ap.
+    #[inline(always)]
+    pub(super) fn velocities(&self, p: [DVec3; 2]) -> [DVec3; 2] {
+        [
+            self.b[0] + (self.own[0] * p[0] + self.other[0] * p[1]),
+            self.b[1] + (self.own[1] * p[1] + self.other[1] * p[0]),
+        ]
+    }
+
+    /// Whether the slips are so fast that both corners sliding on is the likeliest.
+    fn is_fast(&self) -> bool {
+        let fast = |u: DVec3| u.x * u.x + u.z * u.z;
+        let approach = (-self.b[0].y).max(-self.b[1].y);
+        let bound = 4.0 * self.friction * approach;
+        fast(self.b[0]).min(fast(self.b[1])) > bound * bound
+    }
+
+    /// The impulses, if one of the cases fits: the likeliest first.
+    pub(super) fn solve(&self) -> Option<[DVec3; 2]> {
+        let smooth = self.smooth_normals();
+        let likely = usize::from(smooth[1] < smooth[0]);
+        let t = self.first_directions(smooth);
+        // Full friction that turns no slip round is the answer, or near it.
+        let slides = |t| self.sliding(t).is_some_and(|s| s.forward);
+        let first = if smooth[likely] <= 0.0 {
+            self.one_leaves(likely)
+        } else if t.is_some_and(slides) {
+            self.slide(t)
+        } else {
+            self.both_stick()
+        };
+        first
+            .or_else(|| self.both_stick())
+            .or_else(|| self.slide(t))
+            .or_else(|| self.one_sticks(0))
+            .or_else(|| self.one_sticks(1))
+            .or_else(|| self.one_leaves(likely))
+            .or_else(|| self.one_after_the_other(smooth))
+            .or_else(|| self.one_leaves(1 - likely))
+    }
+
+    /// The normal impulses that would stop both corners if there were no friction.
+    fn smooth_normals(&self) -> [f64; 2] {
+        let [a, d] = self.own.map(|m| m.y_axis.y);
+        let c = self.other[0].y_axis.y;
+        let inverse = 1.0 / (a * d - c * c);
+        let (x, y) = (-self.b[0].y, -self.b[1].y);
+        [inverse * (d * x - c * y), inverse * (a * y - c * x)]
+    }
+
+    /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
+    fn obeys(&self, p: [DVec3; 2]) -> bool {
+        let w = self.velocities(p);
+        let step = 1.0 / self.stiffness;
+        let wrong = |i: usize| (p[i] - project(p[i] - step * w[i], self.friction)).length_squared();
+        self.stiffness * wrong(0).max(wrong(1)).sqrt() <= self.target
+    }
+
+    fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {
+        self.obeys(p).then_some(p)
+    }
+
+    /// Corner `i` leaves.
+    fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
+        let j = 1 - i;
+        let (q, found) = single::solve(&self.own[j], self.b[j], self.friction);
+        let mut p = [DVec3::ZERO; 2];
+        p[j] = q;
+        if !found {
+            return None;
+        }
+        self.checked(p)
+    }
+
+    /// Both stick: w_0 = 0 for p_0, then w_1 = 0. Of all that do it the
+    /// smallest.
+    fn both_stick(&self) -> Option<[DVec3; 2]> {
+        let mu = self.friction;
+        let holds = |p: DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
+        let inverse = self.own[0].inverse();
+        let (reduced, b) = self.without(0, &inverse);
+        let p1 = -(stopped_along(reduced, self.edge, self.own[1].y_axis.y) * b);
+        let p0 = -(inverse * (self.b[0] + self.other[0] * p1));
+        let mut p = [p0, p1];
+        least_along(self.edge, &mut p);
+        // No check: two corners that keep their distance can be stopped, to the rounding of b. That may be
+        // more than the target, where b is what is left of large velocities.
+        (holds(p[0]) && holds(p[1])).then_some(p)
+    }
+
+    /// A_jj − A_ji A_ii⁻¹ A_ij and b_j − A_ji A_ii⁻¹ b_i: corner j with corner `i` stuck.
+    fn without(&self, i: usize, inverse: &DMat3) -> (DMat3, DVec3) {
+        let j = 1 - i;
+        let through = self.other[j] * *inverse;
+        (
+            self.own[j] - through * self.other[i],
+            self.b[j] - through * self.b[i],
+        )
+    }
+
+    /// Corner `i` sticks, the other one slides.
+    fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
+        let inverse = self.own[i].inverse();
+        let (reduced, b) = self.without(i, &inverse);
+        let slide = single::slide(&reduced, b, self.friction)?;
+        let mut p = [slide; 2];
+        p[i] = -(inverse * (self.b[i] + self.other[i] * slide));
+        self.checked(p)
+    }
+
+    /// Where the corners slip: before, if that is fast, otherwise after the normal impulses alone. `None` if
+    /// one does not.
+    fn first_directions(&self, smooth: [f64; 2]) -> Option<[(f64, f64); 2]> {
+        let mut slip = [self.b[0], self.b[1]];
+        if !self.is_fast() {
+            slip = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
+        }
+        let speed = slip.map(|u| (u.x * u.x + u.z * u.z).sqrt());
+        let direction = |i: usize| (slip[i].x / speed[i], slip[i].z / speed[i]);
+        (speed[0].min(speed[1]) > self.target).then(|| [direction(0), direction(1)])
+    }
+
+    /// Both slide, first along these directions.
+    fn slide(&self, t: Option<[(f64, f64); 2]>) -> Option<[DVec3; 2]> {
+        let mut t = t?;
+        for _ in 0..STEPS {
+            let now = self.sliding(t)?;
+            let (f, j) = (now.residual, now.slope);
+            let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
+            let turn = [
+                (j[0][1] * f[1] - j[1][1] * f[0]) / determinant,
+                (j[1][0] * f[0] - j[0][0] * f[1]) / determinant,
+            ];
+            let largest = turn[0].abs().max(turn[1].abs());
+            if !largest.is_finite() {
+                return None;
+            }
+            if largest <= 1e-15 {
+                return self.checked(now.p);
+            }
+            let scale = (LARGEST_TURN / largest).min(1.0);
+            for (t, turn) in t.iter_mut().zip(turn) {
+                let step = scale * turn;
+                *t = single::on_circle(t.0 - step * t.1, t.1 + step * t.0);
+            }
+            // The next would be the square of this.
+            if largest <= 1e-9 {
+                return self.checked(self.sliding(t)?.p);
+            }
+        }
+        None
+    }
+
+    /// The corner that slips faster slides along t̂_j, hardly turned by the other; with p_jn from w_jn = 0
+    /// that other one is alone with A_ii − A_ij s_j (n·A_ji)/D, D = n·A_jj s_j. It may slide slowly, stick or
+    /// leave. t̂_j × w_j = 0 is left for the angle of t̂_j: the secant method.
+    fn one_after_the_other(&self, smooth: [f64; 2]) -> Option<[DVec3; 2]> {
+        let start = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
+        let speed = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
+        let j = usize::from(speed(start[1]) > speed(start[0]));
+        let i = 1 - j;
+        let mut t = (start[j].x / speed(start[j]), start[j].z / speed(start[j]));
+        let (mut last, mut turn) = (f64::NAN, f64::NAN);
+        for _ in 0..SECANTS {
+            let s = DVec3::new(-self.friction * t.0, 1.0, -self.friction * t.1);
+            let column = self.other[i] * s;
+            let inverse = 1.0 / (self.own[j] * s).y;
+            // n·A_ji, the row that the corner's own column has by symmetry.
+            let row = inverse * self.other[i].y_axis;
+            let reduced =
+                self.own[i] - DMat3::from_cols(column * row.x, column * row.y, column * row.z);
+            let b = self.b[i] - column * (inverse * self.b[j].y);
+            let (q, found) = single::solve(&reduced, b, self.friction);
+            let push = -inverse * self.b[j].y - row.dot(q);
+            if !found || !(push > 0.0) {
+                return None;
+            }
+            let mut p = [q; 2];
+            p[j] = push * s;
+            let w = self.velocities(p)[j];
+            let now = (t.0 * w.z - t.1 * w.x) / speed(w);
+            if now.abs() <= 1e-15 || turn.abs() <= 1e-15 {
+                return self.checked(p);
+            }
+            let slope = (now - last) / turn;
+            turn = if slope < -0.1 { -now / slope } else { now };
+            turn = turn.clamp(-LARGEST_TURN, LARGEST_TURN);
+            last = now;
+            t = single::on_circle(t.0 - turn * t.1, t.1 + turn * t.0);
+        }
+        None
+    }
+
+    /// Everything as a function of the two directions: `None` if a normal impulse would not push.
+    fn sliding(&self, t: [(f64, f64); 2]) -> Option<Sliding> {
+        let mu = self.friction;
+        // q_ij = A_ij s_j and its derivative by the angle of t̂_j
+        let column = |a: &DMat3, (c, s): (f64, f64)| {
+            (
+                a.y_axis - mu * (c * a.x_axis + s * a.z_axis),
+                mu * (s * a.x_axis - c * a.z_axis),
+            )
+        };
+        let (q00, r00) = column(&self.own[0], t[0]);
+        let (q11, r11) = column(&self.own[1], t[1]);
+        let (q01, r01) = column(&self.other[0], t[1]);
+        let (q10, r10) = column(&self.other[1], t[0]);
+        let determinant = q00.y * q11.y - q01.y * q10.y;
+        if !(determinant > 0.0) {
+            return None;
+        }
+        let inverse = 1.0 / determinant;
+        let normals = |x: f64, y: f64| {
+            (
+                inverse * (q11.y * x - q01.y * y),
+                inverse * (q00.y * y - q10.y * x),
+            )
+        };
+        let (p0, p1) = normals(-self.b[0].y, -self.b[1].y);
+        if !(p0 > 0.0 && p1 > 0.0) {
+            return None;
+        }
+        let w0 = self.b[0] + (p0 * q00 + p1 * q01);
+        let w1 = self.b[1] + (p1 * q11 + p0 * q10);
+        // t̂ × w and t̂·w in the plane
+        let cross = |(c, s): (f64, f64), w: DVec3| c * w.z - s * w.x;
+        let along = |(c, s): (f64, f64), w: DVec3| c * w.x + s * w.z;
+        // The angle of t̂_0, then that of t̂_1: the normal impulses follow.
+        let (a0, a1) = normals(-p0 * r00.y, -p0 * r10.y);
+        let (b0, b1) = normals(-p1 * r01.y, -p1 * r11.y);
+        let slope = [
+            [
+                cross(t[0], p0 * r00 + a0 * q00 + a1 * q01) - along(t[0], w0),
+                cross(t[0], p1 * r01 + b0 * q00 + b1 * q01),
+            ],
+            [
+                cross(t[1], p0 * r10 + a0 * q10 + a1 * q11),
+                cross(t[1], p1 * r11 + b0 * q10 + b1 * q11) - along(t[1], w1),
+            ],
+        ];
+        let impulse = |p: f64, (c, s): (f64, f64)| DVec3::new(-mu * p * c, p, -mu * p * s);
+        Some(Sliding {
+            p: [impulse(p0, t[0]), impulse(p1, t[1])],
+            forward: along(t[0], w0) > 0.0 && along(t[1], w1) > 0.0,
+            residual: [cross(t[0], w0), cross(t[1], w1)],
+            slope,
+        })
+    }
+}
+
+/// Both corners sliding along given directions.
+struct Sliding {
+    p: [DVec3; 2],
+    /// Whether the slips go along them and not the other way.
+    forward: bool,
+    /// t̂_k × w_k: zero where the slips are along them.
+    residual: [f64; 2],
+    /// Its derivatives by the two angles.
+    slope: [[f64; 2]; 2],
+}

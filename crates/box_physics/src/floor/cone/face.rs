@@ -1,0 +1,228 @@
+//! Three or four corners of a face with Coulomb's friction, where they do not all move alike.
+//!
+//! - **All slide**: then no corner moves along the normal, so the box turns about the normal alone, and its
+//!   velocity V at the centre and its spin Ω tell every slip, w_k = V + Ω n×r_k. Given these, p_k = π_k s_k,
+//!   s_k = n − µ w_k/|w_k|, and the normal law is three linear equations for the π_k, of which the smallest are
+//!   taken. The impulses give V and Ω anew: a fixed point of three numbers, found by Broyden's method (Math.
+//!   Comput. 19 (1965) 577) from the motion without friction.
+//! - **Two leave**: the other two are an edge.
+//!
+//! What is found must obey the law of all corners to be taken.
+
+use glam::{DMat3, DVec3};
+
+use super::super::geometry::{ContactSet, Corner3};
+use super::edge::Edge;
+use super::project;
+
+/// Evaluations of the fixed point: slips that turn little take seven.
+const STEPS: u32 = 24;
+
+/// b + αWp for the corners of a face.
+pub(super) struct Face<'a> {
+    pub(super) set: &'a ContactSet,
+    pub(super) b: &'a Corner3,
+    pub(super) alpha: f64,
+    pub(super) friction: f64,
+    /// |w| to which the law is to hold [m/s].
+    pub(super) target: f64,
+}
+
+impl Face<'_> {
+    /// Whether the slips are so fast that all corners sliding on is the likeliest.
+    pub(super) fn is_fast(&self) -> bool {
+        let b = &self.b[..self.set.count];
+        let slow = b.iter().map(|u| u.x * u.x + u.z * u.z);
+        let approach = b.iter().fold(0.0, |a: f64, u| a.max(-u.y));
+        let bound = 4.0 * self.friction * approach;
+        slow.fold(f64::INFINITY, f64::min) > bound * bound
+    }
+
+    /// w = b + αWp.
+    fn velocities(&self, p: &Corner3) -> Corner3 {
+        super::add(self.b, &self.set.response(p), self.alpha, self.set.count)
+    }
+
+    /// The criterion of the gradient steps: L |p − P(p − w/L)| is the tolerated error of w.
+    fn obeys(&self, p: &Corner3) -> bool {
+        let w = self.velocities(p);
+        let stiffness = self.alpha * self.set.stiffness_bound();
+        let mut worst = 0.0_f64;
+        for i in 0..self.set.count {
+            let q = project(p[i] - w[i] / stiffness, self.friction);
+            worst = worst.max((p[i] - q).length_squared());
+        }
+        stiffness * worst.sqrt() <= self.target
+    }
+
+    /// The impulses that stop all corners, the normal ones the smallest that do, the friction handed to the
+    /// corners by their load.
+    ///
+    /// The change of (v, ω) that stops them, and with it the sum and the torque of the impulses, follow from b.
+    /// The levers have one height, so that the two parts separate: π_k = A + B·r_k with the right sum and the
+    /// right torque about the horizontal axes, and t_k = π_k² (C + D n×r_k) with the right sum and torque
+    /// about the normal, the smallest in units of what a corner can hold.
+    pub(super) fn stop(&self) -> Corner3 {
+        let (set, n) = (self.set, self.set.count);
+        let (r, b) = (&set.lever, self.b);
+        // −b as a motion of the floor's plane: opposite corners are neighbours, so 0, 1 and 2 span it.
+        let (e, f) = (r[1] - r[0], r[2] - r[0]);
+        let area = e.z * f.x - e.x * f.z;
+        let (p, q) = (b[1].y - b[0].y, b[2].y - b[0].y);
+        let slide = self.planar(b);
+        let spin = self.spin_of(slide);
+        // u_y = v_y + ω_z x − ω_x z
+        let omega = -DVec3::new((e.x * q - f.x * p) / area, spin, (e.z * q - f.z * p) / area);
+        let v = DVec3::new(-slide.x, -b[0].y, -slide.y) - omega.with_y(0.0).cross(r[0]);
+        let (force, torque) = set.impulse_for(v, omega);
+        let (force, torque) = (force / self.alpha, torque / self.alpha);
+
+        let height = r[0].y;
+        let mut gram = DMat3::ZERO;
+        for r in &r[..n] {
+            let a = DVec3::new(1.0, r.x, r.z);
+            gram += DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+        }
+        let wanted = DVec3::new(
+            force.y,
+            torque.z + height * force.x,
+            height * force.z - torque.x,
+        );
+        let load = gram.inverse() * wanted;
+        let mut p = [DVec3::ZERO; 8];
+        let mut gram = DMat3::ZERO;
+        for (p, r) in p[..n].iter_mut().zip(r) {
+            p.y = load.x + load.y * r.x + load.z * r.z;
+            for a in [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)] {
+                gram += (p.y * p.y) * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+            }
+        }
+        let share = gram.inverse() * DVec3::new(force.x, force.z, torque.y);
+        for (p, r) in p[..n].iter_mut().zip(r) {
+            let weight = p.y * p.y;
+            p.x = weight * (share.x + share.z * r.z);
+            p.z = weight * (share.y - share.z * r.x);
+        }
+        p
+    }
+
+    /// Whether these impulses hold every corner. That they stop it is checked only roughly, since what is left
+    /// is the rounding of b: to see whether the corners can be stopped at all, which those that are to
+    /// bounce differently cannot.
+    pub(super) fn sticks(&self, stop: &Corner3) -> bool {
+        let left = self.set.largest(&self.velocities(stop));
+        super::in_cones(self.set, stop, self.friction) && left <= 1e-9 * self.set.largest(self.b)
+    }
+
+    /// Two corners leave: those that would have to pull most if all were stopped.
+    pub(super) fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
+        let n = self.set.count;
+        let mut order = [0, 1, 2, 3];
+        order[..n].sort_by(|&i, &j| stop[j].y.total_cmp(&stop[i].y));
+        let pair = [order[0].min(order[1]), order[0].max(order[1])];
+        let edge_set = self.set.pick(pair);
+        let mut b = [DVec3::ZERO; 8];
+        (b[0], b[1]) = (self.b[pair[0]], self.b[pair[1]]);
+        let edge = Edge::new(&edge_set, &b, self.alpha, self.friction, self.target);
+        let [first, second] = edge.solve()?;
+        let mut p = [DVec3::ZERO; 8];
+        (p[pair[0]], p[pair[1]]) = (first, second);
+        self.obeys(&p).then_some(p)
+    }
+
+    /// All slide.
+    pub(super) fn slide(&self) -> Option<Corner3> {
+        let mut x = self.planar(self.b);
+        let (mut p, next) = self.sliding(x)?;
+        let mut f = x - next;
+        // The inverse of the Jacobian of x − F(x); the F of fast slips is nearly constant.
+        let mut inverse = DMat3::IDENTITY;
+        if !self.is_fast() {
+            let small = 1e-4 * self.set.largest(self.b);
+            let mut columns = DMat3::IDENTITY;
+            for axis in 0..3 {
+                let shifted = x + small * DVec3::AXES[axis];
+                let (_, image) = self.sliding(shifted)?;
+                *columns.col_mut(axis) = (shifted - image - f) / small;
+            }
+            inverse = columns.inverse();
+        }
+        // Speeds, so that the three are alike.
+        let scale = self.set.largest(self.b);
+        for _ in 0..STEPS {
+            if f.abs().max_element() <= 1e-15 * scale {
+                break;
+            }
+            let step = -(inverse * f);
+            x += step;
+            let (q, next) = self.sliding(x)?;
+            p = q;
+            let g = x - next;
+            let image = inverse * (g - f);
+            let denominator = step.dot(image);
+            if denominator == 0.0 || !denominator.is_finite() {
+                break;
+            }
+            // Sherman, Morrison: B⁻¹ += (s − B⁻¹y)(sᵀB⁻¹)/(sᵀB⁻¹y)
+            let row = inverse.transpose() * step;
+            let gain = (step - image) / denominator;
+            inverse += DMat3::from_cols(gain * row.x, gain * row.y, gain * row.z);
+            f = g;
+        }
+        self.obeys(&p).then_some(p)
+    }
+
+    /// Ω of (V_x, V_z, Ω ℓ).
+    fn spin_of(&self, x: DVec3) -> f64 {
+        let arm = self.set.lever[1] - self.set.lever[0];
+        2.0 * x.z / (arm.x * arm.x + arm.z * arm.z).sqrt()
+    }
+
+    /// (V_x, V_z, Ω ℓ) of these velocities of corners, ℓ half the diagonal.
+    fn planar(&self, w: &Corner3) -> DVec3 {
+        let arm = self.set.lever[1] - self.set.lever[0];
+        let square = arm.x * arm.x + arm.z * arm.z;
+        let change = w[1] - w[0];
+        // (Ω n × arm)·: Ω (arm_z, −arm_x)
+        let spin = (change.x * arm.z - change.z * arm.x) / square;
+        let r = self.set.lever[0];
+        DVec3::new(
+            w[0].x - spin * r.z,
+            w[0].z + spin * r.x,
+            0.5 * spin * square.sqrt(),
+        )
+    }
+
+    /// The impulses for the slips that x tells, and the x that they lead to; `None` if one would have to
+    /// pull.
+    fn sliding(&self, x: DVec3) -> Option<(Corner3, DVec3)> {
+        let (set, n) = (self.set, self.set.count);
+        let spin = self.spin_of(x);
+        let mut s = [DVec3::Y; 8];
+        let mut normal = [DVec3::ZERO; 4];
+        for j in 0..n {
+            let r = set.lever[j];
+            let slip = DVec3::new(x.x + spin * r.z, 0.0, x.y - spin * r.x);
+            s[j] -= slip * (self.friction / slip.length());
+            // Column j of the normal law, at the first three corners.
+            let (v, omega) = set.unit_twist(j, s[j]);
+            let at = |i: usize| self.alpha * (v.y + omega.cross(set.lever[i]).y);
+            normal[j] = DVec3::new(at(0), at(1), at(2));
+        }
+        let mut gram = DMat3::ZERO;
+        for a in &normal[..n] {
+            gram += DMat3::from_cols(*a * a.x, *a * a.y, *a * a.z);
+        }
+        let wanted = -DVec3::new(self.b[0].y, self.b[1].y, self.b[2].y);
+        let multiplier = gram.inverse() * wanted;
+        let mut p = [DVec3::ZERO; 8];
+        for j in 0..n {
+            let share = normal[j].dot(multiplier);
+            if !(share >= 0.0) {
+                return None;
+            }
+            p[j] = s[j] * share;
+        }
+        Some((p, self.planar(&self.velocities(&p))))
+    }
+}
