@@ -16,6 +16,7 @@
 mod columns;
 mod components;
 mod faults;
+mod flight;
 mod intake;
 mod messages;
 mod parallel;

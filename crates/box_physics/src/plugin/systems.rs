@@ -14,10 +14,11 @@ use super::columns::ForceColumns;
 use super::components::{
     BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
 };
+use super::flight::FreeFlight;
 use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-use super::step::{AtFloor, FreeFlight, Reporting, Setting, runs};
+use super::step::{AtFloor, Reporting, Setting, runs};
 use super::timing::{PhysicsTimings, Stage, nanoseconds};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
