@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::columns::ForceColumnsContiguousItem;
 use super::components::NearFloor;
-use super::step::{Setting, Tally};
+use super::step::{Setting, Tally, runs_of};
 use crate::body::RigidBox;
 use crate::floor::{self, Floor};
 use crate::force::{ForceLaw, Gravity};
@@ -94,24 +94,17 @@ impl FreeFlight<'_, '_, '_> {
     fn runs<S: Scheme>(&mut self, tally: &mut Tally) {
         let (mut chosen, mut count) = ([0; GATHERED], 0);
         let mut next = 0;
-        while next < self.bodies.len() {
-            let start = next;
-            if self.near[start].pending {
-                next += 1;
+        while let Some(range) = self.next_run(next) {
+            next = range.end;
+            if range.len() >= SHORT {
+                self.run::<S>(range, tally);
                 continue;
             }
-            while next < self.bodies.len() && !self.near[next].pending {
-                next += 1;
-            }
-            if next - start >= SHORT {
-                self.run::<S>(start..next, tally);
-                continue;
-            }
-            if count + next - start > GATHERED {
+            if count + range.len() > GATHERED {
                 self.gathered::<S>(&chosen[..count], tally);
                 count = 0;
             }
-            for i in start..next {
+            for i in range {
                 chosen[count] = i;
                 count += 1;
             }
@@ -119,6 +112,12 @@ impl FreeFlight<'_, '_, '_> {
         if count > 0 {
             self.gathered::<S>(&chosen[..count], tally);
         }
+    }
+
+    /// The next bodies in a row that are not left to *Contact*.
+    fn next_run(&self, from: usize) -> Option<Range<usize>> {
+        let range = runs_of(self.near.len() - from, |i| !self.near[from + i].pending).next()?;
+        Some(from + range.start..from + range.end)
     }
 
     /// Neighbours, where they are.

@@ -20,6 +20,7 @@ mod flight;
 mod intake;
 mod messages;
 mod parallel;
+mod publish;
 mod resources;
 mod run;
 mod step;

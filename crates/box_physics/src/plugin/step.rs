@@ -47,6 +47,19 @@ pub(crate) fn runs(
     })
 }
 
+/// Maximal runs of those of `count` bodies that are `wanted`.
+pub(crate) fn runs_of(
+    count: usize,
+    wanted: impl Fn(usize) -> bool,
+) -> impl Iterator<Item = Range<usize>> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let start = (next..count).find(|&i| wanted(i))?;
+        next = (start..count).find(|&i| !wanted(i)).unwrap_or(count);
+        Some(start..next)
+    })
+}
+
 /// What a loop did.
 #[derive(Default)]
 pub(crate) struct Tally {
@@ -158,5 +171,9 @@ mod tests {
         let own = [a, a, b, a];
         let parts: Vec<_> = runs(Integrator::Rk4, Some(&own), 4).collect();
         assert_eq!(parts, [(a.0, 0..2), (b.0, 2..3), (a.0, 3..4)]);
+        let odd: Vec<_> = runs_of(7, |i| i % 4 > 1).collect();
+        assert_eq!(odd, [2..4, 6..7]);
+        assert_eq!(runs_of(3, |_| true).collect::<Vec<_>>(), [0..3]);
+        assert_eq!(runs_of(3, |_| false).count(), 0);
     }
 }

@@ -11,16 +11,22 @@
 //! finite) is left as it was and takes the scheme's plain step, which gives the same bits wherever both
 //! apply.
 
+use core::marker::PhantomData;
+use core::ops::Range;
+
 use glam::{DQuat, DVec3};
 
 use super::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::Gravity;
-use crate::math::SmallArguments;
+use crate::math::{SmallArguments, VectorLoop, vectorised};
 use crate::state::BodyState;
 
 /// Bodies in a block of the loop: those that did not apply are noted, and stepped after it.
 const BLOCK: usize = 64;
+
+/// Bodies that are stepped one by one before they are looked at.
+const ROW: usize = 8;
 
 /// Fewer bodies than this are stepped one by one.
 const FEW: usize = 4;
@@ -34,14 +40,35 @@ pub enum GravityField<'a> {
     Each(&'a [DVec3]),
 }
 
-impl GravityField<'_> {
-    /// Of body `i`.
+/// Either, told apart before the loop.
+trait Field: Copy {
+    /// Of so many bodies, at least one.
+    fn first(self, count: usize) -> Self;
+    /// Of body `i` [m/s²].
+    fn at(self, i: usize) -> DVec3;
+}
+
+impl Field for DVec3 {
     #[inline(always)]
-    fn at(&self, i: usize) -> Gravity {
-        Gravity(match self {
-            Self::Uniform(gravity) => *gravity,
-            Self::Each(gravity) => gravity[i],
-        })
+    fn first(self, _: usize) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn at(self, _: usize) -> DVec3 {
+        self
+    }
+}
+
+impl Field for &[DVec3] {
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        &self[..count]
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> DVec3 {
+        self[i]
     }
 }
 
@@ -74,24 +101,38 @@ impl Group<'_> {
     #[inline]
     pub fn one_by_one<S: Scheme>(&mut self, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
-        for i in 0..self.len() {
-            total += self.step_one::<S>(i, h);
+        let count = self.len();
+        for start in (0..count).step_by(ROW) {
+            total += self.step_row::<S>(start..count.min(start + ROW), h);
         }
         total
     }
 
+    /// Whether they stayed sound is asked after the last: what a step has just written, number by number,
+    /// is slow to read back in whole vectors.
     #[inline(always)]
-    fn step_one<S: Scheme>(&mut self, i: usize, h: f64) -> StepOutcome {
-        // Stepped aside: that is cheaper than to keep a copy for the case that it fails.
-        let mut state = self.states[i];
-        let law = self.gravity.at(i);
-        let outcome = S::step(&self.bodies[i], &mut state, &law, h, &mut self.memories[i]);
-        if state.is_sound() {
-            self.states[i] = state;
-        } else {
-            self.faults.push(i);
+    fn step_row<S: Scheme>(&mut self, row: Range<usize>, h: f64) -> StepOutcome {
+        let mut total = StepOutcome::default();
+        let (bodies, gravity) = (&self.bodies[row.clone()], self.gravity);
+        let states = &mut self.states[row.clone()];
+        let memories = &mut self.memories[row.clone()];
+        let before: [BodyState; ROW] = core::array::from_fn(|k| states[k.min(states.len() - 1)]);
+        for (k, ((body, state), memory)) in
+            bodies.iter().zip(&mut *states).zip(memories).enumerate()
+        {
+            let law = Gravity(match gravity {
+                GravityField::Uniform(gravity) => gravity,
+                GravityField::Each(gravity) => gravity[row.start + k],
+            });
+            total += S::step(body, state, &law, h, memory);
         }
-        outcome
+        for (k, (state, before)) in states.iter_mut().zip(before).enumerate() {
+            if !state.is_sound() {
+                *state = before;
+                self.faults.push(row.start + k);
+            }
+        }
+        total
     }
 
     /// The step of `S` in lanes: the same bits as [`one_by_one`](Self::one_by_one), several bodies at a time.
@@ -104,16 +145,14 @@ impl Group<'_> {
         let mut start = 0;
         while start < count {
             let block = start..count.min(start + BLOCK);
-            let bodies = &self.bodies[block.clone()];
-            let states = &mut self.states[block.clone()];
             let mut refused = [0.0; BLOCK];
             match self.gravity {
                 GravityField::Uniform(gravity) => {
-                    run::<S>(bodies, states, |_| Gravity(gravity), h, &mut refused);
+                    self.block_in_lanes::<S>(block.clone(), gravity, h, &mut refused);
                 }
                 GravityField::Each(gravity) => {
                     let gravity = &gravity[block.clone()];
-                    run::<S>(bodies, states, |i| Gravity(gravity[i]), h, &mut refused);
+                    self.block_in_lanes::<S>(block.clone(), gravity, h, &mut refused);
                 }
             }
             let refused = &refused[..block.len()];
@@ -127,6 +166,23 @@ impl Group<'_> {
         total
     }
 
+    fn block_in_lanes<S: Lanes>(
+        &mut self,
+        block: Range<usize>,
+        gravity: impl Field,
+        h: f64,
+        refused: &mut [f64],
+    ) {
+        vectorised(LaneLoop {
+            bodies: &self.bodies[block.clone()],
+            states: &mut self.states[block],
+            gravity,
+            h,
+            refused,
+            scheme: PhantomData::<S>,
+        });
+    }
+
     /// Out of line: the exception.
     #[cold]
     #[inline(never)]
@@ -134,7 +190,7 @@ impl Group<'_> {
         let mut total = StepOutcome::default();
         for (k, &refused) in refused.iter().enumerate() {
             if refused != 0.0 {
-                total += self.step_one::<S>(start + k, h);
+                total += self.step_row::<S>(start + k..start + k + 1, h);
             }
         }
         total
@@ -163,57 +219,49 @@ pub(super) trait Lanes: Scheme {
 }
 
 /// Steps all bodies; 1 in `refused` where the body was left alone, because the loop does not apply.
-fn run<S: Lanes>(
-    bodies: &[RigidBox],
-    states: &mut [BodyState],
-    gravity: impl Fn(usize) -> Gravity,
+struct LaneLoop<'a, S, G> {
+    bodies: &'a [RigidBox],
+    states: &'a mut [BodyState],
+    gravity: G,
     h: f64,
-    refused: &mut [f64],
-) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        #[expect(unsafe_code, reason = "the same code, compiled for AVX2")]
-        // SAFETY: the processor has AVX2, as was asked in the line above.
-        return unsafe { run_with_avx2::<S>(bodies, states, gravity, h, refused) };
-    }
-    run_lanes::<S>(bodies, states, gravity, h, refused);
+    refused: &'a mut [f64],
+    scheme: PhantomData<S>,
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn run_with_avx2<S: Lanes>(
-    bodies: &[RigidBox],
-    states: &mut [BodyState],
-    gravity: impl Fn(usize) -> Gravity,
-    h: f64,
-    refused: &mut [f64],
-) {
-    run_lanes::<S>(bodies, states, gravity, h, refused);
+impl<S: Lanes, G: Field> VectorLoop for LaneLoop<'_, S, G> {
+    #[inline(always)]
+    fn run(self) {
+        step_each::<S>(self.bodies, self.states, self.gravity, self.h, self.refused);
+    }
 }
 
 #[inline(always)]
-fn run_lanes<S: Lanes>(
+fn step_each<S: Lanes>(
     bodies: &[RigidBox],
     states: &mut [BodyState],
-    gravity: impl Fn(usize) -> Gravity,
+    gravity: impl Field,
     h: f64,
     refused: &mut [f64],
 ) {
+    // Known here, so that the schemes' own question is not asked in the loop.
     if h == 0.0 {
         return;
     }
     // Slices of one known length: no bounds are checked in the loop.
     let count = bodies.len().min(states.len()).min(refused.len());
-    let (bodies, states, refused) = (
-        &bodies[..count],
-        &mut states[..count],
-        &mut refused[..count],
-    );
+    let (bodies, gravity) = (&bodies[..count], gravity.first(count));
+    let (states, refused) = (&mut states[..count], &mut refused[..count]);
     for i in 0..count {
         let before = states[i];
         let mut after = before;
         let mut small = SmallArguments::default();
-        S::step_lane(&bodies[i], &mut after, &gravity(i), h, &mut small);
+        S::step_lane(
+            &bodies[i],
+            &mut after,
+            &Gravity(gravity.at(i)),
+            h,
+            &mut small,
+        );
         let applies = small.all_small() & is_sound(&after);
         refused[i] = if applies { 0.0 } else { 1.0 };
         states[i] = choose(applies, &after, &before);
