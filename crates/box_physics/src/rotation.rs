@@ -307,13 +307,20 @@ pub(crate) fn free_rotation_order4_by(
     let (frame, rates) = (body.splitting().frame, SplitRates::of(body.splitting()));
     let (mut l, q) = frame.enter(state);
     let mut q = rates.reference_turn(l, q, h, trigonometry);
-    let outer = [A[0], A[1], A[2], A_MIDDLE, A[2], A[1], A[0]];
-    let inner = [B[0], B[1], B_THIRD, B_THIRD, B[1], B[0]];
-    for k in 0..6 {
-        planar::<0>(&mut l, &mut q, outer[k] * h * rates.outer, trigonometry);
-        planar::<1>(&mut l, &mut q, inner[k] * h * rates.inner, trigonometry);
-    }
-    planar::<0>(&mut l, &mut q, outer[6] * h * rates.outer, trigonometry);
+    // Written out: as a loop over the fractions it would not be vectorised over the bodies.
+    planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[1] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[2] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B_THIRD * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A_MIDDLE * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B_THIRD * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[2] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[1] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
     frame.leave(state, l, renormalise(DQuat::from_array(q)).to_array());
 }
 
