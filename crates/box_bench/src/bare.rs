@@ -71,10 +71,7 @@ impl Bare {
 
     /// Bounding boxes.
     pub fn refit(&mut self) {
-        let each = self.bodies.iter().zip(&self.states).zip(&mut self.aabbs);
-        for ((body, state), aabb) in each {
-            *aabb = WorldAabb::of(body, state);
-        }
+        WorldAabb::fit_all(&self.bodies, &self.states, &mut self.aabbs);
     }
 
     /// Transforms.

@@ -35,24 +35,26 @@ pub fn outward(centre: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
 #[inline(always)]
 fn below(x: f64) -> f32 {
     let nearest = x as f32;
-    moved(nearest, -i32::from(f64::from(nearest) > x))
+    moved(nearest, i32::wrapping_sub, f64::from(nearest) > x)
 }
 
 /// The smallest f32 not below `x`.
 #[inline(always)]
 fn above(x: f64) -> f32 {
     let nearest = x as f32;
-    moved(nearest, i32::from(f64::from(nearest) < x))
+    moved(nearest, i32::wrapping_add, f64::from(nearest) < x)
 }
 
-/// `x`, or its neighbour `step` = ±1 further up: the bits of a float, those of a negative one but for
-/// its sign turned round, are ordered as integers. (−0 comes just below 0 in that order; `below` never
-/// leaves 0, nor `above` −0, because a number is not rounded across zero.)
+/// `x`, or if it is to `leave` its neighbour: the next further up (by adding) or down (by subtracting).
+///
+/// The bits of a float grow with its magnitude: its neighbour further up has one more if it is positive,
+/// one less if it is negative. (−0 has none that is found so, but none is asked for: a number is not
+/// rounded across zero, so `below` never leaves 0, nor `above` −0.)
 #[inline(always)]
-fn moved(x: f32, step: i32) -> f32 {
-    let turned = |bits: i32| bits ^ ((bits >> 31) & i32::MAX);
-    let ordered = turned(x.to_bits() as i32) + step;
-    f32::from_bits(turned(ordered) as u32)
+fn moved(x: f32, by: impl Fn(i32, i32) -> i32, leave: bool) -> f32 {
+    let bits = x.to_bits() as i32;
+    let upward = (bits >> 31) | 1;
+    f32::from_bits(by(bits, upward & -i32::from(leave)) as u32)
 }
 
 /// The eight corners in body axes, sign bit k of the index choosing −/+ along axis k.

@@ -8,6 +8,7 @@ use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use glam::DVec3;
 
 use crate::error::InvalidValue;
+use crate::rotation::SplitFrame;
 
 const SIZE_LIMITS: (f64, f64) = (1e-6, 1e6);
 const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
@@ -235,10 +236,8 @@ mod serialised {
 /// error term |αβ|(|α|/24 + |β|/12) over all choices (numerically, 20 000 random boxes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Splitting {
-    /// Axis rotated by two half steps.
-    pub(crate) outer: u8,
-    /// Axis rotated by one whole step between them.
-    pub(crate) inner: u8,
+    /// The axis rotated by two half steps, and that rotated by one whole step between them.
+    pub(crate) frame: SplitFrame,
     /// J_r = 1/I_r of the reference (middle) axis.
     pub(crate) reference: f64,
     /// α = J_outer − J_r
@@ -261,8 +260,7 @@ impl Splitting {
             (high, low)
         };
         Self {
-            outer: outer as u8,
-            inner: inner as u8,
+            frame: SplitFrame::new(outer, inner),
             reference: j[middle],
             alpha: difference(outer),
             beta: difference(inner),
@@ -310,7 +308,7 @@ mod tests {
         let s = *RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)
             .expect("valid")
             .splitting();
-        assert_eq!((s.outer, s.inner), (0, 2));
+        assert_eq!(s.frame, SplitFrame::new(0, 2));
         assert!(s.alpha > 0.0 && s.beta < 0.0 && s.alpha.abs() >= s.beta.abs());
         // A cube and a square bar have nothing left to split.
         let s = *RigidBox::default().splitting();
@@ -318,6 +316,6 @@ mod tests {
         let s = *RigidBox::new(DVec3::new(0.25, 0.5, 0.25), 6.0)
             .expect("valid")
             .splitting();
-        assert_eq!((s.outer, s.beta), (1, 0.0));
+        assert_eq!((s.frame.outer(), s.beta), (1, 0.0));
     }
 }

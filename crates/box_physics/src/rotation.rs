@@ -85,57 +85,118 @@ fn planar<const K: usize>(
 /// The axes of a splitting: outer, inner, and the third, which is turned round if need be, so that they
 /// are right-handed. Body **and** world are looked at along them: a vector's components, and the vector
 /// part of the attitude, are merely permuted, and the flows need not ask which axis is which.
-#[derive(Clone, Copy)]
-pub(crate) struct SplitFrame {
-    /// Body axis of each axis of the frame.
-    axes: [usize; 3],
-    /// −1 if the third axis is turned round.
-    sign: f64,
-}
+///
+/// Kept as bits that select, so that entering and leaving the frame has no branch and no index: bit 0,
+/// the outer axis is x; 1, it is y; 2 and 3, the inner axis likewise; 63, the third is turned round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SplitFrame(u64);
+
+/// The sign of an f64, and of the third axis of a frame.
+const SIGN: u64 = 1 << 63;
 
 impl SplitFrame {
+    /// Of two different axes, 0 to 2.
+    pub(crate) fn new(outer: usize, inner: usize) -> Self {
+        let bit = |set: bool, place: u32| u64::from(set) << place;
+        Self(
+            bit(outer == 0, 0)
+                | bit(outer == 1, 1)
+                | bit(inner == 0, 2)
+                | bit(inner == 1, 3)
+                | bit(inner != (outer + 1) % 3, 63),
+        )
+    }
+
+    /// The body axis that is turned about twice, by half steps.
     #[inline(always)]
-    pub(crate) fn of(splitting: &Splitting) -> Self {
-        let (outer, inner) = (usize::from(splitting.outer), usize::from(splitting.inner));
-        let right_handed = inner == (outer + 1) % 3;
-        Self {
-            axes: [outer, inner, 3 - outer - inner],
-            sign: if right_handed { 1.0 } else { -1.0 },
+    pub(crate) fn outer(self) -> usize {
+        let [x, y, ..] = self.bits();
+        if x {
+            0
+        } else if y {
+            1
+        } else {
+            2
         }
+    }
+
+    /// The component of a vector along the third axis, that of the reference moment.
+    #[inline(always)]
+    pub(crate) fn third_of(self, v: DVec3) -> f64 {
+        let [outer_x, outer_y, inner_x, inner_y] = self.bits();
+        if !(outer_x | inner_x) {
+            v.x
+        } else if !(outer_y | inner_y) {
+            v.y
+        } else {
+            v.z
+        }
+    }
+
+    #[inline(always)]
+    fn bits(self) -> [bool; 4] {
+        [0, 1, 2, 3].map(|place: u32| self.0 & (1 << place) != 0)
+    }
+
+    /// The third component, turned round if the frame wants it.
+    #[inline(always)]
+    fn turned(self, x: f64) -> f64 {
+        f64::from_bits(x.to_bits() ^ (self.0 & SIGN))
+    }
+
+    #[inline(always)]
+    fn along(self, v: DVec3) -> [f64; 3] {
+        let [outer_x, outer_y, inner_x, inner_y] = self.bits();
+        let pick = |x: bool, y: bool| {
+            if x {
+                v.x
+            } else if y {
+                v.y
+            } else {
+                v.z
+            }
+        };
+        [
+            pick(outer_x, outer_y),
+            pick(inner_x, inner_y),
+            self.turned(self.third_of(v)),
+        ]
+    }
+
+    #[inline(always)]
+    fn back(self, v: [f64; 3]) -> DVec3 {
+        let [outer_x, outer_y, inner_x, inner_y] = self.bits();
+        let third = self.turned(v[2]);
+        let pick = |outer: bool, inner: bool| {
+            if outer {
+                v[0]
+            } else if inner {
+                v[1]
+            } else {
+                third
+            }
+        };
+        DVec3::new(
+            pick(outer_x, inner_x),
+            pick(outer_y, inner_y),
+            pick(!(outer_x | outer_y), !(inner_x | inner_y)),
+        )
     }
 
     /// L and q along the frame's axes.
     #[inline(always)]
-    pub(crate) fn enter(&self, state: &BodyState) -> ([f64; 3], [f64; 4]) {
-        let [o, i, m] = self.axes;
-        let (l, q): (&[f64; 3], &[f64; 4]) =
-            (state.angular_momentum.as_ref(), state.rotation.as_ref());
-        (
-            [l[o], l[i], self.sign * l[m]],
-            [q[o], q[i], self.sign * q[m], q[3]],
-        )
+    pub(crate) fn enter(self, state: &BodyState) -> ([f64; 3], [f64; 4]) {
+        let q = state.rotation;
+        let [x, y, z] = self.along(DVec3::new(q.x, q.y, q.z));
+        (self.along(state.angular_momentum), [x, y, z, q.w])
     }
 
     /// Back along the body's own.
     #[inline(always)]
-    pub(crate) fn leave(&self, state: &mut BodyState, mut l: [f64; 3], mut q: [f64; 4]) {
-        let [outer, inner, _] = self.axes;
-        l[2] *= self.sign;
-        q[2] *= self.sign;
-        // Which axis of the frame a body axis is. (Read by index: scattered writes would have to reach
-        // memory before the whole vector can be read again.)
-        let place = |axis: usize| {
-            if axis == outer {
-                0
-            } else if axis == inner {
-                1
-            } else {
-                2
-            }
-        };
-        let [x, y, z] = [place(0), place(1), place(2)];
-        state.angular_momentum = DVec3::new(l[x], l[y], l[z]);
-        state.rotation = DQuat::from_xyzw(q[x], q[y], q[z], q[3]);
+    pub(crate) fn leave(self, state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
+        let v = self.back([q[0], q[1], q[2]]);
+        state.angular_momentum = self.back(l);
+        state.rotation = DQuat::from_xyzw(v.x, v.y, v.z, q[3]);
     }
 }
 
@@ -175,9 +236,9 @@ impl SplitRates {
         compose(DQuat::from_array(q), turn).to_array()
     }
 
-    /// [`free_rotation_strang`] in the frame of the splitting: one body's, or one lane's of many.
+    /// [`free_rotation_strang`] in the frame of the splitting.
     #[inline(always)]
-    pub(crate) fn strang(
+    fn strang(
         &self,
         mut l: [f64; 3],
         q: [f64; 4],
@@ -198,9 +259,20 @@ impl SplitRates {
 /// energy bounded, at any step; exact for symmetric bodies and cubes.
 #[inline(always)]
 pub fn free_rotation_strang(body: &RigidBox, state: &mut BodyState, h: f64) {
-    let frame = SplitFrame::of(body.splitting());
+    free_rotation_strang_by(body, state, h, &mut AnyArgument);
+}
+
+/// [`free_rotation_strang`] with a given sine and cosine.
+#[inline(always)]
+pub(crate) fn free_rotation_strang_by(
+    body: &RigidBox,
+    state: &mut BodyState,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    let frame = body.splitting().frame;
     let (l, q) = frame.enter(state);
-    let (l, q) = SplitRates::of(body.splitting()).strang(l, q, h, &mut AnyArgument);
+    let (l, q) = SplitRates::of(body.splitting()).strang(l, q, h, trigonometry);
     frame.leave(state, l, q);
 }
 
@@ -220,36 +292,60 @@ pub(crate) mod blanes_moan {
 /// Free rotation over `h` \[s\] by the same two planar flows in Blanes and Moan's composition, order 4:
 /// A B A B A B A B A B A B A, thirteen planar rotations. Keeps what [`free_rotation_strang`] keeps.
 pub fn free_rotation_order4(body: &RigidBox, state: &mut BodyState, h: f64) {
+    free_rotation_order4_by(body, state, h, &mut AnyArgument);
+}
+
+/// [`free_rotation_order4`] with a given sine and cosine.
+#[inline(always)]
+pub(crate) fn free_rotation_order4_by(
+    body: &RigidBox,
+    state: &mut BodyState,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
     use blanes_moan::{A, A_MIDDLE, B, B_THIRD};
-    let (frame, rates) = (
-        SplitFrame::of(body.splitting()),
-        SplitRates::of(body.splitting()),
-    );
-    let any = &mut AnyArgument;
+    let (frame, rates) = (body.splitting().frame, SplitRates::of(body.splitting()));
     let (mut l, q) = frame.enter(state);
-    let mut q = rates.reference_turn(l, q, h, any);
-    let outer = [A[0], A[1], A[2], A_MIDDLE, A[2], A[1], A[0]];
-    let inner = [B[0], B[1], B_THIRD, B_THIRD, B[1], B[0]];
-    for k in 0..6 {
-        planar::<0>(&mut l, &mut q, outer[k] * h * rates.outer, any);
-        planar::<1>(&mut l, &mut q, inner[k] * h * rates.inner, any);
-    }
-    planar::<0>(&mut l, &mut q, outer[6] * h * rates.outer, any);
+    let mut q = rates.reference_turn(l, q, h, trigonometry);
+    // Written out: as a loop over the fractions it would not be vectorised over the bodies.
+    planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[1] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[2] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B_THIRD * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A_MIDDLE * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B_THIRD * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[2] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[1] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
+    planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
+    planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
     frame.leave(state, l, renormalise(DQuat::from_array(q)).to_array());
 }
 
 /// Free rotation over `h` \[s\] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich
 /// 1994): what a textbook splitting does, without the exact part taken out first.
 pub fn free_rotation_three_axes(body: &RigidBox, state: &mut BodyState, h: f64) {
+    free_rotation_three_axes_by(body, state, h, &mut AnyArgument);
+}
+
+/// [`free_rotation_three_axes`] with a given sine and cosine.
+#[inline(always)]
+pub(crate) fn free_rotation_three_axes_by(
+    body: &RigidBox,
+    state: &mut BodyState,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
     let j = body.inverse_inertia();
-    let any = &mut AnyArgument;
     let mut l = state.angular_momentum.to_array();
     let mut q = state.rotation.to_array();
-    planar::<0>(&mut l, &mut q, 0.5 * h * j.x, any);
-    planar::<1>(&mut l, &mut q, 0.5 * h * j.y, any);
-    planar::<2>(&mut l, &mut q, h * j.z, any);
-    planar::<1>(&mut l, &mut q, 0.5 * h * j.y, any);
-    planar::<0>(&mut l, &mut q, 0.5 * h * j.x, any);
+    planar::<0>(&mut l, &mut q, 0.5 * h * j.x, trigonometry);
+    planar::<1>(&mut l, &mut q, 0.5 * h * j.y, trigonometry);
+    planar::<2>(&mut l, &mut q, h * j.z, trigonometry);
+    planar::<1>(&mut l, &mut q, 0.5 * h * j.y, trigonometry);
+    planar::<0>(&mut l, &mut q, 0.5 * h * j.x, trigonometry);
     state.angular_momentum = DVec3::from_array(l);
     state.rotation = renormalise(DQuat::from_array(q));
 }

@@ -8,7 +8,9 @@
 
 mod exponential;
 mod trigonometry;
+mod vectors;
 
 pub use exponential::{Exponential, exp};
 pub(crate) use trigonometry::{AnyArgument, SmallArguments, Trigonometry};
 pub use trigonometry::{sin_cos, sinc_cos};
+pub(crate) use vectors::{VectorLoop, vectorised};

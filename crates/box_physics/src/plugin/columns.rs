@@ -47,9 +47,9 @@ impl ForceColumnsContiguousItem<'_, '_> {
         }
     }
 
-    /// The factors on gravity, if the bodies of this table have any.
-    pub(crate) fn gravity_scales(&self) -> Option<&[GravityScale]> {
-        self.gravity_scale
+    /// Whether gravity is not the same for all bodies of this table.
+    pub(crate) fn scales_gravity(&self) -> bool {
+        self.gravity_scale.is_some()
     }
 
     /// The whole force law of body `i`.

@@ -16,9 +16,11 @@
 mod columns;
 mod components;
 mod faults;
+mod flight;
 mod intake;
 mod messages;
 mod parallel;
+mod publish;
 mod resources;
 mod run;
 mod step;

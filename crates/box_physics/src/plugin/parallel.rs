@@ -8,8 +8,6 @@ use bevy::ecs::resource::Resource;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::tasks::ComputeTaskPool;
 
-use crate::schemes::LANES;
-
 /// How many threads the physics may use. Results do not depend on it, to the last bit: bodies do not
 /// act on each other.
 ///
@@ -43,7 +41,7 @@ impl Default for PhysicsThreads {
 
 /// Bodies in a chunk: its columns fit into a core's L2 cache, and there are enough chunks to even out
 /// what the bodies at the floor cost.
-pub(crate) const CHUNK: usize = 8 * LANES;
+pub(crate) const CHUNK: usize = 512;
 
 impl PhysicsThreads {
     /// For so many bodies.

@@ -1,4 +1,5 @@
-//! The inner loops: one scheme over a run of bodies of one table.
+//! The inner loops: one scheme over a run of bodies of one table. Here what they share, and those at the
+//! floor; those in free flight are in `flight`.
 
 use core::ops::Range;
 
@@ -10,10 +11,7 @@ use super::components::{BodyIntegrator, NearFloor};
 use crate::body::RigidBox;
 use crate::floor::{self, ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
 use crate::force::{ForceLaw, Gravity};
-use crate::schemes::{
-    GravityField, Group, Integrator, LANES, Scheme, SchemeMemory, SchemeVisitor, Scratch,
-    StepOutcome,
-};
+use crate::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
 use crate::state::BodyState;
 
 /// What is the same for every body of a step.
@@ -49,34 +47,17 @@ pub(crate) fn runs(
     })
 }
 
-/// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
-pub(crate) struct FreeFlight<'a, 'w, 's> {
-    pub(crate) setting: Setting<'a>,
-    /// Index in the table of the first body of the chunk.
-    pub(crate) first: usize,
-    pub(crate) bodies: &'a [RigidBox],
-    /// Of the whole table.
-    pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
-    pub(crate) states: &'a mut [BodyState],
-    pub(crate) memories: &'a mut [SchemeMemory],
-    pub(crate) near: &'a mut [NearFloor],
-}
-
-impl NearFloor {
-    /// Whether the body is left to *Contact* in this step; noted.
-    #[inline(always)]
-    fn meets<F: ForceLaw>(
-        &mut self,
-        floor: &Floor,
-        body: &RigidBox,
-        state: &BodyState,
-        law: &F,
-        h: f64,
-    ) -> bool {
-        self.still = false;
-        self.pending = self.touched || floor::may_touch(floor, body, state, law, h);
-        self.pending
-    }
+/// Maximal runs of those of `count` bodies that are `wanted`.
+pub(crate) fn runs_of(
+    count: usize,
+    wanted: impl Fn(usize) -> bool,
+) -> impl Iterator<Item = Range<usize>> {
+    let mut next = 0;
+    core::iter::from_fn(move || {
+        let start = (next..count).find(|&i| wanted(i))?;
+        next = (start..count).find(|&i| !wanted(i)).unwrap_or(count);
+        Some(start..next)
+    })
 }
 
 /// What a loop did.
@@ -95,90 +76,6 @@ impl core::ops::AddAssign for Tally {
         self.outcome += other.outcome;
         self.floor += other.floor;
         self.faults.append(&mut other.faults);
-    }
-}
-
-impl SchemeVisitor for FreeFlight<'_, '_, '_> {
-    type Output = Tally;
-
-    fn visit<S: Scheme>(self) -> Tally {
-        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
-        let world = self.setting.gravity;
-        if !forces.only_gravity() {
-            self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world))
-        } else if bodies.len() < FEW {
-            self.each::<S, _>(|i| Gravity(forces.gravity(first + i, world)))
-        } else {
-            self.groups::<S>()
-        }
-    }
-}
-
-/// Fewer bodies than this are not worth the change of layout.
-const FEW: usize = 8;
-
-impl FreeFlight<'_, '_, '_> {
-    /// Gravity alone: those that are clear of the floor are gathered and stepped many at a time.
-    fn groups<S: Scheme>(self) -> Tally {
-        let (first, h) = (self.first, self.setting.h);
-        let world = self.setting.gravity;
-        let scales = self.forces.gravity_scales();
-        let factor = |i: usize| scales.map_or(1.0, |scales| scales[first + i].0);
-        let scale: Option<&(dyn Fn(usize) -> f64 + Sync)> = scales.is_some().then_some(&factor);
-        let gravity = GravityField { world, scale };
-        let mut tally = Tally::default();
-        let (mut chosen, mut scratch) = ([0; LANES], Scratch::default());
-        let mut left = 0..self.bodies.len();
-        while !left.is_empty() {
-            let mut count = 0;
-            while count < LANES
-                && let Some(i) = left.next()
-            {
-                let clear = self.setting.floor.is_none_or(|floor| {
-                    let law = Gravity(self.forces.gravity(first + i, world));
-                    !self.near[i].meets(floor, &self.bodies[i], &self.states[i], &law, h)
-                });
-                if clear {
-                    chosen[count] = i;
-                    count += 1;
-                }
-            }
-            let mut group = Group {
-                bodies: self.bodies,
-                states: &mut *self.states,
-                memories: &mut *self.memories,
-                gravity,
-                chosen: &chosen[..count],
-                faults: &mut tally.faults,
-                scratch: &mut scratch,
-            };
-            tally.outcome += S::step_group(&mut group, h);
-            tally.bodies += count as u64;
-        }
-        tally.faults.iter_mut().for_each(|i| *i += first);
-        tally
-    }
-
-    fn each<S: Scheme, F: ForceLaw>(self, law: impl Fn(usize) -> F) -> Tally {
-        let mut tally = Tally::default();
-        for i in 0..self.bodies.len() {
-            let (body, state) = (&self.bodies[i], &mut self.states[i]);
-            let law = law(i);
-            if let Some(floor) = self.setting.floor
-                && self.near[i].meets(floor, body, state, &law, self.setting.h)
-            {
-                continue;
-            }
-            let before = *state;
-            let memory = &mut self.memories[i];
-            tally.outcome += S::step(body, state, &law, self.setting.h, memory);
-            tally.bodies += 1;
-            if !state.is_sound() {
-                *state = before;
-                tally.faults.push(self.first + i);
-            }
-        }
-        tally
     }
 }
 
@@ -274,5 +171,9 @@ mod tests {
         let own = [a, a, b, a];
         let parts: Vec<_> = runs(Integrator::Rk4, Some(&own), 4).collect();
         assert_eq!(parts, [(a.0, 0..2), (b.0, 2..3), (a.0, 3..4)]);
+        let odd: Vec<_> = runs_of(7, |i| i % 4 > 1).collect();
+        assert_eq!(odd, [2..4, 6..7]);
+        assert_eq!(runs_of(3, |_| true).collect::<Vec<_>>(), [0..3]);
+        assert_eq!(runs_of(3, |_| false).count(), 0);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use bevy::ecs::change_detection::{ContiguousMut, Tick};
+use bevy::ecs::change_detection::ContiguousMut;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::MessageWriter;
@@ -14,10 +14,12 @@ use super::columns::ForceColumns;
 use super::components::{
     BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
 };
+use super::flight::FreeFlight;
 use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
 use super::parallel::{CHUNK, PhysicsThreads};
+use super::publish;
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-use super::step::{AtFloor, FreeFlight, Reporting, Setting, runs};
+use super::step::{AtFloor, Reporting, Setting, runs, runs_of};
 use super::timing::{PhysicsTimings, Stage, nanoseconds};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
@@ -276,12 +278,13 @@ pub(crate) fn refit_aabbs(
         threads.share_out(
             boxes.len(),
             chunks,
-            |(((boxes, states), near), fitted): (((&[RigidBox], _), _), _)| {
-                for (((body, state), near), aabb) in boxes.iter().zip(states).zip(near).zip(fitted)
-                {
-                    if !(any_floor && near.still) {
-                        *aabb = WorldAabb::of(body, state);
-                    }
+            |(((boxes, states), near), fitted): (
+                ((&[RigidBox], &[BodyState]), &[NearFloor]),
+                _,
+            )| {
+                for range in runs_of(boxes.len(), |i| !(any_floor && near[i].still)) {
+                    let (boxes, states) = (&boxes[range.clone()], &states[range.clone()]);
+                    WorldAabb::fit_all(boxes, states, &mut fitted[range]);
                 }
                 Done
             },
@@ -313,10 +316,7 @@ pub(crate) fn write_transforms(
             states.len(),
             chunks,
             |(((states, written), transforms), changed): (((&[BodyState], _), _), _)| {
-                let each = states.iter().zip(written).zip(transforms).zip(changed);
-                for (((state, written), transform), changed) in each {
-                    write_transform(state, written, transform, changed, now);
-                }
+                publish::write_transforms(states, written, transforms, changed, now);
                 Done
             },
         );
@@ -325,23 +325,6 @@ pub(crate) fn write_transforms(
         timings.record_stage(Stage::Writeback, start);
     }
     Ok(())
-}
-
-/// One body's; `changed` is when its `Transform` last changed.
-#[inline(always)]
-fn write_transform(
-    state: &BodyState,
-    written: &mut WrittenTransform,
-    transform: &mut Transform,
-    changed: &mut Tick,
-    now: Tick,
-) {
-    *written = WrittenTransform::of(state);
-    if transform.translation != written.translation || transform.rotation != written.rotation {
-        transform.translation = written.translation;
-        transform.rotation = written.rotation;
-        *changed = now;
-    }
 }
 
 /// Nothing to add up.

@@ -1,50 +1,79 @@
 //! Many bodies at once: free flight under gravity alone, which is what most bodies do most of the time.
 //!
-//! The numbers of up to [`LANES`] bodies are laid out one array a quantity, the scheme's rotation runs
-//! over these arrays in one loop without a branch, and the compiler makes vector instructions of it: two
-//! bodies at a time on any x86-64, four where the processor has AVX2, which is asked at run time. Vector
-//! and scalar additions, multiplications, divisions and square roots round alike, nothing is contracted
-//! or reordered, so the bits are the same whatever the instruction set and whichever lane a body is in.
+//! A scheme whose step has no branch there ([`Lanes`]) is run over a group of bodies in one plain loop, of
+//! which the compiler makes vector instructions: two bodies at a time on any x86-64, four where the
+//! processor has AVX2, which is asked at run time. The bodies stay where they are; what the compiler
+//! shuffles into lanes never leaves the registers. Vector and scalar additions, multiplications, divisions
+//! and square roots round alike, nothing is contracted or reordered, so the bits are the same whatever the
+//! instruction set and whichever lane a body is in.
 //!
 //! A body for which the loop does not apply (its turn is beyond the polynomials' range, a number is not
-//! finite) takes the scheme's plain step, which gives the same bits wherever both apply.
+//! finite) is left as it was and takes the scheme's plain step, which gives the same bits wherever both
+//! apply.
 
-#![allow(
-    clippy::needless_range_loop,
-    reason = "a lane is one index into several arrays, of which only the first `count` entries are in use"
-)]
+use core::marker::PhantomData;
+use core::ops::Range;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::Gravity;
+use crate::math::{SmallArguments, VectorLoop, vectorised};
 use crate::state::BodyState;
 
-/// Bodies in one group: enough to hide what the change of layout costs, few enough for the L1 cache.
-pub const LANES: usize = 64;
+/// Bodies in a block of the loop: those that did not apply are noted, and stepped after it.
+const BLOCK: usize = 64;
 
-/// Gravity, the same for all bodies but for a factor.
-#[derive(Clone, Copy)]
-pub struct GravityField<'a> {
-    /// Of the world [m/s²].
-    pub world: DVec3,
-    /// Factor on it of body `i`; 1 for all if there is none.
-    pub scale: Option<&'a (dyn Fn(usize) -> f64 + Sync)>,
+/// Bodies that are stepped one by one before they are looked at.
+const ROW: usize = 8;
+
+/// Fewer bodies than this are stepped one by one.
+const FEW: usize = 4;
+
+/// Gravity, the only force on a group [m/s²].
+#[derive(Clone, Copy, Debug)]
+pub enum GravityField<'a> {
+    /// The same for all.
+    Uniform(DVec3),
+    /// Of each body.
+    Each(&'a [DVec3]),
 }
 
-impl GravityField<'_> {
+/// Either, told apart before the loop.
+trait Field: Copy {
+    /// Of so many bodies, at least one.
+    fn first(self, count: usize) -> Self;
     /// Of body `i` [m/s²].
+    fn at(self, i: usize) -> DVec3;
+}
+
+impl Field for DVec3 {
     #[inline(always)]
-    fn at(&self, i: usize) -> DVec3 {
-        match self.scale {
-            Some(scale) => self.world * scale(i),
-            None => self.world,
-        }
+    fn first(self, _: usize) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn at(self, _: usize) -> DVec3 {
+        self
     }
 }
 
-/// Bodies of a table, of which those `chosen` are to be stepped in free flight.
+impl Field for &[DVec3] {
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        &self[..count]
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> DVec3 {
+        self[i]
+    }
+}
+
+/// Neighbours in a table, all in free flight. The slices are of one length (what is beyond the shortest is
+/// left alone).
 pub struct Group<'a> {
     /// The bodies.
     pub bodies: &'a [RigidBox],
@@ -54,154 +83,215 @@ pub struct Group<'a> {
     pub memories: &'a mut [SchemeMemory],
     /// Gravity, the only force.
     pub gravity: GravityField<'a>,
-    /// Indices of the bodies to step: at most [`LANES`], each at most once.
-    pub chosen: &'a [usize],
     /// Where the indices of bodies go that did not stay sound.
     pub faults: &'a mut Vec<usize>,
-    /// Room to work in.
-    pub scratch: &'a mut Scratch,
 }
 
 impl Group<'_> {
+    fn len(&self) -> usize {
+        let most = match self.gravity {
+            GravityField::Uniform(_) => usize::MAX,
+            GravityField::Each(gravity) => gravity.len(),
+        };
+        let shortest = self.bodies.len().min(self.states.len());
+        shortest.min(self.memories.len()).min(most)
+    }
+
     /// The scheme's plain step, body by body.
+    #[inline]
     pub fn one_by_one<S: Scheme>(&mut self, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
-        for &i in self.chosen {
-            total += self.step_one::<S>(i, h);
+        let count = self.len();
+        for start in (0..count).step_by(ROW) {
+            total += self.step_row::<S>(start..count.min(start + ROW), h);
         }
         total
     }
 
-    /// Out of line: the loop over the lanes, in which it is the exception, stays small.
-    #[inline(never)]
-    fn step_one<S: Scheme>(&mut self, i: usize, h: f64) -> StepOutcome {
-        let state = &mut self.states[i];
-        let before = *state;
-        let law = Gravity(self.gravity.at(i));
-        let outcome = S::step(&self.bodies[i], state, &law, h, &mut self.memories[i]);
-        if !state.is_sound() {
-            *state = before;
-            self.faults.push(i);
+    /// Whether they stayed sound is asked after the last: what a step has just written, number by number,
+    /// is slow to read back in whole vectors.
+    #[inline(always)]
+    fn step_row<S: Scheme>(&mut self, row: Range<usize>, h: f64) -> StepOutcome {
+        let mut total = StepOutcome::default();
+        let (bodies, gravity) = (&self.bodies[row.clone()], self.gravity);
+        let states = &mut self.states[row.clone()];
+        let memories = &mut self.memories[row.clone()];
+        let before: [BodyState; ROW] = core::array::from_fn(|k| states[k.min(states.len() - 1)]);
+        for (k, ((body, state), memory)) in
+            bodies.iter().zip(&mut *states).zip(memories).enumerate()
+        {
+            let law = Gravity(match gravity {
+                GravityField::Uniform(gravity) => gravity,
+                GravityField::Each(gravity) => gravity[row.start + k],
+            });
+            total += S::step(body, state, &law, h, memory);
         }
-        outcome
+        for (k, (state, before)) in states.iter_mut().zip(before).enumerate() {
+            if !state.is_sound() {
+                *state = before;
+                self.faults.push(row.start + k);
+            }
+        }
+        total
     }
 
-    /// All lanes at once by the kernel of `S`.
-    pub(super) fn in_lanes<S: Lanes<IN>, const IN: usize>(&mut self, h: f64) -> StepOutcome {
-        if h == 0.0 {
+    /// The step of `S` in lanes: the same bits as [`one_by_one`](Self::one_by_one), several bodies at a time.
+    pub(super) fn in_lanes<S: Lanes>(&mut self, h: f64) -> StepOutcome {
+        let count = self.len();
+        if h == 0.0 || count < FEW {
             return self.one_by_one::<S>(h);
         }
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            #[expect(unsafe_code, reason = "the same code, compiled for AVX2")]
-            // SAFETY: the processor has AVX2, as was asked in the line above.
-            return unsafe { self.run_with_avx2::<S, IN>(h) };
-        }
-        self.run::<S, IN>(h)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn run_with_avx2<S: Lanes<IN>, const IN: usize>(&mut self, h: f64) -> StepOutcome {
-        self.run::<S, IN>(h)
-    }
-
-    #[inline(always)]
-    fn run<S: Lanes<IN>, const IN: usize>(&mut self, h: f64) -> StepOutcome {
-        let Scratch {
-            input,
-            momentum,
-            attitude,
-            applies,
-        } = &mut *self.scratch;
-        let count = self.chosen.len().min(LANES);
-        for (lane, &i) in self.chosen[..count].iter().enumerate() {
-            let values = S::gather(&self.bodies[i], &self.states[i]);
-            for k in 0..IN {
-                input[k][lane] = values[k];
-            }
-        }
-        for lane in 0..count {
-            let (l, q, ok) = S::rotate(core::array::from_fn(|k| input[k][lane]), h);
-            let square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-            // Whether the state stays sound; 0·x is 0 or, of what is not finite, NaN.
-            let sound = (square - 1.0).abs() < 0.5e-3;
-            let finite = 0.0 * l[0] + 0.0 * l[1] + 0.0 * l[2] == 0.0;
-            for k in 0..3 {
-                momentum[k][lane] = l[k];
-            }
-            for k in 0..4 {
-                attitude[k][lane] = q[k];
-            }
-            applies[lane] = if ok & sound & finite { 1.0 } else { 0.0 };
-        }
         let mut total = StepOutcome::default();
-        for (lane, &i) in self.chosen[..count].iter().enumerate() {
-            let scratch = &*self.scratch;
-            let state = &mut self.states[i];
-            let (x, v) = (state.position, state.velocity);
-            S::translate(state, self.gravity.at(i), h);
-            let finite = state.position.is_finite() && state.velocity.is_finite();
-            if scratch.applies[lane] == 1.0 && finite {
-                let l = core::array::from_fn(|k| scratch.momentum[k][lane]);
-                let q = core::array::from_fn(|k| scratch.attitude[k][lane]);
-                S::scatter(&self.bodies[i], state, l, q);
-                total += S::OUTCOME;
-            } else {
-                (state.position, state.velocity) = (x, v);
-                total += self.step_one::<S>(i, h);
+        let mut start = 0;
+        while start < count {
+            let block = start..count.min(start + BLOCK);
+            let mut refused = [0.0; BLOCK];
+            match self.gravity {
+                GravityField::Uniform(gravity) => {
+                    self.block_in_lanes::<S>(block.clone(), gravity, h, &mut refused);
+                }
+                GravityField::Each(gravity) => {
+                    let gravity = &gravity[block.clone()];
+                    self.block_in_lanes::<S>(block.clone(), gravity, h, &mut refused);
+                }
+            }
+            let refused = &refused[..block.len()];
+            let exceptions = refused.iter().sum::<f64>() as u32;
+            total += S::OUTCOME * (block.len() as u32 - exceptions);
+            if exceptions > 0 {
+                total += self.step_refused::<S>(start, refused, h);
+            }
+            start += BLOCK;
+        }
+        total
+    }
+
+    fn block_in_lanes<S: Lanes>(
+        &mut self,
+        block: Range<usize>,
+        gravity: impl Field,
+        h: f64,
+        refused: &mut [f64],
+    ) {
+        vectorised(LaneLoop {
+            bodies: &self.bodies[block.clone()],
+            states: &mut self.states[block],
+            gravity,
+            h,
+            refused,
+            scheme: PhantomData::<S>,
+        });
+    }
+
+    /// Out of line: the exception.
+    #[cold]
+    #[inline(never)]
+    fn step_refused<S: Scheme>(&mut self, start: usize, refused: &[f64], h: f64) -> StepOutcome {
+        let mut total = StepOutcome::default();
+        for (k, &refused) in refused.iter().enumerate() {
+            if refused != 0.0 {
+                total += self.step_row::<S>(start + k..start + k + 1, h);
             }
         }
         total
     }
 }
 
-/// The numbers of the bodies of a group, one array a quantity. What is in it between steps means
-/// nothing; it is kept so that it need not be cleared each time.
-pub struct Scratch {
-    input: [[f64; LANES]; MOST_INPUTS],
-    momentum: [[f64; LANES]; 3],
-    attitude: [[f64; LANES]; 4],
-    /// 1 where the kernel applied, 0 where it did not: as wide as the other numbers, so that the loop is
-    /// vectorised at one width.
-    applies: [f64; LANES],
-}
-
-/// Numbers of a body that a kernel may ask for.
-const MOST_INPUTS: usize = 16;
-
-impl Default for Scratch {
-    fn default() -> Self {
-        Self {
-            input: [[0.0; LANES]; MOST_INPUTS],
-            momentum: [[0.0; LANES]; 3],
-            attitude: [[0.0; LANES]; 4],
-            applies: [0.0; LANES],
-        }
-    }
-}
-
-/// A scheme whose step in free flight has no branch, so that many bodies can be stepped at once.
+/// A scheme whose step under gravity alone has no branch, so that many bodies can be stepped at once.
 ///
-/// What it does must be, bit for bit, what its [`Scheme::step`] does under
-/// [`Gravity`] alone wherever [`Lanes::rotate`] says that it applies (the test in this file compares
-/// them). Best write the rotation once and use it in both, as `split` does.
-pub(super) trait Lanes<const IN: usize>: Scheme {
+/// Best write the step once, with the sine and cosine as an argument, and use it in both places, as `split`
+/// does: what it does must be, bit for bit, what [`Scheme::step`] does (the test in this file compares them).
+/// To see whether the compiler did make vector instructions of it, run `cargo bench --bench kernels`.
+pub(super) trait Lanes: Scheme {
     /// What a step that applied reports.
     const OUTCOME: StepOutcome;
 
-    /// The numbers of one body that the rotation needs.
-    fn gather(body: &RigidBox, state: &BodyState) -> [f64; IN];
+    /// One step of `h` ≠ 0 \[s\]. What needs a sine or cosine takes it from `trigonometry`, which notes
+    /// whether its polynomials applied. No branch that is not a choice between two numbers, no call that is
+    /// not inlined: else the loop is not vectorised.
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    );
+}
 
-    /// Angular momentum and attitude after `h` \[s\], and whether that applies. No branch, no call that
-    /// is not inlined: else the loop over the lanes is not vectorised.
-    fn rotate(input: [f64; IN], h: f64) -> ([f64; 3], [f64; 4], bool);
+/// Steps all bodies; 1 in `refused` where the body was left alone, because the loop does not apply.
+struct LaneLoop<'a, S, G> {
+    bodies: &'a [RigidBox],
+    states: &'a mut [BodyState],
+    gravity: G,
+    h: f64,
+    refused: &'a mut [f64],
+    scheme: PhantomData<S>,
+}
 
-    /// Puts them into the state.
-    fn scatter(body: &RigidBox, state: &mut BodyState, l: [f64; 3], q: [f64; 4]);
+impl<S: Lanes, G: Field> VectorLoop for LaneLoop<'_, S, G> {
+    #[inline(always)]
+    fn run(self) {
+        step_each::<S>(self.bodies, self.states, self.gravity, self.h, self.refused);
+    }
+}
 
-    /// Position and velocity after `h` \[s\] in the uniform acceleration `a` [m/s²].
-    fn translate(state: &mut BodyState, a: DVec3, h: f64);
+#[inline(always)]
+fn step_each<S: Lanes>(
+    bodies: &[RigidBox],
+    states: &mut [BodyState],
+    gravity: impl Field,
+    h: f64,
+    refused: &mut [f64],
+) {
+    // Known here, so that the schemes' own question is not asked in the loop.
+    if h == 0.0 {
+        return;
+    }
+    // Slices of one known length: no bounds are checked in the loop.
+    let count = bodies.len().min(states.len()).min(refused.len());
+    let (bodies, gravity) = (&bodies[..count], gravity.first(count));
+    let (states, refused) = (&mut states[..count], &mut refused[..count]);
+    for i in 0..count {
+        let before = states[i];
+        let mut after = before;
+        let mut small = SmallArguments::default();
+        S::step_lane(
+            &bodies[i],
+            &mut after,
+            &Gravity(gravity.at(i)),
+            h,
+            &mut small,
+        );
+        let applies = small.all_small() & is_sound(&after);
+        refused[i] = if applies { 0.0 } else { 1.0 };
+        states[i] = choose(applies, &after, &before);
+    }
+}
+
+/// At most what [`BodyState::is_sound`] accepts, in fewer operations. A number that is not finite makes the
+/// sum so.
+#[inline(always)]
+fn is_sound(state: &BodyState) -> bool {
+    let (x, v, l) = (state.position, state.velocity, state.angular_momentum);
+    let sum = (x.x.abs() + x.y.abs() + x.z.abs())
+        + (v.x.abs() + v.y.abs() + v.z.abs())
+        + (l.x.abs() + l.y.abs() + l.z.abs());
+    let square = state.rotation.length_squared();
+    (sum < 1e38) & ((square - 1.0).abs() < 0.5e-3)
+}
+
+/// `a` or `b`, number by number.
+#[inline(always)]
+fn choose(a_is_it: bool, a: &BodyState, b: &BodyState) -> BodyState {
+    let one = |a: f64, b: f64| if a_is_it { a } else { b };
+    let three = |a: DVec3, b: DVec3| DVec3::new(one(a.x, b.x), one(a.y, b.y), one(a.z, b.z));
+    let (q, p) = (a.rotation, b.rotation);
+    BodyState {
+        position: three(a.position, b.position),
+        rotation: DQuat::from_xyzw(one(q.x, p.x), one(q.y, p.y), one(q.z, p.z), one(q.w, p.w)),
+        velocity: three(a.velocity, b.velocity),
+        angular_momentum: three(a.angular_momentum, b.angular_momentum),
+    }
 }
 
 impl Integrator {
@@ -217,56 +307,28 @@ impl Integrator {
         gravity: &Gravity,
         h: f64,
     ) -> StepOutcome {
-        self.dispatch(All {
+        let mut faults = Vec::new();
+        let group = Group {
             bodies,
             states,
             memories,
-            gravity: gravity.0,
-            h,
-        })
+            gravity: GravityField::Uniform(gravity.0),
+            faults: &mut faults,
+        };
+        self.dispatch(All { group, h })
     }
 }
 
 struct All<'a> {
-    bodies: &'a [RigidBox],
-    states: &'a mut [BodyState],
-    memories: &'a mut [SchemeMemory],
-    gravity: DVec3,
+    group: Group<'a>,
     h: f64,
 }
 
 impl SchemeVisitor for All<'_> {
     type Output = StepOutcome;
 
-    fn visit<S: Scheme>(self) -> StepOutcome {
-        let chosen: [usize; LANES] = core::array::from_fn(|i| i);
-        let gravity = GravityField {
-            world: self.gravity,
-            scale: None,
-        };
-        let (mut faults, mut scratch) = (Vec::new(), Scratch::default());
-        let mut total = StepOutcome::default();
-        let chunks = self
-            .bodies
-            .chunks(LANES)
-            .zip(self.states.chunks_mut(LANES))
-            .zip(self.memories.chunks_mut(LANES));
-        for ((bodies, states), memories) in chunks {
-            let count = bodies.len().min(states.len()).min(memories.len());
-            total += S::step_group(
-                &mut Group {
-                    bodies,
-                    states,
-                    memories,
-                    gravity,
-                    chosen: &chosen[..count],
-                    faults: &mut faults,
-                    scratch: &mut scratch,
-                },
-                self.h,
-            );
-        }
-        total
+    fn visit<S: Scheme>(mut self) -> StepOutcome {
+        S::step_group(&mut self.group, self.h)
     }
 }
 

@@ -124,7 +124,7 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
 #[inline(always)]
 fn largest_speed_squared(body: &RigidBox, l: DVec3) -> f64 {
     let s = body.splitting();
-    let middle = l[3 - usize::from(s.outer) - usize::from(s.inner)];
+    let middle = s.frame.third_of(l);
     (body.inverse_inertia() * l).length_squared() - s.alpha * s.beta * middle * middle
 }
 

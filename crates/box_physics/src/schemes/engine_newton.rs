@@ -2,13 +2,15 @@
 
 use glam::{DMat3, DVec3};
 
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Wrench};
-use crate::rotation::{compose, exponential_map};
+use crate::force::{Dissipation, ForceLaw, Gravity, Wrench};
+use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// Velocities first, as those engines do:
@@ -60,27 +62,58 @@ impl Scheme for EngineNewton {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        let (d, speed) = (force.dissipation(), state.velocity.length());
-        let w = if force.has_wrench() {
-            force.wrench(body, state)
-        } else {
-            Wrench::ZERO
-        };
-        if d != Dissipation::NONE {
-            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-            state.velocity /= 1.0 + h * c;
-            state.angular_momentum /= 1.0 + h * gamma;
-        }
-        state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
-        state.position += h * state.velocity;
-        state.angular_momentum += h * w.torque;
-        state.angular_momentum -= newton_correction(body, state, h);
-        let turn = exponential_map(h * state.body_angular_velocity(body));
-        state.rotation = compose(state.rotation, turn);
-        state.renormalise();
+        whole_step(body, state, force, h, &mut AnyArgument);
         StepOutcome::plain(1)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for EngineNewton {
+    const OUTCOME: StepOutcome = StepOutcome::plain(1);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        whole_step(body, state, gravity, h, trigonometry);
+    }
+}
+
+/// The step with a given sine and cosine.
+#[inline(always)]
+fn whole_step<F: ForceLaw>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    let (d, speed) = (force.dissipation(), state.velocity.length());
+    let w = if force.has_wrench() {
+        force.wrench(body, state)
+    } else {
+        Wrench::ZERO
+    };
+    if d != Dissipation::NONE {
+        let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
+        state.velocity /= 1.0 + h * c;
+        state.angular_momentum /= 1.0 + h * gamma;
+    }
+    state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
+    state.position += h * state.velocity;
+    state.angular_momentum += h * w.torque;
+    state.angular_momentum -= newton_correction(body, state, h);
+    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+    state.rotation = compose(state.rotation, turn);
+    state.renormalise();
 }
 
 /// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for
@@ -108,6 +141,7 @@ mod tests {
     use super::super::testing::{Case, brick, drag, run};
     use super::*;
     use crate::force::{Forces, Gravity};
+    use crate::rotation::exponential_map;
 
     /// v ← v/(1 + ch/m) + hg, x by the new velocity, L likewise, at any step.
     #[test]

@@ -2,13 +2,15 @@
 
 use glam::DVec3;
 
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Wrench};
-use crate::rotation::{compose, exponential_map};
+use crate::force::{Dissipation, ForceLaw, Gravity, Wrench};
+use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// Velocities first, as those engines do:
@@ -57,26 +59,57 @@ impl Scheme for EngineRescaled {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        let (d, speed) = (force.dissipation(), state.velocity.length());
-        let w = if force.has_wrench() {
-            force.wrench(body, state)
-        } else {
-            Wrench::ZERO
-        };
-        state.angular_momentum = rescaled_gyroscopic_step(body, state, h) + h * w.torque;
-        state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
-        if d != Dissipation::NONE {
-            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-            state.velocity *= (1.0 - h * c).max(0.0);
-            state.angular_momentum *= (1.0 - h * gamma).max(DVec3::ZERO);
-        }
-        state.position += h * state.velocity;
-        let turn = exponential_map(h * state.body_angular_velocity(body));
-        state.rotation = compose(state.rotation, turn);
-        state.renormalise();
+        whole_step(body, state, force, h, &mut AnyArgument);
         StepOutcome::plain(1)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for EngineRescaled {
+    const OUTCOME: StepOutcome = StepOutcome::plain(1);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        whole_step(body, state, gravity, h, trigonometry);
+    }
+}
+
+/// The step with a given sine and cosine.
+#[inline(always)]
+fn whole_step<F: ForceLaw>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    let (d, speed) = (force.dissipation(), state.velocity.length());
+    let w = if force.has_wrench() {
+        force.wrench(body, state)
+    } else {
+        Wrench::ZERO
+    };
+    state.angular_momentum = rescaled_gyroscopic_step(body, state, h) + h * w.torque;
+    state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
+    if d != Dissipation::NONE {
+        let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
+        state.velocity *= (1.0 - h * c).max(0.0);
+        state.angular_momentum *= (1.0 - h * gamma).max(DVec3::ZERO);
+    }
+    state.position += h * state.velocity;
+    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+    state.rotation = compose(state.rotation, turn);
+    state.renormalise();
 }
 
 /// (L − hω×L) scaled back to |L|.
@@ -97,6 +130,7 @@ mod tests {
     use super::super::testing::{Case, brick, drag, run};
     use super::*;
     use crate::force::{Forces, Gravity};
+    use crate::rotation::exponential_map;
 
     /// `v_n = R(z)ⁿ` with R = max(0, 1 − ch/m), and L likewise; x by the new velocity.
     #[test]

@@ -1,12 +1,14 @@
 //! `explicit-euler`: the first method anyone writes, for teaching.
 
+use super::batch::{Group, Lanes};
 use super::rk4::Slope;
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
+use crate::force::{ForceLaw, Gravity};
+use crate::math::SmallArguments;
 use crate::state::BodyState;
 
 /// y += h f(y) for position, attitude, velocity and angular momentum; q normalised.
@@ -48,12 +50,30 @@ impl Scheme for ExplicitEuler {
         state.rotation = state.rotation * (1.0 / state.rotation.length());
         StepOutcome::plain(1)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for ExplicitEuler {
+    const OUTCOME: StepOutcome = StepOutcome::plain(1);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        _trigonometry: &mut SmallArguments,
+    ) {
+        Self::step(body, state, gravity, h, &mut SchemeMemory::default());
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::Gravity;
     use glam::DVec3;
 
     /// x_n = x₀ + n h v₀ + ½ g h² n(n−1): the parabola minus exactly ½ g h t.

@@ -1,12 +1,14 @@
 //! `heun-2012`: what the 2012 dissertation called "implicit Euler", under its true name.
 
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, rates};
-use crate::rotation::{compose, exponential_map};
+use crate::force::{ForceLaw, Gravity, rates};
+use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new; the angular momentum likewise, then
@@ -48,19 +50,50 @@ impl Scheme for Heun2012 {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        let (v1, l1) = rates(body, state, force);
-        let mut ahead = *state;
-        ahead.velocity += h * v1;
-        ahead.angular_momentum += h * l1;
-        let (v2, l2) = rates(body, &ahead, force);
-        state.velocity += (0.5 * h) * (v1 + v2);
-        state.position += h * state.velocity;
-        state.angular_momentum += (0.5 * h) * (l1 + l2);
-        let turn = exponential_map(h * state.body_angular_velocity(body));
-        state.rotation = compose(state.rotation, turn);
-        state.renormalise();
+        whole_step(body, state, force, h, &mut AnyArgument);
         StepOutcome::plain(2)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for Heun2012 {
+    const OUTCOME: StepOutcome = StepOutcome::plain(2);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        whole_step(body, state, gravity, h, trigonometry);
+    }
+}
+
+/// The step with a given sine and cosine.
+#[inline(always)]
+fn whole_step<F: ForceLaw>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    let (v1, l1) = rates(body, state, force);
+    let mut ahead = *state;
+    ahead.velocity += h * v1;
+    ahead.angular_momentum += h * l1;
+    let (v2, l2) = rates(body, &ahead, force);
+    state.velocity += (0.5 * h) * (v1 + v2);
+    state.position += h * state.velocity;
+    state.angular_momentum += (0.5 * h) * (l1 + l2);
+    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+    state.rotation = compose(state.rotation, turn);
+    state.renormalise();
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! `midpoint`: the explicit midpoint rule, the simplest Runge–Kutta method of order 2.
 
+use super::batch::{Group, Lanes};
 use super::rk4::Slope;
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
+use crate::force::{ForceLaw, Gravity};
+use crate::math::SmallArguments;
 use crate::state::BodyState;
 
 /// k₁ = f(y), k₂ = f(y + h/2 k₁), y += h k₂ on (x, q, v, L), the quaternion normalised after the step.
@@ -56,13 +58,31 @@ impl Scheme for Midpoint {
         state.rotation = state.rotation * (1.0 / state.rotation.length());
         StepOutcome::plain(2)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for Midpoint {
+    const OUTCOME: StepOutcome = StepOutcome::plain(2);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        _trigonometry: &mut SmallArguments,
+    ) {
+        Self::step(body, state, gravity, h, &mut SchemeMemory::default());
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::testing::{Case, drag, run};
     use super::*;
-    use crate::force::Gravity;
     use glam::DVec3;
 
     /// R(z) = 1 + z + z²/2 on the velocity; the parabola to rounding.

@@ -15,7 +15,7 @@ mod stage_equations;
 mod testing;
 mod trajectory;
 
-pub use batch::{GravityField, Group, LANES, Scratch};
+pub use batch::{GravityField, Group};
 pub use info::{
     Channel, EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, SchemeInfo, Stability,
 };
@@ -51,7 +51,7 @@ pub trait Scheme {
 
     /// Steps the bodies of `group` in free flight, each bit for bit as [`Scheme::step`] under
     /// [`Gravity`](crate::force::Gravity). By default one by one; a scheme whose step has no branch
-    /// steps them all at once: see [`Group`] and `split`.
+    /// steps several at a time: see `Lanes` in `batch.rs`, and `split`.
     fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome
     where
         Self: Sized,
@@ -80,6 +80,20 @@ impl StepOutcome {
             evaluations,
             fallbacks: 0,
             unconverged: 0,
+        }
+    }
+}
+
+/// So many alike.
+impl core::ops::Mul<u32> for StepOutcome {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, count: u32) -> Self {
+        Self {
+            evaluations: self.evaluations * count,
+            fallbacks: self.fallbacks * count,
+            unconverged: self.unconverged * count,
         }
     }
 }

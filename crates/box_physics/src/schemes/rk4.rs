@@ -2,12 +2,14 @@
 
 use glam::{DQuat, DVec3};
 
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, rates};
+use crate::force::{ForceLaw, Gravity, rates};
+use crate::math::SmallArguments;
 use crate::rotation::quaternion_rate;
 use crate::state::BodyState;
 
@@ -65,6 +67,25 @@ impl Scheme for Rk4 {
         *state = mean.from(state, h);
         state.rotation = state.rotation * (1.0 / state.rotation.length());
         StepOutcome::plain(4)
+    }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for Rk4 {
+    const OUTCOME: StepOutcome = StepOutcome::plain(4);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        _trigonometry: &mut SmallArguments,
+    ) {
+        Self::step(body, state, gravity, h, &mut SchemeMemory::default());
     }
 }
 

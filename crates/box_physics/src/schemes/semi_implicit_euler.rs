@@ -1,12 +1,14 @@
 //! `semi-implicit-euler`: velocities first, then the pose with the new ones; gyroscopic term explicit.
 
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, rates};
-use crate::rotation::{compose, exponential_map};
+use crate::force::{ForceLaw, Gravity, rates};
+use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// v += h f(x, v), x += h v; L += h(L×ω + τ), q ← q∘exp(h ω_new).
@@ -47,21 +49,52 @@ impl Scheme for SemiImplicitEuler {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        let (dv, dl) = rates(body, state, force);
-        state.velocity += h * dv;
-        state.position += h * state.velocity;
-        state.angular_momentum += h * dl;
-        let turn = exponential_map(h * state.body_angular_velocity(body));
-        state.rotation = compose(state.rotation, turn);
-        state.renormalise();
+        whole_step(body, state, force, h, &mut AnyArgument);
         StepOutcome::plain(1)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for SemiImplicitEuler {
+    const OUTCOME: StepOutcome = StepOutcome::plain(1);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        whole_step(body, state, gravity, h, trigonometry);
+    }
+}
+
+/// The step with a given sine and cosine.
+#[inline(always)]
+fn whole_step<F: ForceLaw>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    let (dv, dl) = rates(body, state, force);
+    state.velocity += h * dv;
+    state.position += h * state.velocity;
+    state.angular_momentum += h * dl;
+    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+    state.rotation = compose(state.rotation, turn);
+    state.renormalise();
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force::Gravity;
+    use crate::rotation::exponential_map;
     use glam::DVec3;
 
     /// x_n = x₀ + n h v₀ + ½ g h² n(n+1): the parabola plus exactly ½ g h t.

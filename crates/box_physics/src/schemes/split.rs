@@ -8,9 +8,9 @@ use super::{
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw};
+use crate::force::{Dissipation, ForceLaw, Gravity};
 use crate::math::{Exponential, SmallArguments, exp};
-use crate::rotation::{SplitFrame, SplitRates, free_rotation_strang};
+use crate::rotation::{free_rotation_strang, free_rotation_strang_by};
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
@@ -66,53 +66,23 @@ impl Scheme for Split {
     }
 
     fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self, 10>(h)
+        group.in_lanes::<Self>(h)
     }
 }
 
-/// The free rotation in the frame of its splitting: [`free_rotation_strang`] of many bodies.
-impl Lanes<10> for Split {
+impl Lanes for Split {
     const OUTCOME: StepOutcome = StepOutcome::plain(1);
 
     #[inline(always)]
-    fn gather(body: &RigidBox, state: &BodyState) -> [f64; 10] {
-        let s = body.splitting();
-        let (l, q) = SplitFrame::of(s).enter(state);
-        [
-            l[0],
-            l[1],
-            l[2],
-            q[0],
-            q[1],
-            q[2],
-            q[3],
-            s.reference,
-            s.alpha,
-            s.beta,
-        ]
-    }
-
-    #[inline(always)]
-    fn rotate(input: [f64; 10], h: f64) -> ([f64; 3], [f64; 4], bool) {
-        let [l0, l1, l2, q0, q1, q2, q3, reference, outer, inner] = input;
-        let rates = SplitRates {
-            reference,
-            outer,
-            inner,
-        };
-        let mut small = SmallArguments::default();
-        let (l, q) = rates.strang([l0, l1, l2], [q0, q1, q2, q3], h, &mut small);
-        (l, q, small.all_small())
-    }
-
-    #[inline(always)]
-    fn scatter(body: &RigidBox, state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
-        SplitFrame::of(body.splitting()).leave(state, l, q);
-    }
-
-    #[inline(always)]
-    fn translate(state: &mut BodyState, a: DVec3, h: f64) {
-        exponential_step(state, a, 0.0, h);
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        exponential_step(state, gravity.0, 0.0, h);
+        free_rotation_strang_by(body, state, h, trigonometry);
     }
 }
 

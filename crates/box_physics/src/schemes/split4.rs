@@ -1,14 +1,17 @@
 //! `split4`: fourth order under torque too, by a composition of kicks and exact drifts.
 
+use super::batch::{Group, Lanes};
 use super::split::{drift, exact_drift, half_dissipation, kick, split_step};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw};
-use crate::rotation::{free_rotation_order4, free_rotation_strang};
+use crate::force::{Dissipation, ForceLaw, Gravity};
+use crate::math::SmallArguments;
+use crate::rotation::{free_rotation_order4, free_rotation_order4_by, free_rotation_strang};
 use crate::state::BodyState;
+use crate::translation::exponential_step;
 
 /// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b` with kick K = wrench and drift
 /// D = gravity + linear drag (exponential), free rotation + angular damping (order 4, rescaled time).
@@ -94,6 +97,26 @@ impl Scheme for Split4 {
         half_dissipation(body, state, &d, 0.5 * h);
         force.damp(body, state, 0.5 * h);
         StepOutcome::plain(7)
+    }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for Split4 {
+    const OUTCOME: StepOutcome = StepOutcome::plain(1);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        exponential_step(state, gravity.0, 0.0, h);
+        free_rotation_order4_by(body, state, h, trigonometry);
     }
 }
 

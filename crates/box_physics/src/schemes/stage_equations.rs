@@ -67,7 +67,7 @@ impl Equations {
             drag,
             diagonal,
             coupling,
-            axis: usize::from(body.splitting().outer),
+            axis: body.splitting().frame.outer(),
             omega: start.body_angular_velocity(body),
         })
     }

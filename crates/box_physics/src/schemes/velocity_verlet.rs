@@ -1,12 +1,14 @@
 //! `velocity-verlet`: kick–drift–kick as textbooks write it, drag lagging by half a step.
 
+use super::batch::{Group, Lanes};
 use super::{
     EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, applied_rates};
-use crate::rotation::free_rotation_three_axes;
+use crate::force::{ForceLaw, Gravity, applied_rates};
+use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::rotation::free_rotation_three_axes_by;
 use crate::state::BodyState;
 
 /// v += h/2 a(x, v); x += h v; v += h/2 a(x, v), and the same on L with the torques, the drift being
@@ -58,12 +60,43 @@ impl Scheme for VelocityVerlet {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        half_kick(body, state, force, 0.5 * h);
-        state.position += h * state.velocity;
-        free_rotation_three_axes(body, state, h);
-        half_kick(body, state, force, 0.5 * h);
+        whole_step(body, state, force, h, &mut AnyArgument);
         StepOutcome::plain(2)
     }
+
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        group.in_lanes::<Self>(h)
+    }
+}
+
+impl Lanes for VelocityVerlet {
+    const OUTCOME: StepOutcome = StepOutcome::plain(2);
+
+    #[inline(always)]
+    fn step_lane(
+        body: &RigidBox,
+        state: &mut BodyState,
+        gravity: &Gravity,
+        h: f64,
+        trigonometry: &mut SmallArguments,
+    ) {
+        whole_step(body, state, gravity, h, trigonometry);
+    }
+}
+
+/// The step with a given sine and cosine.
+#[inline(always)]
+fn whole_step<F: ForceLaw>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    half_kick(body, state, force, 0.5 * h);
+    state.position += h * state.velocity;
+    free_rotation_three_axes_by(body, state, h, trigonometry);
+    half_kick(body, state, force, 0.5 * h);
 }
 
 /// Everything but the gyroscopic term at the state as it is: one evaluation.

@@ -1,0 +1,113 @@
+//! What a step shows of the bodies: bounding boxes and `Transform`s.
+
+use bevy::ecs::change_detection::Tick;
+use bevy::transform::components::Transform;
+
+use super::components::{WorldAabb, WrittenTransform};
+use crate::aabb::{outward, world_half_extents};
+use crate::body::RigidBox;
+use crate::math::{VectorLoop, vectorised};
+use crate::state::BodyState;
+
+impl WorldAabb {
+    /// Fits many at once: [`WorldAabb::of`] each body, the same bits, four at a time where the processor
+    /// has AVX2. The three slices are of equal length (what is beyond the shortest is left alone).
+    pub fn fit_all(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [Self]) {
+        vectorised(Fit {
+            bodies,
+            states,
+            fitted,
+        });
+    }
+}
+
+struct Fit<'a> {
+    bodies: &'a [RigidBox],
+    states: &'a [BodyState],
+    fitted: &'a mut [WorldAabb],
+}
+
+impl VectorLoop for Fit<'_> {
+    #[inline(always)]
+    fn run(self) {
+        fit_each(self.bodies, self.states, self.fitted);
+    }
+}
+
+/// The corners are written number by number: whole vectors would keep the loop from being vectorised.
+#[inline(always)]
+fn fit_each(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [WorldAabb]) {
+    for ((body, state), WorldAabb(fitted)) in bodies.iter().zip(states).zip(fitted) {
+        let half = world_half_extents(state.rotation, body.half_extents());
+        let (min, max) = outward(state.position, half);
+        fitted.min.x = min.x;
+        fitted.min.y = min.y;
+        fitted.min.z = min.z;
+        fitted.max.x = max.x;
+        fitted.max.y = max.y;
+        fitted.max.z = max.z;
+    }
+}
+
+/// Writes `Transform` where the pose in f32 is another than it shows; `changed` is when each last changed.
+pub(super) fn write_transforms(
+    states: &[BodyState],
+    written: &mut [WrittenTransform],
+    transforms: &mut [Transform],
+    changed: &mut [Tick],
+    now: Tick,
+) {
+    let each = states.iter().zip(written).zip(transforms).zip(changed);
+    for (((state, written), transform), changed) in each {
+        *written = WrittenTransform::of(state);
+        if transform.translation != written.translation || transform.rotation != written.rotation {
+            transform.translation = written.translation;
+            transform.rotation = written.rotation;
+            *changed = now;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DQuat, DVec3};
+    use proptest::prelude::*;
+
+    fn bits(aabb: &WorldAabb) -> [u32; 6] {
+        let WorldAabb(aabb) = aabb;
+        let (low, high) = (aabb.min, aabb.max);
+        [low.x, low.y, low.z, high.x, high.y, high.z].map(f32::to_bits)
+    }
+
+    proptest! {
+        /// Any number of bodies, any attitude, far away and near: bit for bit what one by one gives.
+        #[test]
+        fn all_at_once_is_one_by_one(
+            set in prop::collection::vec(
+                (
+                    prop::array::uniform3(1e-3..1e3_f64),
+                    prop::array::uniform4(-1.0..1.0_f64),
+                    prop::array::uniform3(prop_oneof![-10.0..10.0_f64, -1e30..1e30_f64, Just(0.0)]),
+                ),
+                1..40,
+            ),
+        ) {
+            let bodies: Vec<_> = set
+                .iter()
+                .map(|(half, ..)| RigidBox::new(DVec3::from_array(*half), 1.0).expect("valid"))
+                .collect();
+            let states: Vec<_> = set
+                .iter()
+                .map(|(_, q, x)| {
+                    BodyState::at(DVec3::from_array(*x)).with_rotation(DQuat::from_array(*q))
+                })
+                .collect();
+            let mut fitted = vec![WorldAabb::default(); set.len()];
+            WorldAabb::fit_all(&bodies, &states, &mut fitted);
+            for ((body, state), fitted) in bodies.iter().zip(&states).zip(&fitted) {
+                prop_assert_eq!(bits(fitted), bits(&WorldAabb::of(body, state)));
+            }
+        }
+    }
+}
