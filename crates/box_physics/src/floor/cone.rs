@@ -99,7 +99,10 @@ pub(super) fn solve(
         gave_way = true;
     }
     solution.converged = !gave_way;
-    solution.w = add(b, &set.response(&solution.p), alpha, n);
+    let (v, omega) = set.twist(&solution.p);
+    for i in 0..n {
+        solution.w[i] = b[i] + alpha * (v + omega.cross(set.lever[i]));
+    }
     solution
 }
 

@@ -204,7 +204,7 @@ impl<'a> Edge<'a> {
                 *t = single::on_circle(t.0 - step * t.1, t.1 + step * t.0);
             }
             // The next would be the square of this.
-            if largest <= 1e-9 {
+            if largest <= 1e-8 {
                 return self.checked(self.sliding(t)?.p);
             }
         }

@@ -108,7 +108,7 @@ impl Slip<'_> {
             }
             t = on_circle(t.0 - step * t.1, t.1 + step * t.0);
             // The next would be the square of this.
-            if step.abs() <= 1e-9 {
+            if step.abs() <= 1e-8 {
                 return self.impulse(t);
             }
         }
