@@ -201,6 +201,12 @@ impl ContactSet {
         two
     }
 
+    /// Whether its corners hold a face.
+    pub(super) fn spans_face(&self) -> bool {
+        let corners = self.corner[..self.count].iter();
+        spans_face(corners.fold(0, |set, k| set | 1 << k))
+    }
+
     /// 1/m [1/kg].
     pub(super) fn inverse_mass(&self) -> f64 {
         self.inverse_mass

@@ -5,6 +5,7 @@
 //!   s_k = n − µ w_k/|w_k|, and the normal law is three linear equations for the π_k, of which the smallest are
 //!   taken. The impulses give V and Ω anew: a fixed point of three numbers, found by Broyden's method (Math.
 //!   Comput. 19 (1965) 577) from the motion without friction.
+//! - **All stick**: a linear problem.
 //! - **Two leave**: the other two are an edge.
 //!
 //! What is found must obey the law of all corners to be taken.
@@ -29,8 +30,22 @@ pub(super) struct Face<'a> {
 }
 
 impl Face<'_> {
+    /// The impulses, if one of the cases fits: the likeliest first.
+    pub(super) fn solve(&self) -> Option<Corner3> {
+        let fast = self.is_fast();
+        if fast && let Some(p) = self.slide() {
+            return Some(p);
+        }
+        let stop = self.stop();
+        if self.sticks(&stop) {
+            return Some(stop);
+        }
+        self.two_leave(&stop)
+            .or_else(|| if fast { None } else { self.slide() })
+    }
+
     /// Whether the slips are so fast that all corners sliding on is the likeliest.
-    pub(super) fn is_fast(&self) -> bool {
+    fn is_fast(&self) -> bool {
         let b = &self.b[..self.set.count];
         let slow = b.iter().map(|u| u.x * u.x + u.z * u.z);
         let approach = b.iter().fold(0.0, |a: f64, u| a.max(-u.y));
@@ -62,7 +77,7 @@ impl Face<'_> {
     /// The levers have one height, so that the two parts separate: π_k = A + B·r_k with the right sum and the
     /// right torque about the horizontal axes, and t_k = π_k² (C + D n×r_k) with the right sum and torque
     /// about the normal, the smallest in units of what a corner can hold.
-    pub(super) fn stop(&self) -> Corner3 {
+    fn stop(&self) -> Corner3 {
         let (set, n) = (self.set, self.set.count);
         let (r, b) = (&set.lever, self.b);
         // −b as a motion of the floor's plane: opposite corners are neighbours, so 0, 1 and 2 span it.
@@ -109,13 +124,13 @@ impl Face<'_> {
     /// Whether these impulses hold every corner. That they stop it is checked only roughly, since what is left
     /// is the rounding of b: to see whether the corners can be stopped at all, which those that are to
     /// bounce differently cannot.
-    pub(super) fn sticks(&self, stop: &Corner3) -> bool {
+    fn sticks(&self, stop: &Corner3) -> bool {
         let left = self.set.largest(&self.velocities(stop));
         super::in_cones(self.set, stop, self.friction) && left <= 1e-9 * self.set.largest(self.b)
     }
 
     /// Two corners leave: those that would have to pull most if all were stopped.
-    pub(super) fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
+    fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
         let n = self.set.count;
         let mut order = [0, 1, 2, 3];
         order[..n].sort_by(|&i, &j| stop[j].y.total_cmp(&stop[i].y));
@@ -131,7 +146,7 @@ impl Face<'_> {
     }
 
     /// All slide.
-    pub(super) fn slide(&self) -> Option<Corner3> {
+    fn slide(&self) -> Option<Corner3> {
         let mut x = self.planar([self.b[0], self.b[1]]);
         let (mut p, next) = self.sliding(x)?;
         let mut f = x - next;
