@@ -235,7 +235,7 @@ impl<'a> Edge<'a> {
             let b = self.b[i] - column * (inverse * self.b[j].y);
             let (q, found) = single::solve(&reduced, b, self.friction);
             let push = -inverse * self.b[j].y - row.dot(q);
-            if !found || !(push > 0.0) {
+            if !found || push.is_nan() || push <= 0.0 {
                 return None;
             }
             let mut p = [q; 2];
@@ -269,7 +269,7 @@ impl<'a> Edge<'a> {
         let (q01, r01) = column(&self.other[0], t[1]);
         let (q10, r10) = column(&self.other[1], t[0]);
         let determinant = q00.y * q11.y - q01.y * q10.y;
-        if !(determinant > 0.0) {
+        if determinant.is_nan() || determinant <= 0.0 {
             return None;
         }
         let inverse = 1.0 / determinant;

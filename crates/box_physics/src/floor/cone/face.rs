@@ -235,7 +235,7 @@ impl Face<'_> {
         let (mut v, mut omega) = (DVec3::ZERO, DVec3::ZERO);
         for j in 0..n {
             let share = normal[j].dot(multiplier);
-            if !(share >= 0.0) {
+            if share.is_nan() || share < 0.0 {
                 return None;
             }
             p[j] = s[j] * share;
