@@ -6,18 +6,20 @@
 //! 0 ≤ p_n ⊥ w_n ≥ 0,   |p_t| ≤ µ p_n,   p_t = −µ p_n w_t/|w_t| where it slips.
 //! ```
 //!
-//! One corner is solved directly (`single`). Several:
+//! Each corner sticks, slides or leaves, and most cases are small problems of their own:
 //!
-//! 1. If all move alike and friction cannot stop them, it is one block's friction (`uniform`).
-//! 2. If all can stick, the smallest impulses that stop them are the answer (conjugate gradients).
-//! 3. The law says p = P(p − ρw) for any ρ > 0, P taking p_n to max(p_n, 0) and p_t into the disc of
-//!    radius µp_n. Its fixed point is found by accelerated projected gradients (Nesterov 1983; restart
-//!    after O'Donoghue, Candès, Found. Comput. Math. 15 (2015) 715; for contact: Mazhar et al., ACM TOG
-//!    34 (2015) 32). All corners are treated alike, so a symmetric landing keeps its symmetry, and it
-//!    starts from zero, so of the many distributions of load on four corners it picks the even one.
-//!    (De Saxcé's form of the law, Math. Comput. Modelling 28 (1998) 225, converges as fast below
-//!    µ = 0.5, but not for µ above 2.)
+//! 1. One corner is solved directly (`single`), an edge and a face by cases (`edge`, `face`).
+//! 2. If the corners of a face move alike and friction cannot stop them, it is one block's friction
+//!    (`uniform`).
+//! 3. Where no case fits: the law says p = P(p − ρw) for any ρ > 0, P taking p_n to max(p_n, 0) and p_t into
+//!    the disc of radius µp_n. Its fixed point is found by accelerated projected gradients (Nesterov 1983;
+//!    restart after O'Donoghue, Candès, Found. Comput. Math. 15 (2015) 715; for contact: Mazhar et al.,
+//!    ACM TOG 34 (2015) 32), from zero and all corners alike. (De Saxcé's form of the law, Math. Comput.
+//!    Modelling 28 (1998) 225, converges as fast below µ = 0.5, but not for µ above 2.)
 //! 4. What has not converged soon is left to Newton's method on the same equation (`newton`).
+//!
+//! Of the many distributions of load on four corners the closed forms pick the smallest, so that a symmetric
+//! landing keeps its symmetry.
 
 mod edge;
 mod face;
@@ -99,7 +101,10 @@ pub(super) fn solve(
         gave_way = true;
     }
     solution.converged = !gave_way;
-    solution.w = add(b, &set.response(&solution.p), alpha, n);
+    let (v, omega) = set.twist(&solution.p);
+    for i in 0..n {
+        solution.w[i] = b[i] + alpha * (v + omega.cross(set.lever[i]));
+    }
     solution
 }
 
@@ -143,9 +148,17 @@ fn attempt(
             );
         }
     } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p) {
-        if set.count <= 4 && friction > 0.0 && spans_face(set) {
+        if set.count <= 4 && friction > 0.0 && set.spans_face() {
+            let face = Face {
+                set,
+                b,
+                alpha,
+                friction,
+                target,
+            };
             solution.iterations += 1;
-            if on_a_face(set, b, alpha, friction, target, &mut solution.p) {
+            if let Some(p) = face.solve() {
+                solution.p = p;
                 return;
             }
         } else if stick(set, b, alpha, friction, &mut solution.p) {
@@ -163,43 +176,6 @@ fn attempt(
             solution,
         );
     }
-}
-
-fn spans_face(set: &ContactSet) -> bool {
-    let corners = set.corner[..set.count].iter();
-    super::geometry::spans_face(corners.fold(0, |m, k| m | 1 << k))
-}
-
-fn on_a_face(
-    set: &ContactSet,
-    b: &Corner3,
-    alpha: f64,
-    friction: f64,
-    target: f64,
-    p: &mut Corner3,
-) -> bool {
-    let face = Face {
-        set,
-        b,
-        alpha,
-        friction,
-        target,
-    };
-    let fast = face.is_fast();
-    if fast && let Some(q) = face.slide() {
-        *p = q;
-        return true;
-    }
-    let stop = face.stop();
-    let found = if face.sticks(&stop) {
-        Some(stop)
-    } else {
-        face.two_leave(&stop).or_else(|| face.slide())
-    };
-    if let Some(q) = found {
-        *p = q;
-    }
-    found.is_some()
 }
 
 /// Gradient steps, then Newton's method, then both again with more patience; `velocities` is p ↦ b + αWp in
@@ -314,103 +290,4 @@ fn add(b: &Corner3, c: &Corner3, alpha: f64, n: usize) -> Corner3 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::body::RigidBox;
-    use crate::floor::Floor;
-    use crate::floor::geometry::{Corners, mask};
-    use crate::floor::tests::Random;
-    use crate::state::BodyState;
-    use glam::DMat3;
-
-    /// `n` random touching sets and velocities: how many were not solved, and how far the others are from
-    /// the law.
-    fn examine(mu: f64, n: usize) -> (usize, f64) {
-        let mut random = Random(11);
-        let mut counts = Vec::new();
-        let mut failed = 0;
-        let mut worst = 0.0_f64;
-        for i in 0..n {
-            let mut side = || random.magnitude(0.02, 1.0);
-            let half = DVec3::new(side(), side(), side());
-            let body = RigidBox::new(half, 3.0).expect("valid");
-            let flat = i % 3 == 0;
-            let mut state = BodyState::at(DVec3::ZERO);
-            state.rotation = if flat {
-                crate::floor::tests::about(DVec3::Y, random.range(0.0, 6.0))
-            } else {
-                random.attitude()
-            };
-            state.velocity = random.vector(1.0);
-            let omega = random.vector(2.0 / body.radius());
-            state.set_angular_velocity(&body, omega);
-            let corners = Corners::at(&Floor::default(), &body, &state);
-            let mut order: Vec<usize> = (0..8).collect();
-            order.sort_by(|&a, &b| corners.height[a].total_cmp(&corners.height[b]));
-            let count = if flat { 4 } else { 1 + i % 2 };
-            let touching = mask(|k| order[..count].contains(&k));
-            let attitude = DMat3::from_quat(state.rotation);
-            let set = ContactSet::new(&body, attitude, &corners.lever, touching);
-            let b = set.velocities((state.velocity, state.angular_velocity(&body)));
-            let s = solve(&set, &b, 1.0, mu, 1e-12, 20_000);
-            counts.push(s.iterations);
-            if s.converged {
-                worst = worst.max(distance_from_the_law(&set, &b, &s, mu, body.mass()));
-            } else {
-                failed += 1;
-            }
-        }
-        counts.sort_unstable();
-        println!(
-            "mu {mu}: failed {failed} of {n}, iterations median {} 99 % {} worst {}, law {worst:.1e}",
-            counts[n / 2],
-            counts[n * 99 / 100],
-            counts[n - 1]
-        );
-        (failed, worst)
-    }
-
-    /// The largest violation of a condition of the law, in units of speed and momentum.
-    fn distance_from_the_law(
-        set: &ContactSet,
-        b: &Corner3,
-        s: &ConeSolution,
-        mu: f64,
-        mass: f64,
-    ) -> f64 {
-        let scale = set.largest(b);
-        let mut worst = 0.0_f64;
-        for k in 0..set.count {
-            let (p, w) = (s.p[k], s.w[k]);
-            let t = (p.x * p.x + p.z * p.z).sqrt();
-            let slip = (w.x * w.x + w.z * w.z).sqrt();
-            let against = p.x * w.x + p.z * w.z + mu * p.y * slip;
-            worst = worst
-                .max(-w.y / scale)
-                .max(p.y * w.y / (mass * scale * scale))
-                .max((t - mu * p.y) / (mass * scale))
-                .max(against.abs() / ((1.0 + mu) * mass * scale * scale));
-        }
-        worst
-    }
-
-    #[test]
-    fn coulombs_law_holds_for_random_impacts() {
-        for mu in [0.0, 0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
-            let (failed, worst) = examine(mu, 2000);
-            assert_eq!(failed, 0, "mu {mu}");
-            // The solver stops at 1e-12 in w; the friction's part of the law sees µ times that.
-            assert!(worst <= 1e-10_f64.max(1e-12 * mu), "mu {mu}: {worst:e}");
-        }
-    }
-
-    /// By hand: `cargo test --release -- --ignored coulombs_law_by_hand --nocapture`.
-    #[test]
-    #[ignore = "120 000 impacts; a part of them is solved with every test"]
-    fn coulombs_law_by_hand() {
-        for mu in [0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
-            let (failed, _) = examine(mu, 20_000);
-            assert!(failed <= if mu > 10.0 { 2 } else { 0 }, "mu {mu}");
-        }
-    }
-}
+mod tests;

@@ -99,36 +99,32 @@ impl ContactSet {
             Some(bit) => 7 ^ (1 << bit),
             None => 7,
         };
-        let mut corner = [0; 8];
-        let mut count = 0;
-        let mut left = set;
-        while left != 0 {
-            let k = left.trailing_zeros() as usize;
-            for j in [k, k ^ flip] {
-                if has(left, j) {
-                    corner[count] = j as u8;
-                    count += 1;
-                    left &= !(1 << j);
-                }
-            }
-        }
-        let mut own = [DVec3::ZERO; 8];
-        for i in 0..count {
-            own[i] = lever[usize::from(corner[i])];
-        }
         let j = body.inverse_inertia();
         let scaled = DMat3::from_cols(
             attitude.x_axis * j.x,
             attitude.y_axis * j.y,
             attitude.z_axis * j.z,
         );
-        Self {
-            count,
-            corner,
-            lever: own,
+        let mut new = Self {
+            count: 0,
+            corner: [0; 8],
+            lever: [DVec3::ZERO; 8],
             inverse_mass: body.inverse_mass(),
             inverse_inertia: scaled * attitude.transpose(),
+        };
+        let mut left = set;
+        while left != 0 {
+            let k = left.trailing_zeros() as usize;
+            for j in [k, k ^ flip] {
+                if has(left, j) {
+                    new.corner[new.count] = j as u8;
+                    new.lever[new.count] = lever[j];
+                    new.count += 1;
+                    left &= !(1 << j);
+                }
+            }
         }
+        new
     }
 
     /// Σ p_k and Σ r_k × p_k, added in pairs.
@@ -203,6 +199,12 @@ impl ContactSet {
         (two.corner[0], two.corner[1]) = (self.corner[i], self.corner[j]);
         (two.lever[0], two.lever[1]) = (self.lever[i], self.lever[j]);
         two
+    }
+
+    /// Whether its corners hold a face.
+    pub(super) fn spans_face(&self) -> bool {
+        let corners = self.corner[..self.count].iter();
+        spans_face(corners.fold(0, |set, k| set | 1 << k))
     }
 
     /// 1/m [1/kg].

@@ -18,8 +18,10 @@
     reason = "one index runs over several arrays, of which only the first `count` entries are in use"
 )]
 
+mod bounds;
 mod cone;
 mod event;
+mod flight;
 mod geometry;
 mod impact;
 mod memory;

@@ -2,17 +2,18 @@
 
 use glam::DVec3;
 
+use super::bounds::{acceleration_bound, curvature_bound, normal_velocities, spin_bound};
 use super::event::Search;
+use super::flight::{Flight, Flown, fly};
 use super::geometry::{Corners, has};
 use super::impact::{ImpactKind, strike};
 use super::memory::Ledger;
 use super::projection::lift_out;
 use super::sustained::{Piece, Start, candidates, limit_energy, longest_piece};
 use super::{ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
-use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw};
-use crate::schemes::{Scheme, SchemeMemory, StepOutcome};
+use crate::force::ForceLaw;
+use crate::schemes::{Scheme, SchemeMemory};
 use crate::state::BodyState;
 
 /// Pieces of sustained motion in a step; a body that needs more gets longer ones.
@@ -259,78 +260,6 @@ fn tolerated_height(floor: &Floor, settings: &ContactSettings, body: &RigidBox) 
     settings.tolerance * (body.radius() + floor.height.abs())
 }
 
-/// A plain step from off the floor.
-enum Flight {
-    /// It ends off the floor and cannot have dipped in between: it is made.
-    Clear(StepOutcome),
-    /// It may meet the floor: nothing has changed, and this is where it would have led.
-    Meets(Flown),
-    /// It did not start off the floor.
-    Low,
-}
-
-/// The end of a plain step, its memory aside.
-struct Flown {
-    state: BodyState,
-    outcome: StepOutcome,
-}
-
-/// The commonest case. The lowest corner stands for all. `spare` gets the memory of what is not made.
-fn fly<S: Scheme, F: ForceLaw>(
-    floor: &Floor,
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    memory: &mut SchemeMemory,
-    spare: &mut SchemeMemory,
-    margin: f64,
-) -> Flight {
-    let clearance = |s: &BodyState| {
-        s.position.y - floor.height - world_half_extents(s.rotation, body.half_extents()).y
-    };
-    let before = clearance(state);
-    if before <= margin {
-        return Flight::Low;
-    }
-    let mut end = *state;
-    spare.clone_from(memory);
-    let outcome = S::step(body, &mut end, force, h, spare);
-    let after = clearance(&end);
-    if after > margin && clears(body, state, force, h, before, after) {
-        *state = end;
-        core::mem::swap(memory, spare);
-        return Flight::Clear(outcome);
-    }
-    Flight::Meets(Flown {
-        state: end,
-        outcome,
-    })
-}
-
-/// Whether no corner can have been below the floor between the heights `before` and `after` of the lowest: as in
-/// the event search √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 is enough.
-fn clears<F: ForceLaw>(
-    body: &RigidBox,
-    state: &BodyState,
-    force: &F,
-    h: f64,
-    before: f64,
-    after: f64,
-) -> bool {
-    if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
-        // A larger M without a root.
-        let spin = 2.12 * state.body_angular_velocity(body).length_squared();
-        let curvature = spin * body.radius() + force.acceleration().y.max(0.0);
-        if before + after >= 0.5 * h * h * curvature {
-            return true;
-        }
-    }
-    let pull = acceleration_bound(body, state, force);
-    let curvature = curvature_bound(body, state, pull, force);
-    before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt()
-}
-
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
 /// step over `time`, if it is known, with its memory in the first of the pieces, which are overwritten.
 fn move_until_event<'a, S: Scheme, F: ForceLaw>(
@@ -428,50 +357,4 @@ fn rest_of_step<S: Scheme, F: ForceLaw>(
     lift_out(floor, body, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());
-}
-
-/// u_kn of all corners [m/s].
-fn normal_velocities(body: &RigidBox, state: &BodyState, corners: &Corners) -> [f64; 8] {
-    let omega = state.angular_velocity(body);
-    corners.lever.map(|r| state.velocity.y + omega.cross(r).y)
-}
-
-/// |L| max(1/I): no free motion spins faster [rad/s].
-pub(super) fn spin_bound(body: &RigidBox, state: &BodyState) -> f64 {
-    state.angular_momentum.length() * body.inverse_inertia().max_element()
-}
-
-/// How strongly the law accelerates any corner now, the rotation's own part left out [m/s²].
-fn acceleration_bound<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> f64 {
-    let mut bound = force.acceleration().length();
-    let d = force.dissipation();
-    if d != Dissipation::NONE {
-        let speed = state.velocity.length();
-        bound += (d.linear_drag + d.quadratic_drag * speed) * speed * body.inverse_mass();
-        let spin = spin_bound(body, state);
-        let angular = d.angular_damping + d.angular_drag * body.inverse_inertia().max_element();
-        bound += angular * spin * body.radius();
-    }
-    if force.has_wrench() {
-        let w = force.wrench(body, state);
-        bound += w.force.length() * body.inverse_mass();
-        bound += (w.torque * body.inverse_inertia()).length() * body.radius();
-    }
-    bound
-}
-
-/// A bound of the upward acceleration of every corner: 1.06 Ω²|r| for the rotation (Ω² the largest
-/// |ω|² that the rotational energy allows; for a box at most twice the present one), and whatever the
-/// law adds. Plain gravity downwards adds nothing when nothing is held: free fall is concave.
-fn curvature_bound<F: ForceLaw>(
-    body: &RigidBox,
-    state: &BodyState,
-    acceleration: f64,
-    force: &F,
-) -> f64 {
-    let omega = state.body_angular_velocity(body);
-    let energy = 2.0 * state.rotational_energy(body) * body.inverse_inertia().max_element();
-    let spin = (2.0 * omega.length_squared()).min(energy);
-    let up = acceleration - force.acceleration().length() + force.acceleration().y.max(0.0);
-    1.06 * spin * body.radius() + up.max(0.0)
 }

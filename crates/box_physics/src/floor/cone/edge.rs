@@ -79,6 +79,9 @@ impl<'a> Edge<'a> {
     pub(super) fn solve(&self) -> Option<[DVec3; 2]> {
         let smooth = self.smooth_normals();
         let likely = usize::from(smooth[1] < smooth[0]);
+        if self.friction == 0.0 && smooth[likely] >= 0.0 {
+            return self.checked(smooth.map(|p| DVec3::Y * p));
+        }
         let t = self.first_directions(smooth);
         // Full friction that turns no slip round is the answer, or near it.
         let slides = |t| self.sliding(t).is_some_and(|s| s.forward);
@@ -204,7 +207,7 @@ impl<'a> Edge<'a> {
                 *t = single::on_circle(t.0 - step * t.1, t.1 + step * t.0);
             }
             // The next would be the square of this.
-            if largest <= 1e-9 {
+            if largest <= 1e-8 {
                 return self.checked(self.sliding(t)?.p);
             }
         }
@@ -232,7 +235,7 @@ impl<'a> Edge<'a> {
             let b = self.b[i] - column * (inverse * self.b[j].y);
             let (q, found) = single::solve(&reduced, b, self.friction);
             let push = -inverse * self.b[j].y - row.dot(q);
-            if !found || !(push > 0.0) {
+            if !found || push.is_nan() || push <= 0.0 {
                 return None;
             }
             let mut p = [q; 2];
@@ -266,7 +269,7 @@ impl<'a> Edge<'a> {
         let (q01, r01) = column(&self.other[0], t[1]);
         let (q10, r10) = column(&self.other[1], t[0]);
         let determinant = q00.y * q11.y - q01.y * q10.y;
-        if !(determinant > 0.0) {
+        if determinant.is_nan() || determinant <= 0.0 {
             return None;
         }
         let inverse = 1.0 / determinant;

@@ -5,6 +5,7 @@
 //!   s_k = n − µ w_k/|w_k|, and the normal law is three linear equations for the π_k, of which the smallest are
 //!   taken. The impulses give V and Ω anew: a fixed point of three numbers, found by Broyden's method (Math.
 //!   Comput. 19 (1965) 577) from the motion without friction.
+//! - **All stick**: a linear problem.
 //! - **Two leave**: the other two are an edge.
 //!
 //! What is found must obey the law of all corners to be taken.
@@ -29,8 +30,22 @@ pub(super) struct Face<'a> {
 }
 
 impl Face<'_> {
+    /// The impulses, if one of the cases fits: the likeliest first.
+    pub(super) fn solve(&self) -> Option<Corner3> {
+        let fast = self.is_fast();
+        if fast && let Some(p) = self.slide() {
+            return Some(p);
+        }
+        let stop = self.stop();
+        if self.sticks(&stop) {
+            return Some(stop);
+        }
+        self.two_leave(&stop)
+            .or_else(|| if fast { None } else { self.slide() })
+    }
+
     /// Whether the slips are so fast that all corners sliding on is the likeliest.
-    pub(super) fn is_fast(&self) -> bool {
+    fn is_fast(&self) -> bool {
         let b = &self.b[..self.set.count];
         let slow = b.iter().map(|u| u.x * u.x + u.z * u.z);
         let approach = b.iter().fold(0.0, |a: f64, u| a.max(-u.y));
@@ -62,14 +77,14 @@ impl Face<'_> {
     /// The levers have one height, so that the two parts separate: π_k = A + B·r_k with the right sum and the
     /// right torque about the horizontal axes, and t_k = π_k² (C + D n×r_k) with the right sum and torque
     /// about the normal, the smallest in units of what a corner can hold.
-    pub(super) fn stop(&self) -> Corner3 {
+    fn stop(&self) -> Corner3 {
         let (set, n) = (self.set, self.set.count);
         let (r, b) = (&set.lever, self.b);
         // −b as a motion of the floor's plane: opposite corners are neighbours, so 0, 1 and 2 span it.
         let (e, f) = (r[1] - r[0], r[2] - r[0]);
         let area = e.z * f.x - e.x * f.z;
         let (p, q) = (b[1].y - b[0].y, b[2].y - b[0].y);
-        let slide = self.planar(b);
+        let slide = self.planar([b[0], b[1]]);
         let spin = self.spin_of(slide);
         // u_y = v_y + ω_z x − ω_x z
         let omega = -DVec3::new((e.x * q - f.x * p) / area, spin, (e.z * q - f.z * p) / area);
@@ -109,13 +124,13 @@ impl Face<'_> {
     /// Whether these impulses hold every corner. That they stop it is checked only roughly, since what is left
     /// is the rounding of b: to see whether the corners can be stopped at all, which those that are to
     /// bounce differently cannot.
-    pub(super) fn sticks(&self, stop: &Corner3) -> bool {
+    fn sticks(&self, stop: &Corner3) -> bool {
         let left = self.set.largest(&self.velocities(stop));
         super::in_cones(self.set, stop, self.friction) && left <= 1e-9 * self.set.largest(self.b)
     }
 
     /// Two corners leave: those that would have to pull most if all were stopped.
-    pub(super) fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
+    fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
         let n = self.set.count;
         let mut order = [0, 1, 2, 3];
         order[..n].sort_by(|&i, &j| stop[j].y.total_cmp(&stop[i].y));
@@ -131,8 +146,8 @@ impl Face<'_> {
     }
 
     /// All slide.
-    pub(super) fn slide(&self) -> Option<Corner3> {
-        let mut x = self.planar(self.b);
+    fn slide(&self) -> Option<Corner3> {
+        let mut x = self.planar([self.b[0], self.b[1]]);
         let (mut p, next) = self.sliding(x)?;
         let mut f = x - next;
         // The inverse of the Jacobian of x − F(x); the F of fast slips is nearly constant.
@@ -147,10 +162,8 @@ impl Face<'_> {
             }
             inverse = columns.inverse();
         }
-        // Speeds, so that the three are alike.
-        let scale = self.set.largest(self.b);
         for _ in 0..STEPS {
-            if f.abs().max_element() <= 1e-15 * scale {
+            if f.abs().max_element() <= 0.1 * self.target {
                 break;
             }
             let step = -(inverse * f);
@@ -169,7 +182,9 @@ impl Face<'_> {
             inverse += DMat3::from_cols(gain * row.x, gain * row.y, gain * row.z);
             f = g;
         }
-        self.obeys(&p).then_some(p)
+        let mut all = [DVec3::ZERO; 8];
+        all[..4].copy_from_slice(&p);
+        self.obeys(&all).then_some(all)
     }
 
     /// Ω of (V_x, V_z, Ω ℓ).
@@ -178,8 +193,8 @@ impl Face<'_> {
         2.0 * x.z / (arm.x * arm.x + arm.z * arm.z).sqrt()
     }
 
-    /// (V_x, V_z, Ω ℓ) of these velocities of corners, ℓ half the diagonal.
-    fn planar(&self, w: &Corner3) -> DVec3 {
+    /// (V_x, V_z, Ω ℓ) of these velocities of the first two corners, ℓ half the diagonal.
+    fn planar(&self, w: [DVec3; 2]) -> DVec3 {
         let arm = self.set.lever[1] - self.set.lever[0];
         let square = arm.x * arm.x + arm.z * arm.z;
         let change = w[1] - w[0];
@@ -195,34 +210,39 @@ impl Face<'_> {
 
     /// The impulses for the slips that x tells, and the x that they lead to; `None` if one would have to
     /// pull.
-    fn sliding(&self, x: DVec3) -> Option<(Corner3, DVec3)> {
+    fn sliding(&self, x: DVec3) -> Option<([DVec3; 4], DVec3)> {
         let (set, n) = (self.set, self.set.count);
         let spin = self.spin_of(x);
-        let mut s = [DVec3::Y; 8];
+        let mut s = [DVec3::Y; 4];
+        let mut twist = [(DVec3::ZERO, DVec3::ZERO); 4];
         let mut normal = [DVec3::ZERO; 4];
+        let mut gram = DMat3::ZERO;
         for j in 0..n {
             let r = set.lever[j];
             let slip = DVec3::new(x.x + spin * r.z, 0.0, x.y - spin * r.x);
             s[j] -= slip * (self.friction / slip.length());
             // Column j of the normal law, at the first three corners.
             let (v, omega) = set.unit_twist(j, s[j]);
-            let at = |i: usize| self.alpha * (v.y + omega.cross(set.lever[i]).y);
-            normal[j] = DVec3::new(at(0), at(1), at(2));
+            let at = |i: usize| v.y + omega.z * set.lever[i].x - omega.x * set.lever[i].z;
+            let a = DVec3::new(at(0), at(1), at(2));
+            gram += DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+            (twist[j], normal[j]) = ((v, omega), a);
         }
-        let mut gram = DMat3::ZERO;
-        for a in &normal[..n] {
-            gram += DMat3::from_cols(*a * a.x, *a * a.y, *a * a.z);
-        }
-        let wanted = -DVec3::new(self.b[0].y, self.b[1].y, self.b[2].y);
+        let b = self.b;
+        let wanted = DVec3::new(b[0].y, b[1].y, b[2].y) * (-1.0 / self.alpha);
         let multiplier = gram.inverse() * wanted;
-        let mut p = [DVec3::ZERO; 8];
+        let mut p = [DVec3::ZERO; 4];
+        let (mut v, mut omega) = (DVec3::ZERO, DVec3::ZERO);
         for j in 0..n {
             let share = normal[j].dot(multiplier);
-            if !(share >= 0.0) {
+            if share.is_nan() || share < 0.0 {
                 return None;
             }
             p[j] = s[j] * share;
+            v += twist[j].0 * share;
+            omega += twist[j].1 * share;
         }
-        Some((p, self.planar(&self.velocities(&p))))
+        let w = [0, 1].map(|i| b[i] + self.alpha * (v + omega.cross(set.lever[i])));
+        Some((p, self.planar(w)))
     }
 }

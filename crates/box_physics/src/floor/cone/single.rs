@@ -103,12 +103,12 @@ impl Slip<'_> {
         for _ in 0..NEAR_STEPS {
             let (value, slope) = self.turn(t);
             let step = -value / slope;
-            if !(step.abs() <= LARGEST_TURN) {
+            if step.is_nan() || step.abs() > LARGEST_TURN {
                 return None;
             }
             t = on_circle(t.0 - step * t.1, t.1 + step * t.0);
             // The next would be the square of this.
-            if step.abs() <= 1e-9 {
+            if step.abs() <= 1e-8 {
                 return self.impulse(t);
             }
         }

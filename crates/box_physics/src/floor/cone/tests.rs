@@ -1,0 +1,100 @@
+//! Coulomb's law holds for what the solver finds.
+
+use super::*;
+use crate::body::RigidBox;
+use crate::floor::Floor;
+use crate::floor::geometry::{Corners, mask};
+use crate::floor::tests::Random;
+use crate::state::BodyState;
+use glam::DMat3;
+
+/// `n` random touching sets and velocities: how many were not solved, and how far the others are from
+/// the law.
+fn examine(mu: f64, n: usize) -> (usize, f64) {
+    let mut random = Random(11);
+    let mut counts = Vec::new();
+    let mut failed = 0;
+    let mut worst = 0.0_f64;
+    for i in 0..n {
+        let mut side = || random.magnitude(0.02, 1.0);
+        let half = DVec3::new(side(), side(), side());
+        let body = RigidBox::new(half, 3.0).expect("valid");
+        let flat = i % 3 == 0;
+        let mut state = BodyState::at(DVec3::ZERO);
+        state.rotation = if flat {
+            crate::floor::tests::about(DVec3::Y, random.range(0.0, 6.0))
+        } else {
+            random.attitude()
+        };
+        state.velocity = random.vector(1.0);
+        let omega = random.vector(2.0 / body.radius());
+        state.set_angular_velocity(&body, omega);
+        let corners = Corners::at(&Floor::default(), &body, &state);
+        let mut order: Vec<usize> = (0..8).collect();
+        order.sort_by(|&a, &b| corners.height[a].total_cmp(&corners.height[b]));
+        let count = if flat { 4 } else { 1 + i % 2 };
+        let touching = mask(|k| order[..count].contains(&k));
+        let attitude = DMat3::from_quat(state.rotation);
+        let set = ContactSet::new(&body, attitude, &corners.lever, touching);
+        let b = set.velocities((state.velocity, state.angular_velocity(&body)));
+        let s = solve(&set, &b, 1.0, mu, 1e-12, 20_000);
+        counts.push(s.iterations);
+        if s.converged {
+            worst = worst.max(distance_from_the_law(&set, &b, &s, mu, body.mass()));
+        } else {
+            failed += 1;
+        }
+    }
+    counts.sort_unstable();
+    println!(
+        "mu {mu}: failed {failed} of {n}, iterations median {} 99 % {} worst {}, law {worst:.1e}",
+        counts[n / 2],
+        counts[n * 99 / 100],
+        counts[n - 1]
+    );
+    (failed, worst)
+}
+
+/// The largest violation of a condition of the law, in units of speed and momentum.
+fn distance_from_the_law(
+    set: &ContactSet,
+    b: &Corner3,
+    s: &ConeSolution,
+    mu: f64,
+    mass: f64,
+) -> f64 {
+    let scale = set.largest(b);
+    let mut worst = 0.0_f64;
+    for k in 0..set.count {
+        let (p, w) = (s.p[k], s.w[k]);
+        let t = (p.x * p.x + p.z * p.z).sqrt();
+        let slip = (w.x * w.x + w.z * w.z).sqrt();
+        let against = p.x * w.x + p.z * w.z + mu * p.y * slip;
+        worst = worst
+            .max(-w.y / scale)
+            .max(p.y * w.y / (mass * scale * scale))
+            .max((t - mu * p.y) / (mass * scale))
+            .max(against.abs() / ((1.0 + mu) * mass * scale * scale));
+    }
+    worst
+}
+
+#[test]
+fn coulombs_law_holds_for_random_impacts() {
+    for mu in [0.0, 0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
+        let (failed, worst) = examine(mu, 2000);
+        assert_eq!(failed, 0, "mu {mu}");
+        // The solver stops at 1e-12 in w; the friction's part of the law sees µ times that.
+        assert!(worst <= 1e-10_f64.max(1e-12 * mu), "mu {mu}: {worst:e}");
+    }
+}
+
+/// By hand: `cargo test --release -- --ignored coulombs_law_by_hand --nocapture`.
+#[test]
+#[ignore = "120 000 impacts; a part of them is solved with every test"]
+fn coulombs_law_by_hand() {
+    for mu in [0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
+        let (failed, _) = examine(mu, 20_000);
+        assert!(failed <= if mu > 10.0 { 2 } else { 0 }, "mu {mu}");
+    }
+}
