@@ -1,13 +1,14 @@
 //! The tables of a document, between markers, rewritten from what was measured.
 //!
 //! A table named `step` stands between the lines `<!-- table: step -->` and `<!-- /table -->`; its name is
-//! a suite's.
+//! a suite's, or that of something computed from several: `targets`, `million`.
 
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::rows::Row;
+use crate::targets::{self, Aim};
 
 /// Replaces every table of the file whose suite is among the rows.
 ///
@@ -41,15 +42,95 @@ fn with_tables(text: &str, rows: &[Row]) -> String {
         let name = line
             .strip_prefix("<!-- table: ")
             .and_then(|rest| rest.strip_suffix(" -->"));
-        if let Some(name) = name
-            && rows.iter().any(|row| row.suite == name)
-        {
-            let found: Vec<_> = rows.iter().filter(|row| row.suite == name).collect();
-            out.push_str(&table(&found));
+        if let Some(block) = name.and_then(|name| block(name, rows)) {
+            out.push_str(&block);
             skipping = true;
         }
     }
     out
+}
+
+/// What stands under a name, if it was measured.
+fn block(name: &str, rows: &[Row]) -> Option<String> {
+    let found: Vec<_> = rows.iter().filter(|row| row.suite == name).collect();
+    match name {
+        "targets" => targets_table(rows),
+        "million" => targets::million(rows),
+        _ if found.is_empty() => None,
+        "kernels" => Some(schemes_table(&found)),
+        _ => Some(table(&found)),
+    }
+}
+
+fn targets_table(rows: &[Row]) -> Option<String> {
+    // Of the kernels alone too little can be said.
+    if !rows.iter().any(|row| row.suite == "step") {
+        return None;
+    }
+    let mut lines = Lines::new(&["target", "aim", "measured", "met"]);
+    for target in targets::targets(rows) {
+        let aim = match target.aim {
+            Aim::AtMost(most) => format!("≤ {most}"),
+            Aim::AtLeast(least) => format!("≥ {least}"),
+        };
+        let met = if target.is_met() { "yes" } else { "**no**" };
+        let measured = format!("{:.2}", target.measured);
+        lines.push(&[&target.what, &aim, &measured, met]);
+    }
+    Some(lines.0)
+}
+
+/// One line a scheme: its plain step of the bodies that stay in the cache best, and many at a time.
+fn schemes_table(rows: &[&Row]) -> String {
+    let mut sizes: Vec<_> = rows.iter().map(|row| row.bodies).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    // Of one body the call is measured as well.
+    let plain = sizes.iter().copied().find(|&n| n >= 100);
+    let plain = plain.unwrap_or(sizes[0]);
+    let mut schemes = Vec::new();
+    for row in rows {
+        if !schemes.contains(&row.integrator) {
+            schemes.push(row.integrator);
+        }
+    }
+    let heads: Vec<_> = ["scheme".to_owned(), format!("plain, {plain}")]
+        .into_iter()
+        .chain(sizes.iter().map(|n| format!("many, {n}")))
+        .collect();
+    let heads: Vec<_> = heads.iter().map(String::as_str).collect();
+    let mut lines = Lines::new(&heads);
+    for scheme in schemes {
+        let cost = |name: &str, n: usize| {
+            let mut rows = rows.iter();
+            let row = rows.find(|r| (r.integrator, r.name.as_str(), r.bodies) == (scheme, name, n));
+            row.map_or_else(String::new, |row| number(row.cost.min))
+        };
+        let mut cells = vec![format!("`{scheme}`"), cost("plain", plain)];
+        cells.extend(sizes.iter().map(|&n| cost("many at a time", n)));
+        let cells: Vec<_> = cells.iter().map(String::as_str).collect();
+        lines.push(&cells);
+    }
+    lines.0
+}
+
+/// The lines of a table.
+struct Lines(String);
+
+impl Lines {
+    fn new(heads: &[&str]) -> Self {
+        let mut this = Self(String::new());
+        this.push(heads);
+        this.push(&vec!["---"; heads.len()]);
+        this
+    }
+
+    fn push(&mut self, cells: &[&str]) {
+        for cell in cells {
+            let _ = write!(self.0, "| {cell} ");
+        }
+        self.0.push_str("|\n");
+    }
 }
 
 /// Columns that say the same everywhere, or nothing, are left out.
@@ -96,19 +177,13 @@ fn table(rows: &[&Row]) -> String {
         .into_iter()
         .filter(|(name, cells)| *name == "what" || name.starts_with("ns") || tells(cells))
         .collect();
-    let mut out = String::new();
-    let mut line = |cells: &mut dyn Iterator<Item = &str>| {
-        for cell in cells {
-            let _ = write!(out, "| {cell} ");
-        }
-        out.push_str("|\n");
-    };
-    line(&mut columns.iter().map(|(name, _)| *name));
-    line(&mut columns.iter().map(|_| "---"));
+    let heads: Vec<_> = columns.iter().map(|(name, _)| *name).collect();
+    let mut lines = Lines::new(&heads);
     for k in 0..rows.len() {
-        line(&mut columns.iter().map(|(_, cells)| cells[k].as_str()));
+        let cells: Vec<_> = columns.iter().map(|(_, cells)| cells[k].as_str()).collect();
+        lines.push(&cells);
     }
-    out
+    lines.0
 }
 
 /// Three significant digits will do.
@@ -150,6 +225,16 @@ mod tests {
         );
         assert!(once.contains("| resting | 12.3 | 12.3 |\n| sliding | 891 | 891 |\n"));
         assert!(!once.contains("old") && once.contains("end\n") && once.contains("kept"));
+        let mut one = row("plain", 20.0);
+        (one.suite, one.bodies) = ("kernels", 100);
+        let mut many = one.clone();
+        (many.name, many.cost) = ("many at a time".to_owned(), Cost::of(&[8.0]));
+        let pivot = with_tables("<!-- table: kernels -->\n<!-- /table -->\n", &[one, many]);
+        assert!(
+            pivot.contains("| scheme | plain, 100 | many, 100 |\n"),
+            "{pivot}"
+        );
+        assert!(pivot.contains("| `split` | 20.0 | 8.0 |\n"), "{pivot}");
         let again = with_tables(&once, &[row("resting", 12.34), row("sliding", 890.6)]);
         assert_eq!(again, once);
     }

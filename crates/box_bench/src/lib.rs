@@ -15,3 +15,4 @@ pub mod options;
 pub mod plugin_world;
 pub mod rows;
 pub mod suites;
+pub mod targets;

@@ -21,7 +21,7 @@ pub struct Options {
     #[arg(
         long,
         value_delimiter = ',',
-        default_value = "1,100,10000,100000,1000000"
+        default_value = "1,100,1000,10000,100000,1000000"
     )]
     pub bodies: Vec<usize>,
     /// Schemes by id (default: all for kernels, `split` for the plugin).

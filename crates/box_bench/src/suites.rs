@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 
+use box_physics::plugin::PhysicsThreads;
 use box_physics::prelude::*;
 
 use crate::bare::Bare;
@@ -16,8 +17,14 @@ use crate::rows::Row;
 /// Step size of every benchmark \[s\].
 pub const STEP: f64 = 1.0 / 60.0;
 
-/// Threads that the plugin is measured with.
-const THREADS: [usize; 2] = [1, 2];
+/// Threads that the plugin is measured with: of few bodies one alone, as it wakes no other for them.
+fn threads(n: usize) -> &'static [usize] {
+    if n < 2 * PhysicsThreads::default().bodies_each {
+        &[1]
+    } else {
+        &[1, 2]
+    }
+}
 
 /// More bodies are not followed over an episode: it would take minutes.
 const LARGEST_EPISODE: usize = 10_000;
@@ -131,30 +138,40 @@ fn step_rows(
     n: usize,
     situation: Situation,
 ) -> Vec<Row> {
+    let flight = situation == Situation::Flight;
     let set = situation.bodies(n);
     let mut bare = Bare::new(&set, situation.gravity());
     let mut traffic = Traffic::new(n, Bare::bytes_per_body());
-    let world = RefCell::new(PluginWorld::new(situation, integrator, n));
-    let steps = f64::from(world.borrow().steps_per_call());
-    let allocations = THREADS.map(|threads| {
-        let mut world = world.borrow_mut();
-        world.use_threads(threads);
-        for _ in 0..if steps > 1.0 { 1 } else { 10 } {
-            world.call();
-        }
-        count(&mut || world.call()) as f64 / steps
-    });
+    let mut worlds = vec![(
+        situation.name().to_owned(),
+        RefCell::new(PluginWorld::new(situation, integrator, n)),
+    )];
+    if flight {
+        let mut apart = PluginWorld::new(situation, integrator, n);
+        apart.keep_passes_apart();
+        worlds.push(("free flight, passes apart".to_owned(), RefCell::new(apart)));
+    }
+    let steps = f64::from(worlds[0].1.borrow().steps_per_call());
     let mut contenders = vec![
         Contender::new(n as f64, || bare.step(integrator, STEP)),
         Contender::new(n as f64, || traffic.pass()),
     ];
-    for threads in THREADS {
-        let world = &world;
-        contenders.push(Contender::new(n as f64 * steps, move || {
-            let mut world = world.borrow_mut();
-            world.use_threads(threads);
-            world.call();
-        }));
+    let mut rows = Vec::new();
+    for (name, world) in &worlds {
+        for &threads in threads(n) {
+            let mut now = world.borrow_mut();
+            now.use_threads(threads);
+            for _ in 0..if steps > 1.0 { 1 } else { 10 } {
+                now.call();
+            }
+            let allocations = count(&mut || now.call()) as f64 / steps;
+            rows.push((name.as_str(), threads, Some(allocations)));
+            contenders.push(Contender::new(n as f64 * steps, move || {
+                let mut world = world.borrow_mut();
+                world.use_threads(threads);
+                world.call();
+            }));
+        }
     }
     let mut settings = options.settings();
     if steps > 1.0 {
@@ -162,28 +179,27 @@ fn step_rows(
         settings.samples = settings.samples.min(3);
     }
     let costs = interleaved(&mut contenders, &settings);
-    let row = |name: &str, cost: Cost| Row {
+    drop(contenders);
+    let (bounds, own) = costs.split_at(2);
+    let mut found = Vec::new();
+    if flight {
+        found.push(("bare loop", 1, None, bounds[0]));
+        found.push(("memory", 1, None, bounds[1]));
+    }
+    let each = rows.into_iter().zip(own);
+    found.extend(
+        each.map(|((name, threads, allocations), &cost)| (name, threads, allocations, cost)),
+    );
+    let row = |(name, threads, allocations, cost): (&str, usize, Option<f64>, Cost)| Row {
         suite: "step",
         name: name.to_owned(),
         integrator: integrator.id(),
         bodies: n,
-        threads: 1,
+        threads,
         cost,
-        to_bare: Some(cost.min / costs[0].min),
-        to_memory: Some(cost.min / costs[1].min),
-        allocations: None,
+        to_bare: Some(cost.min / bounds[0].min),
+        to_memory: Some(cost.min / bounds[1].min),
+        allocations,
     };
-    let mut rows = Vec::new();
-    if situation == Situation::Flight {
-        rows.push(row("bare loop", costs[0]));
-        rows.push(row("memory", costs[1]));
-    }
-    for (k, &threads) in THREADS.iter().enumerate() {
-        rows.push(Row {
-            threads,
-            allocations: Some(allocations[k]),
-            ..row(situation.name(), costs[2 + k])
-        });
-    }
-    rows
+    found.into_iter().map(row).collect()
 }

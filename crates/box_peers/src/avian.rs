@@ -1,5 +1,7 @@
 //! Avian, as its users have it: a plugin in a Bevy app.
 
+use std::time::Duration;
+
 use avian3d::prelude::*;
 use bevy::prelude::*;
 use box_physics::state::BodyState;
@@ -85,6 +87,10 @@ impl Simulation for World {
 
     fn time(&self) -> f64 {
         in_bevy::time(&self.app)
+    }
+
+    fn physics_time(&self) -> Option<Duration> {
+        Some(in_bevy::physics_time(&self.app))
     }
 
     fn state(&self, body: usize) -> BodyState {

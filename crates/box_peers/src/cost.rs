@@ -1,6 +1,6 @@
 //! What a body and a step cost: in free flight, landing, and at rest.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy::app::App;
 use box_bench::measure::Cost;
@@ -48,6 +48,9 @@ pub struct CostRow {
     ns_per_body_step_min: f64,
     ns_per_body_step_median: f64,
     ns_per_body_step_p95: f64,
+    /// Of the physics alone, without the app around it: of the engines in Bevy.
+    physics_ns_per_body_step_min: Option<f64>,
+    physics_ns_per_body_step_median: Option<f64>,
 }
 
 /// Times every engine in turns. Also returns what a reader must know.
@@ -72,13 +75,18 @@ pub fn measure(
                 bodies: &bodies,
             };
             let mut times = vec![Vec::new(); engines.len()];
+            let mut alone = vec![Vec::new(); engines.len()];
             for _ in 0..if quick { 1 } else { samples } {
-                for (engine, times) in engines.iter().zip(&mut times) {
-                    times.push(run(engine.as_ref(), &spec)?);
+                let each = engines.iter().zip(&mut times).zip(&mut alone);
+                for ((engine, times), alone) in each {
+                    let (whole, physics) = run(engine.as_ref(), &spec)?;
+                    times.push(whole);
+                    alone.extend(physics);
                 }
             }
-            for (engine, times) in engines.iter().zip(&times) {
+            for ((engine, times), alone) in engines.iter().zip(&times).zip(&alone) {
                 let cost = Cost::of(times);
+                let alone = (!alone.is_empty()).then(|| Cost::of(alone));
                 rows.push(CostRow {
                     engine: engine.id(),
                     place: place.id(),
@@ -86,6 +94,8 @@ pub fn measure(
                     ns_per_body_step_min: cost.min,
                     ns_per_body_step_median: cost.median,
                     ns_per_body_step_p95: cost.p95,
+                    physics_ns_per_body_step_min: alone.map(|cost| cost.min),
+                    physics_ns_per_body_step_median: alone.map(|cost| cost.median),
                 });
             }
         }
@@ -98,29 +108,35 @@ pub fn measure(
             SIZES[2].1, SIZES[0].1
         ),
         format!(
-            "An update of the same Bevy app without any physics takes {:.1} µs and is part of the cost of the engines in Bevy.",
+            "Of the engines in Bevy the whole `App::update` is timed: a body's `GlobalTransform`, and an update of the same app \
+             without any physics, {:.1} µs, are part of their cost. *Physics alone* is their share of it, `FixedPostUpdate`, in which both \
+             plugins do everything that they do in a step, `Transform` included.",
             empty_update() * 1e-3
         ),
     ];
     Ok((rows, notes))
 }
 
-/// ns per body and step of one run.
-fn run(engine: &dyn Engine, spec: &Spec) -> Result<f64, String> {
+/// ns per body and step of one run: of the whole, and of the physics alone if that is a part of it.
+fn run(engine: &dyn Engine, spec: &Spec) -> Result<(f64, Option<f64>), String> {
     let mut world = engine.build(spec)?;
     for _ in 0..WARM_UP {
         world.step();
     }
+    let before = world.physics_time();
     let clock = Instant::now();
     for _ in 0..TIMED {
         world.step();
     }
-    let elapsed = clock.elapsed().as_nanos() as f64;
+    let elapsed = clock.elapsed();
+    let physics = world.physics_time().zip(before);
     let state = world.state(spec.bodies.len() / 2);
     if !state.is_finite() {
         return Err(format!("{}: a box is lost", engine.id()));
     }
-    Ok(elapsed / (TIMED * spec.bodies.len()) as f64)
+    let per_step = |time: Duration| time.as_nanos() as f64 / (TIMED * spec.bodies.len()) as f64;
+    let physics = physics.map(|(after, before)| per_step(after - before));
+    Ok((per_step(elapsed), physics))
 }
 
 /// Median time of an update without physics \[ns\].

@@ -1,5 +1,7 @@
 //! What every engine is asked to do.
 
+use std::time::Duration;
+
 use box_physics::body::RigidBox;
 use box_physics::state::BodyState;
 
@@ -31,6 +33,10 @@ pub trait Simulation {
     fn step(&mut self);
     /// Time simulated since the start \[s\].
     fn time(&self) -> f64;
+    /// Time spent in physics alone since the world was built, if it is part of an app that does more.
+    fn physics_time(&self) -> Option<Duration> {
+        None
+    }
     /// Where the box of this number is, and how it moves.
     fn state(&self, body: usize) -> BodyState;
 }

@@ -1,11 +1,32 @@
 //! Driving a Bevy app: every update is exactly one step of its fixed clock.
 
+use std::time::{Duration, Instant};
+
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 
 /// Steps of the fixed clock that were made.
 #[derive(Resource, Default)]
 struct Ticks(u32);
+
+/// Time that `FixedPostUpdate` took, where both plugins do all that they do in a step.
+#[derive(Resource, Default)]
+struct PhysicsTime {
+    since: Option<Instant>,
+    total: Duration,
+}
+
+/// In the schedule before it, in which nothing else is.
+fn start_clock(mut time: ResMut<PhysicsTime>) {
+    time.since = Some(Instant::now());
+}
+
+/// In the schedule after it.
+fn stop_clock(mut time: ResMut<PhysicsTime>) {
+    if let Some(since) = time.since.take() {
+        time.total += since.elapsed();
+    }
+}
 
 /// An app without window or renderer, in which every `update` is one tick of 1/`rate` s, with what `setup`
 /// adds; its clock runs.
@@ -15,7 +36,12 @@ pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
         .insert_resource(Time::<Fixed>::from_hz(f64::from(rate)))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
         .init_resource::<Ticks>()
-        .add_systems(FixedLast, |mut ticks: ResMut<Ticks>| ticks.0 += 1);
+        .init_resource::<PhysicsTime>()
+        .add_systems(FixedUpdate, start_clock)
+        .add_systems(
+            FixedLast,
+            (stop_clock, |mut ticks: ResMut<Ticks>| ticks.0 += 1).chain(),
+        );
     setup(&mut app);
     app.finish();
     app.cleanup();
@@ -23,6 +49,11 @@ pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
     app.update();
     app.world_mut().resource_mut::<Ticks>().0 = 0;
     app
+}
+
+/// Time spent in physics alone since the app was made.
+pub fn physics_time(app: &App) -> Duration {
+    app.world().resource::<PhysicsTime>().total
 }
 
 /// Time simulated \[s\]: ticks of whole nanoseconds.

@@ -71,14 +71,14 @@ fn run(options: &Options) -> Result<(), String> {
     let accuracy = accuracy::measure(&engines)?;
     let (cost, more) = cost::measure(&engines, options.quick)?;
     notes.extend(more);
-    let info = |e: &Box<dyn Engine>| EngineInfo {
+    let info = |e: &dyn Engine| EngineInfo {
         id: e.id(),
         name: e.name(),
         version: e.version(),
         driven: e.driven(),
     };
     let measured = Measured {
-        engines: engines.iter().map(info).collect(),
+        engines: engines.iter().map(|e| info(e.as_ref())).collect(),
         accuracy,
         cost,
         notes,

@@ -1,5 +1,7 @@
 //! This project's plugin, whole: bounding boxes, `Transform`, diagnostics.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
 use box_physics::prelude::*;
 
@@ -53,6 +55,10 @@ impl Simulation for World {
 
     fn time(&self) -> f64 {
         in_bevy::time(&self.app)
+    }
+
+    fn physics_time(&self) -> Option<Duration> {
+        Some(in_bevy::physics_time(&self.app))
     }
 
     fn state(&self, body: usize) -> BodyState {

@@ -51,6 +51,11 @@ struct CostRow {
     ns_per_body_step_min: f64,
     ns_per_body_step_median: f64,
     ns_per_body_step_p95: f64,
+    /// Of the physics alone, of engines that are part of an app.
+    #[serde(default)]
+    physics_ns_per_body_step_min: Option<f64>,
+    #[serde(default)]
+    physics_ns_per_body_step_median: Option<f64>,
 }
 
 /// A result with its circumstances, as committed.
@@ -239,28 +244,42 @@ fn cost_table(measured: &Measured) -> Table {
         let found = measured.engines.iter().find(|e| e.id == id);
         found.map_or_else(|| id.to_owned(), |e| e.name.clone())
     };
-    let row = |id: &str| {
-        let mut cells = vec![name(id)];
+    let row = |id: &str, alone: bool| {
+        let words = if alone { ", physics alone" } else { "" };
+        let mut cells = vec![name(id) + words];
         cells.extend(keys.iter().map(|(p, n)| {
-            let found = measured
-                .cost
-                .iter()
-                .find(|c| c.engine == id && c.place == *p && c.bodies == *n);
-            found.map_or_else(String::new, |c| {
-                let spread = 100.0 * (c.ns_per_body_step_median / c.ns_per_body_step_min - 1.0);
-                format!(
-                    "{} (+{spread:.0} %)",
-                    text::significant(c.ns_per_body_step_min, 3)
-                )
+            let mut rows = measured.cost.iter();
+            let found = rows.find(|c| c.engine == id && c.place == *p && c.bodies == *n);
+            let cost = found.and_then(|c| {
+                if alone {
+                    c.physics_ns_per_body_step_min
+                        .zip(c.physics_ns_per_body_step_median)
+                } else {
+                    Some((c.ns_per_body_step_min, c.ns_per_body_step_median))
+                }
+            });
+            cost.map_or_else(String::new, |(least, median)| {
+                let spread = 100.0 * (median / least - 1.0);
+                format!("{} (+{spread:.0} %)", text::significant(least, 3))
             })
         }));
         cells
     };
+    let in_an_app = |id: &str| {
+        let mut rows = measured.cost.iter().filter(|c| c.engine == id);
+        rows.any(|c| c.physics_ns_per_body_step_min.is_some())
+    };
+    let rows = engines.into_iter().flat_map(|id| {
+        let alone = in_an_app(id).then(|| row(id, true));
+        [Some(row(id, false)), alone].into_iter().flatten()
+    });
     Table {
         title: "Cost per body and step".to_owned(),
-        note: "Fastest sample, and how far the median lies above it.".to_owned(),
+        note: "Fastest sample, and how far the median lies above it. Rapier and Box3D run without an app: \
+               what compares with them is our physics alone."
+            .to_owned(),
+        rows: rows.collect(),
         columns,
-        rows: engines.into_iter().map(row).collect(),
         csv: "peers-cost.csv".to_owned(),
         digest: true,
     }
@@ -326,8 +345,9 @@ fn verdicts(measured: &Measured) -> Vec<String> {
         let found = measured
             .cost
             .iter()
-            .find(|c| c.engine == engine && c.place == place && c.bodies == most);
-        found.map(|c| c.ns_per_body_step_min)
+            .find(|c| c.engine == engine && c.place == place && c.bodies == most)?;
+        let alone = found.physics_ns_per_body_step_min;
+        Some((found.ns_per_body_step_min, alone))
     };
     for e in measured.engines.iter().filter(|e| e.id != "box_physics") {
         let mut parts = Vec::new();
@@ -336,10 +356,17 @@ fn verdicts(measured: &Measured) -> Vec<String> {
             ("landing", "landing"),
             ("resting", "at rest on the floor"),
         ] {
-            if let (Some(own), Some(other)) = (cost("box_physics", place), cost(&e.id, place)) {
-                let ratio = text::significant(other / own, 2);
-                parts.push(format!("{ratio} times our cost {words}"));
-            }
+            let (Some((own, own_alone)), Some((other, other_alone))) =
+                (cost("box_physics", place), cost(&e.id, place))
+            else {
+                continue;
+            };
+            let ratio = text::significant(other / own, 2);
+            let alone = own_alone.map_or_else(String::new, |own| {
+                let ratio = text::significant(other_alone.unwrap_or(other) / own, 2);
+                format!(" (physics alone: {ratio})")
+            });
+            parts.push(format!("{ratio} times our cost {words}{alone}"));
         }
         let worst = |id: &str| {
             let of = measured

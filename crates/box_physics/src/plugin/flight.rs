@@ -4,50 +4,67 @@ use core::ops::Range;
 
 use glam::DVec3;
 
+use super::chunk::Chunk;
 use super::columns::ForceColumnsContiguousItem;
 use super::components::NearFloor;
 use super::step::{Setting, Tally, runs_of};
 use crate::body::RigidBox;
 use crate::floor::{self, Floor};
 use crate::force::{ForceLaw, Gravity};
+use crate::math::{VectorLoop, vectorised};
 use crate::schemes::{GravityField, Group, Scheme, SchemeMemory, SchemeVisitor};
 use crate::state::BodyState;
 
 /// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
-pub(crate) struct FreeFlight<'a, 'w, 's> {
+pub(crate) struct FreeFlight<'a, 'c, 'w, 's> {
     pub(crate) setting: Setting<'a>,
-    /// Index in the table of the first body of the chunk.
-    pub(crate) first: usize,
-    pub(crate) bodies: &'a [RigidBox],
     /// Of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
-    pub(crate) states: &'a mut [BodyState],
-    pub(crate) memories: &'a mut [SchemeMemory],
-    pub(crate) near: &'a mut [NearFloor],
+    pub(crate) chunk: &'a mut Chunk<'c>,
 }
 
 impl NearFloor {
     /// Whether the body is left to *Contact* in this step; noted.
     #[inline(always)]
-    fn meets<F: ForceLaw>(
-        &mut self,
-        floor: &Floor,
-        body: &RigidBox,
-        state: &BodyState,
-        law: &F,
-        h: f64,
-    ) -> bool {
+    fn leave(&mut self, may_touch: impl FnOnce() -> bool) -> bool {
         self.still = false;
-        self.pending = self.touched || floor::may_touch(floor, body, state, law, h);
+        self.pending = self.touched || may_touch();
         self.pending
     }
 }
 
-impl SchemeVisitor for FreeFlight<'_, '_, '_> {
+/// The first question of [`floor::may_touch`] under gravity alone, of many bodies at once: whether the ball
+/// round the box stays above the floor. Then it does not touch.
+struct HighAbove<'a> {
+    floor: &'a Floor,
+    bodies: &'a [RigidBox],
+    states: &'a [BodyState],
+    /// Downwards [m/s²], ≥ 0.
+    pull: f64,
+    h: f64,
+    /// 1 where it does.
+    high: &'a mut [f64],
+}
+
+impl VectorLoop for HighAbove<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let fall = self.h * self.h * self.pull;
+        for ((body, state), high) in self.bodies.iter().zip(self.states).zip(self.high) {
+            let down = -state.velocity.y;
+            // Half as much again as `may_touch` asks for: what is not high is asked there.
+            let drop = self.h * if down > 0.0 { down } else { 0.0 } + 1.5 * fall;
+            let clearance = state.position.y - self.floor.height - body.radius();
+            *high = if clearance > drop { 1.0 } else { 0.0 };
+        }
+    }
+}
+
+impl SchemeVisitor for FreeFlight<'_, '_, '_, '_> {
     type Output = Tally;
 
     fn visit<S: Scheme>(mut self) -> Tally {
-        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
+        let (forces, bodies, first) = (self.forces, self.chunk.bodies, self.chunk.first);
         let world = self.setting.gravity;
         if !forces.only_gravity() {
             return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world));
@@ -72,21 +89,39 @@ const GATHERED: usize = 64;
 /// A run shorter than this is copied together with others: that costs a body less than a step of its own.
 const SHORT: usize = 16;
 
-impl FreeFlight<'_, '_, '_> {
+impl FreeFlight<'_, '_, '_, '_> {
     /// Marks the bodies that may meet the floor. How many there are.
     fn leave_to_contact(&mut self, floor: &Floor) -> usize {
+        let (setting, chunk) = (self.setting, &mut *self.chunk);
         let mut left = 0;
-        for i in 0..self.bodies.len() {
-            let law = Gravity(self.gravity(i));
-            let (body, state) = (&self.bodies[i], &self.states[i]);
-            left += usize::from(self.near[i].meets(floor, body, state, &law, self.setting.h));
+        for start in (0..chunk.len()).step_by(GATHERED) {
+            let part = start..chunk.len().min(start + GATHERED);
+            let mut high = [0.0; GATHERED];
+            if !self.forces.scales_gravity() {
+                vectorised(HighAbove {
+                    floor,
+                    bodies: &chunk.bodies[part.clone()],
+                    states: &chunk.states[part.clone()],
+                    pull: (-setting.gravity.y).max(0.0),
+                    h: setting.h,
+                    high: &mut high,
+                });
+            }
+            for (i, &high) in part.zip(&high) {
+                let (body, state) = (&chunk.bodies[i], &chunk.states[i]);
+                left += usize::from(chunk.near[i].leave(|| {
+                    let law = Gravity(self.forces.gravity(chunk.first + i, setting.gravity));
+                    high == 0.0 && floor::may_touch(floor, body, state, &law, setting.h)
+                }));
+            }
         }
         left
     }
 
     #[inline(always)]
     fn gravity(&self, i: usize) -> DVec3 {
-        self.forces.gravity(self.first + i, self.setting.gravity)
+        self.forces
+            .gravity(self.chunk.first + i, self.setting.gravity)
     }
 
     /// The bodies between those that are left to *Contact*: long runs of them where they are, short ones
@@ -116,7 +151,10 @@ impl FreeFlight<'_, '_, '_> {
 
     /// The next bodies in a row that are not left to *Contact*.
     fn next_run(&self, from: usize) -> Option<Range<usize>> {
-        let range = runs_of(self.near.len() - from, |i| !self.near[from + i].pending).next()?;
+        let range = runs_of(self.chunk.near.len() - from, |i| {
+            !self.chunk.near[from + i].pending
+        })
+        .next()?;
         Some(from + range.start..from + range.end)
     }
 
@@ -142,16 +180,16 @@ impl FreeFlight<'_, '_, '_> {
     ) {
         let known = tally.faults.len();
         let mut group = Group {
-            bodies: &self.bodies[range.clone()],
-            states: &mut self.states[range.clone()],
-            memories: &mut self.memories[range.clone()],
+            bodies: &self.chunk.bodies[range.clone()],
+            states: &mut self.chunk.states[range.clone()],
+            memories: &mut self.chunk.memories[range.clone()],
             gravity,
             faults: &mut tally.faults,
         };
         tally.outcome += S::step_group(&mut group, self.setting.h);
         tally.bodies += range.len() as u64;
         for i in &mut tally.faults[known..] {
-            *i += self.first + range.start;
+            *i += self.chunk.first + range.start;
         }
     }
 
@@ -161,11 +199,12 @@ impl FreeFlight<'_, '_, '_> {
         let known = tally.faults.len();
         // What is beyond the last is not looked at.
         let place = |k: usize| chosen[k.min(chosen.len() - 1)];
-        let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.bodies[place(k)]);
-        let mut states: [BodyState; GATHERED] = core::array::from_fn(|k| self.states[place(k)]);
+        let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.chunk.bodies[place(k)]);
+        let mut states: [BodyState; GATHERED] =
+            core::array::from_fn(|k| self.chunk.states[place(k)]);
         let mut memories: [SchemeMemory; GATHERED] =
             core::array::from_fn(|k| match chosen.get(k) {
-                Some(&i) => core::mem::take(&mut self.memories[i]),
+                Some(&i) => core::mem::take(&mut self.chunk.memories[i]),
                 None => SchemeMemory::default(),
             });
         let gravity: [DVec3; GATHERED] = core::array::from_fn(|k| self.gravity(place(k)));
@@ -179,31 +218,32 @@ impl FreeFlight<'_, '_, '_> {
         tally.outcome += S::step_group(&mut group, self.setting.h);
         tally.bodies += chosen.len() as u64;
         for ((&i, state), memory) in chosen.iter().zip(states).zip(memories) {
-            self.states[i] = state;
-            self.memories[i] = memory;
+            self.chunk.states[i] = state;
+            self.chunk.memories[i] = memory;
         }
         for i in &mut tally.faults[known..] {
-            *i = self.first + chosen[*i];
+            *i = self.chunk.first + chosen[*i];
         }
     }
 
     fn each<S: Scheme, F: ForceLaw>(&mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
-        for i in 0..self.bodies.len() {
-            let (body, state) = (&self.bodies[i], &mut self.states[i]);
+        for i in 0..self.chunk.bodies.len() {
+            let (body, state) = (&self.chunk.bodies[i], &mut self.chunk.states[i]);
             let law = law(i);
             if let Some(floor) = self.setting.floor
-                && self.near[i].meets(floor, body, state, &law, self.setting.h)
+                && self.chunk.near[i]
+                    .leave(|| floor::may_touch(floor, body, state, &law, self.setting.h))
             {
                 continue;
             }
             let before = *state;
-            let memory = &mut self.memories[i];
+            let memory = &mut self.chunk.memories[i];
             tally.outcome += S::step(body, state, &law, self.setting.h, memory);
             tally.bodies += 1;
             if !state.is_sound() {
                 *state = before;
-                tally.faults.push(self.first + i);
+                tally.faults.push(self.chunk.first + i);
             }
         }
         tally

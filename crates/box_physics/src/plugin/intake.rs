@@ -12,6 +12,7 @@ use log::warn;
 
 use super::components::{NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform};
 use super::messages::{ApplyImpulse, FloorContact};
+use super::parallel::{CHUNK, PhysicsThreads};
 use crate::aabb::corners;
 use crate::body::RigidBox;
 use crate::floor::{ContactPhase, ContactState};
@@ -37,27 +38,55 @@ pub(crate) fn collect_impulses(
 /// Bodies whose `Transform` somebody changed are there now.
 pub(crate) fn take_teleports(
     mut bodies: Query<(Entity, &Transform, &WrittenTransform, &mut BodyState), With<RigidBox>>,
+    threads: Res<PhysicsThreads>,
     mut warned: Local<bool>,
 ) -> Result {
     for (entities, transforms, written, mut states) in bodies.contiguous_iter_mut()? {
-        let states = states.bypass_change_detection();
-        for (i, (transform, written)) in transforms.iter().zip(written).enumerate() {
-            // The body's state is not even looked at unless somebody changed something.
-            if transform.translation == written.translation
-                && transform.rotation == written.rotation
-            {
-                continue;
-            }
-            let taken = written.take_teleport(transform, &mut states[i]);
-            if taken.is_err() && !core::mem::replace(&mut *warned, true) {
-                let entity = entities[i];
-                warn!(
-                    "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
-                );
-            }
+        let chunks = entities
+            .chunks(CHUNK)
+            .zip(transforms.chunks(CHUNK))
+            .zip(written.chunks(CHUNK))
+            .zip(states.bypass_change_detection().chunks_mut(CHUNK));
+        // A comparison costs some tenth of a step.
+        let Refused(refused) = threads.share_out(entities.len() / 10, chunks, take_changed);
+        if let Some(entity) = refused
+            && !core::mem::replace(&mut *warned, true)
+        {
+            warn!(
+                "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
+            );
         }
     }
     Ok(())
+}
+
+/// The state of a body is not even looked at unless somebody changed something.
+fn take_changed(
+    (((entities, transforms), written), states): (
+        ((&[Entity], &[Transform]), &[WrittenTransform]),
+        &mut [BodyState],
+    ),
+) -> Refused {
+    let mut refused = Refused(None);
+    for (i, (transform, written)) in transforms.iter().zip(written).enumerate() {
+        if transform.translation == written.translation && transform.rotation == written.rotation {
+            continue;
+        }
+        if written.take_teleport(transform, &mut states[i]).is_err() {
+            refused += Refused(Some(entities[i]));
+        }
+    }
+    refused
+}
+
+/// A body whose `Transform` cannot be taken over: the first in the order of entities.
+#[derive(Default)]
+struct Refused(Option<Entity>);
+
+impl core::ops::AddAssign for Refused {
+    fn add_assign(&mut self, other: Self) {
+        self.0 = self.0.into_iter().chain(other.0).min();
+    }
 }
 
 /// The impulses asked for, in order of arrival. One that cannot be applied is dropped: its body is

@@ -13,6 +13,7 @@
 //!   Last       (yours)
 //! ```
 
+mod chunk;
 mod columns;
 mod components;
 mod faults;
@@ -20,6 +21,7 @@ mod flight;
 mod intake;
 mod messages;
 mod parallel;
+mod plan;
 mod publish;
 mod resources;
 mod run;
@@ -175,6 +177,7 @@ impl Plugin for PhysicsPlugin {
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
             .init_resource::<PhysicsThreads>()
+            .init_resource::<plan::StepPlan>()
             .init_resource::<intake::PendingImpulses>()
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();

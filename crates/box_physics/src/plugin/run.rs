@@ -9,6 +9,7 @@ use log::warn;
 use super::PhysicsSchedule;
 use super::faults::settings_are_valid;
 use super::intake::collect_impulses;
+use super::plan::StepPlan;
 use super::resources::PhysicsClock;
 
 /// Runs the physics by one tick of the clock of this schedule, unless it is paused.
@@ -33,6 +34,7 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     world.resource_mut::<PhysicsClock>().step = delta.as_secs_f64() / f64::from(substeps);
     for substep in 1..=substeps {
         world.resource_mut::<PhysicsClock>().into_tick = substep;
+        StepPlan::update(world);
         world.run_schedule(PhysicsSchedule);
         world.resource_mut::<PhysicsClock>().steps += 1;
     }

@@ -6,13 +6,12 @@ use core::ops::Range;
 use bevy::ecs::entity::Entity;
 use glam::DVec3;
 
+use super::chunk::Chunk;
 use super::columns::ForceColumnsContiguousItem;
-use super::components::{BodyIntegrator, NearFloor};
-use crate::body::RigidBox;
-use crate::floor::{self, ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
+use super::components::BodyIntegrator;
+use crate::floor::{self, ContactPoint, ContactSettings, Floor, FloorOutcome};
 use crate::force::{ForceLaw, Gravity};
-use crate::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
-use crate::state::BodyState;
+use crate::schemes::{Integrator, Scheme, SchemeVisitor, StepOutcome};
 
 /// What is the same for every body of a step.
 #[derive(Clone, Copy)]
@@ -68,6 +67,15 @@ pub(crate) struct Tally {
     pub(crate) floor: FloorOutcome,
     /// Indices in the table of bodies whose state became unsound; they are left at their last good one.
     pub(crate) faults: Vec<usize>,
+    pub(crate) spent: Spent,
+}
+
+/// Time of a thread \[ns\]; 0 if nothing is timed.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Spent {
+    pub(crate) step: u64,
+    pub(crate) refit: u64,
+    pub(crate) writeback: u64,
 }
 
 impl core::ops::AddAssign for Tally {
@@ -76,6 +84,9 @@ impl core::ops::AddAssign for Tally {
         self.outcome += other.outcome;
         self.floor += other.floor;
         self.faults.append(&mut other.faults);
+        self.spent.step += other.spent.step;
+        self.spent.refit += other.spent.refit;
+        self.spent.writeback += other.spent.writeback;
     }
 }
 
@@ -86,27 +97,21 @@ pub(crate) struct Reporting<'a> {
 }
 
 /// Steps those bodies of a chunk that were left for the floor.
-pub(crate) struct AtFloor<'a, 'w, 's> {
+pub(crate) struct AtFloor<'a, 'c, 'r, 'w, 's> {
     pub(crate) floor: &'a Floor,
     pub(crate) setting: Setting<'a>,
-    /// Index in the table of the first body of the chunk.
-    pub(crate) first: usize,
-    pub(crate) entities: &'a [Entity],
-    pub(crate) bodies: &'a [RigidBox],
+    /// Of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
-    pub(crate) states: &'a mut [BodyState],
-    pub(crate) memories: &'a mut [SchemeMemory],
-    pub(crate) contacts: &'a mut [ContactState],
-    pub(crate) near: &'a mut [NearFloor],
+    pub(crate) chunk: &'a mut Chunk<'c>,
     /// If the bodies of this table report their contacts.
-    pub(crate) reporting: Option<Reporting<'a>>,
+    pub(crate) reporting: Option<Reporting<'r>>,
 }
 
-impl SchemeVisitor for AtFloor<'_, '_, '_> {
+impl SchemeVisitor for AtFloor<'_, '_, '_, '_, '_> {
     type Output = Tally;
 
     fn visit<S: Scheme>(self) -> Tally {
-        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
+        let (forces, bodies, first) = (self.forces, self.chunk.bodies, self.chunk.first);
         let world = self.setting.gravity;
         if forces.only_gravity() {
             self.each::<S, _>(|i| Gravity(forces.gravity(first + i, world)))
@@ -116,16 +121,18 @@ impl SchemeVisitor for AtFloor<'_, '_, '_> {
     }
 }
 
-impl AtFloor<'_, '_, '_> {
+impl AtFloor<'_, '_, '_, '_, '_> {
     fn each<S: Scheme, F: ForceLaw>(mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
-        for i in 0..self.bodies.len() {
-            if !self.near[i].pending {
+        let chunk = self.chunk;
+        for i in 0..chunk.len() {
+            if !chunk.near[i].pending {
                 continue;
             }
-            let (body, state) = (&self.bodies[i], &mut self.states[i]);
+            let (body, state) = (&chunk.bodies[i], &mut chunk.states[i]);
             let before = *state;
-            let lay_still = self.contacts[i].is_resting();
+            let contact = &mut chunk.contacts[i];
+            let lay_still = contact.is_resting();
             if let Some(reporting) = &mut self.reporting {
                 reporting.points.clear();
             }
@@ -136,22 +143,22 @@ impl AtFloor<'_, '_, '_> {
                 state,
                 &law(i),
                 self.setting.h,
-                &mut self.memories[i],
-                &mut self.contacts[i],
+                &mut chunk.memories[i],
+                contact,
                 self.reporting.as_mut().map(|r| &mut *r.points),
             );
             tally.bodies += 1;
             tally.outcome += outcome.step;
             tally.floor += outcome;
-            let near = &mut self.near[i];
-            near.touched = self.contacts[i].touching() != 0;
+            let near = &mut chunk.near[i];
+            near.touched = contact.touching() != 0;
             near.still = lay_still && outcome.resting && *state == before;
             if !state.is_sound() {
                 *state = before;
                 near.still = false;
-                tally.faults.push(self.first + i);
+                tally.faults.push(chunk.first + i);
             } else if let Some(reporting) = &mut self.reporting {
-                (reporting.tell)(self.entities[i], reporting.points);
+                (reporting.tell)(chunk.entities[i], reporting.points);
             }
         }
         tally
@@ -173,7 +180,7 @@ mod tests {
         assert_eq!(parts, [(a.0, 0..2), (b.0, 2..3), (a.0, 3..4)]);
         let odd: Vec<_> = runs_of(7, |i| i % 4 > 1).collect();
         assert_eq!(odd, [2..4, 6..7]);
-        assert_eq!(runs_of(3, |_| true).collect::<Vec<_>>(), [0..3]);
+        assert_eq!(runs_of(3, |_| true).next(), Some(0..3));
         assert_eq!(runs_of(3, |_| false).count(), 0);
     }
 }

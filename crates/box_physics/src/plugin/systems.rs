@@ -1,7 +1,5 @@
 //! The systems of a step: each hands columns to the core, and says what came of it.
 
-use std::time::Instant;
-
 use bevy::ecs::change_detection::ContiguousMut;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
@@ -10,6 +8,7 @@ use bevy::ecs::query::{Has, With, Without};
 use bevy::ecs::system::{Commands, Local, Query, Res, ResMut, SystemParam};
 use bevy::transform::components::Transform;
 
+use super::chunk::{Chunk, Shown, Stepped};
 use super::columns::ForceColumns;
 use super::components::{
     BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
@@ -17,13 +16,14 @@ use super::components::{
 use super::flight::FreeFlight;
 use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
 use super::parallel::{CHUNK, PhysicsThreads};
+use super::plan::StepPlan;
 use super::publish;
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-use super::step::{AtFloor, Reporting, Setting, runs, runs_of};
-use super::timing::{PhysicsTimings, Stage, nanoseconds};
+use super::step::{AtFloor, Reporting, Setting, Tally, runs, runs_of};
+use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
-use crate::schemes::SchemeMemory;
+use crate::schemes::{Integrator, SchemeMemory};
 use crate::state::BodyState;
 
 /// What is the same for every body of a step.
@@ -35,6 +35,7 @@ pub(crate) struct StepWorld<'w> {
     contact: Option<Res<'w, ContactSettings>>,
     threads: Res<'w, PhysicsThreads>,
     floor: Option<Res<'w, Floor>>,
+    plan: Res<'w, StepPlan>,
 }
 
 impl StepWorld<'_> {
@@ -54,7 +55,7 @@ impl StepWorld<'_> {
 /// What the two stepping systems say of the bodies that went wrong.
 fn quarantine(
     entity: Entity,
-    integrator: crate::schemes::Integrator,
+    integrator: Integrator,
     clock: &PhysicsClock,
     state: &mut BodyState,
     written: &WrittenTransform,
@@ -78,7 +79,33 @@ fn quarantine(
     });
 }
 
-/// Steps every body that stays clear of the floor.
+/// What came of the chunks of a run, and of the time \[ns\] that they took, by the share that each stage had
+/// in the threads' own: what is not accounted for, sharing out, is the stage's own.
+fn record(
+    timings: &mut PhysicsTimings,
+    own: Stage,
+    integrator: Integrator,
+    tally: &Tally,
+    time: u64,
+) {
+    let spent = tally.spent;
+    let all = (spent.step + spent.refit + spent.writeback).max(1);
+    let share = |part: u64| (u128::from(time) * u128::from(part) / u128::from(all)) as u64;
+    let (refit, writeback) = (share(spent.refit), share(spent.writeback));
+    timings.record_stage(Stage::Refit, refit);
+    timings.record_stage(Stage::Writeback, writeback);
+    timings.record_stage(own, time - refit - writeback);
+    if own == Stage::Integrate {
+        let time = time - refit - writeback;
+        timings.record_scheme(integrator, tally.bodies, time, tally.outcome);
+    } else {
+        timings.record_scheme(integrator, 0, 0, tally.outcome);
+        timings.floor += tally.floor;
+        timings.bodies_at_floor += tally.bodies;
+    }
+}
+
+/// Steps every body that stays clear of the floor; and shows it, if the plan says so.
 pub(crate) fn integrate(
     world: StepWorld,
     mut timings: Option<ResMut<PhysicsTimings>>,
@@ -87,10 +114,14 @@ pub(crate) fn integrate(
             Entity,
             &RigidBox,
             ForceColumns,
-            &WrittenTransform,
             &mut BodyState,
             &mut SchemeMemory,
             &mut NearFloor,
+            (
+                &mut WrittenTransform,
+                &mut Transform,
+                Option<&mut WorldAabb>,
+            ),
             Option<&BodyIntegrator>,
         ),
         Without<Quarantined>,
@@ -98,36 +129,56 @@ pub(crate) fn integrate(
     mut commands: Commands,
     mut messages: MessageWriter<BodyQuarantined>,
 ) -> Result {
-    let stage = timings.is_some().then(Instant::now);
+    let timed = timings.is_some();
+    let mut stage = Stopwatch::start(timed);
     let setting = world.setting();
-    for (entities, boxes, forces, written, mut states, mut memories, mut near, own) in
-        bodies.contiguous_iter_mut()?
+    for (
+        entities,
+        boxes,
+        forces,
+        mut states,
+        mut memories,
+        mut near,
+        (mut written, transforms, mut fitted),
+        own,
+    ) in bodies.contiguous_iter_mut()?
     {
-        let states = states.bypass_change_detection();
-        let memories = memories.bypass_change_detection();
-        let near = near.bypass_change_detection();
+        let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
+        let mut table = Chunk {
+            first: 0,
+            entities,
+            bodies: boxes,
+            states: states.bypass_change_detection(),
+            memories: memories.bypass_change_detection(),
+            contacts: &mut [],
+            near: near.bypass_change_detection(),
+            shown: Shown {
+                fitted: world.plan.column(&mut fitted),
+                written: written.bypass_change_detection(),
+                transforms,
+                now: ticks.this_run(),
+                changed: ticks.changed_mut(),
+            },
+        };
         for (integrator, range) in runs(world.integrator.0, own, boxes.len()) {
-            let start = timings.is_some().then(Instant::now);
-            let chunks = boxes[range.clone()]
-                .chunks(CHUNK)
-                .zip(states[range.clone()].chunks_mut(CHUNK))
-                .zip(memories[range.clone()].chunks_mut(CHUNK))
-                .zip(near[range.clone()].chunks_mut(CHUNK))
-                .enumerate()
-                .map(|(k, (((bodies, states), memories), near))| FreeFlight {
+            let chunks = table.part(range.clone()).chunks(CHUNK);
+            let mut tally = world.threads.share_out(range.len(), chunks, |mut chunk| {
+                let mut watch = Stopwatch::start(timed);
+                let mut tally = integrator.dispatch(FreeFlight {
                     setting,
-                    first: range.start + k * CHUNK,
-                    bodies,
                     forces: &forces,
-                    states,
-                    memories,
-                    near,
+                    chunk: &mut chunk,
                 });
-            let mut tally = world
-                .threads
-                .share_out(range.len(), chunks, |chunk| integrator.dispatch(chunk));
-            if let (Some(timings), Some(start)) = (&mut timings, start) {
-                timings.record_scheme(integrator, tally.bodies, nanoseconds(start), tally.outcome);
+                tally.spent.step += watch.lap();
+                if world.plan.at_once {
+                    let floor = setting.floor.is_some();
+                    let stepped = if floor { Stepped::Clear } else { Stepped::All };
+                    chunk.show(stepped, &mut tally, &mut watch);
+                }
+                tally
+            });
+            if let Some(timings) = &mut timings {
+                record(timings, Stage::Integrate, integrator, &tally, stage.lap());
             }
             tally.faults.sort_unstable();
             for i in tally.faults {
@@ -135,21 +186,18 @@ pub(crate) fn integrate(
                     entities[i],
                     integrator,
                     &world.clock,
-                    &mut states[i],
-                    &written[i],
+                    &mut table.states[i],
+                    &table.shown.written[i],
                     &mut commands,
                     &mut messages,
                 );
             }
         }
     }
-    if let (Some(timings), Some(start)) = (&mut timings, stage) {
-        timings.record_stage(Stage::Integrate, start);
-    }
     Ok(())
 }
 
-/// Steps the bodies that *Integrate* left for the floor.
+/// Steps the bodies that *Integrate* left for the floor; and shows them, if the plan says so.
 pub(crate) fn contact(
     world: StepWorld,
     mut timings: Option<ResMut<PhysicsTimings>>,
@@ -158,11 +206,14 @@ pub(crate) fn contact(
             Entity,
             &RigidBox,
             ForceColumns,
-            &WrittenTransform,
             &mut BodyState,
             &mut SchemeMemory,
-            &mut ContactState,
-            &mut NearFloor,
+            (&mut ContactState, &mut NearFloor),
+            (
+                &mut WrittenTransform,
+                &mut Transform,
+                Option<&mut WorldAabb>,
+            ),
             (Option<&BodyIntegrator>, Has<ReportContacts>),
         ),
         Without<Quarantined>,
@@ -174,7 +225,8 @@ pub(crate) fn contact(
     let Some(floor) = &world.floor else {
         return Ok(());
     };
-    let stage = timings.is_some().then(Instant::now);
+    let timed = timings.is_some();
+    let mut stage = Stopwatch::start(timed);
     let setting = world.setting();
     let mut tell = |entity: Entity, points: &[ContactPoint]| {
         contacts.write_batch(points.iter().map(|p| FloorContact {
@@ -189,18 +241,30 @@ pub(crate) fn contact(
         entities,
         boxes,
         forces,
-        written,
         mut states,
         mut memories,
-        mut touching,
-        mut near,
+        (mut touching, mut near),
+        (mut written, transforms, mut fitted),
         (own, heard),
     ) in bodies.contiguous_iter_mut()?
     {
-        let states = states.bypass_change_detection();
-        let memories = memories.bypass_change_detection();
-        let touching = touching.bypass_change_detection();
-        let near = near.bypass_change_detection();
+        let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
+        let mut table = Chunk {
+            first: 0,
+            entities,
+            bodies: boxes,
+            states: states.bypass_change_detection(),
+            memories: memories.bypass_change_detection(),
+            contacts: touching.bypass_change_detection(),
+            near: near.bypass_change_detection(),
+            shown: Shown {
+                fitted: world.plan.column(&mut fitted),
+                written: written.bypass_change_detection(),
+                transforms,
+                now: ticks.this_run(),
+                changed: ticks.changed_mut(),
+            },
+        };
         for (integrator, range) in runs(world.integrator.0, own, boxes.len()) {
             // Who listens hears of the bodies in their order: one chunk, one thread.
             let size = if heard { range.len() } else { CHUNK };
@@ -208,36 +272,30 @@ pub(crate) fn contact(
                 points: &mut points,
                 tell: &mut tell,
             });
-            let chunks = boxes[range.clone()]
+            let chunks = table
+                .part(range.clone())
                 .chunks(size)
-                .zip(entities[range.clone()].chunks(size))
-                .zip(states[range.clone()].chunks_mut(size))
-                .zip(memories[range.clone()].chunks_mut(size))
-                .zip(touching[range.clone()].chunks_mut(size))
-                .zip(near[range.clone()].chunks_mut(size))
-                .enumerate()
-                .map(
-                    |(k, (((((bodies, entities), states), memories), contacts), near))| AtFloor {
-                        floor,
-                        setting,
-                        first: range.start + k * size,
-                        entities,
-                        bodies,
-                        forces: &forces,
-                        states,
-                        memories,
-                        contacts,
-                        near,
-                        reporting: reporting.take(),
-                    },
-                );
-            let mut tally = world
-                .threads
-                .share_out(range.len(), chunks, |chunk| integrator.dispatch(chunk));
+                .map(|chunk| (chunk, reporting.take()));
+            let mut tally =
+                world
+                    .threads
+                    .share_out(range.len(), chunks, |(mut chunk, reporting)| {
+                        let mut watch = Stopwatch::start(timed);
+                        let mut tally = integrator.dispatch(AtFloor {
+                            floor,
+                            setting,
+                            forces: &forces,
+                            chunk: &mut chunk,
+                            reporting,
+                        });
+                        tally.spent.step += watch.lap();
+                        if world.plan.at_once {
+                            chunk.show(Stepped::AtFloor, &mut tally, &mut watch);
+                        }
+                        tally
+                    });
             if let Some(timings) = &mut timings {
-                timings.record_scheme(integrator, 0, 0, tally.outcome);
-                timings.floor += tally.floor;
-                timings.bodies_at_floor += tally.bodies;
+                record(timings, Stage::Contact, integrator, &tally, stage.lap());
             }
             tally.faults.sort_unstable();
             for i in tally.faults {
@@ -245,36 +303,43 @@ pub(crate) fn contact(
                     entities[i],
                     integrator,
                     &world.clock,
-                    &mut states[i],
-                    &written[i],
+                    &mut table.states[i],
+                    &table.shown.written[i],
                     &mut commands,
                     &mut messages,
                 );
             }
         }
     }
-    if let (Some(timings), Some(start)) = (&mut timings, stage) {
-        timings.record_stage(Stage::Contact, start);
-    }
     Ok(())
 }
 
-/// Re-fits the bounding boxes: |R|·h, rounded outward; not of boxes that lay still.
+/// Re-fits the bounding boxes: |R|·h, rounded outward; not of boxes that lay still, nor of those that were
+/// shown when they were stepped.
 pub(crate) fn refit_aabbs(
-    mut bodies: Query<(&RigidBox, &BodyState, &NearFloor, &mut WorldAabb)>,
+    mut bodies: Query<(
+        &RigidBox,
+        &BodyState,
+        &NearFloor,
+        &mut WorldAabb,
+        Has<Quarantined>,
+    )>,
     threads: Res<PhysicsThreads>,
+    plan: Res<StepPlan>,
     floor: Option<Res<Floor>>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    let start = timings.is_some().then(Instant::now);
-    for (boxes, states, near, mut fitted) in bodies.contiguous_iter_mut()? {
-        let fitted = fitted.bypass_change_detection();
+    let mut stage = Stopwatch::start(timings.is_some());
+    let any_floor = floor.is_some();
+    for (boxes, states, near, mut fitted, quarantined) in bodies.contiguous_iter_mut()? {
+        if plan.at_once && !quarantined {
+            continue;
+        }
         let chunks = boxes
             .chunks(CHUNK)
             .zip(states.chunks(CHUNK))
             .zip(near.chunks(CHUNK))
-            .zip(fitted.chunks_mut(CHUNK));
-        let any_floor = floor.is_some();
+            .zip(fitted.bypass_change_detection().chunks_mut(CHUNK));
         threads.share_out(
             boxes.len(),
             chunks,
@@ -290,26 +355,38 @@ pub(crate) fn refit_aabbs(
             },
         );
     }
-    if let (Some(timings), Some(start)) = (&mut timings, start) {
-        timings.record_stage(Stage::Refit, start);
+    if let Some(timings) = &mut timings {
+        timings.record_stage(Stage::Refit, stage.lap());
     }
     Ok(())
 }
 
-/// Writes `Transform` where the pose in f32 is another than it shows.
+/// Writes `Transform` where the pose in f32 is another than it shows; not of bodies that were shown when
+/// they were stepped.
 pub(crate) fn write_transforms(
-    mut bodies: Query<(&BodyState, &mut WrittenTransform, &mut Transform), With<RigidBox>>,
+    mut bodies: Query<
+        (
+            &BodyState,
+            &mut WrittenTransform,
+            &mut Transform,
+            Has<Quarantined>,
+        ),
+        With<RigidBox>,
+    >,
     threads: Res<PhysicsThreads>,
+    plan: Res<StepPlan>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    let start = timings.is_some().then(Instant::now);
-    for (states, mut written, transforms) in bodies.contiguous_iter_mut()? {
-        let written = written.bypass_change_detection();
+    let mut stage = Stopwatch::start(timings.is_some());
+    for (states, mut written, transforms, quarantined) in bodies.contiguous_iter_mut()? {
+        if plan.at_once && !quarantined {
+            continue;
+        }
         let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
         let now = ticks.this_run();
         let chunks = states
             .chunks(CHUNK)
-            .zip(written.chunks_mut(CHUNK))
+            .zip(written.bypass_change_detection().chunks_mut(CHUNK))
             .zip(transforms.chunks_mut(CHUNK))
             .zip(ticks.changed_mut().chunks_mut(CHUNK));
         threads.share_out(
@@ -321,8 +398,8 @@ pub(crate) fn write_transforms(
             },
         );
     }
-    if let (Some(timings), Some(start)) = (&mut timings, start) {
-        timings.record_stage(Stage::Writeback, start);
+    if let Some(timings) = &mut timings {
+        timings.record_stage(Stage::Writeback, stage.lap());
     }
     Ok(())
 }

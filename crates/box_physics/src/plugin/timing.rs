@@ -126,8 +126,9 @@ impl PhysicsTimings {
         self.stages = [0; 4];
     }
 
-    pub(crate) fn record_stage(&mut self, stage: Stage, since: Instant) {
-        self.stages[stage as usize] = nanoseconds(since);
+    /// Adds to the time of a stage \[ns\].
+    pub(crate) fn record_stage(&mut self, stage: Stage, nanoseconds: u64) {
+        self.stages[stage as usize] += nanoseconds;
     }
 
     pub(crate) fn record_scheme(
@@ -144,9 +145,23 @@ impl PhysicsTimings {
     }
 }
 
-/// Time since `start` \[ns\].
-pub(crate) fn nanoseconds(start: Instant) -> u64 {
-    u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)
+/// Takes the time of one piece of work after another, if it is wanted.
+pub(crate) struct Stopwatch(Option<Instant>);
+
+impl Stopwatch {
+    pub(crate) fn start(wanted: bool) -> Self {
+        Self(wanted.then(Instant::now))
+    }
+
+    /// Time since the start or the last lap \[ns\]; 0 if nothing is timed.
+    pub(crate) fn lap(&mut self) -> u64 {
+        let Some(last) = &mut self.0 else {
+            return 0;
+        };
+        let now = Instant::now();
+        let spent = now - core::mem::replace(last, now);
+        u64::try_from(spent.as_nanos()).unwrap_or(u64::MAX)
+    }
 }
 
 /// A scheme's diagnostic: `box_physics/scheme/split`, … in ns per body-step.
