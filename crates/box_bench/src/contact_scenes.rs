@@ -128,6 +128,43 @@ impl ContactBench {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use box_physics::schemes::Exact;
+
+    /// Not even under `exact`, whose memory every piece that is tried needs a copy of.
+    #[test]
+    fn a_warm_body_that_bounces_allocates_nothing() {
+        let (body, law) = (RigidBox::default(), Gravity(DVec3::NEG_Y * 9.81));
+        let spin = DVec3::new(2.0, 1.0, 3.0);
+        let mut state = BodyState::at(DVec3::Y * 2.0).with_angular_velocity(&body, spin);
+        let (mut memory, mut contact) = (SchemeMemory::default(), ContactState::default());
+        let floor = Floor {
+            restitution: 0.8,
+            ..Floor::default()
+        };
+        let mut impacts = |steps: u32| {
+            let mut sum = 0;
+            for _ in 0..steps {
+                let outcome = step_on_floor::<Exact, _>(
+                    &floor,
+                    &ContactSettings::default(),
+                    &body,
+                    &mut state,
+                    &law,
+                    1.0 / 60.0,
+                    &mut memory,
+                    &mut contact,
+                    None,
+                );
+                sum += outcome.impacts;
+            }
+            sum
+        };
+        assert!(impacts(100) > 2);
+        let mut hit = 0;
+        let spent = allocation_counter::measure(|| hit = impacts(100));
+        assert!(hit > 2, "{hit}");
+        assert_eq!(spent.count_total, 0);
+    }
 
     #[test]
     fn scenes_do_what_they_say() {
