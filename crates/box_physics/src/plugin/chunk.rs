@@ -123,7 +123,9 @@ impl<'a> Chunk<'a> {
     pub(crate) fn show(&mut self, stepped: Stepped, tally: &mut Tally, watch: &mut Stopwatch) {
         let count = self.len();
         let (first, near, faults) = (self.first, &*self.near, &tally.faults);
-        let whole = stepped == Stepped::All && faults.is_empty();
+        // Nobody to be left out: the columns are gone over as they are.
+        let everyone = stepped != Stepped::AtFloor && tally.bodies == count as u64;
+        let whole = everyone && faults.is_empty();
         let wanted = |i: usize| {
             let taken = match stepped {
                 Stepped::All => true,
