@@ -589,7 +589,7 @@ fn keys_of_the_comparison() {
     let layout = |app: &App| app.world().resource::<Comparison>().settings.layout;
     for (code, typed, expected) in [
         (KeyCode::KeyV, "v", Layout::Lanes),
-        (KeyCode::KeyV, "v", Layout::Split),
+        (KeyCode::KeyV, "v", Layout::Views),
         (KeyCode::KeyG, "g", Layout::Solo),
         (KeyCode::KeyG, "g", Layout::Ghosts),
     ] {

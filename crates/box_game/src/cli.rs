@@ -38,7 +38,7 @@ pub struct Cli {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
 
-    /// How the schemes are shown together: solo, ghosts, lanes or split.
+    /// How the schemes are shown together: solo, ghosts, lanes or views.
     #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
     pub layout: Layout,
 
@@ -174,7 +174,7 @@ fn parse_layout(text: &str) -> Result<Layout, String> {
     Layout::ALL
         .into_iter()
         .find(|layout| layout.name().eq_ignore_ascii_case(text.trim()))
-        .ok_or_else(|| "allowed: solo, ghosts, lanes, split".to_owned())
+        .ok_or_else(|| "allowed: solo, ghosts, lanes, views".to_owned())
 }
 
 fn parse_duration(text: &str) -> Result<f64, String> {

@@ -52,12 +52,12 @@ pub enum Layout {
     /// Side by side; only the picture is shifted.
     Lanes,
     /// The hero and the first three lanes, a view each, all from the same place.
-    Split,
+    Views,
 }
 
 impl Layout {
     /// In the order of the key.
-    pub const ALL: [Self; 4] = [Self::Solo, Self::Ghosts, Self::Lanes, Self::Split];
+    pub const ALL: [Self; 4] = [Self::Solo, Self::Ghosts, Self::Lanes, Self::Views];
 
     /// On its button.
     pub const fn name(self) -> &'static str {
@@ -65,7 +65,7 @@ impl Layout {
             Self::Solo => "Solo",
             Self::Ghosts => "Ghosts",
             Self::Lanes => "Lanes",
-            Self::Split => "Split",
+            Self::Views => "Views",
         }
     }
 
@@ -74,8 +74,8 @@ impl Layout {
         match self {
             Self::Solo => Self::Ghosts,
             Self::Ghosts => Self::Lanes,
-            Self::Lanes => Self::Split,
-            Self::Split => Self::Solo,
+            Self::Lanes => Self::Views,
+            Self::Views => Self::Solo,
         }
     }
 }
@@ -188,10 +188,10 @@ mod tests {
     #[test]
     fn the_key_goes_round_the_layouts() {
         let mut seen = vec![Layout::default()];
-        while seen.len() < 4 {
+        while seen.len() <= Layout::ALL.len() {
             seen.push(seen[seen.len() - 1].next());
         }
-        assert_eq!(seen[0], seen[3]);
+        assert_eq!(seen[0], seen[Layout::ALL.len()]);
         assert!(Layout::ALL.iter().all(|l| seen.contains(l)));
     }
 }

@@ -269,7 +269,7 @@ pub fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleGhosts => {
             settings.layout = match settings.layout {
                 Layout::Solo => Layout::Ghosts,
-                Layout::Ghosts | Layout::Lanes | Layout::Split => Layout::Solo,
+                Layout::Ghosts | Layout::Lanes | Layout::Views => Layout::Solo,
             };
         }
         CompareAction::SetFairness(fairness) => settings.fairness = fairness,

@@ -84,9 +84,9 @@ pub(super) fn draw_frames(
             trail: trail.map(|(_, points)| points),
         };
         match (layout, k) {
-            (Layout::Split, 1) => lines.draw(&mut second, lane),
-            (Layout::Split, 2) => lines.draw(&mut third, lane),
-            (Layout::Split, 3) => lines.draw(&mut fourth, lane),
+            (Layout::Views, 1) => lines.draw(&mut second, lane),
+            (Layout::Views, 2) => lines.draw(&mut third, lane),
+            (Layout::Views, 3) => lines.draw(&mut fourth, lane),
             _ => lines.draw(&mut first, lane),
         }
     }

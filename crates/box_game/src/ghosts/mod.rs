@@ -67,14 +67,14 @@ fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     let lanes = run.lanes.iter().enumerate().map(|(k, r)| {
         let offset = match layout {
             Layout::Lanes => side * place(k),
-            Layout::Solo | Layout::Ghosts | Layout::Split => Vec3::ZERO,
+            Layout::Solo | Layout::Ghosts | Layout::Views => Vec3::ZERO,
         };
         (r.lane.integrator, &r.lane.state, &r.track, offset)
     });
     let beside = match layout {
         Layout::Solo => 0,
         Layout::Ghosts | Layout::Lanes => run.lanes.len(),
-        Layout::Split => run.lanes.len().min(views::MOST - 1),
+        Layout::Views => run.lanes.len().min(views::MOST - 1),
     };
     [hero].into_iter().chain(lanes.take(beside)).collect()
 }
@@ -166,7 +166,7 @@ fn place_ghosts(
         let [clear, solid] = tint(*integrator);
         let (shape, look, view) = match layout {
             Layout::Lanes => (shaded, solid, 0),
-            Layout::Split => (shaded, solid, k),
+            Layout::Views => (shaded, solid, k),
             Layout::Solo | Layout::Ghosts => (plain, clear, 0),
         };
         if mesh.0 != *shape {
@@ -192,7 +192,7 @@ fn place_ghosts(
 /// The layout as it is drawn: without a room of its own for the picture, views are ghosts.
 fn drawn(comparison: &Comparison, area: bool) -> Layout {
     match comparison.settings.layout {
-        Layout::Split if !area => Layout::Ghosts,
+        Layout::Views if !area => Layout::Ghosts,
         layout => layout,
     }
 }

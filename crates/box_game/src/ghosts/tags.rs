@@ -40,18 +40,18 @@ pub(super) fn draw_tags(
     };
     let point = |v: Vec2| egui::pos2(v.x * scale, v.y * scale);
     let lanes = shown(run, layout);
-    // In pixels; the views of the split layout and the whole of them.
+    // In pixels; the views and the whole of them.
     let pixels = |r: URect| {
         let corner =
             |c: UVec2| egui::Pos2::from(c.as_vec2().to_array()) / context.pixels_per_point();
         egui::Rect::from_min_max(corner(r.min), corner(r.max))
     };
     let cells: Vec<egui::Rect> = match (&area, layout) {
-        (Some(area), Layout::Split) => cells(area.0, lanes.len()).into_iter().map(pixels).collect(),
+        (Some(area), Layout::Views) => cells(area.0, lanes.len()).into_iter().map(pixels).collect(),
         _ => Vec::new(),
     };
     let view = match &area {
-        Some(area) if layout == Layout::Split => pixels(area.0),
+        Some(area) if layout == Layout::Views => pixels(area.0),
         _ => egui::Rect::from_min_max(point(view.min), point(view.max)),
     };
     let painter = context
@@ -99,7 +99,7 @@ pub(super) fn draw_tags(
                 }
                 corner
             }
-            Layout::Split => {
+            Layout::Views => {
                 let Some(cell) = cells.get(k) else {
                     continue;
                 };

@@ -1,4 +1,4 @@
-//! The split layout: up to four schemes, a view each, all from the same place. The hero is in the first,
+//! The layout of views: up to four schemes, a view each, all from the same place. The hero is in the first,
 //! each lane alone in one of the others; floor, light and lattice are in all.
 
 use bevy::camera::visibility::RenderLayers;
@@ -16,8 +16,8 @@ const GAP: u32 = 2;
 /// The layer of what is in every view.
 const COMMON: usize = MOST;
 
-/// The room for the picture \[pixels\], which a panel leaves. Where there is none, the split layout is drawn
-/// as ghosts.
+/// The room for the picture \[pixels\], which a panel leaves. Where there is none, views are drawn as
+/// ghosts.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PictureArea(pub URect);
 
@@ -72,13 +72,19 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
         3 if wide => (3, 1),
         _ => (2, 2),
     };
-    let part = |length: u32, parts: u32| (length.saturating_sub(GAP * (parts - 1)) / parts).max(1);
+    // A picture of a few pixels has no room for gaps.
+    let gap = if area.width().min(area.height()) < 8 * GAP {
+        0
+    } else {
+        GAP
+    };
+    let part = |length: u32, parts: u32| (length.saturating_sub(gap * (parts - 1)) / parts).max(1);
     let size = UVec2::new(part(area.width(), columns), part(area.height(), rows));
     (0..rows)
         .flat_map(|row| (0..columns).map(move |column| UVec2::new(column, row)))
         .take(n.max(1))
         .map(|at| {
-            let corner = area.min + at * (size + GAP);
+            let corner = (area.min + at * (size + gap)).min(area.max.max(UVec2::ONE) - 1);
             URect::from_corners(corner, corner + size)
         })
         .collect()
@@ -87,7 +93,7 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
 /// How many views there are.
 pub(super) fn count(comparison: &Comparison) -> usize {
     match &comparison.run {
-        Some(run) if comparison.settings.layout == Layout::Split => shown(run, Layout::Split).len(),
+        Some(run) if comparison.settings.layout == Layout::Views => shown(run, Layout::Views).len(),
         _ => 1,
     }
 }

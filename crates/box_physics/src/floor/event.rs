@@ -48,6 +48,9 @@ struct Sample {
 const NODES: usize = 3;
 /// Evaluations in which the bracket must have halved, or the next one halves it.
 const PATIENCE: usize = 3;
+/// The most evaluations of one search between a good and a bad end: a jump takes up to 53 halvings. What is
+/// found then is below the floor by no more than the jump.
+const LONGEST: usize = 64 * PATIENCE;
 
 /// The motion as the search sees it: every sample is remembered for the polynomial, and the best so far is kept
 /// while the next is tried.
@@ -166,7 +169,7 @@ impl Search {
         track: &mut Track<T, impl FnMut(f64, &mut T) -> [f64; 8]>,
     ) -> Sample {
         let mut widths = [f64::INFINITY; PATIENCE];
-        for i in 0.. {
+        for i in 0..LONGEST {
             let gap = high.tau - low;
             if gap <= 2.0 * f64::EPSILON * high.tau {
                 break;
@@ -179,6 +182,10 @@ impl Search {
             };
             if !(tau > low && tau < high.tau) {
                 tau = low + 0.5 * gap;
+                // Neighbouring numbers, which next to zero are far apart for their size.
+                if !(tau > low && tau < high.tau) {
+                    break;
+                }
             }
             let here = track.sample(tau);
             let value = self.lowest(&here.height);
@@ -343,6 +350,21 @@ mod tests {
         let (tau, pieces, _) = touch(&search(0.5, 0.0, 1.0, 0.0), height);
         assert!((tau - 0.3).abs() < 1e-15);
         assert!(pieces <= 60 * PATIENCE as u32, "{pieces}");
+    }
+
+    /// A motion that jumps below the floor at once, as one that cannot be computed may, or that is not even a
+    /// number, ends the search like any other.
+    #[test]
+    fn a_jump_at_the_very_start_ends_the_search() {
+        for below in [-1.0, f64::NAN] {
+            let height = |t: f64| if t == 0.0 { 0.5 } else { below };
+            let mut s = search(0.5, 0.0, 1.0, 0.0);
+            for time in [1.0, 1e-300, f64::from_bits(1)] {
+                s.time = time;
+                let (tau, pieces, _) = touch(&s, height);
+                assert!(tau <= time && pieces <= 1 + LONGEST as u32, "{pieces}");
+            }
+        }
     }
 
     #[test]

@@ -68,7 +68,7 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 Layout::Solo => "The box alone (G).",
                 Layout::Ghosts => "All in one place, the others translucent (G).",
                 Layout::Lanes => "Side by side; only the picture is shifted (V).",
-                Layout::Split => "The box and the first three others, a view each (V).",
+                Layout::Views => "The box and the first three others, a view each (V).",
             };
             if choice(ui, settings.layout == layout, layout.name(), hint) {
                 ask(CompareAction::SetLayout(layout));
