@@ -48,9 +48,11 @@ struct Sample {
 const NODES: usize = 3;
 /// Evaluations in which the bracket must have halved, or the next one halves it.
 const PATIENCE: usize = 3;
+/// How often that may fail before every piece halves the bracket: what jumps has no polynomial.
+const LEAPS: u32 = 2;
 /// The most evaluations of one search between a good and a bad end: a jump takes up to 53 halvings. What is
 /// found then is below the floor by no more than the jump.
-const LONGEST: usize = 64 * PATIENCE;
+const LONGEST: usize = 64 + 4 * PATIENCE;
 
 /// The motion as the search sees it: every sample is remembered for the polynomial, and the best so far is kept
 /// while the next is tried.
@@ -169,13 +171,15 @@ impl Search {
         track: &mut Track<T, impl FnMut(f64, &mut T) -> [f64; 8]>,
     ) -> Sample {
         let mut widths = [f64::INFINITY; PATIENCE];
+        let mut slow = 0;
         for i in 0..LONGEST {
             let gap = high.tau - low;
             if gap <= 2.0 * f64::EPSILON * high.tau {
                 break;
             }
-            let slow = gap > 0.5 * core::mem::replace(&mut widths[i % PATIENCE], gap);
-            let mut tau = if slow {
+            let stuck = gap > 0.5 * core::mem::replace(&mut widths[i % PATIENCE], gap);
+            slow += u32::from(stuck);
+            let mut tau = if stuck || slow > LEAPS {
                 f64::NAN
             } else {
                 self.first_root(low, &high, track.nodes())
