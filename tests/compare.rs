@@ -581,6 +581,9 @@ fn keys_of_the_comparison() {
     };
     let (down, up) = (ButtonState::Pressed, ButtonState::Released);
     key(&mut app, KeyCode::ShiftLeft, "", down);
+    // A key that types nothing asks for nothing.
+    assert!(!app.world().contains_resource::<box_game::csv_log::CsvLog>());
+    assert!(!app.world().resource::<PhysicsClock>().paused);
     key(&mut app, KeyCode::Digit5, "%", down);
     key(&mut app, KeyCode::Digit5, "%", up);
     key(&mut app, KeyCode::ShiftLeft, "", up);

@@ -68,7 +68,8 @@ pub fn read_keys(
     // Any of these characters was typed (a letter in either case).
     let typed = |wanted: &str| {
         characters.get_just_pressed().any(|key| match key {
-            Key::Character(c) => wanted.contains(c.to_lowercase().as_str()),
+            // Every text contains the empty one, which some keys type.
+            Key::Character(c) => !c.is_empty() && wanted.contains(c.to_lowercase().as_str()),
             _ => false,
         })
     };
