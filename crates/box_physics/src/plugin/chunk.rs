@@ -7,6 +7,7 @@ use bevy::ecs::entity::Entity;
 use bevy::transform::components::Transform;
 
 use super::components::{NearFloor, WorldAabb, WrittenTransform};
+use super::intake::any_newer;
 use super::publish::write_transforms;
 use super::step::{Tally, runs_of};
 use super::timing::Stopwatch;
@@ -35,6 +36,8 @@ pub(crate) struct Shown<'a> {
     pub(crate) transforms: &'a mut [Transform],
     /// When each `Transform` last changed.
     pub(crate) changed: &'a mut [Tick],
+    /// Of the system's last run, and of this one.
+    pub(crate) last: Tick,
     pub(crate) now: Tick,
 }
 
@@ -58,6 +61,7 @@ impl<'a> Chunk<'a> {
                 written: self.shown.written,
                 transforms: self.shown.transforms,
                 changed: self.shown.changed,
+                last: self.shown.last,
                 now: self.shown.now,
             },
         };
@@ -74,7 +78,7 @@ impl<'a> Chunk<'a> {
         let written = split(self.shown.written, count);
         let transforms = split(self.shown.transforms, count);
         let changed = split(self.shown.changed, count);
-        let now = self.shown.now;
+        let (last, now) = (self.shown.last, self.shown.now);
         (
             Chunk {
                 first: self.first,
@@ -89,6 +93,7 @@ impl<'a> Chunk<'a> {
                     written: written.0,
                     transforms: transforms.0,
                     changed: changed.0,
+                    last,
                     now,
                 },
             },
@@ -105,6 +110,7 @@ impl<'a> Chunk<'a> {
                     written: written.1,
                     transforms: transforms.1,
                     changed: changed.1,
+                    last,
                     now,
                 },
             },
@@ -119,13 +125,24 @@ impl<'a> Chunk<'a> {
         }
     }
 
-    /// Shows the bodies that were `stepped`, but for the faults, whose state is yet to be put right.
+    /// Shows the bodies that were `stepped`, but for the faults, whose state is yet to be put right; and of
+    /// those that lay still, whose bounding box and pose are shown already, only the poses that somebody
+    /// has overwritten.
     pub(crate) fn show(&mut self, stepped: Stepped, tally: &mut Tally, watch: &mut Stopwatch) {
+        if tally.bodies == 0 {
+            return;
+        }
         let count = self.len();
         let (first, near, faults) = (self.first, &*self.near, &tally.faults);
+        let (bodies, states, shown) = (self.bodies, &*self.states, &mut self.shown);
         // Nobody to be left out: the columns are gone over as they are.
-        let everyone = stepped != Stepped::AtFloor && tally.bodies == count as u64;
-        let whole = everyone && faults.is_empty();
+        if stepped != Stepped::AtFloor && tally.bodies == count as u64 && faults.is_empty() {
+            WorldAabb::fit_all(bodies, states, shown.fitted);
+            tally.spent.refit += watch.lap();
+            shown.write(states, 0..count);
+            tally.spent.writeback += watch.lap();
+            return;
+        }
         let wanted = |i: usize| {
             let taken = match stepped {
                 Stepped::All => true,
@@ -134,24 +151,24 @@ impl<'a> Chunk<'a> {
             };
             taken && (faults.is_empty() || !faults.contains(&(first + i)))
         };
-        let (bodies, states, shown) = (self.bodies, &*self.states, &mut self.shown);
-        if whole {
-            WorldAabb::fit_all(bodies, states, shown.fitted);
-        } else if !shown.fitted.is_empty() {
-            for range in runs_of(count, |i| wanted(i) && !near[i].still) {
+        let moved = |i: usize| wanted(i) && !near[i].still;
+        if !shown.fitted.is_empty() {
+            for range in runs_of(count, moved) {
                 let fitted = &mut shown.fitted[range.clone()];
                 WorldAabb::fit_all(&bodies[range.clone()], &states[range], fitted);
             }
         }
-        let refit = watch.lap();
-        if whole {
-            shown.write(states, 0..count);
-        } else {
-            for range in runs_of(count, wanted) {
-                shown.write(states, range);
+        tally.spent.refit += watch.lap();
+        if stepped == Stepped::AtFloor && any_newer(shown.changed, shown.last, shown.now) {
+            for i in (0..count).filter(|&i| wanted(i) && near[i].still) {
+                if shown.changed[i].is_newer_than(shown.last, shown.now) {
+                    shown.write(states, i..i + 1);
+                }
             }
         }
-        tally.spent.refit += refit;
+        for range in runs_of(count, moved) {
+            shown.write(states, range);
+        }
         tally.spent.writeback += watch.lap();
     }
 }
@@ -242,6 +259,7 @@ mod tests {
                 written: &mut [],
                 transforms: &mut [],
                 changed: &mut [],
+                last: Tick::new(0),
                 now: Tick::new(0),
             },
         };

@@ -224,9 +224,9 @@ pub struct Quarantined {
     pub time: f64,
 }
 
-/// The pose last written to `Transform`, in its f32 bits. A `Transform` that differs from it was
-/// changed by somebody else: a teleport. (Change detection would not do: smoothing between steps
-/// writes `Transform` every frame.)
+/// The pose last written to `Transform`, in its f32 bits. A `Transform` that changed since and differs from
+/// it was changed by somebody else: a teleport. (Change detection alone would not do: smoothing between
+/// steps writes `Transform` every frame.)
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WrittenTransform {
     pub(crate) translation: Vec3,

@@ -27,8 +27,8 @@ impl NearFloor {
     /// Whether the body is left to *Contact* in this step; noted.
     #[inline(always)]
     fn leave(&mut self, may_touch: impl FnOnce() -> bool) -> bool {
-        self.still = false;
         self.pending = self.touched || may_touch();
+        self.still &= self.pending;
         self.pending
     }
 }
@@ -96,6 +96,12 @@ impl FreeFlight<'_, '_, '_, '_> {
         let mut left = 0;
         for start in (0..chunk.len()).step_by(GATHERED) {
             let part = start..chunk.len().min(start + GATHERED);
+            let near = &mut chunk.near[part.clone()];
+            if near.iter().all(|near| near.touched) {
+                near.iter_mut().for_each(|near| near.pending = true);
+                left += near.len();
+                continue;
+            }
             let mut high = [0.0; GATHERED];
             if !self.forces.scales_gravity() {
                 vectorised(HighAbove {

@@ -1,9 +1,10 @@
 //! What a step takes in before it moves anything: new bodies, teleports, impulses.
 
-use bevy::ecs::change_detection::DetectChangesMut;
+use bevy::ecs::change_detection::{CheckChangeTicks, ContiguousMut, DetectChangesMut, Ref, Tick};
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::{MessageCursor, MessageWriter, Messages};
+use bevy::ecs::observer::On;
 use bevy::ecs::query::{Added, Has, With};
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Local, Query, Res, ResMut};
@@ -35,20 +36,67 @@ pub(crate) fn collect_impulses(
     queue.extend(cursor.read(&messages));
 }
 
+/// When bodies in flight were last shown: a `Transform` that changed later was changed by somebody else, or
+/// belongs to a body at the floor, which is shown a little later.
+#[derive(Resource, Default)]
+pub(crate) struct LastShown(pub(crate) Option<Tick>);
+
+impl LastShown {
+    /// Keeps it from growing so old that ticks start again from the beginning.
+    pub(crate) fn age(check: On<CheckChangeTicks>, mut shown: ResMut<Self>) {
+        if let Some(tick) = &mut shown.0 {
+            tick.check_tick(*check);
+        }
+    }
+}
+
+/// Whether any of these ticks is newer than `last`, seen from `now`. Without a branch on each, so that the
+/// compiler can look at several at once.
+pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
+    ticks.chunks(64).any(|some| {
+        let newer = |found, tick: &Tick| found | tick.is_newer_than(last, now);
+        some.iter().fold(false, newer)
+    })
+}
+
 /// Bodies whose `Transform` somebody changed are there now.
 pub(crate) fn take_teleports(
-    mut bodies: Query<(Entity, &Transform, &WrittenTransform, &mut BodyState), With<RigidBox>>,
+    mut bodies: Query<(Entity, Ref<Transform>, &WrittenTransform, &mut BodyState), With<RigidBox>>,
+    shown: Res<LastShown>,
     threads: Res<PhysicsThreads>,
     mut warned: Local<bool>,
 ) -> Result {
-    for (entities, transforms, written, mut states) in bodies.contiguous_iter_mut()? {
+    for (entities, transforms, written, states) in bodies.contiguous_iter_mut()? {
+        let (changed, now) = (transforms.changed_ticks_slice(), transforms.this_run_tick());
+        let touched = |ticks: &[Tick]| shown.0.is_none_or(|last| any_newer(ticks, last, now));
+        if !touched(changed) {
+            continue;
+        }
+        let (states, mut ticks) = ContiguousMut::bypass_change_detection_split(states);
         let chunks = entities
             .chunks(CHUNK)
             .zip(transforms.chunks(CHUNK))
+            .zip(changed.chunks(CHUNK))
             .zip(written.chunks(CHUNK))
-            .zip(states.bypass_change_detection().chunks_mut(CHUNK));
+            .zip(states.chunks_mut(CHUNK))
+            .zip(ticks.changed_mut().chunks_mut(CHUNK));
+        let take = |(((((entities, transforms), changed), written), states), stamps)| {
+            let chunk = Teleports {
+                entities,
+                transforms,
+                written,
+                states,
+                stamps,
+                now,
+            };
+            if touched(changed) {
+                chunk.take()
+            } else {
+                Refused(None)
+            }
+        };
         // A comparison costs some tenth of a step.
-        let Refused(refused) = threads.share_out(entities.len() / 10, chunks, take_changed);
+        let Refused(refused) = threads.share_out(entities.len() / 10, chunks, take);
         if let Some(entity) = refused
             && !core::mem::replace(&mut *warned, true)
         {
@@ -60,23 +108,35 @@ pub(crate) fn take_teleports(
     Ok(())
 }
 
-/// The state of a body is not even looked at unless somebody changed something.
-fn take_changed(
-    (((entities, transforms), written), states): (
-        ((&[Entity], &[Transform]), &[WrittenTransform]),
-        &mut [BodyState],
-    ),
-) -> Refused {
-    let mut refused = Refused(None);
-    for (i, (transform, written)) in transforms.iter().zip(written).enumerate() {
-        if transform.translation == written.translation && transform.rotation == written.rotation {
-            continue;
+/// Neighbours in a table, of which some may have been teleported.
+struct Teleports<'a> {
+    entities: &'a [Entity],
+    transforms: &'a [Transform],
+    written: &'a [WrittenTransform],
+    states: &'a mut [BodyState],
+    /// When each state last changed.
+    stamps: &'a mut [Tick],
+    now: Tick,
+}
+
+impl Teleports<'_> {
+    /// The state of a body is not even looked at unless its pose is not what we wrote.
+    fn take(self) -> Refused {
+        let mut refused = Refused(None);
+        for (i, (transform, written)) in self.transforms.iter().zip(self.written).enumerate() {
+            if transform.translation == written.translation
+                && transform.rotation == written.rotation
+            {
+                continue;
+            }
+            match written.take_teleport(transform, &mut self.states[i]) {
+                Ok(true) => self.stamps[i] = self.now,
+                Ok(false) => {}
+                Err(_) => refused += Refused(Some(self.entities[i])),
+            }
         }
-        if written.take_teleport(transform, &mut states[i]).is_err() {
-            refused += Refused(Some(entities[i]));
-        }
+        refused
     }
-    refused
 }
 
 /// A body whose `Transform` cannot be taken over: the first in the order of entities.
@@ -118,7 +178,7 @@ pub(crate) fn apply_impulses(
 }
 
 /// Places new bodies at once, also while paused: their `Transform` and bounding box show where they
-/// start before the first step.
+/// start before the first step. (Whether there are any is asked of whole columns, not of every body.)
 pub(crate) fn place_new_bodies(
     mut bodies: Query<
         (
@@ -132,7 +192,16 @@ pub(crate) fn place_new_bodies(
         ),
         Added<RigidBox>,
     >,
-) {
+    all: Query<Ref<RigidBox>>,
+) -> Result {
+    let mut tables = all.contiguous_iter()?;
+    let none = !tables.any(|boxes| {
+        let (last, now) = (boxes.last_run_tick(), boxes.this_run_tick());
+        any_newer(boxes.added_ticks_slice(), last, now)
+    });
+    if none {
+        return Ok(());
+    }
     for (body, mut state, mut written, mut transform, mut near, contact, aabb) in &mut bodies {
         // A loaded body may bring its contacts along.
         near.touched = contact.is_some_and(|c| c.touching() != 0);
@@ -151,6 +220,7 @@ pub(crate) fn place_new_bodies(
             *aabb = WorldAabb::of(body, &state);
         }
     }
+    Ok(())
 }
 
 /// The floor is gone: what touched it no longer does.

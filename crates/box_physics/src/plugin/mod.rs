@@ -183,6 +183,8 @@ impl Plugin for PhysicsPlugin {
             .init_resource::<PhysicsThreads>()
             .init_resource::<plan::StepPlan>()
             .init_resource::<intake::PendingImpulses>()
+            .init_resource::<intake::LastShown>()
+            .add_observer(intake::LastShown::age)
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();
         register_types(app);
@@ -226,18 +228,21 @@ impl Plugin for PhysicsPlugin {
                 systems::write_transforms.in_set(PhysicsSystems::Writeback),
             ),
         );
-        app.add_systems(
-            self.schedule,
-            (
-                faults::mend_bodies,
-                faults::report_parents,
-                intake::place_new_bodies,
-                intake::collect_impulses,
-                run::run_physics,
-                faults::report_quarantined,
+        app.init_schedule(run::BeforeSteps)
+            .edit_schedule(run::BeforeSteps, |schedule| {
+                schedule.set_executor(SingleThreadedExecutor::new());
+            })
+            .add_systems(
+                run::BeforeSteps,
+                (
+                    faults::mend_bodies,
+                    faults::report_parents,
+                    intake::place_new_bodies,
+                    intake::collect_impulses,
+                )
+                    .chain(),
             )
-                .chain(),
-        );
+            .add_systems(self.schedule, run::run_physics);
         app.add_systems(Startup, faults::warn_without_time);
         app.add_systems(PreUpdate, faults::count_dropped_time);
     }

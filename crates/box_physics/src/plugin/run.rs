@@ -1,19 +1,38 @@
 //! The clock's ticks: when the schedule runs, and the single step.
 
 use bevy::app::{FixedFirst, FixedLast};
+use bevy::ecs::message::Messages;
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::ecs::system::Command;
 use bevy::ecs::world::World;
 use bevy::time::Time;
 use log::warn;
 
 use super::PhysicsSchedule;
-use super::faults::settings_are_valid;
-use super::intake::collect_impulses;
+use super::faults::{report_quarantined, settings_are_valid};
+use super::messages::BodyQuarantined;
 use super::plan::StepPlan;
 use super::resources::PhysicsClock;
 
-/// Runs the physics by one tick of the clock of this schedule, unless it is paused.
+/// What is done once a tick, paused or not, before its steps. On one thread: an executor of many would take
+/// longer to wake them than these systems need.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct BeforeSteps;
+
+/// One tick of the clock of this schedule. Paused, nothing moves.
 pub(crate) fn run_physics(world: &mut World) {
+    world.run_schedule(BeforeSteps);
+    advance(world);
+    // Seldom are there any.
+    let quarantined = world.get_resource::<Messages<BodyQuarantined>>();
+    if quarantined.is_some_and(|messages| !messages.is_empty())
+        && let Err(error) = world.run_system_cached(report_quarantined)
+    {
+        warn!("box_physics: quarantines could not be reported: {error}");
+    }
+}
+
+fn advance(world: &mut World) {
     if world.resource::<PhysicsClock>().paused {
         return;
     }
@@ -65,9 +84,10 @@ impl Command for StepPhysics {
             return;
         };
         let delta = time.timestep();
-        // Impulses asked for in this frame belong to this step.
-        if let Err(error) = world.run_system_cached(collect_impulses) {
-            warn!("box_physics: impulses could not be collected: {error}");
+        // New bodies and impulses asked for in this frame belong to this step.
+        if world.try_run_schedule(BeforeSteps).is_err() {
+            warn!("box_physics: StepPhysics needs PhysicsPlugin");
+            return;
         }
         for _ in 0..self.0 {
             // As round a tick of the fixed loop, so that smoothing between steps takes part: it first

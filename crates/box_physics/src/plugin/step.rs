@@ -3,12 +3,14 @@
 
 use core::ops::Range;
 
+use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::Entity;
 use glam::DVec3;
 
 use super::chunk::Chunk;
 use super::columns::ForceColumnsContiguousItem;
 use super::components::BodyIntegrator;
+use super::intake::any_newer;
 use crate::floor::{self, ContactPoint, ContactSettings, Floor, FloorOutcome};
 use crate::force::{ForceLaw, Gravity};
 use crate::schemes::{Integrator, Scheme, SchemeVisitor, StepOutcome};
@@ -96,6 +98,24 @@ pub(crate) struct Reporting<'a> {
     pub(crate) tell: &'a mut (dyn FnMut(Entity, &[ContactPoint]) + Send),
 }
 
+/// What tells that nobody touched a body since it was last stepped at the floor: the ticks at which its
+/// parts changed. The physics leaves them as they are.
+pub(crate) struct Untouched<'a> {
+    /// Of whole columns.
+    pub(crate) columns: [&'a [Tick]; 3],
+    /// Of the system's last run, and of this one.
+    pub(crate) last: Tick,
+    pub(crate) now: Tick,
+}
+
+impl Untouched<'_> {
+    /// Whether that is so for all of a range.
+    fn all(&self, range: Range<usize>) -> bool {
+        let mut columns = self.columns.iter();
+        !columns.any(|ticks| any_newer(&ticks[range.clone()], self.last, self.now))
+    }
+}
+
 /// Steps those bodies of a chunk that were left for the floor.
 pub(crate) struct AtFloor<'a, 'c, 'r, 'w, 's> {
     pub(crate) floor: &'a Floor,
@@ -103,6 +123,8 @@ pub(crate) struct AtFloor<'a, 'c, 'r, 'w, 's> {
     /// Of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
     pub(crate) chunk: &'a mut Chunk<'c>,
+    /// If nothing else than what these columns say could have moved a body that lay still.
+    pub(crate) untouched: Option<&'a Untouched<'a>>,
     /// If the bodies of this table report their contacts.
     pub(crate) reporting: Option<Reporting<'r>>,
 }
@@ -125,8 +147,22 @@ impl AtFloor<'_, '_, '_, '_, '_> {
     fn each<S: Scheme, F: ForceLaw>(mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
         let chunk = self.chunk;
+        let first = chunk.first;
+        // Bodies that lie still are mostly all of a chunk, or long untouched.
+        let nobody_touched = self
+            .untouched
+            .is_some_and(|ticks| ticks.all(first..first + chunk.len()));
+        let lies = |i: usize| {
+            let untouched = |ticks: &Untouched<'_>| ticks.all(first + i..first + i + 1);
+            nobody_touched || self.untouched.is_some_and(untouched)
+        };
         for i in 0..chunk.len() {
             if !chunk.near[i].pending {
+                continue;
+            }
+            if chunk.near[i].still && lies(i) {
+                tally.bodies += 1;
+                tally.floor.resting = true;
                 continue;
             }
             let (body, state) = (&chunk.bodies[i], &mut chunk.states[i]);

@@ -1,12 +1,13 @@
 //! The systems of a step: each hands columns to the core, and says what came of it.
 
-use bevy::ecs::change_detection::ContiguousMut;
+use bevy::ecs::change_detection::{ContiguousMut, Ref};
 use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::MessageWriter;
 use bevy::ecs::query::{Has, With, Without};
 use bevy::ecs::system::{Commands, Local, Query, Res, ResMut, SystemParam};
 use bevy::transform::components::Transform;
+use glam::DVec3;
 
 use super::chunk::{Chunk, Shown, Stepped};
 use super::columns::ForceColumns;
@@ -14,12 +15,13 @@ use super::components::{
     BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
 };
 use super::flight::FreeFlight;
+use super::intake::LastShown;
 use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::plan::StepPlan;
 use super::publish;
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-use super::step::{AtFloor, Reporting, Setting, Tally, runs, runs_of};
+use super::step::{AtFloor, Reporting, Setting, Tally, Untouched, runs, runs_of};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
@@ -108,6 +110,7 @@ fn record(
 /// Steps every body that stays clear of the floor; and shows it, if the plan says so.
 pub(crate) fn integrate(
     world: StepWorld,
+    mut last_shown: ResMut<LastShown>,
     mut timings: Option<ResMut<PhysicsTimings>>,
     mut bodies: Query<
         (
@@ -156,10 +159,14 @@ pub(crate) fn integrate(
                 fitted: world.plan.column(&mut fitted),
                 written: written.bypass_change_detection(),
                 transforms,
+                last: ticks.last_run(),
                 now: ticks.this_run(),
                 changed: ticks.changed_mut(),
             },
         };
+        if world.plan.at_once {
+            last_shown.0 = Some(table.shown.now);
+        }
         for (integrator, range) in runs(world.integrator.0, own, boxes.len()) {
             let chunks = table.part(range.clone()).chunks(CHUNK);
             let mut tally = world.threads.share_out(range.len(), chunks, |mut chunk| {
@@ -204,7 +211,7 @@ pub(crate) fn contact(
     mut bodies: Query<
         (
             Entity,
-            &RigidBox,
+            Ref<RigidBox>,
             ForceColumns,
             &mut BodyState,
             &mut SchemeMemory,
@@ -221,13 +228,17 @@ pub(crate) fn contact(
     mut commands: Commands,
     (mut messages, mut contacts): (MessageWriter<BodyQuarantined>, MessageWriter<FloorContact>),
     mut points: Local<Vec<ContactPoint>>,
+    mut before: Local<Option<(DVec3, Floor)>>,
 ) -> Result {
-    let Some(floor) = &world.floor else {
+    let setting = world.setting();
+    let Some(floor) = setting.floor else {
         return Ok(());
     };
     let timed = timings.is_some();
     let mut stage = Stopwatch::start(timed);
-    let setting = world.setting();
+    // Who lay still in the same world and was not touched since, still does.
+    let surroundings = Some((setting.gravity, *floor));
+    let same_world = core::mem::replace(&mut *before, surroundings) == surroundings;
     let mut tell = |entity: Entity, points: &[ContactPoint]| {
         contacts.write_batch(points.iter().map(|p| FloorContact {
             entity,
@@ -241,26 +252,40 @@ pub(crate) fn contact(
         entities,
         boxes,
         forces,
-        mut states,
+        states,
         mut memories,
-        (mut touching, mut near),
+        (touching, mut near),
         (mut written, transforms, mut fitted),
         (own, heard),
     ) in bodies.contiguous_iter_mut()?
     {
         let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
+        let (states, states_changed) = ContiguousMut::bypass_change_detection_split(states);
+        let (touching, touching_changed) = ContiguousMut::bypass_change_detection_split(touching);
+        // Who listens hears of those that lie still, too; and a force may have changed unseen.
+        let untouched = (same_world && !heard && forces.only_gravity() && !forces.scales_gravity())
+            .then(|| Untouched {
+                columns: [
+                    boxes.changed_ticks_slice(),
+                    states_changed.changed(),
+                    touching_changed.changed(),
+                ],
+                last: ticks.last_run(),
+                now: ticks.this_run(),
+            });
         let mut table = Chunk {
             first: 0,
             entities,
-            bodies: boxes,
-            states: states.bypass_change_detection(),
+            bodies: &boxes,
+            states,
             memories: memories.bypass_change_detection(),
-            contacts: touching.bypass_change_detection(),
+            contacts: touching,
             near: near.bypass_change_detection(),
             shown: Shown {
                 fitted: world.plan.column(&mut fitted),
                 written: written.bypass_change_detection(),
                 transforms,
+                last: ticks.last_run(),
                 now: ticks.this_run(),
                 changed: ticks.changed_mut(),
             },
@@ -286,6 +311,7 @@ pub(crate) fn contact(
                             setting,
                             forces: &forces,
                             chunk: &mut chunk,
+                            untouched: untouched.as_ref(),
                             reporting,
                         });
                         tally.spent.step += watch.lap();
@@ -375,6 +401,7 @@ pub(crate) fn write_transforms(
     >,
     threads: Res<PhysicsThreads>,
     plan: Res<StepPlan>,
+    mut last_shown: ResMut<LastShown>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
     let mut stage = Stopwatch::start(timings.is_some());
@@ -384,6 +411,9 @@ pub(crate) fn write_transforms(
         }
         let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
         let now = ticks.this_run();
+        if !plan.at_once {
+            last_shown.0 = Some(now);
+        }
         let chunks = states
             .chunks(CHUNK)
             .zip(written.bypass_change_detection().chunks_mut(CHUNK))

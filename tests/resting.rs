@@ -1,0 +1,230 @@
+//! A box that lies still is not even looked at, until something changes: whatever that is, it then does what
+//! a box does that was just put there.
+
+use bevy::prelude::*;
+use box_physics::floor::ContactState;
+use box_physics::prelude::*;
+
+fn brick() -> RigidBox {
+    RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
+}
+
+/// Boxes on the floor at x = 0, 3, 6 m; the middle one is what is looked at.
+struct Scene {
+    app: App,
+    bodies: [Entity; 3],
+}
+
+impl Scene {
+    fn new(states: [(BodyState, ContactState); 3], apart: bool) -> Self {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+            .insert_resource(Floor::default());
+        if apart {
+            let between = (|| ())
+                .after(PhysicsSystems::Contact)
+                .before(PhysicsSystems::Refit);
+            app.add_systems(PhysicsSchedule, between);
+        }
+        let bodies = states.map(|(state, contact)| {
+            let parts = (brick(), state, contact);
+            app.world_mut().spawn(parts).id()
+        });
+        Self { app, bodies }
+    }
+
+    /// Dropped, and at rest long enough to be known to rest.
+    fn at_rest(apart: bool) -> Self {
+        let start = [0.0, 3.0, 6.0].map(|x| {
+            let state =
+                BodyState::at(DVec3::new(x, 0.3, 0.0)).with_velocity(DVec3::new(0.1, 0.0, 0.0));
+            (state, ContactState::default())
+        });
+        let mut scene = Self::new(start, apart);
+        scene.step(120);
+        for body in scene.bodies {
+            assert!(scene.get::<ContactState>(body).is_resting());
+        }
+        scene
+    }
+
+    /// The same boxes, put there a moment ago.
+    fn put_there(&self, apart: bool) -> Self {
+        let parts = self
+            .bodies
+            .map(|body| (self.get(body), self.get::<ContactState>(body)));
+        let mut scene = Self::new(parts, apart);
+        // The step in which it is found that they rest.
+        scene.step(1);
+        scene
+    }
+
+    fn step(&mut self, steps: u32) {
+        self.app.world_mut().commands().queue(StepPhysics(steps));
+        self.app.world_mut().flush();
+    }
+
+    fn get<C: Component + Clone>(&self, body: Entity) -> C {
+        self.app.world().get::<C>(body).expect("a body's").clone()
+    }
+
+    fn edit<C: Component<Mutability = bevy::ecs::component::Mutable>>(
+        &mut self,
+        edit: impl FnOnce(&mut C),
+    ) {
+        let body = self.bodies[1];
+        edit(&mut self.app.world_mut().get_mut::<C>(body).expect("a body's"));
+    }
+
+    fn insert(&mut self, parts: impl Bundle) {
+        let body = self.bodies[1];
+        self.app.world_mut().entity_mut(body).insert(parts);
+    }
+
+    /// All that can be seen of the three.
+    fn seen(&self) -> [(BodyState, Transform, WorldAabb, ContactState); 3] {
+        self.bodies
+            .map(|b| (self.get(b), self.get(b), self.get(b), self.get(b)))
+    }
+}
+
+/// Does the same to boxes that lie there for long and to boxes that were just put there. Whether it moved the
+/// middle one, and whether it moved the others.
+fn compare(what: &str, disturb: impl Fn(&mut Scene)) -> (bool, bool) {
+    let mut moved = (false, false);
+    for apart in [false, true] {
+        let mut known = Scene::at_rest(apart);
+        let mut new = known.put_there(apart);
+        assert!(known.seen() == new.seen(), "{what}: at the start");
+        let before = known.seen();
+        for scene in [&mut known, &mut new] {
+            disturb(scene);
+        }
+        for step in 0..90 {
+            known.step(1);
+            new.step(1);
+            let same = known.seen() == new.seen();
+            assert!(same, "{what}, step {step}, apart: {apart}");
+            let now = known.seen();
+            moved.0 |= now[1].0 != before[1].0;
+            moved.1 |= now[0].0 != before[0].0 || now[2].0 != before[2].0;
+        }
+    }
+    moved
+}
+
+const STILL: (bool, bool) = (false, false);
+const ONE: (bool, bool) = (true, false);
+const ALL: (bool, bool) = (true, true);
+
+#[test]
+fn nothing_moves_what_nothing_touches() {
+    assert_eq!(compare("nothing", |_| ()), STILL);
+}
+
+#[test]
+fn a_box_is_moved_by_what_is_done_to_it() {
+    let push = |scene: &mut Scene| {
+        let body = scene.bodies[1];
+        let impulse = ApplyImpulse::centre(body, DVec3::new(2.0, 4.0, 0.0));
+        scene.app.world_mut().write_message(impulse);
+    };
+    assert_eq!(compare("an impulse", push), ONE);
+    let lift = |scene: &mut Scene| scene.edit::<Transform>(|t| t.translation.y += 1.0);
+    assert_eq!(compare("a teleport by its Transform", lift), ONE);
+    let kick = |scene: &mut Scene| scene.edit::<BodyState>(|state| state.velocity.x = 1.0);
+    assert_eq!(compare("a velocity", kick), ONE);
+    let grow =
+        |scene: &mut Scene| scene.insert(RigidBox::new(DVec3::splat(0.4), 3.0).expect("valid"));
+    assert_eq!(compare("another size", grow), ONE);
+    let heavier = |scene: &mut Scene| {
+        scene.insert(RigidBox::new(brick().half_extents(), 5.0).expect("valid"));
+    };
+    compare("another mass", heavier);
+    let pull = |scene: &mut Scene| {
+        scene.insert(ExternalForce {
+            force: DVec3::new(60.0, 0.0, 0.0),
+            torque: DVec3::ZERO,
+        });
+    };
+    assert_eq!(compare("a force", pull), ONE);
+    let float = |scene: &mut Scene| scene.insert(GravityScale(-0.5));
+    assert_eq!(compare("gravity of its own", float), ONE);
+    let forget = |scene: &mut Scene| scene.insert(ContactState::default());
+    compare("a contact that is forgotten", forget);
+}
+
+#[test]
+fn boxes_are_moved_by_a_change_of_the_world() {
+    let lean = |scene: &mut Scene| {
+        scene
+            .app
+            .insert_resource(WorldGravity(DVec3::new(8.0, -6.0, 0.0)));
+    };
+    assert_eq!(compare("gravity aslant", lean), ALL);
+    let floor = |height: f64, friction: f64| {
+        move |scene: &mut Scene| {
+            scene.app.insert_resource(Floor {
+                height,
+                friction,
+                ..default()
+            });
+        }
+    };
+    assert_eq!(compare("a higher floor", floor(0.1, 0.5)), ALL);
+    assert_eq!(compare("a lower floor", floor(-0.1, 0.5)), ALL);
+    assert_eq!(compare("a smoother floor", floor(0.0, 0.1)), STILL);
+    let remove = |scene: &mut Scene| {
+        scene.app.world_mut().remove_resource::<Floor>();
+    };
+    assert_eq!(compare("no floor", remove), ALL);
+    let no_settings = |scene: &mut Scene| {
+        scene.app.world_mut().remove_resource::<ContactSettings>();
+    };
+    assert_eq!(compare("no settings of the contact", no_settings), ALL);
+}
+
+/// A pose that was overwritten after teleports were taken is put right in the same step; one that is no
+/// teleport, but not what was shown either, in the next.
+#[test]
+fn a_pose_overwritten_is_shown_again() {
+    for apart in [false, true] {
+        let mut scene = Scene::at_rest(apart);
+        let shown = scene.seen();
+        let smear = |mut transforms: Query<&mut Transform>| {
+            for mut transform in &mut transforms {
+                transform.translation.y = 7.0;
+            }
+        };
+        scene
+            .app
+            .add_systems(PhysicsSchedule, smear.in_set(PhysicsSystems::Forces));
+        for _ in 0..3 {
+            scene.step(1);
+            assert!(scene.seen() == shown, "apart: {apart}");
+        }
+    }
+}
+
+/// What is set between *Integrate* and *Contact* counts in this step.
+#[test]
+fn between_the_sets_a_box_can_still_be_moved() {
+    let mut scene = Scene::at_rest(false);
+    let before = scene.seen();
+    let raise = |mut states: Query<&mut BodyState>| {
+        for mut state in &mut states {
+            state.velocity.y = 1.0;
+        }
+    };
+    scene.app.add_systems(
+        PhysicsSchedule,
+        raise
+            .after(PhysicsSystems::Integrate)
+            .before(PhysicsSystems::Contact),
+    );
+    scene.step(1);
+    for (now, before) in scene.seen().into_iter().zip(before) {
+        assert!(now.0.position.y > before.0.position.y);
+        assert!(now.1.translation.y > before.1.translation.y);
+    }
+}
