@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 
@@ -42,6 +43,12 @@ pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
             FixedLast,
             (stop_clock, |mut ticks: ResMut<Ticks>| ticks.0 += 1).chain(),
         );
+    // Nothing but the clocks is in these two: no threads need be woken for them.
+    for label in [FixedUpdate.intern(), FixedLast.intern()] {
+        app.edit_schedule(label, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
+    }
     setup(&mut app);
     app.finish();
     app.cleanup();
