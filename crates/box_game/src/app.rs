@@ -121,8 +121,8 @@ impl Plugin for GamePlugin {
             (
                 timed_impulses.in_set(PhysicsSystems::First),
                 run_cycle
-                    .after(PhysicsSystems::Contact)
-                    .before(PhysicsSystems::Refit),
+                    .after(PhysicsSystems::Writeback)
+                    .before(PhysicsSystems::Last),
                 row_log::write_rows
                     .in_set(PhysicsSystems::Last)
                     .after(after_step),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bevy::prelude::*;
-use box_physics::prelude::{BodyState, DVec3, PhysicsClock, RigidBox};
+use box_physics::prelude::{BodyState, DVec3, PhysicsClock, RigidBox, WorldAabb};
 use box_scenarios::dissertation::{Demo, State, Stepper};
 
 use crate::session::{Hero, Session};
@@ -97,18 +97,18 @@ impl CycleLog {
     }
 }
 
-/// Moves the hero by one cycle of the demo: what the plugin has just made of it is replaced. Runs between
-/// contact and refit, so that bounding box and picture follow.
+/// Moves the hero by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
+/// Runs after *Writeback*: a system among the plugin's own would make it go over all bodies more than once.
 pub fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
     mut demo: ResMut<Demo2012>,
-    mut hero: Query<(&RigidBox, &mut BodyState), With<Hero>>,
+    mut hero: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<Hero>>,
 ) {
     let Some(stepper) = demo.active(&session) else {
         return;
     };
-    let Ok((body, mut state)) = hero.single_mut() else {
+    let Ok((body, mut state, mut transform, mut aabb)) = hero.single_mut() else {
         return;
     };
     let demo = &mut *demo;
@@ -123,6 +123,9 @@ pub fn run_cycle(
     law.cycle(stepper, own, clock.step());
     demo.cycle_ns = start.elapsed().as_nanos() as u64;
     *state = own.body_state(body);
+    transform.translation = state.position.as_vec3();
+    transform.rotation = state.rotation.as_quat();
+    *aabb = WorldAabb::of(body, &state);
     if let Some(log) = &mut demo.log
         && let Err(error) = log.write(stepper, demo.cycle_ns)
     {
