@@ -14,6 +14,10 @@ use crate::rotation::renormalise;
 /// in it, and converting to the angular velocity and back each step would bias the energy (a product
 /// I·(1/I) is not exactly 1). The angular velocity is an accessor and a setter, in world axes.
 ///
+/// You may write to it at any time. A box that lies still is not looked at until change detection says that
+/// somebody wrote to it: do not bypass that. (The physics itself does not mark it as changed when it moves a
+/// body; `Transform` tells that.)
+///
 /// ```
 /// use box_physics::prelude::*;
 /// let body = RigidBox::cube(1.0, 6.0)?;
