@@ -178,6 +178,12 @@ fn between_events<S: Scheme, F: ForceLaw>(
         }
 
         let held = candidates(touching, &normal, hold);
+        let mut time = rest;
+        if held != 0 {
+            held_pieces += 1;
+            let left = f64::from(MAX_PIECES.saturating_sub(held_pieces)) + 1.0;
+            time = rest.min(longest_piece(body, state, pull).max(rest / left));
+        }
         let start = Start {
             floor,
             settings,
@@ -190,13 +196,8 @@ fn between_events<S: Scheme, F: ForceLaw>(
             candidates: held,
             still_speed: hold,
             acceleration: pull,
+            shortest: SHORTEST_STOP * time,
         };
-        let mut time = rest;
-        if held != 0 {
-            held_pieces += 1;
-            let left = f64::from(MAX_PIECES.saturating_sub(held_pieces)) + 1.0;
-            time = rest.min(longest_piece(body, state, pull).max(rest / left));
-        }
         let (tau, piece) = move_until_event::<S, F>(
             &start,
             time,
@@ -283,10 +284,10 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
         // The part found from the whole piece is exact for a constant deceleration; otherwise the
         // next try starts from a better guess.
         for _ in 0..STOP_TRIES {
-            if whole.still || whole.stop >= 1.0 - 1e-9 || tau <= SHORTEST_STOP * time {
+            if whole.still || whole.stop >= 1.0 - 1e-9 || tau <= start.shortest {
                 break;
             }
-            tau = (tau * whole.stop).max(SHORTEST_STOP * time);
+            tau = (tau * whole.stop).max(start.shortest);
             start.spent::<S>(outcome, tau, whole);
         }
         if whole.still {

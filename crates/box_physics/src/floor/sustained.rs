@@ -95,6 +95,8 @@ pub(super) struct Start<'a, F> {
     pub(super) still_speed: f64,
     /// Bound of the acceleration that acts [m/s²].
     pub(super) acceleration: f64,
+    /// Shortest piece \[s\] that is tried for the moment at which a slip vanishes.
+    pub(super) shortest: f64,
 }
 
 /// A piece of sustained motion.
@@ -268,7 +270,9 @@ impl<F: ForceLaw> Start<'_, F> {
                 } else if along < -1e-9 * speed {
                     piece.stop = piece.stop.min(speed / (speed - along));
                 }
-                if slip.length() <= 1e-6 * speed {
+                // Friction does not turn a slip round: one that changed its way in no time has stopped.
+                let reversed = along < 0.0 && tau <= self.shortest;
+                if reversed || slip.length() <= 1e-6 * speed {
                     components[i] = DVec3::ONE;
                 }
             } else if sticks {
