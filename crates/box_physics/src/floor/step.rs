@@ -283,11 +283,16 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
     if start.candidates != 0 {
         // The part found from the whole piece is exact for a constant deceleration; otherwise the
         // next try starts from a better guess.
+        let mut before = None;
         for _ in 0..STOP_TRIES {
-            if whole.still || whole.stop >= 1.0 - 1e-9 || tau <= start.shortest {
+            if whole.still || tau <= start.shortest {
                 break;
             }
-            tau = (tau * whole.stop).max(start.shortest);
+            let Some(next) = whole.first_stop(tau, before.as_ref()) else {
+                break;
+            };
+            before = Some((tau, whole.slip));
+            tau = next.clamp(start.shortest, time);
             start.spent::<S>(outcome, tau, whole);
         }
         if whole.still {

@@ -78,6 +78,11 @@ impl<F: ForceLaw> ForceLaw for Supported<'_, F> {
     }
 }
 
+/// A slip that is less than this part of what it was has stopped.
+const STOPPED: f64 = 1e-6;
+/// One that is this much larger than what is left of its part along its old way has not stopped but turned.
+const TURNING: f64 = 10.0;
+
 /// What a piece needs to know besides the floor and the body.
 pub(super) struct Start<'a, F> {
     pub(super) floor: &'a Floor,
@@ -106,8 +111,12 @@ pub(super) struct Piece {
     pub(super) corners: Corners,
     /// Impulses over the piece, by corner index \[N s\].
     pub(super) impulse: Corner3,
-    /// Where in the piece the first slip vanishes, as a part of it; 1 if none does.
+    /// Where in the piece the slip of the first corner that sticks may have vanished, as a part of it; 1 if
+    /// none sticks.
     pub(super) stop: f64,
+    /// By corner index: its slip at the end along its slip at the start, in parts of that; NaN if it does not
+    /// slip, or turns instead of stopping.
+    pub(super) slip: [f64; 8],
     /// The box lies still on a face: the state is the start's.
     pub(super) still: bool,
     pub(super) outcome: StepOutcome,
@@ -126,6 +135,7 @@ impl Piece {
             corners: Corners::default(),
             impulse: [DVec3::ZERO; 8],
             stop: 1.0,
+            slip: [f64::NAN; 8],
             still: false,
             outcome: StepOutcome::default(),
             iterations: 0,
@@ -134,10 +144,38 @@ impl Piece {
         }
     }
 
+    /// When in the piece, which takes `tau` \[s\], the first slip vanishes, if one does: by the parabola through
+    /// what is known of it at the start, here, and at the end of the piece tried before.
+    pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, [f64; 8])>) -> Option<f64> {
+        let mut first = tau * self.stop;
+        let mut found = self.stop < 1.0 - 1e-9;
+        for k in 0..8 {
+            let part = self.slip[k];
+            let mean = (part - 1.0) / tau;
+            let mut bend = 0.0;
+            let mut passed = part < -STOPPED;
+            if let Some((time, slip)) = before
+                && slip[k].is_finite()
+            {
+                bend = (mean - (slip[k] - 1.0) / time) / (tau - time);
+                passed |= slip[k] < 0.0 && part > STOPPED;
+            }
+            if passed {
+                // 1 + rate t + bend t² = 0
+                let rate = mean - bend * tau;
+                let root = 2.0 / ((rate * rate - 4.0 * bend).max(0.0).sqrt() - rate);
+                first = if found { first.min(root) } else { root };
+                found = true;
+            }
+        }
+        found.then_some(first)
+    }
+
     /// Forgets what was reported of it.
     pub(super) fn clear(&mut self) {
         self.impulse = [DVec3::ZERO; 8];
         self.stop = 1.0;
+        self.slip = [f64::NAN; 8];
         self.still = false;
         self.iterations = 0;
         self.capped = false;
@@ -267,12 +305,15 @@ impl<F: ForceLaw> Start<'_, F> {
                     // It needed only a part of the friction to bring the mean slip to zero: with all of
                     // it the slip is zero at half that part of the time.
                     piece.stop = piece.stop.min(0.5 * (used / limit).clamp(0.02, 1.0));
-                } else if along < -1e-9 * speed {
-                    piece.stop = piece.stop.min(speed / (speed - along));
+                } else {
+                    let across = (slip.length_squared() - along * along).max(0.0).sqrt();
+                    if across < TURNING * along.abs() || across <= STOPPED * speed {
+                        piece.slip[usize::from(set.corner[i])] = along / speed;
+                    }
                 }
                 // Friction does not turn a slip round: one that changed its way in no time has stopped.
                 let reversed = along < 0.0 && tau <= self.shortest;
-                if reversed || slip.length() <= 1e-6 * speed {
+                if reversed || slip.length() <= STOPPED * speed {
                     components[i] = DVec3::ONE;
                 }
             } else if sticks {
