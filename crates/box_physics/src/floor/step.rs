@@ -27,8 +27,9 @@ const DIP_FREE: f64 = 1e3;
 const DIP_HELD: f64 = 1e6;
 /// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
 const STOP_TRIES: u32 = 8;
-/// Shortest part of a piece that such a try may take.
-const SHORTEST_STOP: f64 = 1e-3;
+/// Part of a piece in which such a moment need not be found any better: at a constant deceleration, whose
+/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the piece.
+const SHORTEST_STOP: f64 = 1e-2;
 /// Rounds of the loop in one step.
 const MAX_ROUNDS: u32 = 4 * MAX_PIECES;
 /// Force evaluations in one step.
@@ -288,11 +289,11 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
             if whole.still || tau <= start.shortest {
                 break;
             }
-            let Some(next) = whole.first_stop(tau, before.as_ref()) else {
+            let Some(next) = whole.slips.first_stop(tau, before.as_ref()) else {
                 break;
             };
-            before = Some((tau, whole.slip));
-            tau = next.clamp(start.shortest, time);
+            before = Some((tau, whole.slips));
+            tau = next.clamp(0.1 * start.shortest, time);
             start.spent::<S>(outcome, tau, whole);
         }
         if whole.still {

@@ -83,6 +83,61 @@ const STOPPED: f64 = 1e-6;
 /// One that is this much larger than what is left of its part along its old way has not stopped but turned.
 const TURNING: f64 = 10.0;
 
+/// What becomes of the slips of a piece, by corner index; NaN where it is not so.
+#[derive(Clone, Copy)]
+pub(super) struct Slips {
+    /// Of a corner that slips on: its slip at the end along its slip at the start, in parts of that.
+    left: [f64; 8],
+    /// Of one that slips at the start and has no mean slip: the part of its friction that this takes.
+    used: [f64; 8],
+}
+
+impl Slips {
+    const NONE: Self = Self {
+        left: [f64::NAN; 8],
+        used: [f64::NAN; 8],
+    };
+
+    /// When in the piece, which takes `tau` \[s\], the first slip vanishes, if one does; `before` is what became
+    /// of them in the piece that was tried before, and its time.
+    ///
+    /// What is left of a slip is the parabola through what is known of it: 1 at the start, here, and before. A
+    /// corner that has no mean slip is turned round, which takes twice the friction that stops it: with all of
+    /// its friction it would take the time T = ½ used τ. Of used, a part that does not depend on τ may be
+    /// needed to hold the corner, so that with two pieces used = a + (1 − a) 2T/τ tells T.
+    pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, Self)>) -> Option<f64> {
+        let mut first: Option<f64> = None;
+        let mut found = |time: f64| first = Some(first.map_or(time, |t| t.min(time)));
+        for k in 0..8 {
+            let (left, used) = (self.left[k], self.used[k]);
+            if used.is_finite() {
+                let last = before.filter(|(_, b)| b.used[k] < used);
+                let held = last.map_or(0.0, |(time, b)| {
+                    let share = (used - b.used[k]) / (1.0 / tau - 1.0 / time);
+                    (used - share / tau).clamp(0.0, used)
+                });
+                found(0.5 * tau * (used - held) / (1.0 - held).max(1e-3));
+                continue;
+            }
+            let mean = (left - 1.0) / tau;
+            let mut bend = 0.0;
+            let mut passed = left < -STOPPED;
+            if let Some((time, b)) = before
+                && b.left[k].is_finite()
+            {
+                bend = (mean - (b.left[k] - 1.0) / time) / (tau - time);
+                passed |= b.left[k] < 0.0 && left > STOPPED;
+            }
+            if passed {
+                // 1 + rate t + bend t² = 0
+                let rate = mean - bend * tau;
+                found(2.0 / ((rate * rate - 4.0 * bend).max(0.0).sqrt() - rate));
+            }
+        }
+        first
+    }
+}
+
 /// What a piece needs to know besides the floor and the body.
 pub(super) struct Start<'a, F> {
     pub(super) floor: &'a Floor,
@@ -111,12 +166,7 @@ pub(super) struct Piece {
     pub(super) corners: Corners,
     /// Impulses over the piece, by corner index \[N s\].
     pub(super) impulse: Corner3,
-    /// Where in the piece the slip of the first corner that sticks may have vanished, as a part of it; 1 if
-    /// none sticks.
-    pub(super) stop: f64,
-    /// By corner index: its slip at the end along its slip at the start, in parts of that; NaN if it does not
-    /// slip, or turns instead of stopping.
-    pub(super) slip: [f64; 8],
+    pub(super) slips: Slips,
     /// The box lies still on a face: the state is the start's.
     pub(super) still: bool,
     pub(super) outcome: StepOutcome,
@@ -134,8 +184,7 @@ impl Piece {
             memory,
             corners: Corners::default(),
             impulse: [DVec3::ZERO; 8],
-            stop: 1.0,
-            slip: [f64::NAN; 8],
+            slips: Slips::NONE,
             still: false,
             outcome: StepOutcome::default(),
             iterations: 0,
@@ -144,38 +193,10 @@ impl Piece {
         }
     }
 
-    /// When in the piece, which takes `tau` \[s\], the first slip vanishes, if one does: by the parabola through
-    /// what is known of it at the start, here, and at the end of the piece tried before.
-    pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, [f64; 8])>) -> Option<f64> {
-        let mut first = tau * self.stop;
-        let mut found = self.stop < 1.0 - 1e-9;
-        for k in 0..8 {
-            let part = self.slip[k];
-            let mean = (part - 1.0) / tau;
-            let mut bend = 0.0;
-            let mut passed = part < -STOPPED;
-            if let Some((time, slip)) = before
-                && slip[k].is_finite()
-            {
-                bend = (mean - (slip[k] - 1.0) / time) / (tau - time);
-                passed |= slip[k] < 0.0 && part > STOPPED;
-            }
-            if passed {
-                // 1 + rate t + bend t² = 0
-                let rate = mean - bend * tau;
-                let root = 2.0 / ((rate * rate - 4.0 * bend).max(0.0).sqrt() - rate);
-                first = if found { first.min(root) } else { root };
-                found = true;
-            }
-        }
-        found.then_some(first)
-    }
-
     /// Forgets what was reported of it.
     pub(super) fn clear(&mut self) {
         self.impulse = [DVec3::ZERO; 8];
-        self.stop = 1.0;
-        self.slip = [f64::NAN; 8];
+        self.slips = Slips::NONE;
         self.still = false;
         self.iterations = 0;
         self.capped = false;
@@ -298,21 +319,21 @@ impl<F: ForceLaw> Start<'_, F> {
             let speed = slip_before.length();
             if speed > self.still_speed {
                 let along = slip_before.dot(slip) / speed;
-                if sticks && speed * tau <= 1e-9 * body.radius() {
-                    components[i] = DVec3::ONE; // it stops within no distance to speak of
-                } else if sticks {
+                let k = usize::from(set.corner[i]);
+                if sticks {
                     components[i] = DVec3::ONE; // where it ends if no better moment is found
-                    // It needed only a part of the friction to bring the mean slip to zero: with all of
-                    // it the slip is zero at half that part of the time.
-                    piece.stop = piece.stop.min(0.5 * (used / limit).clamp(0.02, 1.0));
+                    // Unless it stops within no distance to speak of.
+                    if speed * tau > 1e-9 * body.radius() {
+                        piece.slips.used[k] = (used / limit).min(1.0);
+                    }
                 } else {
                     let across = (slip.length_squared() - along * along).max(0.0).sqrt();
                     if across < TURNING * along.abs() || across <= STOPPED * speed {
-                        piece.slip[usize::from(set.corner[i])] = along / speed;
+                        piece.slips.left[k] = along / speed;
                     }
                 }
                 // Friction does not turn a slip round: one that changed its way in no time has stopped.
-                let reversed = along < 0.0 && tau <= self.shortest;
+                let reversed = piece.slips.left[k] < 0.0 && tau <= self.shortest;
                 if reversed || slip.length() <= STOPPED * speed {
                     components[i] = DVec3::ONE;
                 }
