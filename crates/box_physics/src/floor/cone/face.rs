@@ -19,6 +19,8 @@ use super::project;
 
 /// Steps of u: slips that turn little take five.
 const STEPS: u32 = 24;
+/// How often the friction is shared out anew.
+const SHARINGS: u32 = 8;
 /// The largest of them, and the one by which the slope is found \[rad\].
 const LARGEST_TURN: f64 = 0.7;
 const SMALL: f64 = 1e-4;
@@ -80,7 +82,8 @@ impl Face<'_> {
     /// The change of (v, ω) that stops them, and with it the sum and the torque of the impulses, follow from b.
     /// The levers have one height, so that the two parts separate: π_k = A + B·r_k with the right sum and the
     /// right torque about the horizontal axes, and t_k = π_k² (C + D n×r_k) with the right sum and torque
-    /// about the normal, the smallest in units of what a corner can hold.
+    /// about the normal, the smallest in units of what a corner can hold. Where that is too much for one, those
+    /// that can hold more are given more (Lawson's weights for the least maximum: C. L. Lawson, UCLA 1961).
     fn stop(&self) -> Corner3 {
         let (set, n) = (self.set, self.set.count);
         let (r, b) = (&set.lever, self.b);
@@ -109,18 +112,30 @@ impl Face<'_> {
         );
         let load = gram.inverse() * wanted;
         let mut p = [DVec3::ZERO; 8];
-        let mut gram = DMat3::ZERO;
         for (p, r) in p[..n].iter_mut().zip(r) {
             p.y = load.x + load.y * r.x + load.z * r.z;
-            for a in [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)] {
-                gram += (p.y * p.y) * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
-            }
         }
-        let share = gram.inverse() * DVec3::new(force.x, force.z, torque.y);
-        for (p, r) in p[..n].iter_mut().zip(r) {
-            let weight = p.y * p.y;
-            p.x = weight * (share.x + share.z * r.z);
-            p.z = weight * (share.y - share.z * r.x);
+        let wanted = DVec3::new(force.x, force.z, torque.y);
+        let mut weight = [0, 1, 2, 3].map(|i| p[i].y * p[i].y);
+        for _ in 0..SHARINGS {
+            let mut gram = DMat3::ZERO;
+            for (weight, r) in weight[..n].iter().zip(r) {
+                for a in [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)] {
+                    gram += *weight * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+                }
+            }
+            let share = gram.inverse() * wanted;
+            let mut most = 0.0_f64;
+            for i in 0..n {
+                p[i].x = weight[i] * (share.x + share.z * r[i].z);
+                p[i].z = weight[i] * (share.y - share.z * r[i].x);
+                let part = (p[i].x * p[i].x + p[i].z * p[i].z).sqrt() / (self.friction * p[i].y);
+                most = if p[i].y > 0.0 { most.max(part) } else { f64::INFINITY };
+                weight[i] /= part;
+            }
+            if most <= 1.0 || most > 1.5 {
+                break;
+            }
         }
         p
     }
