@@ -306,6 +306,12 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
         watch,
         start: start.corners.height,
         rate: start.normal,
+        // With corners held it tells no more than the velocities at the start.
+        end_rate: if held {
+            [f64::NAN; 8]
+        } else {
+            normal_velocities(start.body, &whole.state, &whole.corners)
+        },
         time: tau,
         curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
         tolerance,
