@@ -193,6 +193,17 @@ impl ContactSet {
         [0, 1].map(|k| v.y + omega.cross(self.lever[k]).y)
     }
 
+    /// (v_y, ω_z, −ω_x), which tells normal velocities, after normal impulses with these sums of p, x p and z p.
+    pub(super) fn normal_response(&self, s: DVec3) -> DVec3 {
+        let j = &self.inverse_inertia;
+        let (xx, xz, zz) = (j.x_axis.x, j.x_axis.z, j.z_axis.z);
+        DVec3::new(
+            self.inverse_mass * s.x,
+            zz * s.y - xz * s.z,
+            xx * s.z - xz * s.y,
+        )
+    }
+
     /// The i-th and the j-th corner alone.
     pub(super) fn pick(&self, [i, j]: [usize; 2]) -> Self {
         let mut two = Self { count: 2, ..*self };
