@@ -179,12 +179,18 @@ pub(super) fn place_on_floor(
     held: u8,
 ) -> Corners {
     let mut corners = Corners::at(floor, body, state);
-    for _ in 0..3 {
+    for round in 0..3 {
         let worst = (0..8)
             .filter(|&k| has(held, k))
             .fold(0.0, |a: f64, k| a.max(corners.height[k].abs()));
         if worst <= 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs()) {
             break;
+        }
+        if round > 0 && held.is_power_of_two() {
+            // What is left of one corner's height, the square of what was, needs no turn.
+            state.position.y -= corners.height[held.trailing_zeros() as usize];
+            corners.rise(floor, state);
+            continue;
         }
         let attitude = DMat3::from_quat(state.rotation);
         let set = ContactSet::new(body, attitude, &corners.lever, held);
@@ -205,12 +211,7 @@ pub(super) fn place_on_floor(
 }
 
 /// Lifts the body so that no corner, of which `corners` knows, is below the floor; never pushes it down.
-pub(super) fn lift_out(
-    floor: &Floor,
-    body: &RigidBox,
-    state: &mut BodyState,
-    corners: &mut Corners,
-) {
+pub(super) fn lift_out(floor: &Floor, state: &mut BodyState, corners: &mut Corners) {
     // Rounding may leave the last bit below: a second pass takes it.
     for _ in 0..2 {
         let depth = -corners.lowest();
@@ -218,7 +219,7 @@ pub(super) fn lift_out(
             break;
         }
         state.position.y += depth;
-        *corners = Corners::at(floor, body, state);
+        corners.rise(floor, state);
     }
 }
 

@@ -140,7 +140,7 @@ fn between_events<S: Scheme, F: ForceLaw>(
     // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
     // velocity stays what it was, so depth never turns into speed.
     if corners.lowest() < -tolerance {
-        lift_out(floor, body, state, &mut corners);
+        lift_out(floor, state, &mut corners);
     }
 
     while rest > 0.0 {
@@ -228,7 +228,7 @@ fn between_events<S: Scheme, F: ForceLaw>(
     }
 
     contact.spare.0 = [first.memory, second.memory];
-    lift_out(floor, body, state, &mut corners);
+    lift_out(floor, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
     if let Some(points) = points {
         ledger.report(points, state, &corners.lever, contact.touching, now);
@@ -367,7 +367,7 @@ fn rest_of_step<S: Scheme, F: ForceLaw>(
 ) {
     let start = *state;
     S::step(body, state, force, rest, memory);
-    lift_out(floor, body, state, &mut Corners::at(floor, body, state));
+    lift_out(floor, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());
 }

@@ -18,7 +18,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::cone;
-use super::geometry::{ContactSet, Corner3, Corners, has, mask, spans_face};
+use super::geometry::{ContactSet, Corner3, Corners, has, levers, mask, spans_face};
 use super::projection::{cancel, lift_out, place_on_floor};
 use super::{ContactSettings, Floor};
 use crate::body::RigidBox;
@@ -216,7 +216,8 @@ impl<F: ForceLaw> Start<'_, F> {
             tau,
             &mut SchemeMemory::default(),
         );
-        let (middle, levers) = middle_attitude(floor, body, start, &free);
+        let middle = middle_attitude(start, &free);
+        let levers = levers(body, middle, self.candidates);
         let set = ContactSet::new(body, middle, &levers, self.candidates);
 
         let d = self.mean_velocities(&free, &set, tau);
@@ -360,7 +361,7 @@ impl<F: ForceLaw> Start<'_, F> {
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
     pub(super) fn finish(&self, piece: &mut Piece) {
-        lift_out(self.floor, self.body, &mut piece.state, &mut piece.corners);
+        lift_out(self.floor, &mut piece.state, &mut piece.corners);
         if !self.force.has_wrench() {
             let pull = self.force.acceleration();
             let height = piece.state.position.y;
@@ -405,24 +406,15 @@ pub(super) fn limit_energy(
     (scale < 1.0 - 1e-9).then_some(kinetic - allowed)
 }
 
-/// The attitude halfway between two states, and the corners' levers there.
-fn middle_attitude(
-    floor: &Floor,
-    body: &RigidBox,
-    start: &BodyState,
-    end: &BodyState,
-) -> (DMat3, Corner3) {
+/// The attitude halfway between two states.
+fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
     let aligned = if start.rotation.dot(end.rotation) < 0.0 {
         -end.rotation
     } else {
         end.rotation
     };
     let sum: DQuat = start.rotation + aligned;
-    let middle = start.with_rotation(sum);
-    (
-        DMat3::from_quat(middle.rotation),
-        Corners::at(floor, body, &middle).lever,
-    )
+    DMat3::from_quat(start.with_rotation(sum).rotation)
 }
 
 /// Longest piece over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so

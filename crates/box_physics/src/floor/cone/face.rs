@@ -130,7 +130,11 @@ impl Face<'_> {
                 p[i].x = weight[i] * (share.x + share.z * r[i].z);
                 p[i].z = weight[i] * (share.y - share.z * r[i].x);
                 let part = (p[i].x * p[i].x + p[i].z * p[i].z).sqrt() / (self.friction * p[i].y);
-                most = if p[i].y > 0.0 { most.max(part) } else { f64::INFINITY };
+                most = if p[i].y > 0.0 {
+                    most.max(part)
+                } else {
+                    f64::INFINITY
+                };
                 weight[i] /= part;
             }
             if most <= 1.0 || most > 1.5 {
