@@ -2,8 +2,9 @@
 //! survives the event (Hairer, Nørsett, Wanner, *Solving ODEs I*, II.6).
 //!
 //! Where to look is told by the polynomial through what is known of a corner's height: its height and its
-//! velocity at the start, which every scheme keeps exactly as its time goes to zero, and its height after
-//! each of the last pieces tried. Two or three pieces bring it to 1e-12 of the scene; a bracket guards it.
+//! velocity at the start, which every scheme keeps exactly as its time goes to zero, its height after each of the
+//! last pieces tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three pieces
+//! bring it to 1e-12 of the scene; a bracket guards it.
 
 use super::geometry::has;
 
@@ -25,6 +26,8 @@ pub(super) struct Search {
     pub(super) start: [f64; 8],
     /// Their velocities upwards at the start [m/s].
     pub(super) rate: [f64; 8],
+    /// The same at the end of the motion over the whole time; NaN if it is not known.
+    pub(super) end_rate: [f64; 8],
     /// The time there is \[s\].
     pub(super) time: f64,
     /// A bound of every corner's upward acceleration [m/s²].
@@ -209,10 +212,16 @@ impl Search {
     /// The earliest root, between `low` and `high`, of the polynomials of the corners that are below the
     /// floor at `high`; infinity if there is none.
     fn first_root(&self, low: f64, high: &Sample, nodes: &[Sample]) -> f64 {
-        (0..8)
-            .filter(|&k| has(self.watch, k) && high.height[k] < 0.0)
-            .map(|k| self.polynomial(k, nodes).root(low, high.tau))
-            .fold(f64::INFINITY, f64::min)
+        let mut first = f64::INFINITY;
+        for k in (0..8).filter(|&k| has(self.watch, k) && high.height[k] < 0.0) {
+            let polynomial = self.polynomial(k, nodes);
+            if first == f64::INFINITY {
+                first = polynomial.root(low, high.tau);
+            } else if polynomial.at(first).0 < 0.0 {
+                first = polynomial.root(low, first);
+            }
+        }
+        first
     }
 
     fn polynomial(&self, k: usize, nodes: &[Sample]) -> Polynomial {
@@ -221,6 +230,11 @@ impl Search {
             tau[i] = node.tau;
             let mean = (node.height[k] - self.start[k]) / node.tau;
             value[i] = (mean - self.rate[k]) / node.tau;
+        }
+        if nodes.len() == 1 && tau[0] == self.time && self.end_rate[k].is_finite() {
+            // The same node again, with the slope of r there.
+            let change = (self.end_rate[k] - self.rate[k]) / tau[0];
+            (tau[1], value[1]) = (tau[0], (change - 2.0 * value[0]) / tau[0]);
         }
         for order in 1..nodes.len() {
             for i in (order..nodes.len()).rev() {
@@ -263,13 +277,15 @@ impl Polynomial {
             }
             let step = -value / slope;
             let mut next = t + step;
+            // The step after it would be the square of this one.
+            let last = step.abs() <= 1e-8 * t;
             if !(next > low && next < high) {
-                next = 0.5 * (low + high);
-            }
-            if step.abs() <= 1e-15 * t {
-                return t;
+                next = if last { t } else { 0.5 * (low + high) };
             }
             t = next;
+            if last {
+                break;
+            }
         }
         t
     }
@@ -302,6 +318,7 @@ mod tests {
             watch: 1,
             start: [start; 8],
             rate: [rate; 8],
+            end_rate: [f64::NAN; 8],
             time,
             curvature,
             tolerance: 1e-12,

@@ -22,18 +22,20 @@ impl Corners {
     /// The terms are added in an order in which opposite corners of a level face get levers that
     /// are opposite to the last bit: a flat landing then has a torque of exactly zero.
     pub(super) fn at(floor: &Floor, body: &RigidBox, state: &BodyState) -> Self {
-        let r = DMat3::from_quat(state.rotation);
-        let h = body.half_extents();
-        let (x, y, z) = (r.x_axis * h.x, r.y_axis * h.y, r.z_axis * h.z);
-        let base = state.position.y - floor.height;
-        let lever: Corner3 = core::array::from_fn(|k| {
-            let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            (sign(0) * x + sign(2) * z) + sign(1) * y
-        });
-        Self {
+        let edges = half_edges(body, DMat3::from_quat(state.rotation));
+        let lever = core::array::from_fn(|k| lever(edges, k));
+        let mut new = Self {
             lever,
-            height: core::array::from_fn(|k| base + lever[k].y),
-        }
+            height: [0.0; 8],
+        };
+        new.rise(floor, state);
+        new
+    }
+
+    /// The same attitude at the height of `state`.
+    pub(super) fn rise(&mut self, floor: &Floor, state: &BodyState) {
+        let base = state.position.y - floor.height;
+        self.height = self.lever.map(|r| base + r.y);
     }
 
     /// The height of the lowest corner \[m\].
@@ -45,6 +47,35 @@ impl Corners {
     pub(super) fn touching(&self, tolerance: f64) -> u8 {
         mask(|k| self.height[k] <= tolerance)
     }
+}
+
+/// The box's axes in the world, as long as its half-extents \[m\].
+fn half_edges(body: &RigidBox, attitude: DMat3) -> [DVec3; 3] {
+    let h = body.half_extents();
+    [
+        attitude.x_axis * h.x,
+        attitude.y_axis * h.y,
+        attitude.z_axis * h.z,
+    ]
+}
+
+/// r_k \[m\].
+#[inline(always)]
+fn lever([x, y, z]: [DVec3; 3], k: usize) -> DVec3 {
+    let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+    (sign(0) * x + sign(2) * z) + sign(1) * y
+}
+
+/// The levers of the corners in `set`; what stands for the others is not used.
+pub(super) fn levers(body: &RigidBox, attitude: DMat3, set: u8) -> Corner3 {
+    let edges = half_edges(body, attitude);
+    let mut levers = [DVec3::ZERO; 8];
+    for (k, r) in levers.iter_mut().enumerate() {
+        if has(set, k) {
+            *r = lever(edges, k);
+        }
+    }
+    levers
 }
 
 /// The corners of the faces: those whose bit 0 is 0, is 1, and so on.
@@ -191,6 +222,17 @@ impl ContactSet {
     pub(super) fn normal_column(&self, i: usize) -> [f64; 2] {
         let (v, omega) = self.unit_twist(i, DVec3::Y);
         [0, 1].map(|k| v.y + omega.cross(self.lever[k]).y)
+    }
+
+    /// (v_y, ω_z, −ω_x), which tells normal velocities, after normal impulses with these sums of p, x p and z p.
+    pub(super) fn normal_response(&self, s: DVec3) -> DVec3 {
+        let j = &self.inverse_inertia;
+        let (xx, xz, zz) = (j.x_axis.x, j.x_axis.z, j.z_axis.z);
+        DVec3::new(
+            self.inverse_mass * s.x,
+            zz * s.y - xz * s.z,
+            xx * s.z - xz * s.y,
+        )
     }
 
     /// The i-th and the j-th corner alone.

@@ -26,6 +26,7 @@ mod geometry;
 mod impact;
 mod memory;
 mod projection;
+mod slips;
 mod step;
 mod sustained;
 

@@ -17,9 +17,55 @@ pub(super) fn cancel(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 {
     match set.count {
         1 => p[0] = cancel_one(set, u[0], mask[0] == DVec3::ONE),
         2 => (p[0], p[1]) = cancel_two(set, u, [0, 1].map(|i| mask[i] == DVec3::ONE)),
-        _ => p = cancel_iteratively(set, u, mask),
+        n => {
+            let normal_only = mask[..n].iter().all(|m| *m == DVec3::Y);
+            let face = normal_only && n <= 4 && set.spans_face();
+            p = face
+                .then(|| cancel_on_face(set, u))
+                .flatten()
+                .unwrap_or_else(|| cancel_iteratively(set, u, mask));
+        }
     }
     p
+}
+
+/// The normal velocities of three or four corners of a face, which tell three numbers: for three corners their
+/// own; for four, of which opposite ones are neighbours, their mean and the differences of opposite ones, since
+/// loading one diagonal against the other does nothing. Impulses in the same three proportions are the smallest,
+/// and three linear equations tell how much of each. `None` if the corners are as good as on a line.
+fn cancel_on_face(set: &ContactSet, u: &Corner3) -> Option<Corner3> {
+    let arm = |i: usize| DVec3::new(1.0, set.lever[i].x, set.lever[i].z);
+    let four = set.count == 4;
+    let (arms, speeds) = if four {
+        let opposite = |i: usize| (0.5 * (arm(i + 1) - arm(i)), 0.5 * (u[i + 1].y - u[i].y));
+        let ((a, v), (b, w)) = (opposite(0), opposite(2));
+        let mean = 0.5 * ((arm(0) + arm(1)) + (arm(2) + arm(3)));
+        let speed = 0.5 * ((u[0].y + u[1].y) + (u[2].y + u[3].y));
+        ([mean, a, b], DVec3::new(speed, v, w))
+    } else {
+        let speeds = DVec3::new(u[0].y, u[1].y, u[2].y);
+        ([0, 1, 2].map(arm), speeds)
+    };
+    let [a, b, c] = arms.map(|s| set.normal_response(s));
+    let through = DMat3::from_cols(arms[0], arms[1], arms[2]).transpose();
+    let matrix = through * DMat3::from_cols(a, b, c);
+    let size = matrix.x_axis.x * matrix.y_axis.y * matrix.z_axis.z;
+    let determinant = matrix.determinant();
+    if determinant.is_nan() || determinant <= 1e-10 * size {
+        return None;
+    }
+    let q = -(matrix.inverse() * speeds);
+    let mut p = [DVec3::ZERO; 8];
+    let loads = if four {
+        let q = 0.5 * q;
+        [q.x - q.y, q.x + q.y, q.x - q.z, q.x + q.z]
+    } else {
+        [q.x, q.y, q.z, 0.0]
+    };
+    for (p, load) in p.iter_mut().zip(loads) {
+        p.y = load;
+    }
+    Some(p)
 }
 
 /// u_n + W_nn p_n = 0, or u + Wp = 0.
@@ -133,12 +179,18 @@ pub(super) fn place_on_floor(
     held: u8,
 ) -> Corners {
     let mut corners = Corners::at(floor, body, state);
-    for _ in 0..3 {
+    for round in 0..3 {
         let worst = (0..8)
             .filter(|&k| has(held, k))
             .fold(0.0, |a: f64, k| a.max(corners.height[k].abs()));
         if worst <= 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs()) {
             break;
+        }
+        if round > 0 && held.is_power_of_two() {
+            // What is left of one corner's height, the square of what was, needs no turn.
+            state.position.y -= corners.height[held.trailing_zeros() as usize];
+            corners.rise(floor, state);
+            continue;
         }
         let attitude = DMat3::from_quat(state.rotation);
         let set = ContactSet::new(body, attitude, &corners.lever, held);
@@ -159,12 +211,7 @@ pub(super) fn place_on_floor(
 }
 
 /// Lifts the body so that no corner, of which `corners` knows, is below the floor; never pushes it down.
-pub(super) fn lift_out(
-    floor: &Floor,
-    body: &RigidBox,
-    state: &mut BodyState,
-    corners: &mut Corners,
-) {
+pub(super) fn lift_out(floor: &Floor, state: &mut BodyState, corners: &mut Corners) {
     // Rounding may leave the last bit below: a second pass takes it.
     for _ in 0..2 {
         let depth = -corners.lowest();
@@ -172,7 +219,7 @@ pub(super) fn lift_out(
             break;
         }
         state.position.y += depth;
-        *corners = Corners::at(floor, body, state);
+        corners.rise(floor, state);
     }
 }
 
@@ -181,7 +228,7 @@ mod tests {
     use super::*;
     use crate::floor::tests::{Random, about};
 
-    /// An edge or a corner on the floor: both ways agree, and what was to be cancelled is.
+    /// A corner, an edge or a face on the floor: both ways agree, and what was to be cancelled is.
     #[test]
     fn directly_or_not_the_same_is_cancelled() {
         let mut random = Random(3);
@@ -198,20 +245,33 @@ mod tests {
                 &body,
                 DMat3::from_quat(state.rotation),
                 &corners.lever,
-                [0b0000_0001, 0b0001_0001][i % 2],
+                [0b0000_0001, 0b0001_0001, 0b0101_0101, 0b0101_0100][i % 4],
             );
             let u = set.velocities((state.velocity, state.angular_velocity(&body)));
             let mut mask = [DVec3::ONE; 8];
-            mask[0] = [DVec3::ONE, DVec3::Y][i / 2 % 2];
-            mask[1] = [DVec3::ONE, DVec3::Y][i / 4 % 2];
+            if i % 4 < 2 {
+                mask[0] = [DVec3::ONE, DVec3::Y][i / 4 % 2];
+                mask[1] = [DVec3::ONE, DVec3::Y][i / 8 % 2];
+            } else {
+                mask = [DVec3::Y; 8];
+            }
             let p = cancel(&set, &u, &mask);
-            let q = cancel_iteratively(&set, &u, &mask);
+            let mut q = cancel_iteratively(&set, &u, &mask);
+            // Of least norm to rounding, which conjugate gradients are not quite: equal loads on one diagonal
+            // against the other, and the opposite ones along an edge, do nothing.
+            let diagonals = |p: &Corner3| 0.25 * (p[0] + p[1] - p[2] - p[3]);
+            if set.count == 4 {
+                let idle = diagonals(&q);
+                for (q, sign) in q.iter_mut().zip([-1.0, -1.0, 1.0, 1.0]) {
+                    *q += sign * idle;
+                }
+                assert!(diagonals(&p).length() < 1e-13);
+            }
             let answer = set.response(&p);
             for k in 0..set.count {
                 assert!(((u[k] + answer[k]) * mask[k]).length() < 1e-12);
                 assert!((p[k] - q[k]).length() < 1e-6 * q[k].length(), "{p:?} {q:?}");
             }
-            // Of least norm to rounding, which conjugate gradients are not quite.
             let along = (p[0] - p[1]).dot(set.lever[1] - set.lever[0]);
             assert!(set.count == 1 || mask[..2] != [DVec3::ONE; 2] || along.abs() < 1e-13);
         }

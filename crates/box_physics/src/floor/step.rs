@@ -27,8 +27,9 @@ const DIP_FREE: f64 = 1e3;
 const DIP_HELD: f64 = 1e6;
 /// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
 const STOP_TRIES: u32 = 8;
-/// Shortest part of a piece that such a try may take.
-const SHORTEST_STOP: f64 = 1e-3;
+/// Part of a piece in which such a moment need not be found any better: at a constant deceleration, whose
+/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the piece.
+const SHORTEST_STOP: f64 = 1e-2;
 /// Rounds of the loop in one step.
 const MAX_ROUNDS: u32 = 4 * MAX_PIECES;
 /// Force evaluations in one step.
@@ -139,7 +140,7 @@ fn between_events<S: Scheme, F: ForceLaw>(
     // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
     // velocity stays what it was, so depth never turns into speed.
     if corners.lowest() < -tolerance {
-        lift_out(floor, body, state, &mut corners);
+        lift_out(floor, state, &mut corners);
     }
 
     while rest > 0.0 {
@@ -178,6 +179,12 @@ fn between_events<S: Scheme, F: ForceLaw>(
         }
 
         let held = candidates(touching, &normal, hold);
+        let mut time = rest;
+        if held != 0 {
+            held_pieces += 1;
+            let left = f64::from(MAX_PIECES.saturating_sub(held_pieces)) + 1.0;
+            time = rest.min(longest_piece(body, state, pull).max(rest / left));
+        }
         let start = Start {
             floor,
             settings,
@@ -190,13 +197,8 @@ fn between_events<S: Scheme, F: ForceLaw>(
             candidates: held,
             still_speed: hold,
             acceleration: pull,
+            shortest: SHORTEST_STOP * time,
         };
-        let mut time = rest;
-        if held != 0 {
-            held_pieces += 1;
-            let left = f64::from(MAX_PIECES.saturating_sub(held_pieces)) + 1.0;
-            time = rest.min(longest_piece(body, state, pull).max(rest / left));
-        }
         let (tau, piece) = move_until_event::<S, F>(
             &start,
             time,
@@ -226,7 +228,7 @@ fn between_events<S: Scheme, F: ForceLaw>(
     }
 
     contact.spare.0 = [first.memory, second.memory];
-    lift_out(floor, body, state, &mut corners);
+    lift_out(floor, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
     if let Some(points) = points {
         ledger.report(points, state, &corners.lever, contact.touching, now);
@@ -282,11 +284,16 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
     if start.candidates != 0 {
         // The part found from the whole piece is exact for a constant deceleration; otherwise the
         // next try starts from a better guess.
+        let mut before = None;
         for _ in 0..STOP_TRIES {
-            if whole.still || whole.stop >= 1.0 - 1e-9 || tau <= SHORTEST_STOP * time {
+            if whole.still || tau <= start.shortest {
                 break;
             }
-            tau = (tau * whole.stop).max(SHORTEST_STOP * time);
+            let Some(next) = whole.slips.first_stop(tau, before.as_ref()) else {
+                break;
+            };
+            before = Some((tau, whole.slips));
+            tau = next.clamp(0.1 * start.shortest, time);
             start.spent::<S>(outcome, tau, whole);
         }
         if whole.still {
@@ -299,6 +306,12 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
         watch,
         start: start.corners.height,
         rate: start.normal,
+        // With corners held it tells no more than the velocities at the start.
+        end_rate: if held {
+            [f64::NAN; 8]
+        } else {
+            normal_velocities(start.body, &whole.state, &whole.corners)
+        },
         time: tau,
         curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
         tolerance,
@@ -354,7 +367,7 @@ fn rest_of_step<S: Scheme, F: ForceLaw>(
 ) {
     let start = *state;
     S::step(body, state, force, rest, memory);
-    lift_out(floor, body, state, &mut Corners::at(floor, body, state));
+    lift_out(floor, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());
 }

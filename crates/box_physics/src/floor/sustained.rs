@@ -18,8 +18,9 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::cone;
-use super::geometry::{ContactSet, Corner3, Corners, has, mask, spans_face};
+use super::geometry::{ContactSet, Corner3, Corners, has, levers, mask, spans_face};
 use super::projection::{cancel, lift_out, place_on_floor};
+use super::slips::{STOPPED, Slips};
 use super::{ContactSettings, Floor};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceLaw, Wrench};
@@ -95,6 +96,8 @@ pub(super) struct Start<'a, F> {
     pub(super) still_speed: f64,
     /// Bound of the acceleration that acts [m/s²].
     pub(super) acceleration: f64,
+    /// Shortest piece \[s\] that is tried for the moment at which a slip vanishes.
+    pub(super) shortest: f64,
 }
 
 /// A piece of sustained motion.
@@ -104,8 +107,7 @@ pub(super) struct Piece {
     pub(super) corners: Corners,
     /// Impulses over the piece, by corner index \[N s\].
     pub(super) impulse: Corner3,
-    /// Where in the piece the first slip vanishes, as a part of it; 1 if none does.
-    pub(super) stop: f64,
+    pub(super) slips: Slips,
     /// The box lies still on a face: the state is the start's.
     pub(super) still: bool,
     pub(super) outcome: StepOutcome,
@@ -123,7 +125,7 @@ impl Piece {
             memory,
             corners: Corners::default(),
             impulse: [DVec3::ZERO; 8],
-            stop: 1.0,
+            slips: Slips::NONE,
             still: false,
             outcome: StepOutcome::default(),
             iterations: 0,
@@ -135,7 +137,7 @@ impl Piece {
     /// Forgets what was reported of it.
     pub(super) fn clear(&mut self) {
         self.impulse = [DVec3::ZERO; 8];
-        self.stop = 1.0;
+        self.slips = Slips::NONE;
         self.still = false;
         self.iterations = 0;
         self.capped = false;
@@ -155,7 +157,8 @@ impl<F: ForceLaw> Start<'_, F> {
             tau,
             &mut SchemeMemory::default(),
         );
-        let (middle, levers) = middle_attitude(floor, body, start, &free);
+        let middle = middle_attitude(start, &free);
+        let levers = levers(body, middle, self.candidates);
         let set = ContactSet::new(body, middle, &levers, self.candidates);
 
         let d = self.mean_velocities(&free, &set, tau);
@@ -258,17 +261,19 @@ impl<F: ForceLaw> Start<'_, F> {
             let speed = slip_before.length();
             if speed > self.still_speed {
                 let along = slip_before.dot(slip) / speed;
-                if sticks && speed * tau <= 1e-9 * body.radius() {
-                    components[i] = DVec3::ONE; // it stops within no distance to speak of
-                } else if sticks {
+                let k = usize::from(set.corner[i]);
+                if sticks {
                     components[i] = DVec3::ONE; // where it ends if no better moment is found
-                    // It needed only a part of the friction to bring the mean slip to zero: with all of
-                    // it the slip is zero at half that part of the time.
-                    piece.stop = piece.stop.min(0.5 * (used / limit).clamp(0.02, 1.0));
-                } else if along < -1e-9 * speed {
-                    piece.stop = piece.stop.min(speed / (speed - along));
+                    // Unless it stops within no distance to speak of.
+                    if speed * tau > 1e-9 * body.radius() {
+                        piece.slips.sticks(k, used / limit);
+                    }
+                } else {
+                    piece.slips.slides(k, slip, along, speed);
                 }
-                if slip.length() <= 1e-6 * speed {
+                // Friction does not turn a slip round: one that changed its way in no time has stopped.
+                let reversed = tau <= self.shortest && piece.slips.reversed(k);
+                if reversed || slip.length() <= STOPPED * speed {
                     components[i] = DVec3::ONE;
                 }
             } else if sticks {
@@ -294,7 +299,7 @@ impl<F: ForceLaw> Start<'_, F> {
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
     pub(super) fn finish(&self, piece: &mut Piece) {
-        lift_out(self.floor, self.body, &mut piece.state, &mut piece.corners);
+        lift_out(self.floor, &mut piece.state, &mut piece.corners);
         if !self.force.has_wrench() {
             let pull = self.force.acceleration();
             let height = piece.state.position.y;
@@ -339,24 +344,15 @@ pub(super) fn limit_energy(
     (scale < 1.0 - 1e-9).then_some(kinetic - allowed)
 }
 
-/// The attitude halfway between two states, and the corners' levers there.
-fn middle_attitude(
-    floor: &Floor,
-    body: &RigidBox,
-    start: &BodyState,
-    end: &BodyState,
-) -> (DMat3, Corner3) {
+/// The attitude halfway between two states.
+fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
     let aligned = if start.rotation.dot(end.rotation) < 0.0 {
         -end.rotation
     } else {
         end.rotation
     };
     let sum: DQuat = start.rotation + aligned;
-    let middle = start.with_rotation(sum);
-    (
-        DMat3::from_quat(middle.rotation),
-        Corners::at(floor, body, &middle).lever,
-    )
+    DMat3::from_quat(start.with_rotation(sum).rotation)
 }
 
 /// Longest piece over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so

@@ -3,21 +3,27 @@
 //! - **All slide**: then no corner moves along the normal, so the box turns about the normal alone, and its
 //!   velocity V at the centre and its spin Ω tell every slip, w_k = V + Ω n×r_k. Given these, p_k = π_k s_k,
 //!   s_k = n − µ w_k/|w_k|, and the normal law is three linear equations for the π_k, of which the smallest are
-//!   taken. The impulses give V and Ω anew: a fixed point of three numbers, found by Broyden's method (Math.
-//!   Comput. 19 (1965) 577) from the motion without friction.
+//!   taken. The impulses give V and Ω anew. Only the direction u of (V, Ω) enters, so that what is asked for is
+//!   the u that leads to itself: two angles, found by Broyden's method (Math. Comput. 19 (1965) 577) from the
+//!   motion without friction, however little of it friction leaves.
 //! - **All stick**: a linear problem.
 //! - **Two leave**: the other two are an edge.
 //!
 //! What is found must obey the law of all corners to be taken.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat2, DMat3, DVec2, DVec3};
 
 use super::super::geometry::{ContactSet, Corner3};
 use super::edge::Edge;
 use super::project;
 
-/// Evaluations of the fixed point: slips that turn little take seven.
+/// Steps of u: slips that turn little take five.
 const STEPS: u32 = 24;
+/// How often the friction is shared out anew.
+const SHARINGS: u32 = 8;
+/// The largest of them, and the one by which the slope is found \[rad\].
+const LARGEST_TURN: f64 = 0.7;
+const SMALL: f64 = 1e-4;
 
 /// b + αWp for the corners of a face.
 pub(super) struct Face<'a> {
@@ -76,7 +82,8 @@ impl Face<'_> {
     /// The change of (v, ω) that stops them, and with it the sum and the torque of the impulses, follow from b.
     /// The levers have one height, so that the two parts separate: π_k = A + B·r_k with the right sum and the
     /// right torque about the horizontal axes, and t_k = π_k² (C + D n×r_k) with the right sum and torque
-    /// about the normal, the smallest in units of what a corner can hold.
+    /// about the normal, the smallest in units of what a corner can hold. Where that is too much for one, those
+    /// that can hold more are given more (Lawson's weights for the least maximum: C. L. Lawson, UCLA 1961).
     fn stop(&self) -> Corner3 {
         let (set, n) = (self.set, self.set.count);
         let (r, b) = (&set.lever, self.b);
@@ -105,18 +112,34 @@ impl Face<'_> {
         );
         let load = gram.inverse() * wanted;
         let mut p = [DVec3::ZERO; 8];
-        let mut gram = DMat3::ZERO;
         for (p, r) in p[..n].iter_mut().zip(r) {
             p.y = load.x + load.y * r.x + load.z * r.z;
-            for a in [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)] {
-                gram += (p.y * p.y) * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
-            }
         }
-        let share = gram.inverse() * DVec3::new(force.x, force.z, torque.y);
-        for (p, r) in p[..n].iter_mut().zip(r) {
-            let weight = p.y * p.y;
-            p.x = weight * (share.x + share.z * r.z);
-            p.z = weight * (share.y - share.z * r.x);
+        let wanted = DVec3::new(force.x, force.z, torque.y);
+        let mut weight = [0, 1, 2, 3].map(|i| p[i].y * p[i].y);
+        for _ in 0..SHARINGS {
+            let mut gram = DMat3::ZERO;
+            for (weight, r) in weight[..n].iter().zip(r) {
+                for a in [DVec3::new(1.0, 0.0, r.z), DVec3::new(0.0, 1.0, -r.x)] {
+                    gram += *weight * DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+                }
+            }
+            let share = gram.inverse() * wanted;
+            let mut most = 0.0_f64;
+            for i in 0..n {
+                p[i].x = weight[i] * (share.x + share.z * r[i].z);
+                p[i].z = weight[i] * (share.y - share.z * r[i].x);
+                let part = (p[i].x * p[i].x + p[i].z * p[i].z).sqrt() / (self.friction * p[i].y);
+                most = if p[i].y > 0.0 {
+                    most.max(part)
+                } else {
+                    f64::INFINITY
+                };
+                weight[i] /= part;
+            }
+            if most <= 1.0 || most > 1.5 {
+                break;
+            }
         }
         p
     }
@@ -147,31 +170,35 @@ impl Face<'_> {
 
     /// All slide.
     fn slide(&self) -> Option<Corner3> {
-        let mut x = self.planar([self.b[0], self.b[1]]);
-        let (mut p, next) = self.sliding(x)?;
-        let mut f = x - next;
-        // The inverse of the Jacobian of x − F(x); the F of fast slips is nearly constant.
-        let mut inverse = DMat3::IDENTITY;
-        if !self.is_fast() {
-            let small = 1e-4 * self.set.largest(self.b);
-            let mut columns = DMat3::IDENTITY;
-            for axis in 0..3 {
-                let shifted = x + small * DVec3::AXES[axis];
-                let (_, image) = self.sliding(shifted)?;
-                *columns.col_mut(axis) = (shifted - image - f) / small;
-            }
-            inverse = columns.inverse();
-        }
+        let start = self.planar([self.b[0], self.b[1]]);
+        let mut u = start.try_normalize()?;
+        // Two axes across u, along which it is turned.
+        let mut across = u.any_orthonormal_pair();
+        let residual = |x: DVec3, (e, f): (DVec3, DVec3)| DVec2::new(e.dot(x), f.dot(x));
+        let (mut p, mut x) = self.sliding(u);
+        let mut r = residual(x, across);
+        // The inverse of the slope of r; the x of fast slips is nearly constant.
+        let mut inverse = if self.is_fast() {
+            DMat2::from_diagonal(DVec2::splat(-1.0 / x.dot(u)))
+        } else {
+            let slope = |axis: DVec3| {
+                let image = self.sliding(u + SMALL * axis).1;
+                (residual(image, across) - r) / SMALL
+            };
+            let along = DMat2::from_diagonal(DVec2::splat(x.dot(u)));
+            (DMat2::from_cols(slope(across.0), slope(across.1)) - along).inverse()
+        };
         for _ in 0..STEPS {
-            if f.abs().max_element() <= 0.1 * self.target {
+            if r.abs().max_element() <= 0.1 * self.target {
                 break;
             }
-            let step = -(inverse * f);
-            x += step;
-            let (q, next) = self.sliding(x)?;
-            p = q;
-            let g = x - next;
-            let image = inverse * (g - f);
+            let step = (-(inverse * r)).clamp_length_max(LARGEST_TURN);
+            u = (u + step.x * across.0 + step.y * across.1).try_normalize()?;
+            let first = across.0.reject_from_normalized(u).try_normalize()?;
+            across = (first, u.cross(first));
+            (p, x) = self.sliding(u);
+            let now = residual(x, across);
+            let image = inverse * (now - r);
             let denominator = step.dot(image);
             if denominator == 0.0 || !denominator.is_finite() {
                 break;
@@ -179,12 +206,12 @@ impl Face<'_> {
             // Sherman, Morrison: B⁻¹ += (s − B⁻¹y)(sᵀB⁻¹)/(sᵀB⁻¹y)
             let row = inverse.transpose() * step;
             let gain = (step - image) / denominator;
-            inverse += DMat3::from_cols(gain * row.x, gain * row.y, gain * row.z);
-            f = g;
+            inverse += DMat2::from_cols(gain * row.x, gain * row.y);
+            r = now;
         }
         let mut all = [DVec3::ZERO; 8];
         all[..4].copy_from_slice(&p);
-        self.obeys(&all).then_some(all)
+        (x.dot(u) > 0.0 && self.obeys(&all)).then_some(all)
     }
 
     /// Ω of (V_x, V_z, Ω ℓ).
@@ -208,9 +235,8 @@ impl Face<'_> {
         )
     }
 
-    /// The impulses for the slips that x tells, and the x that they lead to; `None` if one would have to
-    /// pull.
-    fn sliding(&self, x: DVec3) -> Option<([DVec3; 4], DVec3)> {
+    /// The impulses for the slips along those that x tells, and the x that they lead to. (One may have to pull.)
+    fn sliding(&self, x: DVec3) -> ([DVec3; 4], DVec3) {
         let (set, n) = (self.set, self.set.count);
         let spin = self.spin_of(x);
         let mut s = [DVec3::Y; 4];
@@ -231,18 +257,26 @@ impl Face<'_> {
         let b = self.b;
         let wanted = DVec3::new(b[0].y, b[1].y, b[2].y) * (-1.0 / self.alpha);
         let multiplier = gram.inverse() * wanted;
+        let mut share = [0, 1, 2, 3].map(|j| normal[j].dot(multiplier));
+        let least = (0..n).fold(0, |l, j| if share[j] < share[l] { j } else { l });
+        if n == 4 && share[least] < 0.0 {
+            // It would have to pull: the other three bear all.
+            let three = [1, 2, 3].map(|d| (least + d) % 4);
+            let [a, b, c] = three.map(|j| normal[j]);
+            let alone = DMat3::from_cols(a, b, c).inverse() * wanted;
+            share[least] = 0.0;
+            for i in 0..3 {
+                share[three[i]] = alone[i];
+            }
+        }
         let mut p = [DVec3::ZERO; 4];
         let (mut v, mut omega) = (DVec3::ZERO, DVec3::ZERO);
         for j in 0..n {
-            let share = normal[j].dot(multiplier);
-            if share.is_nan() || share < 0.0 {
-                return None;
-            }
-            p[j] = s[j] * share;
-            v += twist[j].0 * share;
-            omega += twist[j].1 * share;
+            p[j] = s[j] * share[j];
+            v += twist[j].0 * share[j];
+            omega += twist[j].1 * share[j];
         }
         let w = [0, 1].map(|i| b[i] + self.alpha * (v + omega.cross(set.lever[i])));
-        Some((p, self.planar(w)))
+        (p, self.planar(w))
     }
 }

@@ -69,3 +69,27 @@ fn slope_holds_below_the_friction_angle_and_slides_above() {
         }
     }
 }
+
+/// A box on its face slides and turns to a stop in a few pieces: corners whose slips vanish one after the other,
+/// or turn on their way, are not followed in ever shorter ones.
+#[test]
+fn a_turning_slide_stops_in_a_few_pieces() {
+    let mut random = Random(3);
+    let mut worst = 0;
+    for _ in 0..2000 {
+        let mut side = || random.range(0.2, 0.5);
+        let mut scene = Scene::new(DVec3::new(side(), side(), side()), 0.0, 0.5);
+        scene.state.rotation = about(DVec3::Y, random.range(0.0, 6.0));
+        let speed = random.magnitude(1e-4, 0.1);
+        scene.state.velocity = random.vector(speed).with_y(0.0);
+        let spin = DVec3::Y * random.range(-3.0 * speed, 3.0 * speed);
+        scene.state.set_angular_velocity(&scene.body, spin);
+        let energy = scene.energy();
+        for _ in 0..5 {
+            worst = worst.max(scene.step::<Split>(SIXTIETH).step.evaluations);
+        }
+        assert!(scene.contact.is_resting() && scene.energy() <= energy);
+    }
+    println!("a turning slide: at most {worst} evaluations a step");
+    assert!(worst <= 240, "{worst}"); // two or three for each piece that is tried
+}
