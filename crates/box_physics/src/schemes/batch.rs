@@ -383,8 +383,42 @@ mod tests {
         .map(f64::to_bits)
     }
 
+    /// One step by the loop as it is compiled for every x86-64, and for what this processor has.
+    fn by_instruction_sets<S: Lanes>(set: &[(RigidBox, BodyState)], gravity: DVec3, h: f64) {
+        let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
+        let start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
+        let (mut plain, mut refused) = (start.clone(), [0.0; BLOCK]);
+        step_each::<S>(&bodies, &mut plain, gravity, h, &mut refused);
+        let (mut best, mut refused_there) = (start, [0.0; BLOCK]);
+        vectorised(LaneLoop {
+            bodies: &bodies,
+            states: &mut best,
+            gravity,
+            h,
+            refused: &mut refused_there,
+            scheme: PhantomData::<S>,
+        });
+        for (plain, best) in plain.iter().zip(&best) {
+            assert_eq!(bits(plain), bits(best), "{}", S::INFO.id);
+        }
+        assert_eq!(refused, refused_there, "{}", S::INFO.id);
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The instruction set changes no bit, nor which bodies the loop refuses.
+        #[test]
+        fn instruction_sets_agree(
+            set in prop::collection::vec(moving(), 1..=BLOCK),
+            gravity in vector(),
+            h in prop_oneof![Just(1.0 / 60.0), Just(-0.1), 0.001..0.5_f64],
+        ) {
+            by_instruction_sets::<crate::schemes::Split>(&set, gravity, h);
+            by_instruction_sets::<crate::schemes::Split4>(&set, gravity, h);
+            by_instruction_sets::<crate::schemes::Rk4>(&set, gravity, h);
+            by_instruction_sets::<crate::schemes::EngineNewton>(&set, gravity, h);
+        }
 
         /// Every scheme, any number of bodies, zeros of both signs, turns beyond the kernels' range,
         /// one state that is not finite: bit for bit what the plain steps give, over several steps.
