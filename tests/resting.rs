@@ -184,6 +184,71 @@ fn boxes_are_moved_by_a_change_of_the_world() {
     assert_eq!(compare("no settings of the contact", no_settings), ALL);
 }
 
+/// What happens while a box is not looked at counts when it is again.
+#[test]
+fn a_box_that_was_left_out_is_looked_at_again() {
+    let higher_meanwhile = |scene: &mut Scene| {
+        scene.insert(Quarantined { time: 0.0 });
+        scene.step(2);
+        scene.app.insert_resource(Floor {
+            height: 0.1,
+            ..default()
+        });
+        scene.step(2);
+        let body = scene.bodies[1];
+        scene
+            .app
+            .world_mut()
+            .entity_mut(body)
+            .remove::<Quarantined>();
+    };
+    assert_eq!(compare("the floor rose under it", higher_meanwhile), ALL);
+    let kicked_meanwhile = |scene: &mut Scene| {
+        scene.insert(Quarantined { time: 0.0 });
+        scene.step(2);
+        scene.edit::<BodyState>(|state| state.velocity.y = 1.0);
+        scene.step(2);
+        let body = scene.bodies[1];
+        scene
+            .app
+            .world_mut()
+            .entity_mut(body)
+            .remove::<Quarantined>();
+    };
+    assert_eq!(compare("it was given a velocity", kicked_meanwhile), ONE);
+    let no_contact_meanwhile = |scene: &mut Scene| {
+        scene.app.world_mut().remove_resource::<ContactSettings>();
+        scene.step(10);
+        scene.app.insert_resource(ContactSettings::default());
+    };
+    assert_eq!(compare("there was no contact", no_contact_meanwhile), ALL);
+}
+
+/// A force that held it is gone.
+#[test]
+fn a_box_that_was_held_is_let_go() {
+    let mut scene = Scene::at_rest(false);
+    let up = ExternalForce {
+        force: DVec3::new(-8.0 * brick().mass(), 0.0, 0.0),
+        torque: DVec3::ZERO,
+    };
+    scene.insert(up);
+    scene
+        .app
+        .insert_resource(WorldGravity(DVec3::new(8.0, -9.81, 0.0)));
+    scene.step(60);
+    let body = scene.bodies[1];
+    let before = scene.seen();
+    assert!(before[1].3.is_resting() && !before[0].3.is_resting());
+    scene
+        .app
+        .world_mut()
+        .entity_mut(body)
+        .remove::<ExternalForce>();
+    scene.step(10);
+    assert!(scene.seen()[1].0.position.x > before[1].0.position.x + 0.01);
+}
+
 /// A pose that was overwritten after teleports were taken is put right in the same step; one that is no
 /// teleport, but not what was shown either, in the next.
 #[test]

@@ -319,6 +319,8 @@ pub(crate) struct NearFloor {
     pub(crate) touched: bool,
     /// It lay still before this step and does after it: bounding box and pose are what they were.
     pub(crate) still: bool,
+    /// The number of the last run of *Contact* in which it lay still under nothing but gravity; 0 for none.
+    pub(crate) asleep: u32,
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::chunk::Chunk;
 use super::columns::ForceColumnsContiguousItem;
-use super::components::BodyIntegrator;
+use super::components::{BodyIntegrator, NearFloor};
 use super::intake::any_newer;
 use crate::floor::{self, ContactPoint, ContactSettings, Floor, FloorOutcome};
 use crate::force::{ForceLaw, Gravity};
@@ -98,8 +98,8 @@ pub(crate) struct Reporting<'a> {
     pub(crate) tell: &'a mut (dyn FnMut(Entity, &[ContactPoint]) + Send),
 }
 
-/// What tells that nobody touched a body since it was last stepped at the floor: the ticks at which its
-/// parts changed. The physics leaves them as they are.
+/// What tells of a body that lay still in the last run of *Contact* that nobody touched it since: the ticks at
+/// which its parts changed. The physics leaves them as they are.
 pub(crate) struct Untouched<'a> {
     /// Of whole columns.
     pub(crate) columns: [&'a [Tick]; 3],
@@ -123,7 +123,9 @@ pub(crate) struct AtFloor<'a, 'c, 'r, 'w, 's> {
     /// Of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
     pub(crate) chunk: &'a mut Chunk<'c>,
-    /// If nothing else than what these columns say could have moved a body that lay still.
+    /// The number of this run of *Contact*, above 1.
+    pub(crate) run: u32,
+    /// Of tables in which nothing but these columns can tell of a change: floor and gravity are what they were.
     pub(crate) untouched: Option<&'a Untouched<'a>>,
     /// If the bodies of this table report their contacts.
     pub(crate) reporting: Option<Reporting<'r>>,
@@ -148,19 +150,22 @@ impl AtFloor<'_, '_, '_, '_, '_> {
         let mut tally = Tally::default();
         let chunk = self.chunk;
         let first = chunk.first;
-        // Bodies that lie still are mostly all of a chunk, or long untouched.
+        let run = self.run;
+        let plain = self.forces.only_gravity() && !self.forces.scales_gravity();
+        // Asked of the chunk first: mostly nobody touched anything.
         let nobody_touched = self
             .untouched
             .is_some_and(|ticks| ticks.all(first..first + chunk.len()));
-        let lies = |i: usize| {
+        let sleeps = |i: usize, near: &NearFloor| {
             let untouched = |ticks: &Untouched<'_>| ticks.all(first + i..first + i + 1);
-            nobody_touched || self.untouched.is_some_and(untouched)
+            near.asleep == run - 1 && (nobody_touched || self.untouched.is_some_and(untouched))
         };
         for i in 0..chunk.len() {
             if !chunk.near[i].pending {
                 continue;
             }
-            if chunk.near[i].still && lies(i) {
+            if sleeps(i, &chunk.near[i]) {
+                chunk.near[i].asleep = run;
                 tally.bodies += 1;
                 tally.floor.resting = true;
                 continue;
@@ -196,6 +201,8 @@ impl AtFloor<'_, '_, '_, '_, '_> {
             } else if let Some(reporting) = &mut self.reporting {
                 (reporting.tell)(chunk.entities[i], reporting.points);
             }
+            let near = &mut chunk.near[i];
+            near.asleep = if near.still && plain { run } else { 0 };
         }
         tally
     }

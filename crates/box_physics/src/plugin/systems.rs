@@ -228,15 +228,17 @@ pub(crate) fn contact(
     mut commands: Commands,
     (mut messages, mut contacts): (MessageWriter<BodyQuarantined>, MessageWriter<FloorContact>),
     mut points: Local<Vec<ContactPoint>>,
-    mut before: Local<Option<(DVec3, Floor)>>,
+    (mut before, mut run): (Local<Option<(DVec3, Floor)>>, Local<u32>),
 ) -> Result {
+    // Runs without a floor count as well: who slept before them may have moved.
+    *run = run.checked_add(1).unwrap_or(0).max(2);
     let setting = world.setting();
     let Some(floor) = setting.floor else {
         return Ok(());
     };
     let timed = timings.is_some();
     let mut stage = Stopwatch::start(timed);
-    // Who lay still in the same world and was not touched since, still does.
+    // Who lay still in the last run, and in the same world, and was not touched since, still does.
     let surroundings = Some((setting.gravity, *floor));
     let same_world = core::mem::replace(&mut *before, surroundings) == surroundings;
     let mut tell = |entity: Entity, points: &[ContactPoint]| {
@@ -311,6 +313,7 @@ pub(crate) fn contact(
                             setting,
                             forces: &forces,
                             chunk: &mut chunk,
+                            run: *run,
                             untouched: untouched.as_ref(),
                             reporting,
                         });
