@@ -254,10 +254,6 @@ fn rest(app: &mut App, dice: &mut Dice) -> f64 {
     let mut worst = f64::MIN;
     for (entity, after, _) in energies(app) {
         if let Some((_, energy, size)) = before.iter().find(|(e, ..)| *e == entity) {
-            // A momentum of 1e150 is finite, but not its energy, nor the products of an implicit step.
-            if *size > 1e100 {
-                continue;
-            }
             let gain = (after - energy) / size;
             worst = worst.max(gain);
         }

@@ -116,7 +116,8 @@
 //! # Limits
 //!
 //! Boxes and one horizontal floor: no contact between boxes, no joints, no other shapes. Bodies stand at the
-//! top of the hierarchy. Sizes from 1e-6 to 1e6 m, masses from 1e-12 to 1e12 kg, positions within 1e38 m.
+//! top of the hierarchy. Sizes from 1e-6 to 1e6 m, masses from 1e-12 to 1e12 kg, positions,
+//! velocities and momenta within 1e38.
 
 pub mod aabb;
 pub mod body;

@@ -177,14 +177,15 @@ impl BodyState {
             && self.angular_momentum.is_finite()
     }
 
-    /// Whether it can be stepped and shown: finite, the position within 1e38 m (an f32 ends at 3.4e38),
-    /// and the attitude a unit quaternion (to 1e-3 in its square).
+    /// Whether it can be stepped and shown: position, velocity and momentum within 1e38 in their units (an f32
+    /// ends at 3.4e38, and their products must not overflow), and the attitude a unit quaternion (to 1e-3 in
+    /// its square).
     #[inline(always)]
     pub fn is_sound(&self) -> bool {
         (self.rotation.length_squared() - 1.0).abs() < 1e-3
-            && self.position.abs().cmple(DVec3::splat(1e38)).all()
-            && self.velocity.is_finite()
-            && self.angular_momentum.is_finite()
+            && [self.position, self.velocity, self.angular_momentum]
+                .into_iter()
+                .all(|v| v.abs().cmple(DVec3::splat(1e38)).all())
     }
 
     /// Rotation angle between two attitudes \[rad\], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂ (`acos` would
