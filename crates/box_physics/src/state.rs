@@ -220,6 +220,29 @@ mod tests {
     }
 
     #[test]
+    fn what_is_beyond_1e38_or_not_finite_is_not_sound() {
+        let parts: [fn(&mut BodyState) -> &mut DVec3; 3] = [
+            |state| &mut state.position,
+            |state| &mut state.velocity,
+            |state| &mut state.angular_momentum,
+        ];
+        for part in parts {
+            for (value, sound) in [
+                (1e37, true),
+                (-1e37, true),
+                (1e39, false),
+                (-1e39, false),
+                (f64::INFINITY, false),
+                (f64::NAN, false),
+            ] {
+                let mut state = BodyState::default();
+                part(&mut state).z = value;
+                assert_eq!(state.is_sound(), sound, "{state:?}");
+            }
+        }
+    }
+
+    #[test]
     fn angular_velocity_round_trip() {
         let w = tilted().angular_velocity(&body());
         assert!((w - DVec3::new(1.0, 2.0, -1.0)).length() < 1e-15);
