@@ -36,6 +36,8 @@ pub(super) struct Search {
     pub(super) tolerance: f64,
     /// A dip no deeper than this is none \[m\].
     pub(super) dip: f64,
+    /// No corner comes higher than this over the floor \[m\].
+    pub(super) highest: f64,
     /// How many evaluations the search may take.
     pub(super) budget: u32,
 }
@@ -114,6 +116,14 @@ impl Search {
             .all(|k| from[k].max(0.0).sqrt() + to[k].max(0.0).sqrt() >= needed)
     }
 
+    /// Whether looking for dips over so long would take more than the whole budget, however high the corners
+    /// are in between: each stretch of τ that is clear has 2√c ≥ τ√(M/2) for its higher end c, so that there are
+    /// at least τ√(M/2)/2√c of them.
+    fn is_hopeless(&self, tau: f64) -> bool {
+        let stretch = 2.0 * self.highest.max(0.0).sqrt();
+        tau * (0.5 * self.curvature).sqrt() > f64::from(self.budget) * stretch
+    }
+
     /// The first touch of a watched corner, or the whole time. `motion(τ, piece)` makes the motion over τ and
     /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten.
     pub(super) fn run<'a, T>(
@@ -140,8 +150,8 @@ impl Search {
             end = self.locate(low.tau, end, &mut track);
         }
         let mut stride = tau;
-        let mut capped = false;
-        while !self.clear(&low.height, &end.height, end.tau - low.tau) {
+        let mut capped = self.is_hopeless(end.tau);
+        while !capped && !self.clear(&low.height, &end.height, end.tau - low.tau) {
             stride = stride.min(0.5 * (end.tau - low.tau));
             if track.used >= self.budget {
                 capped = true;
@@ -323,6 +333,7 @@ mod tests {
             curvature,
             tolerance: 1e-12,
             dip: 1e-9,
+            highest: 2.0,
             budget: 2000,
         }
     }
@@ -395,6 +406,22 @@ mod tests {
         let time = core::f64::consts::TAU / 40.0;
         let (tau, _, capped) = touch(&search(height(0.0), 0.0, time, 1600.0), height);
         assert!((tau - libm::acos(-0.9) / 40.0).abs() < 1e-12 && !capped);
+    }
+
+    /// A wheel that turns a million times is not followed: it is said at once, not after the whole budget. One that
+    /// turns a hundred times is.
+    #[test]
+    fn what_cannot_be_followed_is_given_up_at_once() {
+        let wheel = |omega: f64| {
+            let height = move |t: f64| 1.1 + libm::cos(omega * t);
+            let mut s = search(height(0.0), 0.0, 1.0, omega * omega);
+            s.highest = 2.1;
+            touch(&s, height)
+        };
+        let (tau, pieces, capped) = wheel(1e6 * core::f64::consts::TAU);
+        assert!(tau == 1.0 && pieces == 1 && capped);
+        let (tau, pieces, capped) = wheel(100.0 * core::f64::consts::TAU);
+        assert!(tau == 1.0 && pieces > 100 && !capped);
     }
 
     #[test]

@@ -302,6 +302,7 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
     }
     let watch = !start.candidates;
     let held = start.candidates != 0;
+    let centre = start.state.position.y.max(whole.state.position.y) - start.floor.height;
     let search = Search {
         watch,
         start: start.corners.height,
@@ -316,6 +317,7 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
         curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
         tolerance,
         dip: tolerance * if held { DIP_HELD } else { DIP_FREE },
+        highest: centre + start.body.radius() + tau * start.state.velocity.length(),
         budget: if held {
             SEARCH_BUDGET_HELD
         } else {
