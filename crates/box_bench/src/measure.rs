@@ -3,7 +3,8 @@
 //! A shared machine drifts: its clock changes, a neighbour wakes. So contenders take turns, one sample
 //! each, round after round, and what is compared are figures of the same run. What disturbs a sample
 //! only ever lengthens it: the **minimum** is the intrinsic cost, median and 95th percentile tell how
-//! quiet the machine was.
+//! quiet the machine was. Before each sample the contender is called once untimed: it would else pay for what
+//! the one before it has left in the caches, and for threads that fell asleep meanwhile.
 
 use std::time::{Duration, Instant};
 
@@ -75,18 +76,24 @@ impl Cost {
     }
 }
 
+/// A call that takes longer than this is not made untimed: what the one before it left is a small part of it.
+const LONG: Duration = Duration::from_millis(200);
+
 /// Times all `contenders` in turns and returns their costs in their order. Each is called once before
 /// the first sample, to warm caches, and is repeated within a sample as often as that first call asks.
 pub fn interleaved(contenders: &mut [Contender<'_>], settings: &Settings) -> Vec<Cost> {
-    let repeats: Vec<u32> = contenders
+    let repeats: Vec<(u32, bool)> = contenders
         .iter_mut()
         .map(|c| repeats(c, settings.shortest_sample))
         .collect();
     let mut samples = vec![Vec::with_capacity(settings.samples); contenders.len()];
     for _ in 0..settings.samples.max(1) {
-        for ((contender, &repeats), samples) in
+        for ((contender, &(repeats, long)), samples) in
             contenders.iter_mut().zip(&repeats).zip(&mut samples)
         {
+            if !long {
+                (contender.run)();
+            }
             let nanoseconds = time(contender, repeats).as_nanos() as f64;
             samples.push(nanoseconds / (f64::from(repeats) * contender.units));
         }
@@ -94,13 +101,13 @@ pub fn interleaved(contenders: &mut [Contender<'_>], settings: &Settings) -> Vec
     samples.iter().map(|s| Cost::of(s)).collect()
 }
 
-/// Calls that fill a sample.
-fn repeats(contender: &mut Contender<'_>, shortest: Duration) -> u32 {
+/// Calls that fill a sample, and whether one of them is [`LONG`].
+fn repeats(contender: &mut Contender<'_>, shortest: Duration) -> (u32, bool) {
     let mut repeats = 1;
     loop {
         let elapsed = time(contender, repeats);
         if elapsed >= shortest {
-            return repeats;
+            return (repeats, elapsed > LONG * repeats);
         }
         // A fifth more than needed, at most ten times as many as were tried.
         let wanted = 1.2 * shortest.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
@@ -135,9 +142,9 @@ mod tests {
             &settings,
         );
         assert_eq!(costs.len(), 2);
-        // The warm-up of each, then a sample of each in turn.
+        // The warm-up of each, then a sample of each in turn, untimed and timed.
         let turns = turns.into_inner();
-        assert_eq!(turns.iter().collect::<String>(), "abababab");
+        assert_eq!(turns.iter().collect::<String>(), "abaabbaabbaabb");
         let mut calls = 0_u32;
         let settings = Settings {
             shortest_sample: Duration::from_micros(50),
