@@ -165,6 +165,11 @@ impl Variant {
         }
         app.insert_resource(Floor::default())
             .insert_resource(GlobalIntegrator(self.integrator))
+            // Every thread there is gets bodies, however few they are.
+            .insert_resource(PhysicsThreads {
+                bodies_each: 1,
+                ..default()
+            })
             .insert_resource(Time::<Fixed>::from_seconds(H))
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
         app.update();
@@ -239,7 +244,11 @@ fn the_plugin_is_the_core_whatever_the_order_the_tables_and_the_parts() {
         ] {
             let found = variant.run();
             for (k, (a, b)) in found.iter().zip(&expected).enumerate() {
-                assert_eq!(a, b, "{integrator}, {what}, body {k}");
+                assert_eq!(
+                    state_digest(core::slice::from_ref(a)),
+                    state_digest(core::slice::from_ref(b)),
+                    "{integrator}, {what}, body {k}: {a:?}, {b:?}"
+                );
             }
         }
     }
@@ -250,7 +259,8 @@ fn the_plugin_is_the_core_whatever_the_order_the_tables_and_the_parts() {
 #[test]
 fn any_number_of_threads() {
     const THREADS: &str = "BOX_PHYSICS_TEST_THREADS";
-    const BODIES: u32 = if cfg!(debug_assertions) { 300 } else { 6000 };
+    // In three tables of which each is cut into four chunks (of 512 bodies).
+    const BODIES: u32 = 3 * 4 * 512;
     let digest = |threads| {
         let variant = Variant {
             bodies: BODIES,
