@@ -213,8 +213,9 @@ fn act(app: &mut App, dice: &mut Dice, graveyard: &[Entity]) {
     }
 }
 
-/// Nobody does anything for three seconds: then no energy may come from nothing.
-fn rest(app: &mut App, dice: &mut Dice) -> f64 {
+/// Nobody does anything for three seconds: then no energy may come from nothing. The largest gain of a body, and
+/// how many there were to see.
+fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
     // The two that keep the energy of any spin at any step, and add none at the floor.
     let chosen = [Integrator::Exact, Integrator::ImplicitMidpoint];
     app.insert_resource(GlobalIntegrator(chosen[dice.below(2)]));
@@ -251,14 +252,30 @@ fn rest(app: &mut App, dice: &mut Dice) -> f64 {
     for _ in 0..3 * RATE {
         app.update();
     }
-    let mut worst = f64::MIN;
+    let (mut worst, mut seen) = (f64::MIN, 0);
     for (entity, after, _) in energies(app) {
         if let Some((_, energy, size)) = before.iter().find(|(e, ..)| *e == entity) {
             let gain = (after - energy) / size;
+            assert!(gain.is_finite(), "{entity}: from {energy} to {after} J");
             worst = worst.max(gain);
+            seen += 1;
         }
     }
-    worst
+    (worst, seen)
+}
+
+/// Whatever was done to them: every body can be stepped and is shown somewhere.
+fn assert_sound(app: &mut App) {
+    let mut all = app
+        .world_mut()
+        .query::<(Entity, &BodyState, &Transform, Option<&WorldAabb>)>();
+    for (entity, state, transform, aabb) in all.iter(app.world()) {
+        assert!(state.is_sound(), "{entity}: {state:?}");
+        let shown = transform.translation.is_finite() && transform.rotation.is_finite();
+        assert!(shown, "{entity}: {transform:?}");
+        let fitted = aabb.is_none_or(|b| b.0.min.is_finite() && b.0.max.is_finite());
+        assert!(fitted, "{entity}: {aabb:?}");
+    }
 }
 
 /// Resident memory of this process \[bytes\], where the system tells.
@@ -286,6 +303,7 @@ fn hostile_play() {
     let mut graveyard = Vec::new();
     let (mut early_others, mut most_others) = (0, 0);
     let (mut worst_gain, mut quarantined, mut memory) = (f64::MIN, 0, Vec::new());
+    let mut watched = 0;
     for second in 0..seconds {
         for _ in 0..RATE {
             for _ in 0..dice.below(4) {
@@ -296,7 +314,10 @@ fn hostile_play() {
         let mut out = app.world_mut().query::<&Quarantined>();
         quarantined += out.iter(app.world()).count();
         if second % 10 == 9 {
-            worst_gain = worst_gain.max(rest(&mut app, &mut dice));
+            let (gain, seen) = rest(&mut app, &mut dice);
+            assert_sound(&mut app);
+            worst_gain = worst_gain.max(gain);
+            watched += seen;
             memory.extend(resident());
         }
         if second % 600 == 599 {
@@ -316,9 +337,14 @@ fn hostile_play() {
     let clock = app.world().resource::<PhysicsClock>();
     println!(
         "{seconds} s of play: {} steps, {quarantined} sightings of quarantined bodies, largest energy \
-         gain {worst_gain:.1e}, memory {memory:?} bytes",
-        clock.steps()
+         gain of {watched} bodies watched {worst_gain:.1e}, memory {:?} bytes",
+        clock.steps(),
+        memory
+            .iter()
+            .step_by(memory.len().div_ceil(12).max(1))
+            .collect::<Vec<_>>()
     );
+    assert!(watched > seconds as usize, "{watched} bodies were watched");
     assert!(worst_gain < 1e-9, "{worst_gain:e}");
     assert!(
         most_others <= early_others + 4,
