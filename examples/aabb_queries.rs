@@ -10,7 +10,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(WorldGravity(DVec3::ZERO))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .add_systems(Startup, |mut commands: Commands| {
             for k in 0_u8..10 {
                 let turned = Transform::from_xyz(3.0 * f32::from(k), 0.0, 0.0)

@@ -26,7 +26,7 @@ fn main() -> Result<(), BevyError> {
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::new(0.0, 0.5, 0.5)?)
         .init_resource::<Thuds>()
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .add_systems(FixedLast, listen)
         .add_systems(Startup, |mut commands: Commands| {
             commands.spawn((

@@ -30,7 +30,7 @@ fn measure(
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .register_diagnostic(Diagnostic::new(ENERGY).with_suffix(" J"))
         .add_systems(PhysicsSchedule, measure.in_set(PhysicsSystems::Last));
     app.world_mut().spawn_batch(

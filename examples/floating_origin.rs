@@ -42,7 +42,7 @@ fn main() {
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .init_resource::<Origin>()
         .insert_resource(WorldGravity(DVec3::ZERO))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .add_systems(PostUpdate, draw);
     let far = DVec3::new(1e7, 0.0, -1e7);
     let drifting = BodyState::at(far).with_velocity(DVec3::X * 1e-3);

@@ -31,7 +31,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, InputPlugin, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .add_systems(Update, push);
     let entity = app
         .world_mut()

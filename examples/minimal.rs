@@ -26,4 +26,7 @@ fn main() {
             );
         }
     }
+    // A cube of 1 m that fell 2.5 m lies on the floor after three seconds.
+    let mut boxes = app.world_mut().query::<&Transform>();
+    assert!(boxes.iter(app.world()).all(|t| t.translation.y == 0.5));
 }

@@ -44,7 +44,7 @@ impl ForceLaw for Planet {
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .add_systems(PhysicsSchedule, wind.in_set(PhysicsSystems::Forces));
     let leaf = (
         RigidBox::default(),

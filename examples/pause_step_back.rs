@@ -3,19 +3,19 @@
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_physics::floor::ContactState;
 use box_physics::prelude::*;
 
-/// All that the motion of a body depends on. `SchemeMemory` and `ContactState` are memories that may be
-/// left out: then the motion goes on as right, but not to the last bit as it would have.
-#[derive(Component, Clone)]
-struct Snapshot(BodyState, SchemeMemory, ContactState);
+/// All that the motion of a body depends on, and what time it is (for forces of yours that depend on it).
+/// `SchemeMemory` and `ContactState` are memories that may be left out: then the motion goes on as right, but not
+/// to the last bit as it would have. (Impulses that wait for the next step are messages, and not of the past.)
+#[derive(Clone)]
+struct Snapshot(PhysicsClock, BodyState, SchemeMemory, ContactState);
 
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
     let start = BodyState::at(DVec3::Y * 3.0).with_velocity(DVec3::X);
     let entity = app.world_mut().spawn((RigidBox::default(), start)).id();
     let state = |app: &App| *app.world().get::<BodyState>(entity).expect("a body");
@@ -45,6 +45,7 @@ fn main() {
     // A snapshot, ten steps on, and back: the future repeats bit for bit, the landing included.
     let world = app.world();
     let snapshot = Snapshot(
+        *world.resource::<PhysicsClock>(),
         state(&app),
         world.get::<SchemeMemory>(entity).expect("required").clone(),
         world.get::<ContactState>(entity).expect("required").clone(),
@@ -55,7 +56,8 @@ fn main() {
         state(app)
     };
     let first = future(&mut app);
-    let Snapshot(body, scheme, contact) = snapshot;
+    let Snapshot(clock, body, scheme, contact) = snapshot;
+    app.insert_resource(clock);
     app.world_mut()
         .entity_mut(entity)
         .insert((body, scheme, contact));

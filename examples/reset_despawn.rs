@@ -34,7 +34,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
     // The first update only starts the clocks.
     app.update();
     let mut digests = Vec::new();

@@ -1,9 +1,9 @@
 //! Saving and loading: with the feature `serde` everything that a body is can be written to a file, and
-//! the loaded one continues bit for bit. `cargo run --release --example save_load`
+//! the loaded one continues bit for bit. `cargo run --release --example save_load` (in a project of your own:
+//! `box_physics = { …, features = ["serde"] }`).
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_physics::floor::ContactState;
 use box_physics::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -68,7 +68,7 @@ fn load(world: &mut World, text: &str) -> Result<(), BevyError> {
 fn new_app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
     app.update();
     app
 }

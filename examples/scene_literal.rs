@@ -1,10 +1,10 @@
 //! Bodies in scene literals: a function returns one, others patch it; no window.
 //! `cargo run --release --example scene_literal`
 
+use bevy::asset::AssetPlugin;
 use bevy::prelude::*;
 use bevy::scene::ScenePlugin;
 use bevy::time::TimeUpdateStrategy;
-use bevy_asset::AssetPlugin;
 use box_physics::prelude::*;
 
 /// A crate of 1 m and 10 kg that falls through air. Where a box has other sizes, `template_value` takes a

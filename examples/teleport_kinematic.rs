@@ -25,7 +25,7 @@ fn lift(clock: Res<PhysicsClock>, mut elevators: Query<&mut BodyState, With<Elev
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
         .add_systems(PhysicsSchedule, lift.in_set(PhysicsSystems::First));
     let elevator = app
         .world_mut()

@@ -2,13 +2,13 @@
 
 use std::any::TypeId;
 
+use bevy::asset::AssetPlugin;
 use bevy::prelude::*;
 use bevy::reflect::ReflectFromReflect;
 use bevy::scene::ScenePlugin;
 use bevy::time::TimeUpdateStrategy;
-use bevy_asset::AssetPlugin;
 use box_physics::error::InvalidValue;
-use box_physics::floor::{ContactState, FloorOutcome};
+use box_physics::floor::{ContactPoint, ContactState, FloorOutcome};
 use box_physics::plugin::Stage;
 use box_physics::prelude::*;
 
@@ -130,7 +130,8 @@ fn types_by_name() -> Vec<(&'static str, TypeId, bool)> {
     ];
     all.extend(list![false:
         ApplyImpulse, FloorContact, BodyQuarantined, QuarantineCause, ImpulsePoint, ContactPhase,
-        PointForce, Spring, Frame, Integrator, FloorOutcome, Stage,
+        PointForce, Spring, Frame, Integrator, FloorOutcome, Stage, Dissipation, Wrench, Gravity,
+        ContactPoint,
     ]);
     all
 }
@@ -146,6 +147,7 @@ fn resources_are_reflected() {
         TypeId::of::<PhysicsTimings>(),
         TypeId::of::<Floor>(),
         TypeId::of::<ContactSettings>(),
+        TypeId::of::<PhysicsThreads>(),
     ] {
         let entry = registry.get(id).expect("registered");
         let name = entry.type_info().type_path();

@@ -590,3 +590,38 @@ fn a_new_body_is_shown_where_it_starts_even_while_paused() {
     assert!(aabb.min.y > 49.0 && aabb.max.y < 51.0 && aabb.min.y < aabb.max.y);
     assert_eq!(state(&app, entity), tumbling());
 }
+
+#[test]
+fn a_state_written_while_paused_is_shown_at_once() {
+    let mut app = app();
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    app.update();
+    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    let back = BodyState::at(DVec3::new(7.0, 8.0, 9.0))
+        .with_rotation(DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5));
+    *app.world_mut().get_mut(entity).expect("a body") = back;
+    app.update();
+    let transform = *app.world().get::<Transform>(entity).expect("required");
+    assert_eq!(transform.translation, Vec3::new(7.0, 8.0, 9.0));
+    assert_eq!(transform.rotation, back.rotation.as_quat());
+    let aabb = app.world().get::<WorldAabb>(entity).expect("comes along").0;
+    // The axes are permuted: x is along the world's y, and so on.
+    assert!((Vec3::from(aabb.max) - Vec3::new(7.125, 8.5, 9.25)).length() < 1e-5);
+    // A teleport that waits for its step is not undone by it.
+    app.world_mut()
+        .get_mut::<Transform>(entity)
+        .expect("required")
+        .translation
+        .x = -1.0;
+    app.world_mut()
+        .get_mut::<BodyState>(entity)
+        .expect("a body")
+        .velocity = DVec3::Z;
+    app.update();
+    let shown = app.world().get::<Transform>(entity).expect("required");
+    assert_eq!(shown.translation.x, -1.0);
+    app.world_mut().commands().queue(StepPhysics(1));
+    app.world_mut().flush();
+    let after = state(&app, entity);
+    assert_eq!((after.position.x, after.velocity.z), (-1.0, 1.0));
+}

@@ -167,6 +167,34 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     let child = spawn_under(&mut app, parent);
     run(&mut app, 5);
     log.says_once(&grandparent.to_string());
+    // One that is scaled later.
+    let mut later = super::app();
+    let [grandparent, parent] =
+        [(), ()].map(|()| later.world_mut().spawn(Transform::IDENTITY).id());
+    later.world_mut().entity_mut(grandparent).add_child(parent);
+    spawn_under(&mut later, parent);
+    run(&mut later, 5);
+    log.is_silent();
+    later
+        .world_mut()
+        .get_mut::<Transform>(grandparent)
+        .expect("spawned")
+        .scale = Vec3::splat(2.0);
+    run(&mut later, 5);
+    log.says_once(&grandparent.to_string());
+    // A parent that is put below something displaced.
+    let mut moved = super::app();
+    let far = moved
+        .world_mut()
+        .spawn(Transform::from_xyz(0.0, 1.0, 0.0))
+        .id();
+    let parent = moved.world_mut().spawn(Transform::IDENTITY).id();
+    spawn_under(&mut moved, parent);
+    run(&mut moved, 5);
+    log.is_silent();
+    moved.world_mut().entity_mut(far).add_child(parent);
+    run(&mut moved, 5);
+    log.says_once(&far.to_string());
     // It is simulated in world coordinates all the same.
     let mut expected = tumbling();
     let mut memory = SchemeMemory::default();

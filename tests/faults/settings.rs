@@ -1,8 +1,7 @@
 //! Plugins in the wrong order, settings out of range, constants and floors that change in motion.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use bevy::ecs::message::Messages;
+use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::floor::ContactState;
@@ -10,19 +9,64 @@ use box_physics::prelude::*;
 
 use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
 
+/// Two plugins of a game that both need the physics: the second is ignored and said once, and a tick is still one
+/// step.
 #[test]
-fn a_duplicate_plugin_is_named() {
-    let _log = Log::start();
-    let panic = catch_unwind(AssertUnwindSafe(|| {
-        App::new().add_plugins((
-            MinimalPlugins,
-            PhysicsPlugins::default(),
-            PhysicsPlugins::default(),
-        ));
-    }))
-    .expect_err("Bevy refuses a plugin that is there already");
-    let text = panic.downcast_ref::<String>().expect("a formatted message");
-    assert!(text.contains("PhysicsPlugin"), "{text}");
+fn a_duplicate_plugin_is_ignored() {
+    let log = Log::start();
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        PhysicsPlugins::default(),
+        PhysicsPlugins::in_schedule(Update),
+        FloorPlugin,
+    ))
+    .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+    .insert_resource(Floor::default());
+    log.says_once("added twice");
+    let entity = app.world_mut().spawn((brick(), tumbling())).id();
+    run(&mut app, 10);
+    assert_eq!(app.world().resource::<PhysicsClock>().steps(), 9);
+    let mut once = self::app();
+    once.insert_resource(Time::<Fixed>::default())
+        .insert_resource(Floor::default());
+    let alone = once.world_mut().spawn((brick(), tumbling())).id();
+    run(&mut once, 9);
+    assert_eq!(state(&app, entity), state(&once, alone));
+    log.is_silent();
+}
+
+/// Settings that somebody removes are put back: said once each, and the world goes on.
+#[test]
+fn a_removed_setting_is_put_back() {
+    let log = Log::start();
+    let removals: [(&str, fn(&mut World)); 4] = [
+        ("WorldGravity", |w| {
+            w.remove_resource::<WorldGravity>();
+        }),
+        ("GlobalIntegrator", |w| {
+            w.remove_resource::<GlobalIntegrator>();
+        }),
+        ("PhysicsClock", |w| {
+            w.remove_resource::<PhysicsClock>();
+        }),
+        ("PhysicsThreads", |w| {
+            w.remove_resource::<PhysicsThreads>();
+        }),
+    ];
+    for (name, remove) in removals {
+        let mut app = app();
+        let entity = app.world_mut().spawn((brick(), tumbling())).id();
+        run(&mut app, 3);
+        remove(app.world_mut());
+        let before = state(&app, entity);
+        run(&mut app, 3);
+        log.says_once(name);
+        assert_ne!(state(&app, entity), before);
+        remove(app.world_mut());
+        StepPhysics(1).apply(app.world_mut());
+        log.says_once(name);
+    }
 }
 
 #[test]
@@ -75,31 +119,31 @@ fn settings_out_of_range_stop_the_clock_until_they_are_put_right() {
             }),
         ),
         (
-            "height",
+            "Floor.height",
             Box::new(move |app| {
                 app.insert_resource(bad_floor(|f| f.height = f64::NAN));
             }),
         ),
         (
-            "restitution",
+            "Floor.restitution",
             Box::new(move |app| {
                 app.insert_resource(bad_floor(|f| f.restitution = 1.5));
             }),
         ),
         (
-            "friction",
+            "Floor.friction",
             Box::new(move |app| {
                 app.insert_resource(bad_floor(|f| f.friction = -0.1));
             }),
         ),
         (
-            "tolerance",
+            "ContactSettings.tolerance",
             Box::new(|app| {
                 app.world_mut().resource_mut::<ContactSettings>().tolerance = 0.0;
             }),
         ),
         (
-            "restitution_threshold",
+            "ContactSettings.restitution_threshold",
             Box::new(|app| {
                 app.world_mut()
                     .resource_mut::<ContactSettings>()

@@ -20,6 +20,8 @@ fn without_a_clock_it_says_so() {
     log.says_once("TimePlugin");
     app.world_mut().commands().queue(StepPhysics(1));
     app.world_mut().flush();
+    app.world_mut().commands().queue(StepPhysics(1));
+    app.world_mut().flush();
     log.says_once("Time<Fixed>");
     // In a schedule of its own the same.
     let mut app = App::new();

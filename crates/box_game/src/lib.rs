@@ -41,3 +41,8 @@ pub mod session;
 pub mod style;
 pub mod surroundings;
 pub mod visuals;
+
+/// The programs of the README are compiled, and those without a window run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -31,7 +31,9 @@
 //!
 //! A body is a [`RigidBox`](body::RigidBox); what else it needs comes along as required components. Its
 //! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step, and one that you
-//! change teleports the body. Give it a mesh, or a child with one, and it is on screen. Every component has a
+//! change teleports the body: so a `Transform` given at the start says where it starts, and a `BodyState` does if there is
+//! none. (`Changed<Transform>` tells that a body moved; the physics does not mark `BodyState` as changed. When *you* write
+//! to it, do not bypass change detection: a box that lies still learns of it thereby.) Give it a mesh, or a child with one, and it is on screen. Every component has a
 //! default and is patched in scene literals:
 //!
 //! ```
@@ -65,8 +67,10 @@
 //!
 //! # One step
 //!
-//! [`PhysicsSchedule`](plugin::PhysicsSchedule) runs once a tick (once a substep) of `FixedPostUpdate`, or of the
-//! schedule that you name. Its sets are chained; three are yours:
+//! [`PhysicsSchedule`](plugin::PhysicsSchedule) runs once a tick (once a substep) of
+//! [`FixedPhysics`](plugin::FixedPhysics), which follows `FixedPostUpdate`, or of the schedule that you name: order
+//! against [`RunPhysics`](plugin::RunPhysics) there. Its sets are chained; three are yours (two systems in one of
+//! them that write the same must be ordered, or Bevy refuses the schedule):
 //!
 //! ```text
 //! First      yours
@@ -108,7 +112,7 @@
 //! # When something is wrong
 //!
 //! Constructors refuse what cannot be. At run time nothing panics, and each thing is logged once: a body that
-//! is not finite is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its range stops
+//! is not finite, or beyond 1e38, is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its range stops
 //! the clock until it is put right ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)); a hitch costs at
 //! most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
 //! ([`PhysicsClock::dropped`](plugin::PhysicsClock::dropped)).
@@ -138,17 +142,17 @@ pub mod translation;
 pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;
-    pub use crate::floor::{ContactPhase, ContactSettings, Floor};
+    pub use crate::floor::{ContactPhase, ContactSettings, ContactState, Floor};
     pub use crate::force::{
         Dissipation, ForceLaw, Forces, Frame, Gravity, PointForce, Spring, Wrench,
     };
     pub use crate::plugin::{
         AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
-        BodyTorque, ExternalForce, FloorContact, FloorPlugin, GlobalIntegrator, GravityScale,
-        ImpulsePoint, LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin, PhysicsPlugin,
-        PhysicsPlugins, PhysicsSchedule, PhysicsSystems, PhysicsTimings, PointForces,
-        QuadraticDrag, QuarantineCause, Quarantined, ReportContacts, Springs, StepPhysics,
-        WorldAabb, WorldGravity,
+        BodyTorque, ExternalForce, FixedPhysics, FloorContact, FloorPlugin, GlobalIntegrator,
+        GravityScale, ImpulsePoint, LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin,
+        PhysicsPlugin, PhysicsPlugins, PhysicsSchedule, PhysicsSystems, PhysicsThreads,
+        PhysicsTimings, PointForces, QuadraticDrag, QuarantineCause, Quarantined, ReportContacts,
+        RunPhysics, Springs, StepPhysics, WorldAabb, WorldGravity,
     };
     pub use crate::schemes::{Integrator, SchemeMemory, StepOutcome};
     pub use crate::state::BodyState;

@@ -203,8 +203,8 @@ impl Default for WorldAabb {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ReportContacts;
 
-/// On a body whose state, body or forces were not finite: it is left out of every step, frozen at its
-/// last good state. Give it a finite state and remove this component, and it goes on.
+/// On a body whose state, body or forces were not finite or led beyond 1e38: it is left out of every step, frozen
+/// at its last good state. Give it a finite state and remove this component, and it goes on.
 ///
 /// ```
 /// use bevy::prelude::*;

@@ -2,12 +2,13 @@
 
 use core::time::Duration;
 
-use bevy::ecs::change_detection::DetectChangesMut;
+use bevy::ecs::change_detection::{DetectChanges, DetectChangesMut, Ref};
 use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::hierarchy::{ChildOf, Children};
 use bevy::ecs::message::MessageReader;
 use bevy::ecs::query::{Added, Changed, Has, Or, With, Without};
+use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Commands, Local, Query, Res, ResMut};
 use bevy::ecs::world::World;
 use bevy::time::{Real, Time, Virtual};
@@ -16,7 +17,8 @@ use log::{info, warn};
 
 use super::components::{NearFloor, Quarantined, WrittenTransform};
 use super::messages::BodyQuarantined;
-use super::resources::{PhysicsClock, WorldGravity};
+use super::parallel::PhysicsThreads;
+use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::floor::{ContactSettings, Floor};
@@ -31,6 +33,20 @@ pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
              nothing will move"
         );
     }
+}
+
+/// Settings that no step can do without and that somebody removed are there again, with their defaults.
+pub(crate) fn restore_resources(world: &mut World) {
+    fn restore<R: Resource + Default>(world: &mut World, name: &str) {
+        if !world.contains_resource::<R>() {
+            world.init_resource::<R>();
+            warn!("box_physics: the resource {name} was removed; its default is put in its place");
+        }
+    }
+    restore::<WorldGravity>(world, "WorldGravity");
+    restore::<GlobalIntegrator>(world, "GlobalIntegrator");
+    restore::<PhysicsClock>(world, "PhysicsClock");
+    restore::<PhysicsThreads>(world, "PhysicsThreads");
 }
 
 /// Whether a step can be taken: every setting of the world is in its range. Tells of each change.
@@ -68,10 +84,23 @@ fn validate_settings(world: &World) -> Result<(), InvalidValue> {
         world.get_resource::<Floor>(),
         world.get_resource::<ContactSettings>(),
     ) {
-        floor.validate()?;
-        settings.validate()?;
+        floor.validate().map_err(named)?;
+        settings.validate().map_err(named)?;
     }
     Ok(())
+}
+
+/// The same error with the name of the resource that has the field.
+fn named(error: InvalidValue) -> InvalidValue {
+    let field = match error.field {
+        "height" => "Floor.height",
+        "restitution" => "Floor.restitution",
+        "friction" => "Floor.friction",
+        "restitution_threshold" => "ContactSettings.restitution_threshold",
+        "tolerance" => "ContactSettings.tolerance",
+        other => other,
+    };
+    InvalidValue { field, ..error }
 }
 
 /// More would freeze any game.
@@ -81,9 +110,9 @@ const MAX_SUBSTEPS: u32 = 1024;
 pub(crate) fn count_dropped_time(
     real: Option<Res<Time<Real>>>,
     time: Option<Res<Time<Virtual>>>,
-    mut clock: ResMut<PhysicsClock>,
+    clock: Option<ResMut<PhysicsClock>>,
 ) {
-    let (Some(real), Some(time)) = (real, time) else {
+    let (Some(real), Some(time), Some(mut clock)) = (real, time, clock) else {
         return;
     };
     let lost = real.delta().saturating_sub(time.max_delta());
@@ -156,8 +185,14 @@ pub(crate) fn guard_quarantined(
     }
 }
 
+/// Lines that tell of quarantines: a spawner of nonsense must not flood the log.
+const MOST_QUARANTINE_LINES: u32 = 10;
+
 /// Tells of the bodies that were quarantined since the last tick, in one line.
-pub(crate) fn report_quarantined(mut quarantined: MessageReader<BodyQuarantined>) {
+pub(crate) fn report_quarantined(
+    mut quarantined: MessageReader<BodyQuarantined>,
+    mut lines: Local<u32>,
+) {
     let mut messages = quarantined.read();
     let Some(first) = messages.next() else {
         return;
@@ -172,22 +207,37 @@ pub(crate) fn report_quarantined(mut quarantined: MessageReader<BodyQuarantined>
         0 => String::new(),
         n => format!("; {n} more with it"),
     };
+    if *lines == MOST_QUARANTINE_LINES {
+        return;
+    }
+    *lines += 1;
+    let end = if *lines == MOST_QUARANTINE_LINES {
+        " (further quarantines are told in BodyQuarantined messages alone)"
+    } else {
+        ""
+    };
     warn!(
-        "box_physics: {entity} is quarantined at t = {time} s under {integrator}: {cause}{others}"
+        "box_physics: {entity} is quarantined at t = {time} s under {integrator}: {cause}{others}{end}"
     );
 }
 
 /// `Transform` is written in world coordinates: a body below a parent that is not at the origin would be
-/// shown elsewhere than it is.
+/// shown elsewhere than it is. Looked at when a body comes below a parent, or when anything that has children has
+/// moved or has another parent.
 pub(crate) fn report_parents(
-    bodies: Query<(Entity, &ChildOf), (With<RigidBox>, Or<(Added<RigidBox>, Changed<ChildOf>)>)>,
-    moved: Query<(&Transform, &Children), (Changed<Transform>, Without<RigidBox>)>,
-    is_body: Query<(), With<RigidBox>>,
+    bodies: Query<(Entity, Ref<RigidBox>, Ref<ChildOf>)>,
+    moved: Query<
+        (),
+        (
+            With<Children>,
+            Or<(Changed<Transform>, Changed<ChildOf>, Added<RigidBox>)>,
+        ),
+    >,
     parents: Query<(&Transform, Has<RigidBox>)>,
     ancestors: Query<&ChildOf>,
     mut warned: Local<bool>,
 ) {
-    if *warned {
+    if *warned || bodies.is_empty() {
         return;
     }
     let displaces = |parent: Entity| {
@@ -195,20 +245,14 @@ pub(crate) fn report_parents(
             .get(parent)
             .is_ok_and(|(transform, is_body)| is_body || *transform != Transform::IDENTITY)
     };
-    let new = bodies.iter().find_map(|(entity, _)| {
-        let parent = ancestors.iter_ancestors(entity).find(|&p| displaces(p))?;
-        Some((entity, parent))
-    });
-    let found = new.or_else(|| {
-        moved.iter().find_map(|(transform, children)| {
-            let child = children
-                .iter()
-                .copied()
-                .find(|&child| is_body.contains(child))?;
-            let parent = ancestors.get(child).ok()?.parent();
-            (*transform != Transform::IDENTITY).then_some((child, parent))
-        })
-    });
+    let any_moved = !moved.is_empty();
+    let found = bodies
+        .iter()
+        .filter(|(_, body, parent)| any_moved || body.is_added() || parent.is_changed())
+        .find_map(|(body, ..)| {
+            let parent = ancestors.iter_ancestors(body).find(|&p| displaces(p))?;
+            Some((body, parent))
+        });
     if let Some((body, parent)) = found {
         *warned = true;
         warn!(

@@ -5,7 +5,7 @@ use bevy::ecs::entity::Entity;
 use bevy::ecs::error::Result;
 use bevy::ecs::message::{MessageCursor, MessageWriter, Messages};
 use bevy::ecs::observer::On;
-use bevy::ecs::query::{Added, Has, With};
+use bevy::ecs::query::{Added, Changed, Has, With, Without};
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Local, Query, Res, ResMut};
 use bevy::transform::components::Transform;
@@ -154,7 +154,7 @@ impl core::ops::AddAssign for Refused {
 pub(crate) fn apply_impulses(
     mut pending: ResMut<PendingImpulses>,
     mut bodies: Query<(&RigidBox, &mut BodyState, Has<Quarantined>)>,
-    mut warned: Local<bool>,
+    mut warned: Local<Vec<&'static str>>,
 ) {
     for impulse in pending.queue.drain(..) {
         let reason = match bodies.get_mut(impulse.entity) {
@@ -170,7 +170,8 @@ pub(crate) fn apply_impulses(
             Ok((.., true)) => "is for a quarantined body",
             Err(_) => "is for an entity that is no body (any more)",
         };
-        if !core::mem::replace(&mut *warned, true) {
+        if !warned.contains(&reason) {
+            warned.push(reason);
             let entity = impulse.entity;
             warn!("box_physics: an impulse on {entity} {reason}; dropped (said once)");
         }
@@ -221,6 +222,36 @@ pub(crate) fn place_new_bodies(
         }
     }
     Ok(())
+}
+
+/// While the clock stands no step shows what somebody wrote to a [`BodyState`]: this does. A `Transform` that was
+/// changed as well is a teleport of the next step, and stays.
+pub(crate) fn show_written(
+    mut bodies: Query<
+        (
+            &RigidBox,
+            &BodyState,
+            &mut WrittenTransform,
+            &mut Transform,
+            Option<&mut WorldAabb>,
+        ),
+        (Changed<BodyState>, Without<Quarantined>),
+    >,
+) {
+    for (body, state, mut written, mut transform, aabb) in &mut bodies {
+        let shown =
+            written.translation == transform.translation && written.rotation == transform.rotation;
+        let now = WrittenTransform::of(state);
+        if !shown || !state.is_sound() || now == *written {
+            continue;
+        }
+        *written = now;
+        transform.translation = now.translation;
+        transform.rotation = now.rotation;
+        if let Some(mut aabb) = aabb {
+            *aabb = WorldAabb::of(body, state);
+        }
+    }
 }
 
 /// The floor is gone: what touched it no longer does.

@@ -156,10 +156,10 @@ pub struct BodyQuarantined {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub enum QuarantineCause {
-    /// Somebody wrote a [`BodyState`] that is not finite, or whose attitude is not a unit quaternion.
+    /// Somebody wrote a [`BodyState`] that is not finite or beyond 1e38, or whose attitude is not a unit quaternion.
     /// The body stands at its last written pose, at rest.
     State,
-    /// The step from a sound state led to one that is not finite: its forces are not, or the scheme
+    /// The step from a sound state led to one that is not finite or beyond 1e38: its forces are, or the scheme
     /// left its stable range. The body stands as it was before that step.
     Step,
 }
@@ -168,11 +168,12 @@ impl core::fmt::Display for QuarantineCause {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::State => {
-                "its BodyState was written with values that are not finite, or with an attitude that \
-                 is no unit quaternion"
+                "its BodyState was written with values that are not finite or beyond 1e38, or with an \
+                 attitude that is no unit quaternion"
             }
             Self::Step => {
-                "its step led to values that are not finite (forces, or a scheme beyond its range)"
+                "its step led to values that are not finite or beyond 1e38 (forces, or a scheme beyond its \
+                 range)"
             }
         })
     }

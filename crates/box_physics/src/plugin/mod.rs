@@ -1,8 +1,8 @@
 //! The Bevy plugin: components, resources, messages, and the schedule of one step.
 //!
 //! ```text
-//! FixedPostUpdate ─ run_physics ─┬─ paused? nothing
-//!                                └─ PhysicsSchedule, once per substep:
+//! FixedPhysics ─ run_physics ─┬─ paused? nothing
+//!                             └─ PhysicsSchedule, once per substep:
 //!   First      (yours)
 //!   Impulses   teleports taken from Transform, then the impulses asked for
 //!   Forces     (yours: ExternalForce and the like)
@@ -41,7 +41,8 @@ pub use run::StepPhysics;
 pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
 
 use bevy::app::{
-    App, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder, PreUpdate, Startup,
+    App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder,
+    PreUpdate, Startup,
 };
 use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
@@ -51,12 +52,39 @@ use bevy::ecs::schedule::{
 };
 
 use crate::body::RigidBox;
-use crate::floor::{ContactSettings, ContactState, Floor};
+use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
+use crate::force::{Dissipation, Gravity, Wrench};
 use crate::schemes::SchemeMemory;
 use crate::state::BodyState;
 
+/// Where the physics runs by default: a schedule of its own, once a tick of the fixed clock, after
+/// `FixedPostUpdate` and before `FixedLast`, on one thread (to wake more for its one system would take several
+/// times what a step of a hundred boxes does; the bodies are shared out within it).
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FixedPhysics;
+
+/// The set of the one system that makes a tick, in [`FixedPhysics`] or in whatever schedule you named: what belongs
+/// before or after a whole tick there is ordered against it.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn read_input() {}
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(Update)))
+///     .add_systems(Update, read_input.before(RunPhysics));
+/// app.update();
+/// ```
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct RunPhysics;
+
 /// The schedule of one step. Systems of your own that belong to a step go here, into
 /// [`PhysicsSystems::First`], [`Forces`](PhysicsSystems::Forces) or [`Last`](PhysicsSystems::Last).
+///
+/// Two systems here that may not run in either order are an error when the schedule is built, so that results
+/// cannot depend on chance: two that write [`ExternalForce`], say, or one outside of the sets that reads what the
+/// physics writes. Order them (`.before`, `.after`, `.chain`, `.in_set`), or say `.ambiguous_with` where it does not
+/// matter.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PhysicsSchedule;
 
@@ -124,7 +152,7 @@ pub struct PhysicsPlugins {
 }
 
 impl PhysicsPlugins {
-    /// Runs the physics in `schedule` instead of `FixedPostUpdate`.
+    /// Runs the physics in `schedule` instead of [`FixedPhysics`].
     pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
         Self {
             physics: PhysicsPlugin::in_schedule(schedule),
@@ -155,28 +183,48 @@ impl PluginGroup for PhysicsPlugins {
 /// assert!(app.world().get::<BodyState>(body).is_some());
 /// assert!(app.world().get::<WorldAabb>(body).is_none());
 /// ```
-#[derive(Clone, Debug)]
+///
+/// Where it is there already, in another plugin of yours say, a second one is ignored, and so are those of its parts.
+#[derive(Clone, Debug, Default)]
 pub struct PhysicsPlugin {
-    schedule: Interned<dyn ScheduleLabel>,
-}
-
-impl Default for PhysicsPlugin {
-    fn default() -> Self {
-        Self::in_schedule(FixedPostUpdate)
-    }
+    /// Instead of [`FixedPhysics`].
+    schedule: Option<Interned<dyn ScheduleLabel>>,
 }
 
 impl PhysicsPlugin {
     /// Runs in `schedule`, with the time step that `Time` shows there.
     pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
         Self {
-            schedule: schedule.intern(),
+            schedule: Some(schedule.intern()),
         }
     }
 }
 
+/// Makes [`FixedPhysics`] a part of the tick.
+fn add_own_schedule(app: &mut App) {
+    app.init_schedule(FixedPhysics)
+        .edit_schedule(FixedPhysics, |schedule| {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        });
+    let order = &mut app
+        .world_mut()
+        .get_resource_or_init::<FixedMainScheduleOrder>()
+        .labels;
+    let before = order.iter().position(|l| *l == FixedPostUpdate.intern());
+    order.insert(before.map_or(order.len(), |i| i + 1), FixedPhysics.intern());
+}
+
 impl Plugin for PhysicsPlugin {
+    // Bevy refuses a second unique plugin by a panic.
+    fn is_unique(&self) -> bool {
+        false
+    }
+
     fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            log::warn!("box_physics: PhysicsPlugin was added twice; the second is ignored");
+            return;
+        }
         app.init_resource::<WorldGravity>()
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
@@ -239,10 +287,17 @@ impl Plugin for PhysicsPlugin {
                     faults::report_parents,
                     intake::place_new_bodies,
                     intake::collect_impulses,
+                    intake::show_written.run_if(resources::is_paused),
                 )
                     .chain(),
             )
-            .add_systems(self.schedule, run::run_physics);
+            .add_systems(
+                self.schedule.unwrap_or_else(|| FixedPhysics.intern()),
+                run::run_physics.in_set(RunPhysics),
+            );
+        if self.schedule.is_none() {
+            add_own_schedule(app);
+        }
         app.add_systems(Startup, faults::warn_without_time);
         app.add_systems(PreUpdate, faults::count_dropped_time);
     }
@@ -268,6 +323,9 @@ fn register_types(app: &mut App) {
         .register_type::<GlobalIntegrator>()
         .register_type::<PhysicsClock>()
         .register_type::<PhysicsThreads>()
+        .register_type::<Dissipation>()
+        .register_type::<Wrench>()
+        .register_type::<Gravity>()
         .register_type::<ApplyImpulse>()
         .register_type::<BodyQuarantined>();
 }
@@ -277,14 +335,22 @@ fn register_types(app: &mut App) {
 pub struct FloorPlugin;
 
 impl Plugin for FloorPlugin {
+    fn is_unique(&self) -> bool {
+        false
+    }
+
     fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            return;
+        }
         app.init_resource::<ContactSettings>()
             .add_message::<FloorContact>()
             .register_type::<Floor>()
             .register_type::<ContactSettings>()
             .register_type::<ContactState>()
             .register_type::<ReportContacts>()
-            .register_type::<FloorContact>();
+            .register_type::<FloorContact>()
+            .register_type::<ContactPoint>();
         require::<ContactState>(app);
         app.add_systems(
             PhysicsSchedule,
@@ -323,7 +389,14 @@ fn require<C: Component + Default>(app: &mut App) {
 pub struct AabbPlugin;
 
 impl Plugin for AabbPlugin {
+    fn is_unique(&self) -> bool {
+        false
+    }
+
     fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            return;
+        }
         app.register_type::<WorldAabb>();
         require::<WorldAabb>(app);
         app.add_systems(

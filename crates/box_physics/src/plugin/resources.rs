@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use bevy::ecs::reflect::ReflectResource;
 use bevy::ecs::resource::Resource;
+use bevy::ecs::system::Res;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
@@ -94,6 +95,11 @@ impl Default for PhysicsClock {
             fault: None,
         }
     }
+}
+
+/// Whether the physics stands still.
+pub(crate) fn is_paused(clock: Res<PhysicsClock>) -> bool {
+    clock.paused
 }
 
 impl PhysicsClock {

@@ -1,5 +1,7 @@
 //! The clock's ticks: when the schedule runs, and the single step.
 
+use std::sync::Once;
+
 use bevy::app::{FixedFirst, FixedLast};
 use bevy::ecs::message::Messages;
 use bevy::ecs::schedule::ScheduleLabel;
@@ -9,7 +11,7 @@ use bevy::time::Time;
 use log::warn;
 
 use super::PhysicsSchedule;
-use super::faults::{report_quarantined, settings_are_valid};
+use super::faults::{report_quarantined, restore_resources, settings_are_valid};
 use super::messages::BodyQuarantined;
 use super::plan::StepPlan;
 use super::resources::PhysicsClock;
@@ -21,6 +23,7 @@ pub(crate) struct BeforeSteps;
 
 /// One tick of the clock of this schedule. Paused, nothing moves.
 pub(crate) fn run_physics(world: &mut World) {
+    restore_resources(world);
     world.run_schedule(BeforeSteps);
     advance(world);
     // Seldom are there any.
@@ -80,13 +83,18 @@ impl Command for StepPhysics {
 
     fn apply(self, world: &mut World) {
         let Some(time) = world.get_resource::<Time<bevy::time::Fixed>>() else {
-            warn!("box_physics: StepPhysics needs `Time<Fixed>` (TimePlugin)");
+            static SAID: Once = Once::new();
+            SAID.call_once(|| warn!("box_physics: StepPhysics needs `Time<Fixed>` (TimePlugin)"));
             return;
         };
         let delta = time.timestep();
+        if world.contains_resource::<StepPlan>() {
+            restore_resources(world);
+        }
         // New bodies and impulses asked for in this frame belong to this step.
         if world.try_run_schedule(BeforeSteps).is_err() {
-            warn!("box_physics: StepPhysics needs PhysicsPlugin");
+            static SAID: Once = Once::new();
+            SAID.call_once(|| warn!("box_physics: StepPhysics needs PhysicsPlugin"));
             return;
         }
         for _ in 0..self.0 {

@@ -197,7 +197,14 @@ impl PhysicsDiagnosticsPlugin {
 }
 
 impl Plugin for PhysicsDiagnosticsPlugin {
+    fn is_unique(&self) -> bool {
+        false
+    }
+
     fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            return;
+        }
         app.init_resource::<PhysicsTimings>()
             .register_type::<PhysicsTimings>()
             .register_type::<Stage>();
