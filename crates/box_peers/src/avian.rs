@@ -41,6 +41,7 @@ impl Engine for Avian {
 
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
         let mut app = in_bevy::app(spec.rate, |app| {
+            in_bevy::clock_fixed_post_update(app);
             app.add_plugins(PhysicsPlugins::default())
                 .insert_resource(Gravity(Vec3::NEG_Y * spec.gravity));
         });

@@ -10,23 +10,29 @@ use bevy::time::TimeUpdateStrategy;
 #[derive(Resource, Default)]
 struct Ticks(u32);
 
-/// Time that `FixedPostUpdate` took, where both plugins do all that they do in a step.
+/// Time between the two clocks, which stand round all that a plugin does in a step.
 #[derive(Resource, Default)]
-struct PhysicsTime {
+pub struct PhysicsTime {
     since: Option<Instant>,
     total: Duration,
 }
 
-/// In the schedule before it, in which nothing else is.
-fn start_clock(mut time: ResMut<PhysicsTime>) {
+/// Before it.
+pub fn start_clock(mut time: ResMut<PhysicsTime>) {
     time.since = Some(Instant::now());
 }
 
-/// In the schedule after it.
-fn stop_clock(mut time: ResMut<PhysicsTime>) {
+/// After it.
+pub fn stop_clock(mut time: ResMut<PhysicsTime>) {
     if let Some(since) = time.since.take() {
         time.total += since.elapsed();
     }
+}
+
+/// Puts the clocks round `FixedPostUpdate`: into the schedules before and after it, in which nothing else is.
+pub fn clock_fixed_post_update(app: &mut App) {
+    app.add_systems(FixedUpdate, start_clock)
+        .add_systems(FixedLast, stop_clock);
 }
 
 /// An app without window or renderer, in which every `update` is one tick of 1/`rate` s, with what `setup`
@@ -38,12 +44,8 @@ pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
         .init_resource::<Ticks>()
         .init_resource::<PhysicsTime>()
-        .add_systems(FixedUpdate, start_clock)
-        .add_systems(
-            FixedLast,
-            (stop_clock, |mut ticks: ResMut<Ticks>| ticks.0 += 1).chain(),
-        );
-    // Nothing but the clocks is in these two: no threads need be woken for them.
+        .add_systems(FixedLast, |mut ticks: ResMut<Ticks>| ticks.0 += 1);
+    // Nothing but clocks is in these two: no threads need be woken for them.
     for label in [FixedUpdate.intern(), FixedLast.intern()] {
         app.edit_schedule(label, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());

@@ -36,6 +36,13 @@ impl Engine for Ours {
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
         let mut app = in_bevy::app(spec.rate, |app| {
             app.add_plugins(PhysicsPlugins::default())
+                .add_systems(
+                    FixedPhysics,
+                    (
+                        in_bevy::start_clock.before(RunPhysics),
+                        in_bevy::stop_clock.after(RunPhysics),
+                    ),
+                )
                 .insert_resource(WorldGravity(DVec3::NEG_Y * f64::from(spec.gravity)));
             if spec.floor {
                 app.insert_resource(Floor::default());
