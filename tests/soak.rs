@@ -26,7 +26,7 @@ impl Dice {
 
     /// [0, 1)
     fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * (-53_f64).exp2()
+        (self.next() >> 11) as f64 * libm::exp2(-53.0)
     }
 
     /// [−1, 1)³
@@ -44,7 +44,7 @@ impl Dice {
 
     /// Between 1/`r` and `r`, evenly in the logarithm.
     fn scale(&mut self, r: f64) -> f64 {
-        r.powf(2.0 * self.unit() - 1.0)
+        libm::pow(r, 2.0 * self.unit() - 1.0)
     }
 
     fn body(&mut self) -> RigidBox {

@@ -30,7 +30,7 @@ fn order<S: Scheme>(half: DVec3, start: BodyState, e: f64, time: f64, impacts: u
         distance(&run(base), &exact),
         distance(&run(2 * base), &exact),
     );
-    let p = (a / b).log2();
+    let p = libm::log2(a / b);
     println!(
         "{} across {impacts}: {a:.2e} {b:.2e} order {p:.2}",
         S::INFO.id
@@ -99,7 +99,7 @@ fn order_survives_five_bounces_in_air() {
     let order = |a: BodyState, b: BodyState| {
         let distance =
             |s: &BodyState| (s.position - exact.position).length() + s.attitude_difference(&exact);
-        (distance(&a) / distance(&b)).log2()
+        libm::log2(distance(&a) / distance(&b))
     };
     let orders = [
         order(
