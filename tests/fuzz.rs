@@ -170,6 +170,15 @@ proptest! {
         examine(&text)?;
     }
 
+    /// As a file, whether it is text or not.
+    #[test]
+    fn arbitrary_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        std::fs::write(file.path(), &bytes).expect("writable");
+        let error = Case::load(file.path()).expect_err("noise is no case").to_string();
+        prop_assert!(error.starts_with(&file.path().display().to_string()), "{error}");
+    }
+
     #[test]
     fn arbitrary_structures(json in structure()) {
         examine(&json.to_string())?;
@@ -226,11 +235,11 @@ proptest! {
     }
 }
 
-/// Bytes that are no text, nesting without end, an empty file, a folder.
+/// Bytes that are no text, nesting without end, an empty file, one beyond all measure, a folder.
 #[test]
 fn files_that_are_no_text() {
-    let folder = std::env::temp_dir().join(format!("box_scenarios_fuzz_{}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
     let deep = "[".repeat(100_000);
     for (name, bytes) in [
         ("bytes.json", &[0xff, 0xfe, 0x00, 0x80][..]),
@@ -243,9 +252,11 @@ fn files_that_are_no_text() {
             .to_string();
         assert!(error.contains(name), "{error}");
     }
-    assert!(Case::load(&folder).is_err());
-    let all = Case::load_folder(&folder).expect("it can be listed");
-    assert!(all.len() == 3 && all.iter().all(Result::is_err));
+    let huge = std::fs::File::create(folder.join("huge.json")).expect("created");
+    huge.set_len(1 << 40).expect("a sparse file");
+    assert!(Case::load(&folder.join("huge.json")).is_err());
+    assert!(Case::load(folder).is_err());
+    let all = Case::load_folder(folder).expect("it can be listed");
+    assert!(all.len() == 4 && all.iter().all(Result::is_err));
     assert!(Case::load_folder(&folder.join("nowhere")).is_err());
-    std::fs::remove_dir_all(folder).expect("removed");
 }

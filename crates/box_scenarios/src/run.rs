@@ -145,7 +145,11 @@ struct Leg {
     impulses: Vec<TimedImpulse>,
 }
 
+/// Steps between two looks at the budget.
+const BLOCK: u64 = 4096;
+
 impl Leg {
+    /// Stops after a block of steps in which `budget` evaluations were exceeded.
     fn run<F: ForceLaw>(
         &self,
         integrator: Integrator,
@@ -153,18 +157,22 @@ impl Leg {
         state: &mut BodyState,
         force: &F,
         memory: &mut SchemeMemory,
-        floor: Option<&mut OnFloor>,
+        mut floor: Option<&mut OnFloor>,
+        budget: u64,
     ) -> Totals {
-        let (h, n) = (self.h, self.steps);
-        integrator.dispatch(Steps {
-            body,
-            state,
-            force,
-            h,
-            n,
-            memory,
-            floor,
-        })
+        let mut totals = Totals::default();
+        while totals.steps < self.steps && totals.evaluations <= budget {
+            totals += integrator.dispatch(Steps {
+                body,
+                state,
+                force,
+                h: self.h,
+                n: (self.steps - totals.steps).min(BLOCK),
+                memory,
+                floor: floor.as_deref_mut(),
+            });
+        }
+        totals
     }
 }
 
@@ -243,6 +251,18 @@ pub fn run_plan(
     setup: &Setup,
     integrator: Integrator,
     plan: &Plan,
+    look: impl FnMut(f64, &BodyState) -> bool,
+) -> Totals {
+    run_plan_within(setup, integrator, plan, u64::MAX, look)
+}
+
+/// [`run_plan`], given up soon after more than `budget` force evaluations: for setups that come from a file, which may
+/// ask for anything.
+pub fn run_plan_within(
+    setup: &Setup,
+    integrator: Integrator,
+    plan: &Plan,
+    budget: u64,
     mut look: impl FnMut(f64, &BodyState) -> bool,
 ) -> Totals {
     let body = &setup.body;
@@ -255,26 +275,17 @@ pub fn run_plan(
     let mut memory = SchemeMemory::default();
     let mut totals = Totals::default();
     for leg in &plan.legs {
+        let left = budget - totals.evaluations;
+        let (state, memory, floor) = (&mut state, &mut memory, floor.as_mut());
         totals += if only_gravity {
-            leg.run(
-                integrator,
-                body,
-                &mut state,
-                &gravity,
-                &mut memory,
-                floor.as_mut(),
-            )
+            leg.run(integrator, body, state, &gravity, memory, floor, left)
         } else {
-            leg.run(
-                integrator,
-                body,
-                &mut state,
-                &forces,
-                &mut memory,
-                floor.as_mut(),
-            )
+            leg.run(integrator, body, state, &forces, memory, floor, left)
         };
-        if leg.sample && !look(leg.end, &state) {
+        if totals.evaluations > budget {
+            break;
+        }
+        if leg.sample && !look(leg.end, state) {
             break;
         }
         for i in &leg.impulses {

@@ -4,7 +4,7 @@ use box_physics::schemes::Integrator;
 
 use super::Case;
 use crate::metrics::{Errors, StateError, energy_scale, momentum_scale};
-use crate::run::{Plan, Totals, run_plan};
+use crate::run::{Plan, Totals, run_plan_within};
 use crate::simulate::sanity;
 
 /// How a run ended.
@@ -39,8 +39,9 @@ pub struct Measurement {
     pub status: Status,
 }
 
-/// Longest run [steps]: some ten seconds.
+/// Longest run [steps], and its force evaluations: some ten seconds. (A step at the floor may take thousands.)
 const MAX_STEPS: u64 = 100_000_000;
+const MAX_EVALUATIONS: u64 = 4 * MAX_STEPS;
 
 impl Case {
     /// The steps of a run with at most `dt` \[s\]: every interval between samples and impulses in equal
@@ -66,7 +67,8 @@ impl Case {
         let mut has_energy = false;
         let mut diverged = false;
         let mut samples = self.samples.iter();
-        let totals = run_plan(setup, integrator, &self.plan(dt), |_, state| {
+        let plan = self.plan(dt);
+        let totals = run_plan_within(setup, integrator, &plan, MAX_EVALUATIONS, |_, state| {
             diverged = sanity.is_diverged(state);
             if let Some(sample) = samples.next().filter(|_| !diverged) {
                 errors.see(&StateError::between(state, &sample.state));
@@ -77,6 +79,14 @@ impl Case {
             }
             !diverged
         });
+        if totals.evaluations > MAX_EVALUATIONS {
+            let reason = "more than 4e8 force evaluations";
+            let unfinished = Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
+            return Measurement {
+                totals,
+                ..unfinished
+            };
+        }
         let all = [
             errors.position,
             errors.velocity,
@@ -133,5 +143,30 @@ impl Measurement {
             totals: Totals::default(),
             status,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::run_plan;
+    use crate::scenario::Scenario;
+
+    /// A run is ended soon after its budget, and what it did until then is what the whole run does.
+    #[test]
+    fn a_budget_ends_a_run() {
+        let setup = Scenario::default().setup;
+        let plan = Plan::new(&[100.0], &[], 1e-3);
+        let whole = run_plan(&setup, Integrator::Split, &plan, |_, _| true);
+        assert_eq!(whole.steps, 100_000);
+        let mut looks = 0;
+        let part = run_plan_within(&setup, Integrator::Split, &plan, 10_000, |_, _| {
+            looks += 1;
+            true
+        });
+        assert!(
+            (10_000..20_000).contains(&part.evaluations) && looks == 0,
+            "{part:?}"
+        );
     }
 }

@@ -10,6 +10,7 @@ mod law;
 mod measure;
 mod samples;
 
+use std::io::{Error, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
 use box_physics::body::RigidBox;
@@ -48,16 +49,27 @@ pub struct Sample {
     pub energy: Option<f64>,
 }
 
+/// Larger files are refused: the longest of ours has a thousandth of this.
+const MAX_BYTES: u64 = 32 << 20;
+
 impl Case {
     /// Reads one file.
     ///
     /// # Errors
     /// [`OracleError`] names the file, the field and its value.
     pub fn load(file: &Path) -> Result<Self, OracleError> {
-        let text = std::fs::read_to_string(file).map_err(|source| OracleError::Read {
+        let failed = |source| OracleError::Read {
             file: file.to_owned(),
             source,
-        })?;
+        };
+        let mut bytes = Vec::new();
+        let opened = std::fs::File::open(file).map_err(failed)?;
+        (opened.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(failed)?;
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(failed(ErrorKind::FileTooLarge.into()));
+        }
+        let text =
+            String::from_utf8(bytes).map_err(|e| failed(Error::new(ErrorKind::InvalidData, e)))?;
         Self::parse(file, &text)
     }
 
