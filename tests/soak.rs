@@ -1,6 +1,6 @@
 //! Hostile play at full speed: bodies come and go, are pushed, poisoned, teleported, resized; the floor
 //! moves and vanishes, schemes and settings change, the game pauses. No panic, no leak, no energy from
-//! nothing. A minute of it in every test run; an hour by `BOX_SOAK_SECONDS=3600`.
+//! nothing. A minute of it in every test run; an hour by `BOX_SOAK_SECONDS=3600`, another one by `BOX_SOAK_SEED=…`.
 
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
@@ -216,9 +216,10 @@ fn act(app: &mut App, dice: &mut Dice, graveyard: &[Entity]) {
 /// Nobody does anything for three seconds: then no energy may come from nothing. The largest gain of a body, and
 /// how many there were to see.
 fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
-    // The two that keep the energy of any spin at any step, and add none at the floor.
-    let chosen = [Integrator::Exact, Integrator::ImplicitMidpoint];
-    app.insert_resource(GlobalIntegrator(chosen[dice.below(2)]));
+    // The two that keep the energy of a spin at any step, and add none at the floor. The second one only while the
+    // turn of a step has digits to spare (its file tells); the play makes spins of 1e30 rad/s.
+    let chosen = [Integrator::Exact, Integrator::ImplicitMidpoint][dice.below(2)];
+    app.insert_resource(GlobalIntegrator(chosen));
     app.insert_resource(WorldGravity::default());
     app.world_mut().resource_mut::<PhysicsClock>().paused = false;
     for entity in bodies(app) {
@@ -235,7 +236,9 @@ fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
         acceleration: WorldGravity::default().0,
         ..Forces::default()
     };
-    let energies = |app: &mut App| -> Vec<(Entity, f64, f64)> {
+    let clock = *app.world().resource::<PhysicsClock>();
+    let floor = app.world().get_resource::<Floor>().copied();
+    let energies = |app: &mut App| -> Vec<(Entity, f64, f64, RigidBox, BodyState)> {
         let mut all = app
             .world_mut()
             .query_filtered::<(Entity, &RigidBox, &BodyState), Without<Quarantined>>();
@@ -244,7 +247,7 @@ fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
                 // Of what a rounding is a part: kinetic, and potential in both directions.
                 let size =
                     s.kinetic_energy(b) + 9.81 * b.mass() * (s.position.length() + b.radius());
-                (e, total_energy(b, s, &law), size)
+                (e, total_energy(b, s, &law), size, *b, *s)
             })
             .collect()
     };
@@ -253,10 +256,19 @@ fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
         app.update();
     }
     let (mut worst, mut seen) = (f64::MIN, 0);
-    for (entity, after, _) in energies(app) {
-        if let Some((_, energy, size)) = before.iter().find(|(e, ..)| *e == entity) {
+    for (entity, after, ..) in energies(app) {
+        if let Some((_, energy, size, body, start)) = before.iter().find(|(e, ..)| *e == entity) {
+            let turn = start.body_angular_velocity(body).length() / f64::from(RATE);
+            if chosen == Integrator::ImplicitMidpoint && turn > 1e6 {
+                continue;
+            }
             let gain = (after - energy) / size;
-            assert!(gain.is_finite(), "{entity}: from {energy} to {after} J");
+            assert!(
+                gain.is_finite() && gain < 1e-9,
+                "{chosen}: from {energy} to {after} J, {gain:e} of {size}, in substeps of {} s over {floor:?}: \
+                 {body:?} from {start:?}",
+                clock.step()
+            );
             worst = worst.max(gain);
             seen += 1;
         }
@@ -299,7 +311,10 @@ fn hostile_play() {
         .insert_resource(Time::<Fixed>::from_hz(f64::from(RATE)))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.update();
-    let mut dice = Dice(2012);
+    let mut dice = Dice(match std::env::var("BOX_SOAK_SEED") {
+        Ok(text) => text.parse().expect("a number"),
+        Err(_) => 2012,
+    });
     let mut graveyard = Vec::new();
     let (mut early_others, mut most_others) = (0, 0);
     let (mut worst_gain, mut quarantined, mut memory) = (f64::MIN, 0, Vec::new());
@@ -345,7 +360,6 @@ fn hostile_play() {
             .collect::<Vec<_>>()
     );
     assert!(watched > seconds as usize, "{watched} bodies were watched");
-    assert!(worst_gain < 1e-9, "{worst_gain:e}");
     assert!(
         most_others <= early_others + 4,
         "{early_others} other entities became {most_others}"
