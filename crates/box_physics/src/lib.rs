@@ -31,10 +31,10 @@
 //!
 //! A body is a [`RigidBox`](body::RigidBox); what else it needs comes along as required components. Its
 //! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step, and one that you
-//! change teleports the body: so a `Transform` given at the start says where it starts, and a `BodyState` does if there is
-//! none. (`Changed<Transform>` tells that a body moved; the physics does not mark `BodyState` as changed. When *you* write
-//! to it, do not bypass change detection: a box that lies still learns of it thereby.) Give it a mesh, or a child with one, and it is on screen. Every component has a
-//! default and is patched in scene literals:
+//! change teleports the body: so a `Transform` given at the start says where it starts, and a `BodyState` does if
+//! there is none. Give it a mesh, or a child with one, and it is on screen. (`Changed<Transform>` tells that a body
+//! moved; the physics does not mark `BodyState` as changed. When *you* write to it, do not bypass change detection: a
+//! box that lies still learns of it thereby.) Every component has a default and is patched in scene literals:
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -112,9 +112,9 @@
 //! # When something is wrong
 //!
 //! Constructors refuse what cannot be. At run time nothing panics, and each thing is logged once: a body that
-//! is not finite, or beyond 1e38, is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its range stops
-//! the clock until it is put right ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)); a hitch costs at
-//! most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
+//! is not finite, or beyond 1e38, is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its
+//! range stops the clock until it is put right ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)), one that was
+//! removed is put back; a hitch costs at most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
 //! ([`PhysicsClock::dropped`](plugin::PhysicsClock::dropped)).
 //!
 //! # Limits
