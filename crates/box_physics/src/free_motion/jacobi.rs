@@ -173,8 +173,16 @@ impl Series {
                 frequency,
                 half_jump,
             } => {
-                let half_turns = nearest(u * frequency);
-                let x = self.scale * (u - half_turns * period);
+                let mut half_turns = nearest(u * frequency);
+                let mut rest = u - half_turns * period;
+                // After some 1e15 half turns their product is rounded by more than one: where in a turn it is
+                // nobody knows any more, but it must be within one, or the series is none.
+                while (rest * frequency).abs() > 0.51 {
+                    let more = nearest(rest * frequency);
+                    rest -= more * period;
+                    half_turns += more;
+                }
+                let x = self.scale * rest;
                 // tanh and sech from e^{−|x|}, which may underflow on the separatrix.
                 let decay = libm::exp(-x.abs());
                 let square = decay * decay;

@@ -196,6 +196,23 @@ fn towards_the_separatrix() {
     }
 }
 
+/// Where a turn is below the rounding of the phase the attitude is arbitrary, and yet a rotation with the true energy
+/// and momentum (a game that multiplies a momentum by 1e15 asks for it; an hour of hostile play did).
+#[test]
+fn phases_without_digits() {
+    let inertia = DVec3::new(0.012087243, 0.004346205, 0.007978717);
+    for l in [
+        DVec3::new(-0.237301862, 0.092968379, -0.225268696),
+        DVec3::new(0.3, 0.01, 0.02),
+        DVec3::new(0.01, 0.3, 0.02),
+        DVec3::new(0.01, 0.02, 0.3),
+    ] {
+        for power in 10..40 {
+            check(inertia, l, 10.0_f64.powi(power));
+        }
+    }
+}
+
 #[test]
 fn rest_and_nonsense_do_no_harm() {
     let inertia = DVec3::new(1.0, 2.0, 2.5);
