@@ -25,6 +25,7 @@ mod plan;
 mod publish;
 mod resources;
 mod run;
+mod sets;
 mod step;
 mod systems;
 mod timing;
@@ -38,6 +39,7 @@ pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, Qu
 pub use parallel::PhysicsThreads;
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use run::StepPhysics;
+pub use sets::{FixedPhysics, PhysicsSchedule, PhysicsSystems, RunPhysics};
 pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
 
 use bevy::app::{
@@ -48,7 +50,7 @@ use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-    SystemSet, common_conditions,
+    common_conditions,
 };
 
 use crate::body::RigidBox;
@@ -56,78 +58,6 @@ use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::schemes::SchemeMemory;
 use crate::state::BodyState;
-
-/// Where the physics runs by default: a schedule of its own, once a tick of the fixed clock, after
-/// `FixedPostUpdate` and before `FixedLast`, on one thread (to wake more for its one system would take several
-/// times what a step of a hundred boxes does; the bodies are shared out within it).
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct FixedPhysics;
-
-/// The set of the one system that makes a tick, in [`FixedPhysics`] or in whatever schedule you named: what belongs
-/// before or after a whole tick there is ordered against it.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use box_physics::prelude::*;
-/// fn read_input() {}
-/// let mut app = App::new();
-/// app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(Update)))
-///     .add_systems(Update, read_input.before(RunPhysics));
-/// app.update();
-/// ```
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct RunPhysics;
-
-/// The schedule of one step. Systems of your own that belong to a step go here, into
-/// [`PhysicsSystems::First`], [`Forces`](PhysicsSystems::Forces) or [`Last`](PhysicsSystems::Last).
-///
-/// Two systems here that may not run in either order are an error when the schedule is built, so that results
-/// cannot depend on chance: two that write [`ExternalForce`], say, or one outside of the sets that reads what the
-/// physics writes. Order them (`.before`, `.after`, `.chain`, `.in_set`), or say `.ambiguous_with` where it does not
-/// matter.
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PhysicsSchedule;
-
-/// The sets of [`PhysicsSchedule`], chained in this order.
-///
-/// A system between two of them finds what they promise. Where no system stands between *Integrate* and
-/// *Writeback*, the four are made in one pass over the bodies, which is faster for many bodies and otherwise
-/// the same: put what can wait into [`First`](Self::First), [`Forces`](Self::Forces) or [`Last`](Self::Last).
-///
-/// ```
-/// use bevy::prelude::*;
-/// use box_physics::prelude::*;
-/// /// A system of a step: it runs once a step, and the state is that of `PhysicsClock::time`.
-/// fn highest(clock: Res<PhysicsClock>, bodies: Query<&BodyState>, mut record: Local<f64>) {
-///     for state in &bodies {
-///         *record = record.max(state.position.y);
-///     }
-///     println!("{:.3} s: {:.3} m", clock.time(), *record);
-/// }
-/// let mut app = App::new();
-/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-///     .add_systems(PhysicsSchedule, highest.in_set(PhysicsSystems::Last));
-/// app.update();
-/// ```
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PhysicsSystems {
-    /// Empty, for users.
-    First,
-    /// Teleports and impulses are taken over.
-    Impulses,
-    /// Empty but for users' systems that set forces for this step.
-    Forces,
-    /// Bodies in free flight are stepped.
-    Integrate,
-    /// Bodies at the floor are stepped.
-    Contact,
-    /// Bounding boxes are re-fitted.
-    Refit,
-    /// `Transform` is written.
-    Writeback,
-    /// Empty, for users.
-    Last,
-}
 
 /// Everything a game wants: one line.
 ///
