@@ -145,8 +145,8 @@ fn plays(scene: &Scenario) {
     let start = truth.at(0.0);
     assert!(start.is_none_or(|s| s.is_finite()));
     assert!(scene.setup.initial.is_sound());
-    // Ten steps with whatever there is: forces, floor, impulses. What a file asks for may lead beyond f64, where the
-    // plugin quarantines a body; from a sound state the first step of the default does not.
+    // Ten steps with whatever there is: forces, floor, impulses. (What a file asks for may lead beyond f64, where the
+    // game quarantines the body.)
     let dt = 1.0 / 60.0;
     let plan = Plan::new(&[dt, 10.0 * dt], &scene.setup.impulses, dt);
     let mut looks = 0;
