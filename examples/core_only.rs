@@ -2,8 +2,8 @@
 //! papers. `cargo run --release --example core_only`
 
 use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::integrators::Split;
 use box_physics::prelude::*;
-use box_physics::schemes::Split;
 
 fn main() -> Result<(), InvalidValue> {
     let brick = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
@@ -12,14 +12,14 @@ fn main() -> Result<(), InvalidValue> {
         .with_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
     let h = 1.0 / 60.0;
 
-    // Free flight under any scheme, and what it costs.
+    // Free flight under any integrator, and what it costs.
     let vacuum = Gravity(DVec3::ZERO);
     for integrator in [
         Integrator::Exact,
         Integrator::Split,
         Integrator::EngineNewton,
     ] {
-        let (mut state, mut memory) = (start, SchemeMemory::default());
+        let (mut state, mut memory) = (start, IntegratorMemory::default());
         let mut evaluations = 0;
         for _ in 0..600 {
             evaluations += integrator
@@ -30,11 +30,11 @@ fn main() -> Result<(), InvalidValue> {
         println!("{integrator:>14}: {evaluations} evaluations, energy {drift:+.1e}");
     }
 
-    // Over a floor: the same scheme, impacts located in time.
+    // Over a floor: the same integrator, impacts located in time.
     let floor = Floor::new(0.0, 0.3, 0.5)?;
     let settings = ContactSettings::default();
     let gravity = Gravity(DVec3::NEG_Y * 9.81);
-    let (mut state, mut memory) = (start, SchemeMemory::default());
+    let (mut state, mut memory) = (start, IntegratorMemory::default());
     let mut contact = ContactState::default();
     let mut impacts = 0;
     for _ in 0..600 {

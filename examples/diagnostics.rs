@@ -7,7 +7,7 @@ use bevy::diagnostic::{
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::energy::total_energy;
-use box_physics::plugin::{Stage, scheme_path};
+use box_physics::plugin::{Stage, integrator_path};
 use box_physics::prelude::*;
 
 const ENERGY: DiagnosticPath = DiagnosticPath::const_new("my_game/energy");
@@ -53,7 +53,7 @@ fn main() {
             value(&stage.path()).unwrap_or(f64::NAN)
         );
     }
-    let split = value(&scheme_path(Integrator::Split));
+    let split = value(&integrator_path(Integrator::Split));
     println!(
         "split: {:.1} ns per body and step",
         split.unwrap_or(f64::NAN)

@@ -19,7 +19,7 @@ struct Player;
 #[derive(Component)]
 struct PictureOf(Entity);
 
-/// The origin follows the player in jumps of a kilometre; pictures stand relative to it.
+/// The origin follows the player in jumps of a kilometer; pictures stand relative to it.
 fn draw(
     player: Single<&BodyState, With<Player>>,
     bodies: Query<&BodyState>,

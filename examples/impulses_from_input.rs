@@ -17,7 +17,7 @@ fn push(
 ) {
     for entity in &boxes {
         if keys.just_pressed(KeyCode::Space) {
-            impulses.write(ApplyImpulse::centre(entity, Vec3::Y * 5.0)); // N s
+            impulses.write(ApplyImpulse::center(entity, Vec3::Y * 5.0)); // N s
         }
         if keys.pressed(KeyCode::KeyW) {
             // 20 N over this frame, at the top face: it also tips the box.

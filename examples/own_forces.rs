@@ -2,7 +2,7 @@
 //!
 //! 1. constant over a step: write [`ExternalForce`] in [`PhysicsSystems::Forces`];
 //! 2. state-dependent and built in: [`Springs`], [`PointForces`], drags: evaluated at every stage;
-//! 3. state-dependent and quite your own: implement [`ForceLaw`] and step the core with it. The scheme
+//! 3. state-dependent and quite your own: implement [`ForceModel`] and step the core with it. The integrator
 //!    evaluates it at every stage, so it keeps its order.
 
 use bevy::prelude::*;
@@ -17,13 +17,13 @@ fn wind(clock: Res<PhysicsClock>, mut bodies: Query<&mut ExternalForce>) {
     }
 }
 
-/// A planet at the origin: a = −µ x/|x|³ on the centre of mass.
+/// A planet at the origin: a = −µ x/|x|³ on the center of mass.
 struct Planet {
     /// µ = G M [m³/s²]
     strength: f64,
 }
 
-impl ForceLaw for Planet {
+impl ForceModel for Planet {
     fn acceleration(&self) -> DVec3 {
         DVec3::ZERO
     }
@@ -64,7 +64,7 @@ fn main() {
     // A satellite on a circle of radius 10 m: v = √(µ/r), and back after 2π r/v.
     let (body, law) = (RigidBox::default(), Planet { strength: 40.0 });
     let start = BodyState::at(DVec3::X * 10.0).with_velocity(DVec3::Z * 2.0);
-    let (mut state, mut memory) = (start, SchemeMemory::default());
+    let (mut state, mut memory) = (start, IntegratorMemory::default());
     let (period, steps) = (core::f64::consts::TAU * 5.0, 2000);
     for _ in 0..steps {
         let h = period / f64::from(steps);

@@ -6,10 +6,10 @@ use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
 /// All that the motion of a body depends on, and what time it is (for forces of yours that depend on it).
-/// `SchemeMemory` and `ContactState` are memories that may be left out: then the motion goes on as right, but not
+/// `IntegratorMemory` and `ContactState` are memories that may be left out: then the motion goes on as right, but not
 /// to the last bit as it would have. (Impulses that wait for the next step are messages, and not of the past.)
 #[derive(Clone)]
-struct Snapshot(PhysicsClock, BodyState, SchemeMemory, ContactState);
+struct Snapshot(PhysicsClock, BodyState, IntegratorMemory, ContactState);
 
 fn main() {
     let mut app = App::new();
@@ -47,7 +47,10 @@ fn main() {
     let snapshot = Snapshot(
         *world.resource::<PhysicsClock>(),
         state(&app),
-        world.get::<SchemeMemory>(entity).expect("required").clone(),
+        world
+            .get::<IntegratorMemory>(entity)
+            .expect("required")
+            .clone(),
         world.get::<ContactState>(entity).expect("required").clone(),
     );
     let future = |app: &mut App| {
@@ -56,11 +59,11 @@ fn main() {
         state(app)
     };
     let first = future(&mut app);
-    let Snapshot(clock, body, scheme, contact) = snapshot;
+    let Snapshot(clock, body, integrator, contact) = snapshot;
     app.insert_resource(clock);
     app.world_mut()
         .entity_mut(entity)
-        .insert((body, scheme, contact));
+        .insert((body, integrator, contact));
     let second = future(&mut app);
     assert_eq!(first, second);
     println!(

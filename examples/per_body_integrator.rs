@@ -1,4 +1,4 @@
-//! One body with a scheme of its own beside others: a stiff spring under an implicit scheme, the rest
+//! One body with an integrator of its own beside others: a stiff spring under an implicit integrator, the rest
 //! under the default. `cargo run --release --example per_body_integrator`
 
 use bevy::prelude::*;
@@ -17,8 +17,8 @@ fn main() {
         .world_mut()
         .query::<(&Name, &BodyState, Option<&BodyIntegrator>)>();
     for (name, state, own) in boxes.iter(app.world()) {
-        let scheme = own.map_or("the global one".to_owned(), |own| own.0.to_string());
-        println!("{name}: {scheme}, y = {:.6} m", state.position.y);
+        let integrator = own.map_or("the global one".to_owned(), |own| own.0.to_string());
+        println!("{name}: {integrator}, y = {:.6} m", state.position.y);
         if name.as_str() == "on a stiff spring" {
             // Hanging where the spring carries its weight: m g/k = 9.81 µm below the anchor.
             assert!((5.0 - state.position.y - 9.81e-6).abs() < 1e-9);
@@ -32,7 +32,7 @@ fn spawn(mut commands: Commands) {
         RigidBox::default(),
         BodyState::at(Vec3::Y * 100.0),
     ));
-    // √(k/m)·dt = 16 here; the explicit schemes end at 2.
+    // √(k/m)·dt = 16 here; the explicit integrators end at 2.
     let spring = Spring {
         body_point: DVec3::ZERO,
         anchor: DVec3::Y * 5.0,

@@ -14,7 +14,7 @@ struct SavedBody {
     body: RigidBox,
     state: BodyState,
     drag: LinearDrag,
-    scheme: SchemeMemory,
+    integrator: IntegratorMemory,
     contact: ContactState,
 }
 
@@ -32,7 +32,7 @@ fn save(world: &mut World) -> Result<String, BevyError> {
         &RigidBox,
         &BodyState,
         &LinearDrag,
-        &SchemeMemory,
+        &IntegratorMemory,
         &ContactState,
     )>();
     let game = SavedGame {
@@ -42,11 +42,11 @@ fn save(world: &mut World) -> Result<String, BevyError> {
         floor: *world.resource(),
         bodies: bodies
             .iter(world)
-            .map(|(body, state, drag, scheme, contact)| SavedBody {
+            .map(|(body, state, drag, integrator, contact)| SavedBody {
                 body: *body,
                 state: *state,
                 drag: *drag,
-                scheme: scheme.clone(),
+                integrator: integrator.clone(),
                 contact: contact.clone(),
             })
             .collect(),

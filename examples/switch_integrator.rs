@@ -1,4 +1,4 @@
-//! The numerical scheme is a resource: change it at any time, the motion goes on from where it is.
+//! The numerical integrator is a resource: change it at any time, the motion goes on from where it is.
 //! `cargo run --release --example switch_integrator`
 
 use bevy::prelude::*;
@@ -12,7 +12,7 @@ fn main() -> Result<(), BevyError> {
         // Not in a game: every update is exactly one tick, so that this example does not wait.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
 
-    // A tumbling brick, whose spin energy the schemes treat very differently.
+    // A tumbling brick, whose spin energy the integrators treat very differently.
     let brick = RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0)?;
     let spin = DVec3::new(1.5, 2.5, 1.0);
     let start = BodyState::default().with_angular_velocity(&brick, spin);

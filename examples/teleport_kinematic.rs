@@ -15,7 +15,7 @@ fn lift(clock: Res<PhysicsClock>, mut elevators: Query<&mut BodyState, With<Elev
     // `time` is the end of this step, so this is where the step begins.
     let begin = clock.time() - clock.step();
     for mut state in &mut elevators {
-        let height = |t: f64| 2.0 + 0.5 * t; // m: half a metre a second
+        let height = |t: f64| 2.0 + 0.5 * t; // m: half a meter a second
         state.position.y = height(begin);
         state.velocity = DVec3::Y * (height(clock.time()) - height(begin)) / clock.step();
         state.angular_momentum = DVec3::ZERO;

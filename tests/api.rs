@@ -87,7 +87,7 @@ fn bodies_in_scenes() {
     assert_eq!(thrusters[0].frame, Frame::Body);
     let springs = &entity.get::<Springs>().expect("in the scene").0;
     assert_eq!((springs.len(), springs[0].stiffness), (1, 20.0));
-    assert!(entity.contains::<ReportContacts>() && entity.contains::<SchemeMemory>());
+    assert!(entity.contains::<ReportContacts>() && entity.contains::<IntegratorMemory>());
     assert_eq!(
         app.world().get::<GravityScale>(plain),
         Some(&GravityScale(0.5))
@@ -124,7 +124,7 @@ fn types_by_name() -> Vec<(&'static str, TypeId, bool)> {
         };
     }
     let mut all = list![true:
-        RigidBox, BodyState, SchemeMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
+        RigidBox, BodyState, IntegratorMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
         QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, BodyTorque, PointForces, Springs,
         WorldAabb, ReportContacts, Quarantined,
     ];
@@ -224,11 +224,11 @@ fn errors_are_bevy_errors() {
     assert_eq!(error.field, "linear drag");
 }
 
-/// Every scheme goes on to the last bit from what was saved in the middle of a flight, a bounce, a rest.
+/// Every integrator goes on to the last bit from what was saved in the middle of a flight, a bounce, a rest.
 #[cfg(feature = "serde")]
 #[test]
-fn saved_bodies_continue_bit_for_bit_under_every_scheme() {
-    type Saved = (RigidBox, BodyState, SchemeMemory, ContactState);
+fn saved_bodies_continue_bit_for_bit_under_every_integrator() {
+    type Saved = (RigidBox, BodyState, IntegratorMemory, ContactState);
     fn new_app(integrator: Integrator) -> App {
         let mut app = app_with(PhysicsPlugins::default());
         app.insert_resource(Floor::default())
@@ -251,7 +251,7 @@ fn saved_bodies_continue_bit_for_bit_under_every_scheme() {
         }
         let mut all = first
             .world_mut()
-            .query::<(&RigidBox, &BodyState, &SchemeMemory, &ContactState)>();
+            .query::<(&RigidBox, &BodyState, &IntegratorMemory, &ContactState)>();
         let saved: Vec<Saved> = all
             .iter(first.world())
             .map(|(b, s, m, c)| (*b, *s, m.clone(), c.clone()))

@@ -45,11 +45,11 @@ fn hero(app: &mut App) -> BodyState {
         .expect("one hero")
 }
 
-fn push(direction: DVec3, off_centre: bool) -> Action {
+fn push(direction: DVec3, off_center: bool) -> Action {
     Action::Push(Push {
         direction,
         world: true,
-        off_centre,
+        off_center,
     })
 }
 
@@ -59,16 +59,16 @@ fn updates(app: &mut App, n: usize) {
     }
 }
 
-/// The lane of a scheme.
-fn lane(app: &App, scheme: Integrator) -> &box_game::compare::runner::Runner {
+/// The lane of an integrator.
+fn lane(app: &App, integrator: Integrator) -> &box_game::compare::runner::Runner {
     run(app)
         .lanes
         .iter()
-        .find(|r| r.lane.integrator == scheme)
+        .find(|r| r.lane.integrator == integrator)
         .expect("a lane")
 }
 
-/// The hero, a body of the plugin, and a lane under the same scheme are the same bit for bit, through
+/// The hero, a body of the plugin, and a lane under the same integrator are the same bit for bit, through
 /// pushes, changed parameters and contact.
 #[test]
 fn the_hero_is_its_own_lane_bit_for_bit() {
@@ -79,16 +79,16 @@ fn the_hero_is_its_own_lane_bit_for_bit() {
         "heavy-top",
         "quadratic-drag",
     ] {
-        for scheme in [
+        for integrator in [
             Integrator::Split,
             Integrator::Rk4,
             Integrator::SemiImplicitEuler,
         ] {
             let other = Integrator::Midpoint;
-            let list = format!("{other},{scheme}");
+            let list = format!("{other},{integrator}");
             let mut app = game(&[scene, "--integrator", &list]);
-            // A lane of `scheme` from the start, and the hero of the same scheme by restart.
-            let mut twin = game(&[scene, "--integrator", scheme.id()]);
+            // A lane of `integrator` from the start, and the hero of the same integrator by restart.
+            let mut twin = game(&[scene, "--integrator", integrator.id()]);
             for app in [&mut app, &mut twin] {
                 updates(app, 30);
             }
@@ -119,8 +119,12 @@ fn the_hero_is_its_own_lane_bit_for_bit() {
                 app.update();
                 twin.update();
                 let state = hero(&mut twin);
-                assert_eq!(lane(&app, scheme).lane.state, state, "{scene} {scheme} {k}");
-                assert_eq!(lane(&app, scheme).lane.time, run(&app).clock);
+                assert_eq!(
+                    lane(&app, integrator).lane.state,
+                    state,
+                    "{scene} {integrator} {k}"
+                );
+                assert_eq!(lane(&app, integrator).lane.time, run(&app).clock);
             }
         }
     }
@@ -167,7 +171,7 @@ fn a_teleport_takes_the_lanes_along() {
     assert!(run(&app).hero.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
-/// A scheme ticked in flight is simulated from the start, through everything that happened since.
+/// An integrator ticked in flight is simulated from the start, through everything that happened since.
 #[test]
 fn a_late_lane_catches_up_with_all_inputs() {
     let mut early = game(&["throw", "--integrator", "split,rk4"]);
@@ -201,7 +205,7 @@ fn a_diverged_lane_stops_at_its_last_good_state() {
         .track
         .diverged
         .expect("it diverges within three seconds");
-    assert!(t < 3.0 && lost.lane.state.is_sound());
+    assert!(t < 3.0 && lost.lane.state.is_valid());
     assert!(run(&app).hero.track.diverged.is_none());
     assert!(run(&app).clock > 3.0);
     compare(&mut app, CompareAction::Resync);
@@ -210,7 +214,7 @@ fn a_diverged_lane_stops_at_its_last_good_state() {
     assert!(back.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
-/// Where a scheme runs as a ghost, making it the hero changes places; each trajectory stays one scheme's.
+/// Where an integrator runs as a ghost, making it the hero changes places; each trajectory stays one integrator's.
 #[test]
 fn hero_and_ghost_change_places() {
     let mut app = game(&["dzhanibekov", "--integrator", "split,explicit-euler"]);
@@ -259,7 +263,7 @@ fn equal_evaluations_and_late_inputs() {
         "--log",
         path.to_str().expect("utf-8"),
     ]);
-    // Until every scheme has been sampled.
+    // Until every integrator has been sampled.
     updates(&mut app, 30);
     compare(&mut app, CompareAction::SetFairness(Fairness::Evaluations));
     updates(&mut app, 3);
@@ -466,7 +470,7 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
     for r in &run(&app).lanes {
         assert!(r.track.now.worst.0 < 1e-9, "{}", r.lane.integrator);
     }
-    // It falls at 9.81 m/s from the start: three metres apart by now.
+    // It falls at 9.81 m/s from the start: three meters apart by now.
     assert!(run(&app).hero.track.now.worst.0 > 1.0);
     // Ours takes over from where the box is; the lanes go along and everything is right again.
     ask(&mut app, Action::SetDemo(None));
@@ -562,7 +566,7 @@ fn the_panel_fits_into_other_apps() {
     }
 }
 
-/// Keys: Shift + digit ticks a scheme, V and G go through the layouts.
+/// Keys: Shift + digit ticks an integrator, V and G go through the layouts.
 #[test]
 fn keys_of_the_comparison() {
     use bevy::input::ButtonState;

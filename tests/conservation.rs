@@ -1,7 +1,7 @@
-//! What each scheme says it keeps of a freely tumbling body, it keeps; what it says it loses, it loses.
+//! What each integrator says it keeps of a freely tumbling body, it keeps; what it says it loses, it loses.
 
+use box_physics::integrators::EnergyBehavior;
 use box_physics::prelude::*;
-use box_physics::schemes::EnergyBehaviour;
 use box_scenarios::trend::energy_trend;
 use box_scenarios::{ForceSet, Setup, advance};
 
@@ -28,7 +28,7 @@ fn go(
     setup: &Setup,
     i: Integrator,
     state: &mut BodyState,
-    memory: &mut SchemeMemory,
+    memory: &mut IntegratorMemory,
     h: f64,
     n: u64,
 ) {
@@ -38,7 +38,7 @@ fn go(
 /// (L vector, |L|, energy): largest relative errors over `n` steps.
 fn drift(setup: &Setup, i: Integrator, n: u64) -> (f64, f64, f64) {
     let (body, start) = (&setup.body, setup.initial);
-    let (mut state, mut memory) = (start, SchemeMemory::default());
+    let (mut state, mut memory) = (start, IntegratorMemory::default());
     let (l, e) = (
         start.angular_momentum_world(),
         start.rotational_energy(body),
@@ -89,11 +89,11 @@ fn energy_as_claimed() {
         let trend = energy_trend(&brick(), i, H, 60_000);
         let ok = match i.info().keeps.energy {
             // A claim excludes the other: what is called bounded is not exact.
-            EnergyBehaviour::Exact => worst < 1e-11,
-            EnergyBehaviour::Bounded => worst > 1e-11 && trend.abs() < 1e-9,
-            EnergyBehaviour::Dissipates => trend < -1e-9,
-            EnergyBehaviour::Gains => trend.is_nan() || trend > 1e-9,
-            EnergyBehaviour::Drifts => trend.is_nan() || trend.abs() > 1e-9,
+            EnergyBehavior::Exact => worst < 1e-11,
+            EnergyBehavior::Bounded => worst > 1e-11 && trend.abs() < 1e-9,
+            EnergyBehavior::Dissipates => trend < -1e-9,
+            EnergyBehavior::Gains => trend.is_nan() || trend > 1e-9,
+            EnergyBehavior::Drifts => trend.is_nan() || trend.abs() > 1e-9,
         };
         let claim = i.info().keeps.energy;
         assert!(
@@ -105,7 +105,7 @@ fn energy_as_claimed() {
 
 /// Bounded energy errors shrink with the order of the rotation.
 #[test]
-fn schemes_rank_by_energy() {
+fn integrators_rank_by_energy() {
     let rank: Vec<Integrator> = ["split", "rk4", "heun-2012", "semi-implicit-euler"]
         .iter()
         .map(|id| id.parse().expect("there"))
@@ -136,7 +136,7 @@ fn reversible_as_claimed() {
     for &i in Integrator::ALL {
         let mut worst = 0.0_f64;
         for setup in [brick(), plate()] {
-            let (mut state, mut memory) = (setup.initial, SchemeMemory::default());
+            let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
             go(&setup, i, &mut state, &mut memory, H, 600);
             go(&setup, i, &mut state, &mut memory, -H, 600);
             worst = worst.max(state.attitude_difference(&setup.initial));

@@ -1,9 +1,9 @@
-//! The hard cases of contact, 25 to 32, under the schemes that a game would choose, and the table of
+//! The hard cases of contact, 25 to 32, under the integrators that a game would choose, and the table of
 //! `docs/contact.md`, which is made here: `UPDATE_DOCS=1 cargo test --release --test contact` rewrites it.
 
 use std::fmt::Write as _;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::contact_cases;
 
 const SCHEMES: [Integrator; 4] = [
@@ -33,12 +33,12 @@ fn contact_keeps_its_bounds_and_the_table_says_so() {
             figure(case.bound)
         )
         .expect("a string");
-        for scheme in SCHEMES {
-            let value = case.measure(scheme);
+        for integrator in SCHEMES {
+            let value = case.measure(integrator);
             if value.is_nan() || value > case.bound {
                 broken.push(format!(
                     "{} {} {}: {value:e}, bound {:e}",
-                    case.number, case.quantity, scheme, case.bound
+                    case.number, case.quantity, integrator, case.bound
                 ));
             }
             write!(table, " {} |", figure(value)).expect("a string");

@@ -8,8 +8,8 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::digest::{fingerprint, state_digest};
 use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::*;
-use box_physics::schemes::{Scheme, SchemeVisitor};
 
 const H: f64 = 1.0 / 64.0;
 
@@ -77,14 +77,14 @@ struct Scene {
     steps: u32,
 }
 
-impl SchemeVisitor for Scene {
+impl IntegratorVisitor for Scene {
     type Output = Vec<BodyState>;
 
-    fn visit<S: Scheme>(self) -> Vec<BodyState> {
+    fn visit<S: Integrate>(self) -> Vec<BodyState> {
         let (floor, settings) = (Floor::default(), ContactSettings::default());
         let body = brick();
         let one = |k| {
-            let (mut state, mut memory) = (start(k), SchemeMemory::default());
+            let (mut state, mut memory) = (start(k), IntegratorMemory::default());
             let mut contact = ContactState::default();
             let springs = springs(k);
             let law = Forces {
@@ -113,7 +113,7 @@ impl SchemeVisitor for Scene {
 }
 
 #[test]
-fn every_scheme_finds_the_bits_that_are_written_here() {
+fn every_integrator_finds_the_bits_that_are_written_here() {
     let found: Vec<_> = Integrator::ALL
         .iter()
         .map(|&integrator| (integrator, fingerprint(integrator)))

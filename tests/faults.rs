@@ -1,4 +1,4 @@
-//! What goes wrong in other people's games: nothing panics, neighbours do not notice, and what happened is
+//! What goes wrong in other people's games: nothing panics, neighbors do not notice, and what happened is
 //! said once, not every frame.
 
 #[path = "faults/entities.rs"]
@@ -111,6 +111,6 @@ fn assert_shown_sanely(app: &mut App) {
     let mut all = app.world_mut().query::<(&Transform, &BodyState)>();
     for (transform, state) in all.iter(app.world()) {
         assert!(transform.translation.is_finite() && transform.rotation.is_finite());
-        assert!(state.is_sound());
+        assert!(state.is_valid());
     }
 }

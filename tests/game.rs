@@ -10,7 +10,7 @@ use box_game::apply::Asked;
 use box_game::cli::Cli;
 use box_game::input::UiFocus;
 use box_game::library::SceneLibrary;
-use box_game::sampling::SchemeSamples;
+use box_game::sampling::IntegratorSamples;
 use box_game::session::{Hero, Session};
 use box_physics::prelude::*;
 use clap::Parser;
@@ -114,7 +114,7 @@ fn keys_push_along_the_box_s_own_axes() {
 }
 
 #[test]
-fn shift_pushes_off_centre_and_alt_along_the_world() {
+fn shift_pushes_off_center_and_alt_along_the_world() {
     let mut app = game(&["dzhanibekov"]);
     let before = hero(&mut app);
     with(&mut app, KeyCode::ShiftLeft, KeyCode::KeyD);
@@ -184,7 +184,7 @@ fn letters_belong_to_a_text_field_that_is_typed_into() {
 }
 
 #[test]
-fn digits_choose_schemes_while_it_flies() {
+fn digits_choose_integrators_while_it_flies() {
     let mut app = game(&["throw"]);
     let digits = [
         KeyCode::Digit1,
@@ -227,7 +227,7 @@ fn pause_and_single_step_are_exact_to_the_step() {
         &mut expected,
         &law,
         h,
-        &mut SchemeMemory::default(),
+        &mut IntegratorMemory::default(),
     );
     assert_eq!(hero(&mut app), expected);
     with(&mut app, KeyCode::ShiftLeft, KeyCode::Period);
@@ -316,7 +316,7 @@ fn step_and_substeps_change_live() {
 }
 
 #[test]
-fn every_scene_starts_and_runs_with_every_scheme() {
+fn every_scene_starts_and_runs_with_every_integrator() {
     let mut app = game(&[]);
     // The built-in ones and those in files.
     let scenes = app.world().resource::<SceneLibrary>().scenes().len();
@@ -327,7 +327,7 @@ fn every_scene_starts_and_runs_with_every_scheme() {
             app.update();
         }
         assert!(
-            hero(&mut app).is_sound(),
+            hero(&mut app).is_valid(),
             "{}",
             app.world().resource::<Session>().scenario.id
         );
@@ -360,12 +360,12 @@ fn more_boxes_are_a_load() {
 }
 
 #[test]
-fn every_scheme_is_timed_whichever_is_in_use() {
+fn every_integrator_is_timed_whichever_is_in_use() {
     let mut app = game(&["throw"]);
     for _ in 0..2 * Integrator::ALL.len() {
         app.update();
     }
-    let samples = app.world().resource::<SchemeSamples>();
+    let samples = app.world().resource::<IntegratorSamples>();
     for &i in Integrator::ALL {
         let (min, median, p95) = samples.statistics(i).expect("sampled");
         assert!(0.0 < min && min <= median && median <= p95, "{i}");
@@ -383,7 +383,7 @@ fn the_log_has_a_row_per_step_and_says_what_was_done() {
     let push = Push {
         direction: DVec3::Y,
         world: true,
-        off_centre: false,
+        off_center: false,
     };
     ask(&mut app, Action::Push(push));
     app.update();

@@ -115,7 +115,13 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
     expected.apply_impulse_at_body_point(&body, impulse, poke.body_point);
     let h = clock(&app).step();
     let law = Gravity(DVec3::ZERO);
-    Integrator::Split.step(&body, &mut expected, &law, h, &mut SchemeMemory::default());
+    Integrator::Split.step(
+        &body,
+        &mut expected,
+        &law,
+        h,
+        &mut IntegratorMemory::default(),
+    );
     assert_eq!(hero(&mut app), expected);
     assert!(
         session(&app).truth.is_none(),
@@ -133,12 +139,12 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
 
 #[test]
 fn a_held_box_follows_the_hand_and_is_let_go() {
-    for (scene, scheme) in [
+    for (scene, integrator) in [
         ("playground", Integrator::Split),
         ("dzhanibekov", Integrator::Rk4),
         ("playground", Integrator::BackwardEuler),
     ] {
-        let mut app = game(&[scene, "--integrator", scheme.id()]);
+        let mut app = game(&[scene, "--integrator", integrator.id()]);
         let anchor = DVec3::new(0.5, 2.5, -0.5);
         let hold = Hold {
             body_point: DVec3::ZERO,
@@ -149,9 +155,9 @@ fn a_held_box_follows_the_hand_and_is_let_go() {
         let state = hero(&mut app);
         assert!(
             (state.position - anchor).length() < 0.02,
-            "{scene} {scheme}: {state:?}"
+            "{scene} {integrator}: {state:?}"
         );
-        assert!(state.velocity.length() < 0.2, "{scene} {scheme}");
+        assert!(state.velocity.length() < 0.2, "{scene} {integrator}");
         ask(&mut app, Action::Grab(None));
         assert_eq!(app.world().resource::<Grip>().0, None);
         if scene == "playground" {
@@ -167,13 +173,13 @@ fn a_held_box_follows_the_hand_and_is_let_go() {
 
 #[test]
 fn stepping_back_returns_every_state_and_the_future_repeats() {
-    for (scene, scheme) in [
+    for (scene, integrator) in [
         ("contact", "split"),
         ("dzhanibekov", "exact"),
         ("tumble-storm", "rk4"),
         ("dissertation-2012", "split"),
     ] {
-        let mut app = game(&[scene, "--integrator", scheme]);
+        let mut app = game(&[scene, "--integrator", integrator]);
         let mut past = vec![hero(&mut app)];
         for _ in 0..80 {
             app.update();

@@ -1,9 +1,9 @@
-//! The reference trajectories: how far each scheme is from them at 60 Hz, that the order shows, that our
+//! The reference trajectories: how far each integrator is from them at 60 Hz, that the order shows, that our
 //! own trusted answers are theirs, and that a bad file is refused by name.
 
 use std::path::{Path, PathBuf};
 
-use box_physics::schemes::{Channel, Integrator, Order};
+use box_physics::integrators::{Channel, Integrator, Order};
 use box_scenarios::oracle::{Case, Measurement, Status};
 use box_scenarios::{StateError, Truth, TruthKind};
 use serde_json::{Value, json};
@@ -139,7 +139,7 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
     ),
 ];
 
-fn scheme(id: &str) -> Integrator {
+fn integrator(id: &str) -> Integrator {
     id.parse().expect("an integrator")
 }
 
@@ -160,7 +160,7 @@ fn errors_at_60_hz_and_the_order_behind_them() {
             .find(|c| c.name.starts_with(prefix))
             .expect(prefix);
         for (id, bound) in *bounds {
-            let i = scheme(id);
+            let i = integrator(id);
             let (m1, m2) = (case.measure(i, 1.0 / 60.0), case.measure(i, 1.0 / 120.0));
             let (e1, e2) = (error(&m1, *of), error(&m2, *of));
             assert!(e1 <= *bound, "{prefix} {id}: {e1:e} > {bound:e}");
@@ -209,8 +209,8 @@ fn our_trusted_answers_are_theirs() {
     assert!(kinds.0 >= 15 && kinds.1 >= 2, "{kinds:?}");
 }
 
-/// Contact: an impact located inside the step keeps the scheme's order, and a constant deceleration is
-/// exact. Flat cases to rounding; after a corner impact the tumbling has the scheme's own error.
+/// Contact: an impact located inside the step keeps the integrator's order, and a constant deceleration is
+/// exact. Flat cases to rounding; after a corner impact the tumbling has the integrator's own error.
 #[test]
 fn contact_cases() {
     for id in ["split", "exact", "split4", "rk4"] {
@@ -219,7 +219,7 @@ fn contact_cases() {
             ("pub17", 1e-9, 1e-8, 1e-12),
             ("pub18", 1e-9, 1e-8, 1e-4),
         ] {
-            let m = case(prefix).measure(scheme(id), 1.0 / 60.0);
+            let m = case(prefix).measure(integrator(id), 1.0 / 60.0);
             assert_eq!(m.status, Status::Ok, "{prefix} {id}");
             assert!(m.position < position, "{prefix} {id}: {:e} m", m.position);
             assert!(m.velocity < velocity, "{prefix} {id}: {:e} m/s", m.velocity);

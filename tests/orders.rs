@@ -1,8 +1,8 @@
-//! The order of every scheme in every channel of the force law: what its metadata claims is what is
+//! The order of every integrator in every channel of the force model: what its metadata claims is what is
 //! measured, no less and no more.
 
+use box_physics::integrators::{Channel, Order};
 use box_physics::prelude::*;
-use box_physics::schemes::{Channel, Order};
 use box_scenarios::{ForceSet, Plan, Setup, StateError, run_plan};
 
 /// Comparisons with the truth along the way; every number of steps is a multiple of it.
@@ -133,7 +133,7 @@ fn list(errors: &[f64]) -> String {
 }
 
 #[test]
-fn every_scheme_has_the_order_it_claims_in_every_channel() {
+fn every_integrator_has_the_order_it_claims_in_every_channel() {
     let mut wrong = Vec::new();
     for channel in Channel::ALL {
         let setup = setup(channel);
@@ -191,7 +191,7 @@ fn dampers_converge() {
     for &i in Integrator::ALL {
         let errors = errors(&setup, Channel::Spring, i);
         let s = slope(&errors).expect("above rounding");
-        // A damper is drag at a point: a scheme that lags drag (order 1) lags it as well.
+        // A damper is drag at a point: an integrator that lags drag (order 1) lags it as well.
         let of = |order| match order {
             Order::Exact => 2.0,
             Order::Of(p) => f64::from(p.min(2)),

@@ -6,7 +6,7 @@ use bevy::diagnostic::DiagnosticsStore;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_physics::plugin::{Stage, scheme_path};
+use box_physics::plugin::{Stage, integrator_path};
 use box_physics::prelude::*;
 
 /// The tick of a 60 Hz clock as Bevy keeps it: whole nanoseconds.
@@ -45,15 +45,15 @@ fn state(app: &App, entity: Entity) -> BodyState {
     *app.world().get::<BodyState>(entity).expect("a body")
 }
 
-fn core(integrator: Integrator, state: &mut BodyState, law: &impl ForceLaw, steps: u32) {
-    let mut memory = SchemeMemory::default();
+fn core(integrator: Integrator, state: &mut BodyState, law: &impl ForceModel, steps: u32) {
+    let mut memory = IntegratorMemory::default();
     for _ in 0..steps {
         integrator.step(&brick(), state, law, tick().as_secs_f64(), &mut memory);
     }
 }
 
 #[test]
-fn the_plugin_is_the_core_bit_for_bit_under_every_scheme() {
+fn the_plugin_is_the_core_bit_for_bit_under_every_integrator() {
     let gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));
     for &integrator in Integrator::ALL {
         let mut app = app();
@@ -151,7 +151,7 @@ fn switching_live_and_per_body_carries_the_state_over_exactly() {
         assert_eq!(state(&app, global), expected_global, "{integrator}");
         assert_eq!(state(&app, own), expected_own);
     }
-    // The override goes, and the global scheme takes over.
+    // The override goes, and the global integrator takes over.
     app.world_mut().entity_mut(own).remove::<BodyIntegrator>();
     app.insert_resource(GlobalIntegrator(Integrator::Rk4));
     app.update();
@@ -164,20 +164,20 @@ fn impulses_act_in_order_at_the_start_of_the_step() {
     let mut app = app();
     app.insert_resource(WorldGravity(DVec3::ZERO));
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
-    let (centre, world, body) = (
+    let (center, world, body) = (
         DVec3::X * 2.0,
         DVec3::new(0.1, 50.2, 0.0),
         DVec3::new(0.5, 0.0, 0.125),
     );
     app.world_mut()
-        .write_message(ApplyImpulse::centre(entity, centre));
+        .write_message(ApplyImpulse::center(entity, center));
     app.world_mut()
         .write_message(ApplyImpulse::at_world_point(entity, DVec3::Y, world));
     app.world_mut()
         .write_message(ApplyImpulse::at_body_point(entity, DVec3::Z, body));
     app.update();
     let mut expected = tumbling();
-    expected.velocity += centre * brick().inverse_mass();
+    expected.velocity += center * brick().inverse_mass();
     expected.apply_impulse(&brick(), DVec3::Y, world);
     expected.apply_impulse_at_body_point(&brick(), DVec3::Z, body);
     core(Integrator::Split, &mut expected, &Gravity(DVec3::ZERO), 1);
@@ -194,9 +194,9 @@ fn an_impulse_for_a_body_that_is_gone_is_dropped() {
     let gone = app.world_mut().spawn((brick(), tumbling())).id();
     let stays = app.world_mut().spawn((brick(), tumbling())).id();
     app.world_mut()
-        .write_message(ApplyImpulse::centre(gone, DVec3::X));
+        .write_message(ApplyImpulse::center(gone, DVec3::X));
     app.world_mut()
-        .write_message(ApplyImpulse::centre(stays, DVec3::X * 3.0));
+        .write_message(ApplyImpulse::center(stays, DVec3::X * 3.0));
     app.world_mut().despawn(gone);
     app.update();
     assert_eq!(state(&app, stays).velocity.x, 2.0);
@@ -208,7 +208,7 @@ fn pause_stands_still_and_a_single_step_is_one_tick() {
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
     app.world_mut()
-        .write_message(ApplyImpulse::centre(entity, DVec3::X * 3.0));
+        .write_message(ApplyImpulse::center(entity, DVec3::X * 3.0));
     for _ in 0..10 {
         app.update();
     }
@@ -238,7 +238,7 @@ fn substeps_divide_the_tick() {
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
     app.update();
     let mut expected = tumbling();
-    let mut memory = SchemeMemory::default();
+    let mut memory = IntegratorMemory::default();
     let h = tick().as_secs_f64() / 4.0;
     for _ in 0..4 {
         let gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));
@@ -332,7 +332,7 @@ fn a_body_starts_at_its_transform() {
 }
 
 #[test]
-fn a_body_that_is_not_finite_is_quarantined_and_its_neighbours_do_not_notice() {
+fn a_body_that_is_not_finite_is_quarantined_and_its_neighbors_do_not_notice() {
     let run = |poison: bool| {
         let mut app = app();
         let left = app.world_mut().spawn((brick(), tumbling())).id();
@@ -355,7 +355,7 @@ fn a_body_that_is_not_finite_is_quarantined_and_its_neighbours_do_not_notice() {
     assert_eq!(state(&app, left), state(&clean, ids[0]));
     assert_eq!(state(&app, right), state(&clean, ids[2]));
     let frozen = state(&app, bad);
-    assert!(frozen.is_sound());
+    assert!(frozen.is_valid());
     let mut at_ten = tumbling();
     core(
         Integrator::Split,
@@ -454,11 +454,11 @@ fn timings_are_measured_and_published() {
     app.update();
     app.update();
     let timings = app.world().resource::<PhysicsTimings>();
-    assert_eq!(timings.scheme(Integrator::Rk4).bodies, 10);
-    assert_eq!(timings.scheme(Integrator::Rk4).outcome.evaluations, 40);
+    assert_eq!(timings.integrator(Integrator::Rk4).bodies, 10);
+    assert_eq!(timings.integrator(Integrator::Rk4).outcome.evaluations, 40);
     assert!(
         timings
-            .scheme(Integrator::Rk4)
+            .integrator(Integrator::Rk4)
             .per_body()
             .is_some_and(|ns| ns > 0.0)
     );
@@ -467,7 +467,7 @@ fn timings_are_measured_and_published() {
     for path in [
         PhysicsDiagnosticsPlugin::STEP,
         Stage::Integrate.path(),
-        scheme_path(Integrator::Rk4),
+        integrator_path(Integrator::Rk4),
     ] {
         let value = store
             .get(&path)
@@ -496,7 +496,7 @@ fn a_dropped_box_comes_to_rest_and_its_pose_repeats_bit_for_bit() {
     }
     // A push wakes it.
     app.world_mut()
-        .write_message(ApplyImpulse::centre(entity, DVec3::Y * 9.0));
+        .write_message(ApplyImpulse::center(entity, DVec3::Y * 9.0));
     app.update();
     assert!(state(&app, entity).velocity.y > 2.0);
 }
@@ -542,7 +542,7 @@ fn the_end_of_a_contact_is_told_even_when_the_box_is_thrown_far() {
         app.update();
     }
     app.world_mut()
-        .write_message(ApplyImpulse::centre(entity, DVec3::Y * 3000.0));
+        .write_message(ApplyImpulse::center(entity, DVec3::Y * 3000.0));
     app.world_mut()
         .resource_mut::<Messages<FloorContact>>()
         .clear();
@@ -565,7 +565,7 @@ fn an_impulse_that_is_not_finite_is_refused() {
     app.insert_resource(WorldGravity(DVec3::ZERO));
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
     app.world_mut()
-        .write_message(ApplyImpulse::centre(entity, DVec3::splat(f64::NAN)));
+        .write_message(ApplyImpulse::center(entity, DVec3::splat(f64::NAN)));
     app.world_mut().write_message(ApplyImpulse::at_body_point(
         entity,
         DVec3::X,

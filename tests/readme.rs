@@ -1,5 +1,5 @@
 //! The tables of the README are made from the code: keys from the game's list, integrators from what
-//! each scheme says of itself. `UPDATE_README=1 cargo test --release --test readme` rewrites them.
+//! each integrator says of itself. `UPDATE_README=1 cargo test --release --test readme` rewrites them.
 
 use std::fmt::Write as _;
 

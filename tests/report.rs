@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use box_physics::digest::fingerprint;
-use box_physics::schemes::{Integrator, Limit};
+use box_physics::integrators::{Integrator, Limit};
 
 fn box_report(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_box_report"));
@@ -103,16 +103,19 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
             "{name}"
         );
     }
-    for scheme in Integrator::ALL {
-        assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
+    for integrator in Integrator::ALL {
+        assert!(
+            html.contains(&format!("<code>{integrator}</code>")),
+            "{integrator}"
+        );
     }
     // The digest: readable, its figures there and small.
     let digest = read(&docs.join("results.md"));
     for rate in [30, 60, 120] {
         assert!(digest.contains(&format!("At {rate} Hz take `")), "{rate}");
     }
-    for scheme in Integrator::ALL {
-        let row = format!("| `{scheme}` | `{:016x}` |", fingerprint(*scheme));
+    for integrator in Integrator::ALL {
+        let row = format!("| `{integrator}` | `{:016x}` |", fingerprint(*integrator));
         assert!(digest.contains(&row), "{row}");
     }
     let shown = files(&docs.join("results"), "svg");
@@ -126,23 +129,25 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
 }
 
 #[test]
-fn orders_in_the_legend_are_those_the_schemes_claim() {
+fn orders_in_the_legend_are_those_the_integrators_claim() {
     let folder = quick(
         "work-precision",
-        &["--schemes", "split,split4,rk4,explicit-euler,exact"],
+        &["--integrators", "split,split4,rk4,explicit-euler,exact"],
     );
     let svg = |id: &str| read(&folder.path().join(format!("work-precision-{id}.svg")));
-    let order = |svg: &str, scheme: &str| -> f64 {
-        let from = svg.find(&format!("{scheme} (dt^p, p = ")).expect(scheme);
+    let order = |svg: &str, integrator: &str| -> f64 {
+        let from = svg
+            .find(&format!("{integrator} (dt^p, p = "))
+            .expect(integrator);
         let tail = &svg[from..];
         let at = tail.find("p = ").expect("just found") + 4;
         let end = tail[at..].find(')').expect("closed");
         tail[at..at + end].parse().expect("a number")
     };
     let tumble = svg("free-tumble-attitude");
-    for (scheme, p, within) in [("split", 2.0, 0.2), ("split4", 4.0, 0.3), ("rk4", 4.0, 0.3)] {
-        let fitted = order(&tumble, scheme);
-        assert!((fitted - p).abs() < within, "{scheme}: {fitted}");
+    for (integrator, p, within) in [("split", 2.0, 0.2), ("split4", 4.0, 0.3), ("rk4", 4.0, 0.3)] {
+        let fitted = order(&tumble, integrator);
+        assert!((fitted - p).abs() < within, "{integrator}: {fitted}");
     }
     assert!(tumble.contains("exact (rounding)"));
     let drag = svg("linear-drag-position");
@@ -154,13 +159,13 @@ fn orders_in_the_legend_are_those_the_schemes_claim() {
 fn a_failed_run_leaves_a_gap_and_no_cost() {
     let folder = quick(
         "work-precision",
-        &["--schemes", "semi-implicit-euler,split"],
+        &["--integrators", "semi-implicit-euler,split"],
     );
     let rows = rows(&folder.path().join("work-precision.csv"));
     // At 30 and 60 Hz the needle tears the explicit gyroscopic term apart.
-    let needle = |scheme: &str| -> Vec<_> {
+    let needle = |integrator: &str| -> Vec<_> {
         let wanted =
-            |r: &&HashMap<String, String>| r["family"] == "needle" && r["integrator"] == scheme;
+            |r: &&HashMap<String, String>| r["family"] == "needle" && r["integrator"] == integrator;
         rows.iter().filter(wanted).collect()
     };
     let failed: Vec<_> = needle("semi-implicit-euler")
@@ -186,10 +191,10 @@ fn a_failed_run_leaves_a_gap_and_no_cost() {
 }
 
 #[test]
-fn limits_found_are_those_the_schemes_claim() {
+fn limits_found_are_those_the_integrators_claim() {
     let folder = quick(
         "stability",
-        &["--schemes", "split,rk4,backward-euler,heun-2012"],
+        &["--integrators", "split,rk4,backward-euler,heun-2012"],
     );
     for row in rows(&folder.path().join("limits.csv")) {
         assert_eq!(row["agrees"], "true", "{row:?}");
@@ -218,7 +223,7 @@ fn what_makes_no_sense_is_2_and_says_what_is_allowed() {
     let below_a_file = below_a_file.to_str().expect("text");
     for (arguments, words) in [
         (
-            &["timing", "--schemes", "split,leapfrog"][..],
+            &["timing", "--integrators", "split,leapfrog"][..],
             &["leapfrog", "heun-2012"][..],
         ),
         (

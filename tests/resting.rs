@@ -126,7 +126,7 @@ fn nothing_moves_what_nothing_touches() {
 fn a_box_is_moved_by_what_is_done_to_it() {
     let push = |scene: &mut Scene| {
         let body = scene.bodies[1];
-        let impulse = ApplyImpulse::centre(body, DVec3::new(2.0, 4.0, 0.0));
+        let impulse = ApplyImpulse::center(body, DVec3::new(2.0, 4.0, 0.0));
         scene.app.world_mut().write_message(impulse);
     };
     assert_eq!(compare("an impulse", push), ONE);

@@ -1,7 +1,7 @@
 //! Extreme sizes, places and steps; degenerate shapes; stable ranges as the metadata claims them.
 
+use box_physics::integrators::Limit;
 use box_physics::prelude::*;
-use box_physics::schemes::Limit;
 use box_scenarios::hard_cases::{HardCase, Verdict};
 use box_scenarios::{ForceSet, Setup, StateError, advance, hard_cases};
 
@@ -14,7 +14,7 @@ fn tumbling(half: DVec3, mass: f64, omega: DVec3) -> Setup {
 }
 
 fn run(setup: &Setup, i: Integrator, h: f64, n: u64) -> BodyState {
-    let (mut state, mut memory) = (setup.initial, SchemeMemory::default());
+    let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
     let forces = setup.forces.forces(&setup.body);
     advance(i, &setup.body, &mut state, &forces, h, n, &mut memory);
     state
@@ -173,7 +173,7 @@ fn oscillator_limits_as_claimed() {
     }
 }
 
-/// Schemes without a limit in |ω|h stay sane on three bodies up to 1000; the others below theirs.
+/// Integrators without a limit in |ω|h stay sane on three bodies up to 1000; the others below theirs.
 #[test]
 fn rotation_limits_as_claimed() {
     let bodies = [
@@ -213,9 +213,9 @@ fn rotation_limits_as_claimed() {
     }
 }
 
-/// No hard case turns a scheme without limits into nonsense, whichever it is.
+/// No hard case turns an integrator without limits into nonsense, whichever it is.
 #[test]
-fn unlimited_schemes_survive_every_hard_case() {
+fn unlimited_integrators_survive_every_hard_case() {
     let cases = hard_cases();
     let unlimited = |i: &&Integrator| {
         let s = i.info().stability;

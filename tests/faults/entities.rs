@@ -13,7 +13,7 @@ fn bodies_that_go_between_message_and_step() {
     for _ in 0..5 {
         let gone = app.world_mut().spawn((brick(), tumbling())).id();
         app.world_mut()
-            .write_message(ApplyImpulse::centre(gone, DVec3::X));
+            .write_message(ApplyImpulse::center(gone, DVec3::X));
         app.world_mut().despawn(gone);
         app.update();
     }
@@ -55,7 +55,7 @@ fn bodies_that_go_while_the_step_runs() {
             }
             let stays = app.world_mut().spawn((brick(), tumbling())).id();
             run(&mut app, 3);
-            assert!(state(&app, stays).is_sound());
+            assert!(state(&app, stays).is_valid());
         }
         let mut doomed = app.world_mut().query::<&GravityScale>();
         assert_eq!(doomed.iter(app.world()).count(), 0);
@@ -77,7 +77,7 @@ fn components_that_are_removed_in_flight() {
             e.remove::<BodyState>();
         }),
         ("put back", |e| {
-            e.remove::<SchemeMemory>();
+            e.remove::<IntegratorMemory>();
         }),
         ("put back", |e| {
             e.remove::<Transform>();
@@ -197,7 +197,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     log.says_once(&far.to_string());
     // It is simulated in world coordinates all the same.
     let mut expected = tumbling();
-    let mut memory = SchemeMemory::default();
+    let mut memory = IntegratorMemory::default();
     let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();
     for _ in 0..5 {
         let gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));

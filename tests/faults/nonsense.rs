@@ -149,10 +149,10 @@ fn nan_in_every_component() {
             let clean = poisoned(None);
             log.is_silent();
             for (name, poison) in poisons() {
-                assert_eq!(poisoned(Some(poison)), clean, "{name}: neighbours notice");
+                assert_eq!(poisoned(Some(poison)), clean, "{name}: neighbors notice");
                 let lines = log.take();
                 assert!(lines.len() <= 1, "{name}: {lines:#?}");
-                // An infinite drag is a wall to a scheme that takes drag exactly, and a resting box
+                // An infinite drag is a wall to an integrator that takes drag exactly, and a resting box
                 // feels none of the drags.
                 let a_drag = name.contains("Drag") || name == "AngularDamping";
                 let unfelt = with_floor && a_drag;

@@ -61,7 +61,7 @@ fn frames_of_no_time_change_nothing() {
 
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
         app.world_mut()
-            .write_message(ApplyImpulse::centre(ids[0], DVec3::X * 3.0));
+            .write_message(ApplyImpulse::center(ids[0], DVec3::X * 3.0));
         run(&mut app, 5);
         assert_eq!((all(&app), steps(&app)), before, "{integrator}");
         assert_eq!(told(&mut app), 0, "{integrator}");

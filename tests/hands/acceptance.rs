@@ -59,7 +59,7 @@ fn acceptance_1_every_must_has_a_test() {
         (
             1,
             "integrator live",
-            &["digits_choose_schemes_while_it_flies"][..],
+            &["digits_choose_integrators_while_it_flies"][..],
         ),
         (
             2,
@@ -77,7 +77,7 @@ fn acceptance_1_every_must_has_a_test() {
         ),
         (
             4,
-            "several schemes, same inputs",
+            "several integrators, same inputs",
             &[
                 "the_hero_is_its_own_lane_bit_for_bit",
                 "equal_evaluations_and_late_inputs",
@@ -98,14 +98,14 @@ fn acceptance_1_every_must_has_a_test() {
             &[
                 "plots_say_what_they_show_and_leave_the_wheel_alone",
                 "what_the_law_takes_is_not_drift",
-                "what_a_scheme_gets_wrong_is",
+                "what_a_integrator_gets_wrong_is",
                 "a_push_is_booked",
             ],
         ),
         (
             7,
             "time per step",
-            &["every_scheme_is_timed_whichever_is_in_use"],
+            &["every_integrator_is_timed_whichever_is_in_use"],
         ),
         (
             8,
@@ -129,7 +129,7 @@ fn acceptance_1_every_must_has_a_test() {
         (
             15,
             "work and precision",
-            &["orders_are_found", "it_can_be_cancelled_and_dropped"],
+            &["orders_are_found", "it_can_be_canceled_and_dropped"],
         ),
         (
             16,
@@ -155,7 +155,7 @@ fn acceptance_1_every_must_has_a_test() {
             "bare machine",
             &["acceptance_7_without_a_display_it_compares"],
         ),
-        (24, "colours", &["colours_stand_out_from_the_panel"]),
+        (24, "colors", &["colors_stand_out_from_the_panel"]),
         (25, "copy", &["the_command_line_brings_the_set_up_back"]),
     ] {
         for test in tests {
@@ -247,7 +247,7 @@ fn acceptance_7_without_a_display_it_compares() {
 }
 
 /// Check 10 for what the game starts: every scene's trusted answer is there at its start, and the default
-/// scheme stays by it for a second.
+/// integrator stays by it for a second.
 #[test]
 fn acceptance_10_every_scene_starts_on_its_truth() {
     for build in Scenario::ALL {
@@ -306,7 +306,7 @@ fn a_diverging_box_is_frozen_and_the_game_goes_on() {
     ask(&mut app, Action::SetIntegrator(Integrator::Split));
     ask(&mut app, Action::Restart);
     run(&mut app, 10);
-    assert!(!frozen(&mut app) && hero(&mut app).is_sound());
+    assert!(!frozen(&mut app) && hero(&mut app).is_valid());
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn the_2012_scene_moves_as_its_own_steppers_have_it() {
                 let push = Push {
                     direction: DVec3::X,
                     world: true,
-                    off_centre: false,
+                    off_center: false,
                 };
                 app.world_mut()
                     .resource_mut::<Asked>()

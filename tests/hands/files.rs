@@ -40,7 +40,7 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
         "{errors:?}"
     );
     assert_eq!(session(&app).parameters.mass, 5.5);
-    assert!(hero(&mut app).is_sound());
+    assert!(hero(&mut app).is_valid());
     std::fs::write(&path, MINE).expect("writable");
     run(&mut app, 60);
     assert!(app.world().resource::<SceneLibrary>().errors().is_empty());
@@ -55,7 +55,7 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     // Gone: what plays goes on.
     std::fs::remove_file(&path).expect("there");
     run(&mut app, 60);
-    assert!(hero(&mut app).is_sound());
+    assert!(hero(&mut app).is_valid());
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn the_shipped_scene_files_are_in_the_menu_and_play() {
         ask(&mut app, Action::SelectScene(id.clone()));
         run(&mut app, 30);
         assert_eq!(session(&app).scenario.id, id);
-        assert!(hero(&mut app).is_sound(), "{id}");
+        assert!(hero(&mut app).is_valid(), "{id}");
     }
 }
 

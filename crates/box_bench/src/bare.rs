@@ -9,7 +9,7 @@ use box_physics::prelude::*;
 pub struct Bare {
     bodies: Vec<RigidBox>,
     states: Vec<BodyState>,
-    memories: Vec<SchemeMemory>,
+    memories: Vec<IntegratorMemory>,
     aabbs: Vec<WorldAabb>,
     transforms: Vec<Transform>,
     gravity: Gravity,
@@ -21,7 +21,7 @@ impl Bare {
         Self {
             bodies: set.iter().map(|(body, _)| *body).collect(),
             states: set.iter().map(|(_, state)| *state).collect(),
-            memories: set.iter().map(|_| SchemeMemory::default()).collect(),
+            memories: set.iter().map(|_| IntegratorMemory::default()).collect(),
             aabbs: vec![WorldAabb::default(); set.len()],
             transforms: vec![Transform::default(); set.len()],
             gravity: Gravity(gravity),
@@ -35,13 +35,13 @@ impl Bare {
     }
 
     /// One step of `h` \[s\] with all that follows, as fast as the library can: several bodies at a time
-    /// where the scheme can.
+    /// where the integrator can.
     pub fn step(&mut self, integrator: Integrator, h: f64) {
         self.kernel(integrator, h);
         self.publish();
     }
 
-    /// The scheme alone, several bodies at a time where it can.
+    /// The integrator alone, several bodies at a time where it can.
     pub fn kernel(&mut self, integrator: Integrator, h: f64) {
         integrator.step_all(
             &self.bodies,
@@ -52,13 +52,13 @@ impl Bare {
         );
     }
 
-    /// One step of `h` \[s\] by the scheme's readable definition, body by body, with all that follows.
+    /// One step of `h` \[s\] by the integrator's readable definition, body by body, with all that follows.
     pub fn step_scalar(&mut self, integrator: Integrator, h: f64) {
         self.kernel_scalar(integrator, h);
         self.publish();
     }
 
-    /// The scheme alone, body by body.
+    /// The integrator alone, body by body.
     pub fn kernel_scalar(&mut self, integrator: Integrator, h: f64) {
         integrator.dispatch(Scalar { bare: self, h });
     }
@@ -88,10 +88,10 @@ struct Scalar<'a> {
     h: f64,
 }
 
-impl box_physics::schemes::SchemeVisitor for Scalar<'_> {
+impl box_physics::integrators::IntegratorVisitor for Scalar<'_> {
     type Output = ();
 
-    fn visit<S: box_physics::schemes::Scheme>(self) {
+    fn visit<S: box_physics::integrators::Integrate>(self) {
         let bare = self.bare;
         for ((body, state), memory) in bare
             .bodies

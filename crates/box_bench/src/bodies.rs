@@ -12,7 +12,7 @@ pub enum Situation {
     Falling,
     /// Falling low over the floor: too near for the broad test, and not touching.
     Near,
-    /// Thrown on the floor from half a metre to two metres and followed until most lie still.
+    /// Thrown on the floor from half a meter to two meters and followed until most lie still.
     Settling,
     /// Lying still.
     Rest,
@@ -144,7 +144,7 @@ mod tests {
         for situation in Situation::ALL {
             let bodies = situation.bodies(50);
             assert_eq!(bodies, situation.bodies(50));
-            assert!(bodies.iter().all(|(_, state)| state.is_sound()));
+            assert!(bodies.iter().all(|(_, state)| state.is_valid()));
             assert!(bodies[0].0 != bodies[1].0, "many shapes");
         }
     }

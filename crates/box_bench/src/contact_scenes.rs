@@ -1,8 +1,8 @@
 //! One box over the floor in each of the states that cost differently, stepped by the bare core.
 
 use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::integrators::Split;
 use box_physics::prelude::*;
-use box_physics::schemes::Split;
 
 /// What the box does in every measured step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +85,7 @@ fn lowered(body: &RigidBox, mut state: BodyState) -> BodyState {
 pub struct ContactBench {
     body: RigidBox,
     start: BodyState,
-    memory: SchemeMemory,
+    memory: IntegratorMemory,
     contact: ContactState,
 }
 
@@ -96,7 +96,7 @@ impl ContactBench {
         let mut this = Self {
             body,
             start: scene.start(&body),
-            memory: SchemeMemory::default(),
+            memory: IntegratorMemory::default(),
             contact: ContactState::default(),
         };
         if scene == ContactScene::Resting {
@@ -128,7 +128,7 @@ impl ContactBench {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use box_physics::schemes::Exact;
+    use box_physics::integrators::Exact;
 
     /// Not even under `exact`, whose memory every piece that is tried needs a copy of.
     #[test]
@@ -136,7 +136,7 @@ mod tests {
         let (body, law) = (RigidBox::default(), Gravity(DVec3::NEG_Y * 9.81));
         let spin = DVec3::new(2.0, 1.0, 3.0);
         let mut state = BodyState::at(DVec3::Y * 2.0).with_angular_velocity(&body, spin);
-        let (mut memory, mut contact) = (SchemeMemory::default(), ContactState::default());
+        let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
         let floor = Floor {
             restitution: 0.8,
             ..Floor::default()
@@ -172,7 +172,7 @@ mod tests {
             let mut bench = ContactBench::new(scene);
             let start = bench.start;
             let end = bench.step();
-            assert!(end.is_sound());
+            assert!(end.is_valid());
             let touching = bench.contact.touching().count_ones();
             match scene {
                 ContactScene::Resting => assert_eq!(end, start),

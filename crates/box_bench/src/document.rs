@@ -57,7 +57,7 @@ fn block(name: &str, rows: &[Row]) -> Option<String> {
         "targets" => targets_table(rows),
         "million" => targets::million(rows),
         _ if found.is_empty() => None,
-        "kernels" => Some(schemes_table(&found)),
+        "kernels" => Some(integrators_table(&found)),
         _ => Some(table(&found)),
     }
 }
@@ -80,33 +80,34 @@ fn targets_table(rows: &[Row]) -> Option<String> {
     Some(lines.0)
 }
 
-/// One line a scheme: its plain step of the bodies that stay in the cache best, and many at a time.
-fn schemes_table(rows: &[&Row]) -> String {
+/// One line an integrator: its plain step of the bodies that stay in the cache best, and many at a time.
+fn integrators_table(rows: &[&Row]) -> String {
     let mut sizes: Vec<_> = rows.iter().map(|row| row.bodies).collect();
     sizes.sort_unstable();
     sizes.dedup();
     // Of one body the call is measured as well.
     let plain = sizes.iter().copied().find(|&n| n >= 100);
     let plain = plain.unwrap_or(sizes[0]);
-    let mut schemes = Vec::new();
+    let mut integrators = Vec::new();
     for row in rows {
-        if !schemes.contains(&row.integrator) {
-            schemes.push(row.integrator);
+        if !integrators.contains(&row.integrator) {
+            integrators.push(row.integrator);
         }
     }
-    let heads: Vec<_> = ["scheme".to_owned(), format!("plain, {plain}")]
+    let heads: Vec<_> = ["integrator".to_owned(), format!("plain, {plain}")]
         .into_iter()
         .chain(sizes.iter().map(|n| format!("many, {n}")))
         .collect();
     let heads: Vec<_> = heads.iter().map(String::as_str).collect();
     let mut lines = Lines::new(&heads);
-    for scheme in schemes {
+    for integrator in integrators {
         let cost = |name: &str, n: usize| {
             let mut rows = rows.iter();
-            let row = rows.find(|r| (r.integrator, r.name.as_str(), r.bodies) == (scheme, name, n));
+            let row =
+                rows.find(|r| (r.integrator, r.name.as_str(), r.bodies) == (integrator, name, n));
             row.map_or_else(String::new, |row| number(row.cost.min))
         };
-        let mut cells = vec![format!("`{scheme}`"), cost("plain", plain)];
+        let mut cells = vec![format!("`{integrator}`"), cost("plain", plain)];
         cells.extend(sizes.iter().map(|&n| cost("many at a time", n)));
         let cells: Vec<_> = cells.iter().map(String::as_str).collect();
         lines.push(&cells);
@@ -140,7 +141,7 @@ fn table(rows: &[&Row]) -> String {
     let columns: [(&str, Vec<String>); 9] = [
         ("what", rows.iter().map(|r| r.name.clone()).collect()),
         (
-            "scheme",
+            "integrator",
             rows.iter().map(|r| r.integrator.to_owned()).collect(),
         ),
         (
@@ -231,7 +232,7 @@ mod tests {
         (many.name, many.cost) = ("many at a time".to_owned(), Cost::of(&[8.0]));
         let pivot = with_tables("<!-- table: kernels -->\n<!-- /table -->\n", &[one, many]);
         assert!(
-            pivot.contains("| scheme | plain, 100 | many, 100 |\n"),
+            pivot.contains("| integrator | plain, 100 | many, 100 |\n"),
             "{pivot}"
         );
         assert!(pivot.contains("| `split` | 20.0 | 8.0 |\n"), "{pivot}");

@@ -1,6 +1,6 @@
 //! Interleaved timing.
 //!
-//! A shared machine drifts: its clock changes, a neighbour wakes. So contenders take turns, one sample
+//! A shared machine drifts: its clock changes, a neighbor wakes. So contenders take turns, one sample
 //! each, round after round, and what is compared are figures of the same run. What disturbs a sample
 //! only ever lengthens it: the **minimum** is the intrinsic cost, median and 95th percentile tell how
 //! quiet the machine was. Before each sample the contender is called once untimed: it would else pay for what

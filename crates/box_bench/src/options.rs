@@ -24,7 +24,7 @@ pub struct Options {
         default_value = "1,100,1000,10000,100000,1000000"
     )]
     pub bodies: Vec<usize>,
-    /// Schemes by id (default: all for kernels, `split` for the plugin).
+    /// Integrators by id (default: all for kernels, `split` for the plugin).
     #[arg(long, value_delimiter = ',', value_name = "IDS")]
     pub integrators: Vec<Integrator>,
     /// Only situations whose name contains this.
@@ -63,7 +63,7 @@ impl Options {
         self.only.as_deref().is_none_or(|only| name.contains(only))
     }
 
-    /// The schemes to measure.
+    /// The integrators to measure.
     pub fn integrators_or(&self, default: &[Integrator]) -> Vec<Integrator> {
         if self.integrators.is_empty() {
             default.to_vec()

@@ -14,7 +14,7 @@ pub struct Row {
     pub suite: &'static str,
     /// What was done.
     pub name: String,
-    /// The scheme's id.
+    /// The integrator's id.
     pub integrator: &'static str,
     /// Bodies.
     pub bodies: usize,

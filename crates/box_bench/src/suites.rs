@@ -32,7 +32,7 @@ const LARGEST_EPISODE: usize = 10_000;
 /// Counts the allocations of a call on this thread.
 pub type CountAllocations = fn(&mut dyn FnMut()) -> u64;
 
-/// Every scheme on plain arrays in free flight: its plain step body by body, and many at a time.
+/// Every integrator on plain arrays in free flight: its plain step body by body, and many at a time.
 pub fn kernels(options: &Options) -> Vec<Row> {
     let mut rows = Vec::new();
     for n in options.sizes() {

@@ -139,10 +139,17 @@ impl Found<'_> {
         sizes
     }
 
-    fn of(&self, suite: &str, name: &str, scheme: &str, n: usize, threads: usize) -> Option<f64> {
+    fn of(
+        &self,
+        suite: &str,
+        name: &str,
+        integrator: &str,
+        n: usize,
+        threads: usize,
+    ) -> Option<f64> {
         let mut rows = self.0.iter();
         let row = rows.find(|r| {
-            (r.suite, r.name.as_str(), r.integrator) == (suite, name, scheme)
+            (r.suite, r.name.as_str(), r.integrator) == (suite, name, integrator)
                 && (r.bodies, r.threads) == (n, threads)
         });
         row.map(|r| r.cost.min)
@@ -156,8 +163,8 @@ impl Found<'_> {
         self.step("free flight", n, threads)
     }
 
-    fn kernel(&self, scheme: &str, n: usize) -> Option<f64> {
-        self.of("kernels", "many at a time", scheme, n, 1)
+    fn kernel(&self, integrator: &str, n: usize) -> Option<f64> {
+        self.of("kernels", "many at a time", integrator, n, 1)
     }
 }
 

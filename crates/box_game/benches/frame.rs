@@ -1,5 +1,5 @@
 //! What a frame of the game costs the processor, without window and renderer: all of the game's systems
-//! (physics, lanes and their measurement, timing of every scheme, log off), the panel with a plot open,
+//! (physics, lanes and their measurement, timing of every integrator, log off), the panel with a plot open,
 //! and its tessellation. `cargo bench --bench frame` prints the minimum and the median for every tab.
 
 use std::time::Instant;
@@ -34,9 +34,9 @@ const TABS: [(&str, Plot); 6] = [
 
 fn main() {
     for scene in ["dzhanibekov", "bounce", "spring-orbit"] {
-        let schemes = "split,exact,rk4,semi-implicit-euler,engine-rescaled,engine-newton";
+        let integrators = "split,exact,rk4,semi-implicit-euler,engine-rescaled,engine-newton";
         println!("{scene}, hero and 5 lanes: a frame [ms], least and median of {FRAMES}");
-        measure(&[scene, "--integrator", schemes], WARM_UP, &TABS);
+        measure(&[scene, "--integrator", integrators], WARM_UP, &TABS);
     }
     for boxes in ["1000", "10000"] {
         println!(

@@ -16,7 +16,7 @@ use crate::compare::CompareAction;
 /// One request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
-    /// Simulate every box with this scheme from the next step on; the state is carried over.
+    /// Simulate every box with this integrator from the next step on; the state is carried over.
     SetIntegrator(#[serde(with = "by_id")] Integrator),
     /// Stop or resume the clock.
     TogglePause,
@@ -56,7 +56,7 @@ pub enum Action {
     SetBoxes(u32),
     /// Every parameter back to the scene's own.
     ResetParameters,
-    /// The game as it opens: first scene, its parameters, default scheme, step, speed, switches.
+    /// The game as it opens: first scene, its parameters, default integrator, step, speed, switches.
     ResetEverything,
     /// Take back the last change of a parameter, or the last reset.
     Undo,
@@ -116,7 +116,7 @@ pub enum Action {
     TogglePlots,
     /// Choose the plot in the drawer.
     SelectPlot(Plot),
-    /// Of the comparison of schemes.
+    /// Of the comparison of integrators.
     Compare(CompareAction),
     /// End the program.
     Quit,
@@ -133,14 +133,14 @@ pub struct Push {
     pub world: bool,
     /// At the edge of the face instead of its middle, so that it spins.
     #[serde(default)]
-    pub off_centre: bool,
+    pub off_center: bool,
 }
 
 /// A push at a point of the surface, inwards.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Poke {
-    /// Where, body axes from the centre \[m\].
+    /// Where, body axes from the center \[m\].
     pub body_point: DVec3,
     /// Outward normal of the face, body axes; the impulse is against it.
     pub normal: DVec3,
@@ -168,17 +168,17 @@ pub enum Plot {
     /// Energy and angular momentum that are not accounted for, over time.
     #[default]
     Energy,
-    /// ns per body-step of every scheme over time.
+    /// ns per body-step of every integrator over time.
     Timing,
     /// CPU use of the process and the system over time.
     Cpu,
     /// Error against cost.
     WorkPrecision,
-    /// The figures of every scheme.
+    /// The figures of every integrator.
     Table,
 }
 
-/// A scheme in a file: by its id.
+/// An integrator in a file: by its id.
 mod by_id {
     use super::Integrator;
     use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};

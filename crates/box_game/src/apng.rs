@@ -1,6 +1,6 @@
 //! Animated PNG: pictures of one size in, one small file out.
 //!
-//! The pictures share one palette of 255 colours (median cut; P. Heckbert, *Color image quantization for
+//! The pictures share one palette of 255 colors (median cut; P. Heckbert, *Color image quantization for
 //! frame buffer display*, 1982). After the first, each picture holds only the rectangle that changed, and
 //! in it only the pixels that did: the rest is transparent and costs next to nothing.
 
@@ -132,20 +132,20 @@ fn difference(a: &[u8], b: &[u8], width: usize, area: (usize, usize, usize, usiz
     out
 }
 
-/// At most 255 colours; index 0 is the transparent one.
+/// At most 255 colors; index 0 is the transparent one.
 struct Palette {
     colors: Vec<[u8; 3]>,
     nearest: HashMap<[u8; 3], u8>,
 }
 
-/// Colours are told apart to five bits a channel.
+/// Colors are told apart to five bits a channel.
 fn coarse(color: [u8; 3]) -> [u8; 3] {
     color.map(|c| c >> 3)
 }
 
 impl Palette {
     fn of(pictures: &[Picture]) -> Self {
-        // Mean colour and number of each coarse one.
+        // Mean color and number of each coarse one.
         let mut counts: HashMap<[u8; 3], ([u64; 3], u64)> = HashMap::new();
         for pixel in pictures.iter().flat_map(Picture::pixels) {
             let (sum, count) = counts.entry(coarse(pixel)).or_default();
@@ -236,7 +236,7 @@ fn cut(entries: Vec<Entry>) -> Vec<Vec<Entry>> {
     boxes
 }
 
-/// The channel in which the colours lie farthest apart, and how far.
+/// The channel in which the colors lie farthest apart, and how far.
 fn longest(entries: &[Entry]) -> (usize, u8) {
     (0..3)
         .map(|c| {

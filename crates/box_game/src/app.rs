@@ -24,7 +24,7 @@ use crate::library::{self, SceneLibrary, watch_scenes};
 use crate::opening::plot_of;
 use crate::preferences::{Preferences, follow, restore};
 use crate::row_log;
-use crate::sampling::{SchemeSamples, sample_schemes};
+use crate::sampling::{IntegratorSamples, sample_integrators};
 use crate::screenshot::ScreenshotRequest;
 use crate::script::{self, PendingPictures, Script};
 use crate::session::{LONGEST_FRAME, SceneEntity, Session, choose, start_scene};
@@ -80,7 +80,7 @@ impl Plugin for GamePlugin {
             .init_resource::<Asked>()
             .init_resource::<UiFocus>()
             .init_resource::<History>()
-            .init_resource::<SchemeSamples>()
+            .init_resource::<IntegratorSamples>()
             .insert_resource(Ending {
                 duration: cli.duration,
                 frames: cli.frames,
@@ -135,7 +135,7 @@ impl Plugin for GamePlugin {
                 follow,
                 count_dropped,
                 record,
-                sample_schemes,
+                sample_integrators,
                 end,
             )
                 .chain(),

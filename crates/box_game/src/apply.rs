@@ -91,8 +91,8 @@ fn apply(world: &mut World, action: Action) {
         Action::Undo => undo::undo(world),
         Action::Redo => undo::redo(world),
         Action::SelectScene(id) => select_scene(world, &id),
-        Action::NextScene => neighbour(world, 1),
-        Action::PreviousScene => neighbour(world, -1),
+        Action::NextScene => neighbor(world, 1),
+        Action::PreviousScene => neighbor(world, -1),
         Action::Push(push) => self::push(world, push),
         Action::Poke(poke) => hands::poke(world, poke),
         Action::Grab(hold) => {
@@ -266,7 +266,7 @@ fn select_scene(world: &mut World, id: &str) {
     }
 }
 
-fn neighbour(world: &mut World, by: isize) {
+fn neighbor(world: &mut World, by: isize) {
     let ids = world.resource::<SceneLibrary>().scenes().to_vec();
     let now = world.resource::<Session>().scenario.id;
     let at = ids.iter().position(|(id, _)| id == now).unwrap_or(0);
@@ -295,7 +295,7 @@ pub fn impulse_of(push: Push, body: &RigidBox, state: &BodyState, strength: f64)
     let face = axis * (h * axis) * -local.dot(axis).signum();
     // The edge: off to the side along the next axis.
     let side = DVec3::new(axis.z, axis.x, axis.y);
-    let point = if push.off_centre {
+    let point = if push.off_center {
         face + side * h
     } else {
         face
@@ -314,13 +314,13 @@ fn push(world: &mut World, push: Push) {
         return;
     };
     let (impulse, point) = impulse_of(push, &body, &state, strength);
-    let message = if push.off_centre {
+    let message = if push.off_center {
         ApplyImpulse::at_body_point(entity, impulse, point)
     } else {
-        ApplyImpulse::centre(entity, impulse)
+        ApplyImpulse::center(entity, impulse)
     };
     world.write_message(message);
-    let at = if push.off_centre { point } else { DVec3::ZERO };
+    let at = if push.off_center { point } else { DVec3::ZERO };
     demo::push(world, impulse, at);
     world.resource_mut::<Session>().perturb(format!(
         "push {:.3} {:.3} {:.3} N s",
@@ -360,17 +360,17 @@ mod tests {
         let own = Push {
             direction: DVec3::X,
             world: false,
-            off_centre: false,
+            off_center: false,
         };
         let (j, point) = impulse_of(own, &body, &state, 2.0);
         assert!((j - DVec3::Y * 2.0).length() < 1e-15);
         assert_eq!(point, DVec3::NEG_X * 0.5);
         let (j, _) = impulse_of(Push { world: true, ..own }, &body, &state, 2.0);
         assert!((j - DVec3::X * 2.0).length() < 1e-15);
-        // Off-centre: at the edge of the face, so there is a moment about it.
+        // Off-center: at the edge of the face, so there is a moment about it.
         let (_, point) = impulse_of(
             Push {
-                off_centre: true,
+                off_center: true,
                 ..own
             },
             &body,

@@ -25,8 +25,8 @@ pub struct Cli {
     #[arg(value_parser = parse_scene)]
     pub scene: Option<String>,
 
-    /// Schemes, separated by commas: the first moves the box, the others run beside it; all are compared
-    /// by --headless (default there: every scheme). See --list-integrators.
+    /// Integrators, separated by commas: the first moves the box, the others run beside it; all are compared
+    /// by --headless (default there: every integrator). See --list-integrators.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_integrator)]
     pub integrator: Vec<Integrator>,
 
@@ -38,7 +38,7 @@ pub struct Cli {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
 
-    /// How the schemes are shown together: solo, ghosts, lanes or views.
+    /// How the integrators are shown together: solo, ghosts, lanes or views.
     #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
     pub layout: Layout,
 
@@ -105,7 +105,7 @@ pub struct Cli {
     #[arg(long, value_name = "X", value_parser = parse_scale)]
     pub ui_scale: Option<f32>,
 
-    /// Exit with code 3 if a scheme diverges.
+    /// Exit with code 3 if an integrator diverges.
     #[arg(long)]
     pub fail_on_divergence: bool,
 
@@ -127,7 +127,7 @@ pub fn no_display() -> ExitCode {
     ExitCode::from(4)
 }
 
-/// Exit code 3: a scheme diverged, and --fail-on-divergence was given.
+/// Exit code 3: an integrator diverged, and --fail-on-divergence was given.
 pub fn diverged() -> ExitCode {
     ExitCode::from(3)
 }
@@ -159,7 +159,7 @@ fn parse_scene(text: &str) -> Result<String, String> {
 
 fn parse_integrator(text: &str) -> Result<Integrator, String> {
     text.parse()
-        .map_err(|e: box_physics::schemes::UnknownIntegrator| e.to_string())
+        .map_err(|e: box_physics::integrators::UnknownIntegrator| e.to_string())
 }
 
 fn parse_plot(text: &str) -> Result<Plot, String> {

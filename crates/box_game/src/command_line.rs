@@ -14,9 +14,9 @@ use crate::session::Session;
 pub struct SetUp<'a> {
     /// Id of the scene, or path of its file.
     pub scene: &'a str,
-    /// The hero's scheme.
+    /// The hero's integrator.
     pub integrator: Integrator,
-    /// The schemes beside it.
+    /// The integrators beside it.
     pub lanes: &'a [Integrator],
     /// How they are shown.
     pub layout: Layout,
@@ -38,11 +38,11 @@ pub struct SetUp<'a> {
 pub fn line(set_up: &SetUp) -> String {
     let mut words = vec!["box_game".to_owned(), quoted(set_up.scene)];
     let others = set_up.lanes.iter().filter(|&&i| i != set_up.integrator);
-    let schemes: Vec<_> = core::iter::once(&set_up.integrator)
+    let integrators: Vec<_> = core::iter::once(&set_up.integrator)
         .chain(others)
         .map(|i| i.id())
         .collect();
-    words.push(format!("--integrator {}", schemes.join(",")));
+    words.push(format!("--integrator {}", integrators.join(",")));
     if set_up.layout != Layout::default() {
         words.push(format!(
             "--layout {}",

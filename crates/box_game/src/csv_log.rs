@@ -1,4 +1,4 @@
-//! The log: one row per step and scheme, tidy, with its units in the column names. Every row is on disk
+//! The log: one row per step and integrator, tidy, with its units in the column names. Every row is on disk
 //! before the next is made, so nothing is lost on exit, panic or power switch.
 
 use std::fs::File;
@@ -21,9 +21,9 @@ pub struct Row {
     pub sim_t_s: f64,
     /// Time since the program started \[s\].
     pub wall_t_s: Option<f64>,
-    /// 0 for the hero, then the lanes beside it; in the headless comparison one per scheme.
+    /// 0 for the hero, then the lanes beside it; in the headless comparison one per integrator.
     pub lane: u32,
-    /// Id of the scheme.
+    /// Id of the integrator.
     pub integrator: String,
     /// Step \[s\].
     pub dt_s: f64,

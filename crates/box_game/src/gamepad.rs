@@ -1,6 +1,6 @@
 //! Gamepads (feature `gamepad`): the same actions as the keys.
 //!
-//! Directional pad and face buttons push, shoulders change the scheme, Start pauses, Select restarts,
+//! Directional pad and face buttons push, shoulders change the integrator, Start pauses, Select restarts,
 //! the right stick turns the camera.
 
 use bevy::input::gamepad::{Gamepad, GamepadButton};
@@ -23,7 +23,7 @@ const PUSHES: [(GamepadButton, DVec3); 6] = [
     (GamepadButton::DPadUp, DVec3::NEG_Z),
 ];
 
-/// Reads the buttons. With the west button held, pushes act off-centre.
+/// Reads the buttons. With the west button held, pushes act off-center.
 pub fn read_buttons(
     pads: Query<&Gamepad>,
     integrator: Res<GlobalIntegrator>,
@@ -35,7 +35,7 @@ pub fn read_buttons(
                 asked.0.push(Action::Push(Push {
                     direction,
                     world: false,
-                    off_centre: pad.pressed(GamepadButton::West),
+                    off_center: pad.pressed(GamepadButton::West),
                 }));
             }
         }

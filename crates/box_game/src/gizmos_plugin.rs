@@ -20,7 +20,7 @@ use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, ContactPhase, FloorContact, RigidBox, WorldAabb};
 
-/// At most so many boxes are drawn: more would be a grey cloud, and slow.
+/// At most so many boxes are drawn: more would be a gray cloud, and slow.
 const MOST: usize = 2000;
 /// How long a contact is shown \[s\]: a bounce lasts one step.
 const SHOWN_FOR: f32 = 0.25;
@@ -166,7 +166,7 @@ mod tests {
     use bevy::time::TimeUpdateStrategy;
     use box_physics::prelude::{AabbPlugin, Floor, FloorPlugin, PhysicsPlugins, ReportContacts};
 
-    /// Points of the lines that the last frame drew, with their colours.
+    /// Points of the lines that the last frame drew, with their colors.
     fn drawn(app: &mut App) -> Vec<(Vec3, LinearRgba)> {
         app.update();
         let world = app.world();

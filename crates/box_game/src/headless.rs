@@ -1,4 +1,4 @@
-//! The comparison without window and GPU: the same scene under every scheme, a table of error and
+//! The comparison without window and GPU: the same scene under every integrator, a table of error and
 //! cost, and the whole course as CSV.
 
 use std::io;
@@ -18,7 +18,7 @@ use crate::sampling;
 pub struct Comparison {
     /// The scene.
     pub scenario: Scenario,
-    /// The schemes, in this order.
+    /// The integrators, in this order.
     pub integrators: Vec<Integrator>,
     /// Step \[s\].
     pub dt: f64,
@@ -34,8 +34,8 @@ pub struct Comparison {
 
 /// One line of the table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SchemeResult {
-    /// The scheme.
+pub struct IntegratorResult {
+    /// The integrator.
     pub integrator: Integrator,
     /// Largest distance from the trusted answer \[m\].
     pub position: Option<f64>,
@@ -59,7 +59,7 @@ pub struct SchemeResult {
 ///
 /// # Errors
 /// What the file system says of the CSV, with its path.
-pub fn compare(comparison: &Comparison) -> io::Result<Vec<SchemeResult>> {
+pub fn compare(comparison: &Comparison) -> io::Result<Vec<IntegratorResult>> {
     let setup = &comparison.scenario.setup;
     let mut log = CsvLog::create(&comparison.log, comparison.scenario.id, comparison.seed)?;
     let truth = Truth::of(setup);
@@ -73,7 +73,7 @@ pub fn compare(comparison: &Comparison) -> io::Result<Vec<SchemeResult>> {
     Ok(results)
 }
 
-/// (Minimum, median) of 21 interleaved samples per scheme [ns per body-step].
+/// (Minimum, median) of 21 interleaved samples per integrator [ns per body-step].
 fn costs(comparison: &Comparison, floor: Option<&Floor>) -> Vec<(f64, f64)> {
     let setup = &comparison.scenario.setup;
     let law = setup.forces.forces(&setup.body);
@@ -108,7 +108,7 @@ fn run(
     truth: &Truth,
     (ns_min, ns_median): (f64, f64),
     log: &mut CsvLog,
-) -> io::Result<SchemeResult> {
+) -> io::Result<IntegratorResult> {
     let setup = &comparison.scenario.setup;
     let substeps = comparison.substeps.max(1);
     let duration = comparison.duration.unwrap_or(setup.duration);
@@ -195,7 +195,7 @@ fn run(
     }
     // What a diverged run reached says nothing.
     let known = |x: Option<f64>| x.filter(|_| diverged_at.is_none());
-    Ok(SchemeResult {
+    Ok(IntegratorResult {
         integrator,
         position: known(position),
         attitude: known(attitude),
@@ -209,7 +209,7 @@ fn run(
 }
 
 /// The table, and in words what it says.
-pub fn report(comparison: &Comparison, results: &[SchemeResult]) -> String {
+pub fn report(comparison: &Comparison, results: &[IntegratorResult]) -> String {
     let setup = &comparison.scenario.setup;
     let duration = comparison.duration.unwrap_or(setup.duration);
     let mut text = format!(
@@ -262,7 +262,7 @@ pub fn report(comparison: &Comparison, results: &[SchemeResult]) -> String {
 }
 
 /// The default against what most engines do, in words.
-fn verdict(results: &[SchemeResult]) -> String {
+fn verdict(results: &[IntegratorResult]) -> String {
     let find = |i| results.iter().find(|r| r.integrator == i);
     let (Some(ours), Some(usual)) = (find(Integrator::Split), find(Integrator::SemiImplicitEuler))
     else {
@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn a_diverging_scheme_is_said_and_the_others_go_on() {
+    fn a_diverging_integrator_is_said_and_the_others_go_on() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut c = comparison(folder.path());
         c.scenario = Scenario::find("stiff-drag").expect("a scene");

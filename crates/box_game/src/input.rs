@@ -125,7 +125,7 @@ pub fn read_keys(
         asked.push(Action::Push(Push {
             direction,
             world: alt,
-            off_centre: shift,
+            off_center: shift,
         }));
     }
     for (k, key) in DIGITS.into_iter().enumerate() {

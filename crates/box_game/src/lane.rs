@@ -1,12 +1,12 @@
-//! One scheme on one scene, outside the ECS: the core with a clock of its own, stepped as the plugin
+//! One integrator on one scene, outside the ECS: the core with a clock of its own, stepped as the plugin
 //! steps a body, bit for bit.
 
 use box_physics::floor::{ContactSettings, ContactState, Floor, may_touch, step_on_floor};
+use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::{
-    BodyState, DVec3, Dissipation, ForceLaw, Gravity, Integrator, RigidBox, SchemeMemory,
+    BodyState, DVec3, Dissipation, ForceModel, Gravity, Integrator, IntegratorMemory, RigidBox,
     StepOutcome,
 };
-use box_physics::schemes::{Scheme, SchemeVisitor};
 use box_scenarios::{FloorSpec, ForceSet, Setup};
 
 /// A box and what acts on it; without its state.
@@ -73,7 +73,7 @@ impl Law {
 /// A box under `integrator`, stepped by hand.
 #[derive(Clone, Debug)]
 pub struct Lane {
-    /// The scheme.
+    /// The integrator.
     pub integrator: Integrator,
     /// Its present state.
     pub state: BodyState,
@@ -83,7 +83,7 @@ pub struct Lane {
     pub steps: u64,
     /// What they cost.
     pub outcome: StepOutcome,
-    pub(crate) memory: SchemeMemory,
+    pub(crate) memory: IntegratorMemory,
     pub(crate) contact: ContactState,
 }
 
@@ -105,7 +105,7 @@ impl Lane {
             time: 0.0,
             steps: 0,
             outcome: StepOutcome::default(),
-            memory: SchemeMemory::default(),
+            memory: IntegratorMemory::default(),
             contact: ContactState::default(),
         }
     }
@@ -137,7 +137,7 @@ impl Lane {
         self.outcome += outcome;
         self.steps += 1;
         self.time += h;
-        let sound = self.state.is_sound();
+        let sound = self.state.is_valid();
         if !sound {
             self.state = before;
         }
@@ -151,7 +151,7 @@ struct OneStep<'a, F> {
     law: &'a F,
     h: f64,
     state: &'a mut BodyState,
-    memory: &'a mut SchemeMemory,
+    memory: &'a mut IntegratorMemory,
     contact: &'a mut ContactState,
 }
 
@@ -169,10 +169,10 @@ impl<'a, F> OneStep<'a, F> {
     }
 }
 
-impl<F: ForceLaw> SchemeVisitor for OneStep<'_, F> {
+impl<F: ForceModel> IntegratorVisitor for OneStep<'_, F> {
     type Output = (StepOutcome, u32);
 
-    fn visit<S: Scheme>(self) -> Self::Output {
+    fn visit<S: Integrate>(self) -> Self::Output {
         let (body, law, h) = (self.body, self.law, self.h);
         match self.floor {
             Some(floor)

@@ -1,4 +1,4 @@
-//! The comparison's panel for other Bevy apps: a window with the schemes to tick, error, energy,
+//! The comparison's panel for other Bevy apps: a window with the integrators to tick, error, energy,
 //! work–precision and the table.
 //!
 //! ```no_run
@@ -26,7 +26,7 @@ use crate::action::{Action, Plot};
 use crate::compare::fill::compare_view;
 use crate::compare::{CompareAction, Comparison, copy};
 use crate::panel::{PanelMemory, comparison_window};
-use crate::sampling::{SchemeSamples, sample_schemes};
+use crate::sampling::{IntegratorSamples, sample_integrators};
 
 /// Shows a [`Comparison`] in a window of its own, and carries out what is asked in it. Adds `EguiPlugin`
 /// if the app has none, and [`ComparePlugin`](crate::compare::ComparePlugin) likewise.
@@ -50,16 +50,16 @@ impl Plugin for PanelPlugin {
             app.add_plugins(crate::compare::ComparePlugin);
         }
         app.init_resource::<ComparisonWindow>()
-            .init_resource::<SchemeSamples>()
+            .init_resource::<IntegratorSamples>()
             .add_systems(EguiPrimaryContextPass, show)
-            .add_systems(Update, (sample_schemes, carry_out));
+            .add_systems(Update, (sample_integrators, carry_out));
     }
 }
 
 fn show(
     mut contexts: EguiContexts,
     comparison: Res<Comparison>,
-    samples: Res<SchemeSamples>,
+    samples: Res<IntegratorSamples>,
     clock: Res<PhysicsClock>,
     mut window: ResMut<ComparisonWindow>,
 ) -> Result {

@@ -19,9 +19,11 @@ use crate::hands::rewind::Rewind;
 use crate::hands::undo::UndoStack;
 use crate::history::{History, frame_time};
 use crate::library::SceneLibrary;
-use crate::panel::{DemoView, HandsView, HeroView, HistoryView, LogView, PanelView, SchemeTiming};
+use crate::panel::{
+    DemoView, HandsView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView,
+};
 use crate::preferences::Preferences;
-use crate::sampling::SchemeSamples;
+use crate::sampling::IntegratorSamples;
 use crate::session::{Hero, Session};
 
 /// What the view is made from.
@@ -33,7 +35,7 @@ pub struct Sources<'w, 's> {
     clock: Res<'w, PhysicsClock>,
     fixed: Res<'w, Time<Fixed>>,
     history: Res<'w, History>,
-    samples: Res<'w, SchemeSamples>,
+    samples: Res<'w, IntegratorSamples>,
     timings: Option<Res<'w, PhysicsTimings>>,
     diagnostics: Option<Res<'w, DiagnosticsStore>>,
     log: Option<Res<'w, CsvLog>>,
@@ -86,7 +88,7 @@ pub fn view(s: &Sources) -> PanelView {
         hero: hero(s),
         timings: Integrator::ALL
             .iter()
-            .map(|&integrator| SchemeTiming {
+            .map(|&integrator| IntegratorTiming {
                 integrator,
                 nanoseconds: s.samples.statistics(integrator),
                 evaluations: s.samples.evaluations(integrator),

@@ -14,7 +14,7 @@ use crate::compare::{Comparison, Quantity};
 use crate::csv_log::{CsvLog, Row};
 use crate::history::{History, frame_time};
 use crate::lane::Law;
-use crate::sampling::SchemeSamples;
+use crate::sampling::IntegratorSamples;
 use crate::session::{Hero, Session};
 
 /// Writes the rows of the step that just ended. Runs in `PhysicsSystems::Last`, after the comparison.
@@ -25,7 +25,7 @@ pub fn write_rows(
     (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
     (timings, samples, history): (
         Option<Res<PhysicsTimings>>,
-        Res<SchemeSamples>,
+        Res<IntegratorSamples>,
         Res<History>,
     ),
     (diagnostics, frame, real): (
@@ -38,7 +38,7 @@ pub fn write_rows(
 ) {
     if let Some(timings) = &timings {
         for &i in Integrator::ALL {
-            let outcome = timings.scheme(i).outcome;
+            let outcome = timings.integrator(i).outcome;
             session.fallbacks += u64::from(outcome.fallbacks);
             session.unconverged += u64::from(outcome.unconverged);
         }
@@ -55,7 +55,7 @@ pub fn write_rows(
         return;
     };
     let substeps = clock.substeps.max(1);
-    let outcome = timings.as_ref().map(|t| t.scheme(integrator.0).outcome);
+    let outcome = timings.as_ref().map(|t| t.integrator(integrator.0).outcome);
     let cpu = history.cpu.back();
     let common = Row {
         run_id: session.run_id(),
@@ -111,7 +111,7 @@ fn lane_row(
     number: u32,
     runner: &mut Runner,
     step: f64,
-    samples: &SchemeSamples,
+    samples: &IntegratorSamples,
 ) -> Row {
     let lane = &runner.lane;
     let skew = core::mem::take(&mut runner.skew);
@@ -153,7 +153,7 @@ fn measured(
     law: &Law,
     state: &BodyState,
     track: &Track,
-    samples: &SchemeSamples,
+    samples: &IntegratorSamples,
 ) -> Row {
     let statistics = samples.statistics(integrator);
     let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());

@@ -1,4 +1,4 @@
-//! Live timing of **every** scheme, not only of the one in use: each frame one scheme's turn comes, and
+//! Live timing of **every** integrator, not only of the one in use: each frame one integrator's turn comes, and
 //! it steps a copy of the scene's boxes under the scene's forces, a batch large enough for the clock.
 
 use std::collections::VecDeque;
@@ -6,15 +6,15 @@ use std::time::Instant;
 
 use bevy::prelude::*;
 use box_physics::floor::{ContactSettings, ContactState, Floor, may_touch, step_on_floor};
+use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::{
-    BodyState, ForceLaw, Forces, Gravity, Integrator, PhysicsClock, RigidBox, SchemeMemory,
+    BodyState, ForceModel, Forces, Gravity, Integrator, IntegratorMemory, PhysicsClock, RigidBox,
     StepOutcome,
 };
-use box_physics::schemes::{Scheme, SchemeVisitor};
 
 use crate::compare::Comparison;
 
-/// Samples per scheme from which minimum, median and 95th percentile are taken.
+/// Samples per integrator from which minimum, median and 95th percentile are taken.
 const WINDOW: usize = 60;
 /// Bodies in a batch at most: they fit the first-level cache, and a batch at the floor stays within a
 /// millisecond.
@@ -22,18 +22,18 @@ const BATCH: usize = 128;
 /// A sample lasts at least this long \[ns\].
 const SHORTEST: f64 = 100_000.0;
 
-/// The samples of every scheme.
+/// The samples of every integrator.
 #[derive(Resource)]
-pub struct SchemeSamples {
+pub struct IntegratorSamples {
     recent: Vec<VecDeque<f64>>,
     evaluations: Vec<f64>,
-    /// Medians over time: (time since start \[s\], ns), per scheme.
+    /// Medians over time: (time since start \[s\], ns), per integrator.
     history: Vec<VecDeque<(f64, f64)>>,
     next: usize,
     batch: Batch,
 }
 
-impl Default for SchemeSamples {
+impl Default for IntegratorSamples {
     fn default() -> Self {
         let n = Integrator::ALL.len();
         Self {
@@ -46,7 +46,7 @@ impl Default for SchemeSamples {
     }
 }
 
-impl SchemeSamples {
+impl IntegratorSamples {
     /// Minimum, median and 95th percentile [ns per body-step].
     pub fn statistics(&self, integrator: Integrator) -> Option<(f64, f64, f64)> {
         let recent = &self.recent[integrator.index()];
@@ -80,7 +80,7 @@ impl SchemeSamples {
         if let Some((_, median, _)) = self.statistics(integrator) {
             let history = &mut self.history[k];
             history.push_back((time, median));
-            // At 60 frames a second and five schemes or more: at least five minutes.
+            // At 60 frames a second and five integrators or more: at least five minutes.
             if history.len() > 3600 {
                 history.pop_front();
             }
@@ -94,7 +94,7 @@ struct Batch {
     bodies: Vec<RigidBox>,
     start: Vec<BodyState>,
     states: Vec<BodyState>,
-    memories: Vec<SchemeMemory>,
+    memories: Vec<IntegratorMemory>,
     contacts: Vec<ContactState>,
 }
 
@@ -113,7 +113,7 @@ impl Batch {
             self.start.push(*state);
         }
         let n = self.bodies.len();
-        self.memories = vec![SchemeMemory::default(); n];
+        self.memories = vec![IntegratorMemory::default(); n];
         self.contacts = vec![ContactState::default(); n];
     }
 }
@@ -136,10 +136,10 @@ struct Passes<'a, F> {
     passes: u32,
 }
 
-impl<F: ForceLaw> SchemeVisitor for Passes<'_, F> {
+impl<F: ForceModel> IntegratorVisitor for Passes<'_, F> {
     type Output = Sample;
 
-    fn visit<S: Scheme>(self) -> Sample {
+    fn visit<S: Integrate>(self) -> Sample {
         let Batch {
             bodies,
             start,
@@ -175,7 +175,7 @@ impl<F: ForceLaw> SchemeVisitor for Passes<'_, F> {
     }
 }
 
-/// A sample of at least 100 µs of one scheme on these boxes.
+/// A sample of at least 100 µs of one integrator on these boxes.
 pub fn measure<'a>(
     integrator: Integrator,
     boxes: impl Iterator<Item = (&'a RigidBox, &'a BodyState)> + Clone,
@@ -230,9 +230,9 @@ fn sample(
     }
 }
 
-/// One scheme's turn.
-pub fn sample_schemes(
-    mut samples: ResMut<SchemeSamples>,
+/// One integrator's turn.
+pub fn sample_integrators(
+    mut samples: ResMut<IntegratorSamples>,
     boxes: Query<(&RigidBox, &BodyState)>,
     comparison: Res<Comparison>,
     clock: Res<PhysicsClock>,
@@ -262,14 +262,14 @@ mod tests {
     use box_physics::prelude::DVec3;
 
     #[test]
-    fn every_scheme_can_be_sampled_on_any_load() {
+    fn every_integrator_can_be_sampled_on_any_load() {
         let bodies = [RigidBox::default(); 3];
         let states = [BodyState::at(DVec3::Y * 9.0); 3];
         let law = Forces {
             acceleration: DVec3::NEG_Y,
             ..Default::default()
         };
-        let mut samples = SchemeSamples::default();
+        let mut samples = IntegratorSamples::default();
         for &i in Integrator::ALL {
             let sample = measure(i, bodies.iter().zip(&states), &law, None, 1.0 / 60.0)
                 .expect("three boxes");
@@ -284,7 +284,7 @@ mod tests {
 
     #[test]
     fn memory_stays_flat() {
-        let mut samples = SchemeSamples::default();
+        let mut samples = IntegratorSamples::default();
         for n in 0..10_000 {
             samples.record(
                 Integrator::Split,

@@ -78,7 +78,7 @@ pub struct Session {
     pub notices: VecDeque<String>,
     /// Simulated time dropped by hitches since the start of the scene \[s\].
     pub dropped: f64,
-    /// Body-steps since the start of the scene that the scheme handed to `split`.
+    /// Body-steps since the start of the scene that the integrator handed to `split`.
     pub fallbacks: u64,
     /// Body-steps since then whose iteration ended at its cap.
     pub unconverged: u64,

@@ -1,4 +1,4 @@
-//! How each scheme looks in the game: the table of [`mod@box_scenarios::style`], which the report shares, in
+//! How each integrator looks in the game: the table of [`mod@box_scenarios::style`], which the report shares, in
 //! egui's words.
 
 use box_physics::prelude::Integrator;
@@ -7,9 +7,9 @@ use egui_plot::{LineStyle, MarkerShape};
 
 use bevy_egui::egui::{Color32, Context, FontDefinitions, FontFamily, FontId, Id, TextStyle};
 
-/// The looks of one scheme.
+/// The looks of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SchemeStyle {
+pub struct IntegratorStyle {
     /// sRGB.
     pub rgb: [u8; 3],
     /// Stands before the name in text.
@@ -20,19 +20,19 @@ pub struct SchemeStyle {
     pub dash: LineStyle,
 }
 
-impl SchemeStyle {
-    /// The colour for egui.
+impl IntegratorStyle {
+    /// The color for egui.
     pub const fn color(self) -> Color32 {
         Color32::from_rgb(self.rgb[0], self.rgb[1], self.rgb[2])
     }
 }
 
-/// The looks of a scheme: those of the one table in [`mod@box_scenarios::style`], in egui's words.
-pub fn of(integrator: Integrator) -> SchemeStyle {
+/// The looks of an integrator: those of the one table in [`mod@box_scenarios::style`], in egui's words.
+pub fn of(integrator: Integrator) -> IntegratorStyle {
     translate(box_scenarios::style(integrator))
 }
 
-fn translate(style: Style) -> SchemeStyle {
+fn translate(style: Style) -> IntegratorStyle {
     let (glyph, marker) = match style.marker {
         Marker::Circle => ("●", MarkerShape::Circle),
         Marker::Diamond => ("◆", MarkerShape::Diamond),
@@ -59,9 +59,9 @@ pub fn tagged(integrator: Integrator) -> String {
 }
 
 /// The process in the plot of CPU use.
-pub const PROCESS: SchemeStyle = look(VERMILION, "●", MarkerShape::Circle, LineStyle::Solid);
+pub const PROCESS: IntegratorStyle = look(VERMILION, "●", MarkerShape::Circle, LineStyle::Solid);
 /// The whole computer in the plot of CPU use.
-pub const SYSTEM: SchemeStyle = look(SKY, "○", MarkerShape::Circle, DASHED);
+pub const SYSTEM: IntegratorStyle = look(SKY, "○", MarkerShape::Circle, DASHED);
 
 const SKY: [u8; 3] = [0x56, 0xB4, 0xE9];
 const VERMILION: [u8; 3] = [0xD5, 0x5E, 0x00];
@@ -74,8 +74,8 @@ const fn look(
     glyph: &'static str,
     marker: MarkerShape,
     dash: LineStyle,
-) -> SchemeStyle {
-    SchemeStyle {
+) -> IntegratorStyle {
+    IntegratorStyle {
         rgb,
         glyph,
         marker,
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn glyph_and_marker_agree_and_no_two_schemes_share_both_colour_and_glyph() {
+    fn glyph_and_marker_agree_and_no_two_integrators_share_both_color_and_glyph() {
         for (k, &a) in Integrator::ALL.iter().enumerate() {
             let glyph = box_scenarios::style(a).marker.glyph().to_string();
             assert_eq!(of(a).glyph, glyph);
@@ -128,9 +128,9 @@ mod tests {
         }
     }
 
-    /// WCAG 2.1, 1.4.11: 3 : 1 for graphics, against the panel's grey 27.
+    /// WCAG 2.1, 1.4.11: 3 : 1 for graphics, against the panel's gray 27.
     #[test]
-    fn colours_stand_out_from_the_panel() {
+    fn colors_stand_out_from_the_panel() {
         let linear = |c: u8| {
             let c = f64::from(c) / 255.0;
             if c <= 0.04045 {

@@ -30,7 +30,7 @@ fn lattice(target: Vec3, spacing: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Draws the lattice, fainter towards its edge.
+/// Draws the lattice, fainter toward its edge.
 pub fn draw_lattice(
     floor: Option<Res<Floor>>,
     camera: Single<&OrbitCamera>,

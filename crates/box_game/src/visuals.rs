@@ -92,7 +92,7 @@ pub fn set_up(
 /// Texels along an edge of the floor's tile, a power of two.
 const TILE: u32 = 128;
 
-/// Two by two squares of 1 m, with all smaller versions of it: a distant floor is grey and does not
+/// Two by two squares of 1 m, with all smaller versions of it: a distant floor is gray and does not
 /// shimmer.
 fn checker() -> Image {
     let (light, dark) = ([96, 102, 112, 255], [78, 84, 94, 255]);
@@ -130,8 +130,8 @@ fn checker() -> Image {
     image
 }
 
-/// A cuboid with six faces of different lightness and no colour of its own, so that every attitude looks
-/// different and the material's colour says whose box it is.
+/// A cuboid with six faces of different lightness and no color of its own, so that every attitude looks
+/// different and the material's color says whose box it is.
 pub(crate) fn shaded_cuboid(half: Vec3) -> Mesh {
     let mut mesh = Cuboid::from_size(half * 2.0).mesh().build();
     let colors: Vec<[f32; 4]> = mesh
@@ -165,13 +165,13 @@ fn face_shade(normal: Vec3) -> [f32; 4] {
     [shade, shade, shade, 1.0]
 }
 
-/// The colour of a box that `integrator` moves: that of the scheme.
+/// The color of a box that `integrator` moves: that of the integrator.
 pub(crate) fn box_color(integrator: Integrator) -> Color {
     let [r, g, b] = crate::style::of(integrator).rgb;
     Color::srgb_u8(r, g, b)
 }
 
-/// Paints the hero in the colour of the scheme that moves it; white where that is none of ours.
+/// Paints the hero in the color of the integrator that moves it; white where that is none of ours.
 pub fn tint_hero(
     hero: Query<Option<&BodyIntegrator>, With<Hero>>,
     global: Res<GlobalIntegrator>,

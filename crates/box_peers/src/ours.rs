@@ -8,7 +8,7 @@ use box_physics::prelude::*;
 use crate::engine::{Engine, Simulation, Spec};
 use crate::in_bevy;
 
-/// `box_physics` with its default scheme.
+/// `box_physics` with its default integrator.
 pub struct Ours;
 
 struct World {

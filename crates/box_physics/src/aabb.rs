@@ -22,8 +22,8 @@ pub fn world_half_extents(rotation: DQuat, half: DVec3) -> DVec3 {
 /// Corners (minimum, maximum) of the re-fitted box, rounded outward to f32, so that the f32 box
 /// contains the f64 one.
 #[inline(always)]
-pub fn outward(centre: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
-    let (low, high) = (centre - half, centre + half);
+pub fn outward(center: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
+    let (low, high) = (center - half, center + half);
     (
         glam::Vec3::new(below(low.x), below(low.y), below(low.z)),
         glam::Vec3::new(above(high.x), above(high.y), above(high.z)),
@@ -45,9 +45,9 @@ fn above(x: f64) -> f32 {
     moved(nearest, i32::wrapping_add, f64::from(nearest) < x)
 }
 
-/// `x`, or if it is to `leave` its neighbour: the next further up (by adding) or down (by subtracting).
+/// `x`, or if it is to `leave` its neighbor: the next further up (by adding) or down (by subtracting).
 ///
-/// The bits of a float grow with its magnitude: its neighbour further up has one more if it is positive,
+/// The bits of a float grow with its magnitude: its neighbor further up has one more if it is positive,
 /// one less if it is negative. (−0 has none that is found so, but none is asked for: a number is not
 /// rounded across zero, so `below` never leaves 0, nor `above` −0.)
 #[inline(always)]
@@ -72,7 +72,7 @@ mod tests {
 
     /// The definition, in words of the standard library.
     #[test]
-    fn neighbours_are_those_of_the_standard_library() {
+    fn neighbors_are_those_of_the_standard_library() {
         let tiny = f64::from(f32::from_bits(1));
         let mut numbers = vec![
             0.0,

@@ -1,4 +1,4 @@
-//! The box itself: size, mass, inertia, and what the schemes precompute from them.
+//! The box itself: size, mass, inertia, and what the integrators precompute from them.
 
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -37,14 +37,14 @@ const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "serialised::BoxFields", into = "serialised::BoxFields"),
+    serde(try_from = "serialized::BoxFields", into = "serialized::BoxFields"),
     reflect(Serialize, Deserialize)
 )]
 #[require(
     crate::state::BodyState,
     crate::plugin::WrittenTransform,
     crate::plugin::NearFloor,
-    crate::schemes::SchemeMemory,
+    crate::integrators::IntegratorMemory,
     bevy::transform::components::Transform
 )]
 pub struct RigidBox {
@@ -57,7 +57,7 @@ pub struct RigidBox {
 }
 
 impl RigidBox {
-    /// A solid box of uniform density. `half_extents` \[m\] from the centre to the faces, each between
+    /// A solid box of uniform density. `half_extents` \[m\] from the center to the faces, each between
     /// 1e-6 and 1e6; `mass` \[kg\] between 1e-12 and 1e12.
     ///
     /// # Errors
@@ -143,7 +143,7 @@ impl RigidBox {
         }
     }
 
-    /// Distance from the centre to each face \[m\].
+    /// Distance from the center to each face \[m\].
     pub fn half_extents(&self) -> DVec3 {
         self.half_extents
     }
@@ -168,7 +168,7 @@ impl RigidBox {
         self.inverse_inertia
     }
 
-    /// Distance from the centre to a corner \[m\]: the radius of the sphere round the box.
+    /// Distance from the center to a corner \[m\]: the radius of the sphere round the box.
     pub fn radius(&self) -> f64 {
         self.half_extents.length()
     }
@@ -188,7 +188,7 @@ impl Default for RigidBox {
 }
 
 #[cfg(feature = "serde")]
-mod serialised {
+mod serialized {
     //! What of a box is saved: what cannot be computed. Loading checks it like the constructors.
 
     use glam::DVec3;
@@ -232,7 +232,7 @@ mod serialised {
 ///
 /// H = |L|²/2I_r + ½(J_a−J_r) L_a² + ½(J_c−J_r) L_c², J = 1/I: the first term is a Casimir times a
 /// constant, so its flow commutes with the other two. r is the axis of the middle moment; the outer
-/// axis a (two half steps) is the one with the larger |J_a − J_r|. The rule minimises the leading
+/// axis a (two half steps) is the one with the larger |J_a − J_r|. The rule minimizes the leading
 /// error term |αβ|(|α|/24 + |β|/12) over all choices (numerically, 20 000 random boxes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Splitting {

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use crate::body::RigidBox;
 use crate::floor::{ContactSettings, ContactState, Floor, step_on_floor};
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
-use crate::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor};
+use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
 
 /// FNV-1a, 64 bit (Fowler, Noll, Vo): its basis and its prime.
@@ -21,7 +21,7 @@ const PRIME: u64 = 0x0000_0100_0000_01b3;
 /// ```
 /// use box_physics::{digest::state_digest, prelude::*};
 /// let run = |steps| {
-///     let (body, mut memory) = (RigidBox::default(), SchemeMemory::default());
+///     let (body, mut memory) = (RigidBox::default(), IntegratorMemory::default());
 ///     let mut state = BodyState::default().with_angular_velocity(&body, DVec3::new(1.0, 2.0, 3.0));
 ///     for _ in 0..steps {
 ///         Integrator::Split.step(&body, &mut state, &Gravity::default(), 1.0 / 60.0, &mut memory);
@@ -85,10 +85,10 @@ impl FixedScene {
     }
 }
 
-impl SchemeVisitor for FixedScene {
+impl IntegratorVisitor for FixedScene {
     type Output = [BodyState; Self::BODIES];
 
-    fn visit<S: Scheme>(self) -> Self::Output {
+    fn visit<S: Integrate>(self) -> Self::Output {
         let body = Self::body();
         let springs = [Spring {
             body_point: DVec3::new(0.5, 0.25, 0.125),
@@ -127,7 +127,7 @@ impl SchemeVisitor for FixedScene {
         let (floor, settings) = (Floor::default(), ContactSettings::default());
         core::array::from_fn(|k| {
             let mut state = Self::start(&body, k);
-            let (mut memory, mut contact) = (SchemeMemory::default(), ContactState::default());
+            let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
             for _ in 0..Self::STEPS {
                 step_on_floor::<S, _>(
                     &floor,
@@ -152,12 +152,12 @@ mod tests {
 
     /// The bits of a NaN are nobody's business; and a scene in which nothing happens proves nothing.
     #[test]
-    fn the_fixed_scene_is_sound_and_lively_under_every_scheme() {
+    fn the_fixed_scene_is_sound_and_lively_under_every_integrator() {
         let body = FixedScene::body();
         for &integrator in Integrator::ALL {
             let states = integrator.dispatch(FixedScene);
             for (k, state) in states.iter().enumerate() {
-                assert!(state.is_sound(), "{integrator}, body {k}");
+                assert!(state.is_valid(), "{integrator}, body {k}");
                 let start = FixedScene::start(&body, k);
                 assert_ne!(start.rotation, state.rotation, "{integrator}, body {k}");
                 // In free fall it would be 11 m below.

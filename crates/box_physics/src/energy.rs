@@ -1,9 +1,9 @@
-//! Energies of a body under the force law.
+//! Energies of a body under the force model.
 
 use glam::DVec3;
 
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Forces, Frame};
+use crate::force::{ForceModel, Forces, Frame};
 use crate::state::BodyState;
 
 /// Potential energy \[J\] of the conservative terms: uniform acceleration (0 at the origin), springs
@@ -30,7 +30,7 @@ pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> 
 /// let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
 /// let law = Forces { acceleration: DVec3::new(0.0, -9.81, 0.0), ..Forces::default() };
 /// let mut state = BodyState::at(DVec3::Y).with_angular_velocity(&body, DVec3::new(1.5, 2.5, 1.0));
-/// let (start, mut memory) = (total_energy(&body, &state, &law), SchemeMemory::default());
+/// let (start, mut memory) = (total_energy(&body, &state, &law), IntegratorMemory::default());
 /// for _ in 0..60 {
 ///     Integrator::Exact.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
 /// }

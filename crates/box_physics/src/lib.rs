@@ -58,9 +58,9 @@
 //! | gravity | [`WorldGravity`](plugin::WorldGravity), [`GravityScale`](plugin::GravityScale) |
 //! | a push | the message [`ApplyImpulse`](plugin::ApplyImpulse) |
 //! | a force or torque, constant over a step | [`ExternalForce`](plugin::ExternalForce), [`BodyTorque`](plugin::BodyTorque) |
-//! | at points of the body, evaluated at every stage of the scheme | [`PointForces`](plugin::PointForces), [`Springs`](plugin::Springs) |
+//! | at points of the body, evaluated at every stage of the integrator | [`PointForces`](plugin::PointForces), [`Springs`](plugin::Springs) |
 //! | drag and damping | [`LinearDrag`](plugin::LinearDrag), [`QuadraticDrag`](plugin::QuadraticDrag), [`AngularDamping`](plugin::AngularDamping), [`AngularDrag`](plugin::AngularDrag) |
-//! | anything else that depends on the state | the core, with a [`ForceLaw`](force::ForceLaw) of your own |
+//! | anything else that depends on the state | the core, with a [`ForceModel`](force::ForceModel) of your own |
 //! | the floor | the resource [`Floor`](floor::Floor); [`ReportContacts`](plugin::ReportContacts) for messages about it |
 //!
 //! A force that no body has costs nothing.
@@ -92,14 +92,14 @@
 //! # Integrators
 //!
 //! [`GlobalIntegrator`](plugin::GlobalIntegrator) and [`BodyIntegrator`](plugin::BodyIntegrator) choose among
-//! [`Integrator`](schemes::Integrator)'s fourteen, at any time. The default, `split`, never blows up on any
+//! [`Integrator`](integrators::Integrator)'s fourteen, at any time. The default, `split`, never blows up on any
 //! spin or drag; `exact` is right to rounding in free flight. What each says of itself, order by order, is in
-//! its [`SchemeInfo`](schemes::SchemeInfo) and in the table of the README.
+//! its [`IntegratorInfo`](integrators::IntegratorInfo) and in the table of the README.
 //!
 //! # Without Bevy's `App`
 //!
-//! The modules [`body`], [`state`], [`force`], [`schemes`], [`floor`], … are plain f64 arithmetic and know no
-//! `World`: see [`ForceLaw`](force::ForceLaw) for a loop of ten lines. The [`plugin`] is thin: it hands the
+//! The modules [`body`], [`state`], [`force`], [`integrators`], [`floor`], … are plain f64 arithmetic and know no
+//! `World`: see [`ForceModel`](force::ForceModel) for a loop of ten lines. The [`plugin`] is thin: it hands the
 //! columns of the ECS to them.
 //!
 //! # The same bits everywhere
@@ -131,10 +131,10 @@ pub mod error;
 pub mod floor;
 pub mod force;
 pub mod free_motion;
+pub mod integrators;
 pub mod math;
 pub mod plugin;
 pub mod rotation;
-pub mod schemes;
 pub mod state;
 pub mod translation;
 
@@ -144,8 +144,9 @@ pub mod prelude {
     pub use crate::error::InvalidValue;
     pub use crate::floor::{ContactPhase, ContactSettings, ContactState, Floor};
     pub use crate::force::{
-        Dissipation, ForceLaw, Forces, Frame, Gravity, PointForce, Spring, Wrench,
+        Dissipation, ForceModel, Forces, Frame, Gravity, PointForce, Spring, Wrench,
     };
+    pub use crate::integrators::{Integrator, IntegratorMemory, StepOutcome};
     pub use crate::plugin::{
         AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
         BodyTorque, ExternalForce, FixedPhysics, FloorContact, FloorPlugin, GlobalIntegrator,
@@ -154,7 +155,6 @@ pub mod prelude {
         PhysicsTimings, PointForces, QuadraticDrag, QuarantineCause, Quarantined, ReportContacts,
         RunPhysics, Springs, StepPhysics, WorldAabb, WorldGravity,
     };
-    pub use crate::schemes::{Integrator, SchemeMemory, StepOutcome};
     pub use crate::state::BodyState;
     pub use glam::{DQuat, DVec3};
 }

@@ -33,10 +33,10 @@ pub fn compose(q: DQuat, p: DQuat) -> DQuat {
     )
 }
 
-/// One Newton step towards unit length: q (3 − |q|²)/2. For group methods, whose quaternion is off
+/// One Newton step toward unit length: q (3 − |q|²)/2. For group methods, whose quaternion is off
 /// by rounding alone, it is exact to rounding and cheaper than a square root.
 #[inline(always)]
-pub(crate) fn renormalise(q: DQuat) -> DQuat {
+pub(crate) fn renormalize(q: DQuat) -> DQuat {
     q * (1.5 - 0.5 * q.length_squared())
 }
 
@@ -249,7 +249,7 @@ impl SplitRates {
         planar::<0>(&mut l, &mut q, 0.5 * h * self.outer, trigonometry);
         planar::<1>(&mut l, &mut q, h * self.inner, trigonometry);
         planar::<0>(&mut l, &mut q, 0.5 * h * self.outer, trigonometry);
-        (l, renormalise(DQuat::from_array(q)).to_array())
+        (l, renormalize(DQuat::from_array(q)).to_array())
     }
 }
 
@@ -307,7 +307,7 @@ pub(crate) fn free_rotation_order4_by(
     let (frame, rates) = (body.splitting().frame, SplitRates::of(body.splitting()));
     let (mut l, q) = frame.enter(state);
     let mut q = rates.reference_turn(l, q, h, trigonometry);
-    // Written out: as a loop over the fractions it would not be vectorised over the bodies.
+    // Written out: as a loop over the fractions it would not be vectorized over the bodies.
     planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
     planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
     planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
@@ -321,7 +321,7 @@ pub(crate) fn free_rotation_order4_by(
     planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
     planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
     planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
-    frame.leave(state, l, renormalise(DQuat::from_array(q)).to_array());
+    frame.leave(state, l, renormalize(DQuat::from_array(q)).to_array());
 }
 
 /// Free rotation over `h` \[s\] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich
@@ -347,7 +347,7 @@ pub(crate) fn free_rotation_three_axes_by(
     planar::<1>(&mut l, &mut q, 0.5 * h * j.y, trigonometry);
     planar::<0>(&mut l, &mut q, 0.5 * h * j.x, trigonometry);
     state.angular_momentum = DVec3::from_array(l);
-    state.rotation = renormalise(DQuat::from_array(q));
+    state.rotation = renormalize(DQuat::from_array(q));
 }
 
 #[cfg(test)]

@@ -6,11 +6,11 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{DQuat, DVec3};
 
 use crate::body::RigidBox;
-use crate::rotation::renormalise;
+use crate::rotation::renormalize;
 
-/// The state that the schemes advance, in f64.
+/// The state that the integrators advance, in f64.
 ///
-/// The one stored rotational quantity is the angular momentum in body axes: every scheme is written
+/// The one stored rotational quantity is the angular momentum in body axes: every integrator is written
 /// in it, and converting to the angular velocity and back each step would bias the energy (a product
 /// I·(1/I) is not exactly 1). The angular velocity is an accessor and a setter, in world axes.
 ///
@@ -32,13 +32,13 @@ use crate::rotation::renormalise;
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyState {
-    /// Centre of mass in the world \[m\].
+    /// Center of mass in the world \[m\].
     pub position: DVec3,
     /// Attitude: rotates body vectors into world vectors. A unit quaternion.
     pub rotation: DQuat,
-    /// Velocity of the centre of mass, world axes [m/s].
+    /// Velocity of the center of mass, world axes [m/s].
     pub velocity: DVec3,
-    /// Angular momentum about the centre of mass, **body** axes [kg m²/s].
+    /// Angular momentum about the center of mass, **body** axes [kg m²/s].
     pub angular_momentum: DVec3,
 }
 
@@ -59,7 +59,7 @@ impl BodyState {
         }
     }
 
-    /// The same with attitude `rotation`, which is normalised here in f64. A zero or non-finite
+    /// The same with attitude `rotation`, which is normalized here in f64. A zero or non-finite
     /// quaternion is left as it is, and the plugin quarantines the body.
     #[must_use]
     pub fn with_rotation(mut self, rotation: DQuat) -> Self {
@@ -114,7 +114,7 @@ impl BodyState {
         body.mass() * self.velocity
     }
 
-    /// Angular momentum about the centre of mass in world axes [kg m²/s].
+    /// Angular momentum about the center of mass in world axes [kg m²/s].
     pub fn angular_momentum_world(&self) -> DVec3 {
         self.rotation * self.angular_momentum
     }
@@ -134,13 +134,13 @@ impl BodyState {
         self.translational_energy(body) + self.rotational_energy(body)
     }
 
-    /// World position of a point given in body axes from the centre \[m\].
+    /// World position of a point given in body axes from the center \[m\].
     #[inline(always)]
     pub fn point(&self, body_point: DVec3) -> DVec3 {
         self.position + self.rotation * body_point
     }
 
-    /// World velocity of a material point given in body axes from the centre [m/s].
+    /// World velocity of a material point given in body axes from the center [m/s].
     pub fn point_velocity(&self, body: &RigidBox, body_point: DVec3) -> DVec3 {
         self.velocity + self.rotation * self.body_angular_velocity(body).cross(body_point)
     }
@@ -153,7 +153,7 @@ impl BodyState {
         self.angular_momentum += self.rotation.inverse() * moment;
     }
 
-    /// The impulse `impulse` \[N s\] (world axes) at a point given in body axes from the centre \[m\].
+    /// The impulse `impulse` \[N s\] (world axes) at a point given in body axes from the center \[m\].
     pub fn apply_impulse_at_body_point(
         &mut self,
         body: &RigidBox,
@@ -181,7 +181,7 @@ impl BodyState {
     /// ends at 3.4e38, and their products must not overflow), and the attitude a unit quaternion (to 1e-3 in
     /// its square).
     #[inline(always)]
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         (self.rotation.length_squared() - 1.0).abs() < 1e-3
             && [self.position, self.velocity, self.angular_momentum]
                 .into_iter()
@@ -197,8 +197,8 @@ impl BodyState {
 
     /// Turns the body by the small correction that brings the quaternion back to unit length.
     #[inline(always)]
-    pub(crate) fn renormalise(&mut self) {
-        self.rotation = renormalise(self.rotation);
+    pub(crate) fn renormalize(&mut self) {
+        self.rotation = renormalize(self.rotation);
     }
 }
 
@@ -237,7 +237,7 @@ mod tests {
             ] {
                 let mut state = BodyState::default();
                 part(&mut state).z = value;
-                assert_eq!(state.is_sound(), sound, "{state:?}");
+                assert_eq!(state.is_valid(), sound, "{state:?}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Exact sub-flows of the centre of mass: gravity with linear drag, and quadratic drag alone.
+//! Exact sub-flows of the center of mass: gravity with linear drag, and quadratic drag alone.
 
 use glam::DVec3;
 

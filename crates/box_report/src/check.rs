@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::{Family, Metric};
 use clap::Args;
 use serde::{Deserialize, Serialize};
@@ -105,16 +105,16 @@ fn measure() -> Result<Vec<Row>, Stop> {
         let reference = family
             .reference(INTERVAL, family.setup.duration)
             .map_err(Stop::Internal)?;
-        for &scheme in Integrator::ALL {
+        for &integrator in Integrator::ALL {
             for divisor in DIVISORS {
-                let run = family.run(&reference, scheme, divisor);
+                let run = family.run(&reference, integrator, divisor);
                 let error = |m: Metric| {
                     let known = m != Metric::Energy || family.metrics.contains(&m);
                     run.error(m).filter(|_| known)
                 };
                 rows.push(Row {
                     family: family.id.to_owned(),
-                    integrator: scheme.id().to_owned(),
+                    integrator: integrator.id().to_owned(),
                     steps_per_s: 15 * divisor,
                     position_error_m: error(Metric::Position),
                     attitude_error_rad: error(Metric::Attitude),

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use box_bench::measure::{Contender, Cost, Settings, interleaved};
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 
 use crate::progress::Progress;
 
@@ -65,8 +65,8 @@ impl Interrupt {
 pub(crate) struct Context {
     /// Where the files go.
     pub(crate) folder: PathBuf,
-    /// The schemes to compare.
-    pub(crate) schemes: Vec<Integrator>,
+    /// The integrators to compare.
+    pub(crate) integrators: Vec<Integrator>,
     /// Fewer steps and samples: seconds instead of minutes, noisier.
     pub(crate) quick: bool,
     pub(crate) progress: Progress,
@@ -121,4 +121,4 @@ impl Context {
 }
 
 /// How times are measured, for the text of the report.
-pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 20 to 60 samples of at least 100 µs (fewer where the budget of time is short), schemes in turns within one run";
+pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 20 to 60 samples of at least 100 µs (fewer where the budget of time is short), integrators in turns within one run";

@@ -4,7 +4,7 @@ use std::num::NonZero;
 use std::thread;
 
 use box_physics::digest::fingerprint;
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
@@ -18,19 +18,19 @@ struct Row {
     digest: String,
 }
 
-/// Computes the fingerprint of every scheme, on every thread of this machine at once.
+/// Computes the fingerprint of every integrator, on every thread of this machine at once.
 ///
 /// # Errors
 /// An unwritable file; threads that disagree.
 pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
-    let digests = on_threads(threads, &ctx.schemes)?;
+    let digests = on_threads(threads, &ctx.integrators)?;
     let rows: Vec<Row> = ctx
-        .schemes
+        .integrators
         .iter()
         .zip(digests)
-        .map(|(scheme, digest)| Row {
-            integrator: scheme.id(),
+        .map(|(integrator, digest)| Row {
+            integrator: integrator.id(),
             digest: format!("{digest:016x}"),
         })
         .collect();
@@ -48,9 +48,9 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
         rows.len()
     ));
     section.tables.push(Table {
-        title: "State digest of every scheme".to_owned(),
+        title: "State digest of every integrator".to_owned(),
         note: "Compare them with those of another machine.".to_owned(),
-        columns: vec!["scheme".to_owned(), "digest".to_owned()],
+        columns: vec!["integrator".to_owned(), "digest".to_owned()],
         rows: rows
             .iter()
             .map(|r| vec![text::code(r.integrator), text::code(&r.digest)])
@@ -61,9 +61,14 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     Ok(section)
 }
 
-/// The fingerprints of `schemes`, computed by `threads` threads beside each other.
-fn on_threads(threads: usize, schemes: &[Integrator]) -> Result<Vec<u64>, Stop> {
-    let all = || schemes.iter().map(|&s| fingerprint(s)).collect::<Vec<_>>();
+/// The fingerprints of `integrators`, computed by `threads` threads beside each other.
+fn on_threads(threads: usize, integrators: &[Integrator]) -> Result<Vec<u64>, Stop> {
+    let all = || {
+        integrators
+            .iter()
+            .map(|&s| fingerprint(s))
+            .collect::<Vec<_>>()
+    };
     let found = thread::scope(|scope| {
         let running: Vec<_> = (0..threads).map(|_| scope.spawn(all)).collect();
         running

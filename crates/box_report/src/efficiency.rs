@@ -1,6 +1,6 @@
-//! `efficiency`: the cheapest way to stay below an error, and the schemes that nothing beats.
+//! `efficiency`: the cheapest way to stay below an error, and the integrators that nothing beats.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
@@ -10,7 +10,7 @@ use crate::{files, text};
 
 /// The errors to stay below, in the unit of each family's first metric.
 const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
-/// A scheme beats another only if it is cheaper by more than this: what measurements of one machine
+/// An integrator beats another only if it is cheaper by more than this: what measurements of one machine
 /// cannot tell apart is no victory.
 const CLEARLY: f64 = 0.95;
 /// Errors below this count as this: nobody needs less, and rounding would decide.
@@ -25,7 +25,7 @@ struct Row {
     dt_s: Option<f64>,
     error: Option<f64>,
     us_per_simulated_s: Option<f64>,
-    /// The next cheapest scheme and its cost.
+    /// The next cheapest integrator and its cost.
     runner_up: Option<&'static str>,
     runner_up_us_per_simulated_s: Option<f64>,
 }
@@ -45,14 +45,14 @@ fn told(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
     })
 }
 
-/// The cheapest point of each scheme below `limit`, cheapest first.
+/// The cheapest point of each integrator below `limit`, cheapest first.
 fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
     let mut best: Vec<(&Point, f64)> = Vec::new();
     for (p, error, cost) in told(f) {
         if error > limit {
             continue;
         }
-        match best.iter_mut().find(|(b, _)| b.scheme == p.scheme) {
+        match best.iter_mut().find(|(b, _)| b.integrator == p.integrator) {
             Some(b) if b.1 <= cost => {}
             Some(b) => *b = (p, cost),
             None => best.push((p, cost)),
@@ -62,12 +62,14 @@ fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
     best
 }
 
-/// Whether some point of `scheme` is beaten by no point of another.
-fn on_frontier(f: &FamilyPoints, scheme: Integrator) -> bool {
+/// Whether some point of `integrator` is beaten by no point of another.
+fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
     told(f)
-        .filter(|(p, ..)| p.scheme == scheme)
+        .filter(|(p, ..)| p.integrator == integrator)
         .any(|(_, e, c)| {
-            !told(f).any(|(q, error, cost)| q.scheme != scheme && error <= e && cost < CLEARLY * c)
+            !told(f).any(|(q, error, cost)| {
+                q.integrator != integrator && error <= e && cost < CLEARLY * c
+            })
         })
 }
 
@@ -76,7 +78,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     let mut section = Section::new(
         "efficiency",
         "Efficiency",
-        "For each scene the cheapest scheme and step that stay below an error, from the points of the \
+        "For each scene the cheapest integrator and step that stay below an error, from the points of the \
          work–precision diagrams: what it costs per body and simulated second on one core. The error is the \
          first one named for the scene (attitude in rad, position in m).",
     );
@@ -93,17 +95,17 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
                 family: f.family.id,
                 metric: metric.id(),
                 below,
-                integrator: first.map(|b| b.0.scheme.id()),
+                integrator: first.map(|b| b.0.integrator.id()),
                 dt_s: first.map(|b| b.0.dt),
                 error: first.and_then(|b| b.0.run.error(metric)),
                 us_per_simulated_s: first.map(|b| b.1),
-                runner_up: second.map(|b| b.0.scheme.id()),
+                runner_up: second.map(|b| b.0.integrator.id()),
                 runner_up_us_per_simulated_s: second.map(|b| b.1),
             });
             if let Some((p, _)) = first {
-                match wins.iter_mut().find(|w| w.0 == p.scheme) {
+                match wins.iter_mut().find(|w| w.0 == p.integrator) {
                     Some(w) => w.1 += 1,
-                    None => wins.push((p.scheme, 1)),
+                    None => wins.push((p.integrator, 1)),
                 }
             }
             line.push(first.map_or_else(
@@ -111,7 +113,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
                 |(p, cost)| {
                     format!(
                         "`{}` {} s: {} µs/s",
-                        p.scheme,
+                        p.integrator,
                         text::step(p.dt),
                         text::significant(*cost, 2)
                     )
@@ -125,7 +127,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     columns.extend(BELOW.map(|b| format!("below {b:.0e}")));
     section.tables.push(Table {
         title: "The cheapest way to stay below an error".to_owned(),
-        note: "Scheme, step and time per body and simulated second.".to_owned(),
+        note: "Integrator, step and time per body and simulated second.".to_owned(),
         columns,
         rows: cells,
         csv: "efficiency.csv".to_owned(),
@@ -136,17 +138,17 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     Ok(section)
 }
 
-fn frontier_families(data: &WorkPrecision, scheme: Integrator) -> Vec<&'static str> {
+fn frontier_families(data: &WorkPrecision, integrator: Integrator) -> Vec<&'static str> {
     data.families
         .iter()
-        .filter(|f| on_frontier(f, scheme))
+        .filter(|f| on_frontier(f, integrator))
         .map(|f| f.family.id)
         .collect()
 }
 
 fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
     let rows: Vec<FrontierRow> = ctx
-        .schemes
+        .integrators
         .iter()
         .map(|&s| {
             let families = frontier_families(data, s);
@@ -159,13 +161,15 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
         .collect();
     files::write_csv(&ctx.file("frontier.csv"), &rows)?;
     Ok(Table {
-        title: "The frontier: where nothing beats a scheme".to_owned(),
+        title: "The frontier: where nothing beats an integrator".to_owned(),
         note: format!(
-            "A scheme is on the frontier of a scene if at one of its steps no other scheme is at least as accurate \
+            "An integrator is on the frontier of a scene if at one of its steps no other integrator is at least as accurate \
              for clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
             100.0 * (1.0 - CLEARLY)
         ),
-        columns: ["scheme", "scenes", "which"].map(str::to_owned).to_vec(),
+        columns: ["integrator", "scenes", "which"]
+            .map(str::to_owned)
+            .to_vec(),
         rows: rows
             .iter()
             .map(|r| {
@@ -194,7 +198,7 @@ fn verdicts(
     let questions = data.families.len() * BELOW.len();
     let cheapest: Vec<String> = wins.iter().map(|(s, n)| format!("`{s}` {n}")).collect();
     let (on, off): (Vec<_>, Vec<_>) = ctx
-        .schemes
+        .integrators
         .iter()
         .partition(|&&s| !frontier_families(data, s).is_empty());
     let names = |s: &[&Integrator]| text::list(&s.iter().map(text::code).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! The order of convergence that a scheme shows.
+//! The order of convergence that an integrator shows.
 
 use core::fmt;
 
@@ -23,7 +23,7 @@ impl fmt::Display for Fitted {
     }
 }
 
-/// Where errors are no longer proportional to anything: a tenth of a radian or metre, or of the energy.
+/// Where errors are no longer proportional to anything: a tenth of a radian or meter, or of the energy.
 const LOST: f64 = 0.1;
 /// Errors below this are rounding, summed over ten thousands of steps and stretched by the motion.
 const ROUNDING: f64 = 1e-10;

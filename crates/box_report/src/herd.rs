@@ -1,9 +1,9 @@
-//! What a step costs: several bodies of one scene stepped together by one scheme, as the plugin does.
+//! What a step costs: several bodies of one scene stepped together by one integrator, as the plugin does.
 
 use box_bench::measure::Contender;
 use box_physics::body::RigidBox;
-use box_physics::force::{Dissipation, ForceLaw, Gravity};
-use box_physics::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor};
+use box_physics::force::{Dissipation, ForceModel, Gravity};
+use box_physics::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use box_physics::state::BodyState;
 use box_scenarios::{Plan, Setup, run_plan};
 
@@ -45,7 +45,7 @@ pub(crate) fn contender<'a>(
     let mut herd = Vec::with_capacity(BODIES);
     Contender::new((steps * BODIES as u64) as f64, move || {
         herd.clear();
-        herd.extend(starts.iter().map(|&s| (s, SchemeMemory::default())));
+        herd.extend(starts.iter().map(|&s| (s, IntegratorMemory::default())));
         if only_gravity {
             let force = &Gravity(forces.acceleration);
             integrator.dispatch(Herd::new(&setup.body, force, h, steps, &mut herd));
@@ -61,7 +61,7 @@ struct Herd<'a, F> {
     force: &'a F,
     h: f64,
     steps: u64,
-    members: &'a mut [(BodyState, SchemeMemory)],
+    members: &'a mut [(BodyState, IntegratorMemory)],
 }
 
 impl<'a, F> Herd<'a, F> {
@@ -70,7 +70,7 @@ impl<'a, F> Herd<'a, F> {
         force: &'a F,
         h: f64,
         steps: u64,
-        members: &'a mut [(BodyState, SchemeMemory)],
+        members: &'a mut [(BodyState, IntegratorMemory)],
     ) -> Self {
         Self {
             body,
@@ -82,10 +82,10 @@ impl<'a, F> Herd<'a, F> {
     }
 }
 
-impl<F: ForceLaw> SchemeVisitor for Herd<'_, F> {
+impl<F: ForceModel> IntegratorVisitor for Herd<'_, F> {
     type Output = ();
 
-    fn visit<S: Scheme>(self) {
+    fn visit<S: Integrate>(self) {
         for _ in 0..self.steps {
             for (state, memory) in &mut *self.members {
                 S::step(self.body, state, self.force, self.h, memory);

@@ -25,7 +25,7 @@ mod work_precision;
 
 use std::process::ExitCode;
 
-use box_physics::schemes::{Integrator, UnknownIntegrator};
+use box_physics::integrators::{Integrator, UnknownIntegrator};
 use clap::{CommandFactory, Parser, Subcommand};
 
 use context::Stop;
@@ -46,7 +46,7 @@ struct Cli {
 enum Command {
     /// Error against time and force evaluations: diagrams of twelve families of motion
     WorkPrecision(report::Options),
-    /// The cheapest way to stay below an error, and the schemes that nothing beats
+    /// The cheapest way to stay below an error, and the integrators that nothing beats
     Efficiency(report::Options),
     /// The hard cases, and the largest stable steps against theory
     Stability(report::Options),
@@ -56,7 +56,7 @@ enum Command {
     Visible(report::Options),
     /// The comparison of 2012 redone, and its question answered
     Dissertation(report::Options),
-    /// What every machine must compute: a digest of the bits for every scheme
+    /// What every machine must compute: a digest of the bits for every integrator
     Determinism(report::Options),
     /// The same boxes in Avian, Rapier and Box3D: builds and runs crates/box_peers
     Peers(report::Options),
@@ -149,7 +149,7 @@ fn end(result: Result<(), Stop>) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// A scheme by its name, for the command line.
-fn scheme(text: &str) -> Result<Integrator, UnknownIntegrator> {
+/// An integrator by its name, for the command line.
+fn integrator(text: &str) -> Result<Integrator, UnknownIntegrator> {
     text.parse()
 }

@@ -11,7 +11,7 @@ use crate::document::{Figure, Section, Table};
 use crate::machine::Machine;
 use crate::plot::{Axis, Line, Plot, Point, plain};
 use crate::{files, text};
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
 
 /// What `box_peers` measures.

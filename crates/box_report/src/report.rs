@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use clap::Args;
 
 use crate::context::{Context, Interrupt, Stop};
@@ -25,9 +25,9 @@ pub(crate) struct Options {
     /// Fewer steps and samples: seconds instead of minutes, times noisier
     #[arg(long)]
     quick: bool,
-    /// Only these schemes, separated by commas [default: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = crate::scheme)]
-    schemes: Vec<Integrator>,
+    /// Only these integrators, separated by commas [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = crate::integrator)]
+    integrators: Vec<Integrator>,
     /// Rewrite the digest as well: DIR/results.md and its figures, DIR/results/*.svg
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
@@ -105,10 +105,10 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     let needed = measurements(&wanted);
     let ctx = Context {
         folder: options.output.clone(),
-        schemes: if options.schemes.is_empty() {
+        integrators: if options.integrators.is_empty() {
             Integrator::ALL.to_vec()
         } else {
-            options.schemes.clone()
+            options.integrators.clone()
         },
         quick: options.quick,
         progress: Progress::new(needed.iter().map(|p| p.ticks(options.quick)).sum()),

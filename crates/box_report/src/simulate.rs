@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::oracle::Case;
 use box_scenarios::run::steps_in;
@@ -21,8 +21,8 @@ pub(crate) struct Options {
     /// A scene's name, or a file: a scene (RON) or a reference trajectory (JSON)
     #[arg(value_name = "SCENE|FILE")]
     scene: String,
-    /// The scheme
-    #[arg(long, value_name = "SCHEME", default_value = "split", value_parser = crate::scheme)]
+    /// The integrator
+    #[arg(long, value_name = "INTEGRATOR", default_value = "split", value_parser = crate::integrator)]
     integrator: Integrator,
     /// The step: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]

@@ -1,6 +1,6 @@
-//! What a reader wants to know in a minute: which scheme, what it costs, how wrong it is, when it breaks.
+//! What a reader wants to know in a minute: which integrator, what it costs, how wrong it is, when it breaks.
 
-use box_physics::schemes::{Integrator, Limit};
+use box_physics::integrators::{Integrator, Limit};
 use box_scenarios::Family;
 use serde::Serialize;
 
@@ -23,7 +23,7 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// The scheme for a game at `rate`: among those that survive every hard case (where these were
+    /// The integrator for a game at `rate`: among those that survive every hard case (where these were
     /// measured) the one that shows nothing for a throw's time in most scenes, the cheapest of equals.
     pub(crate) fn recommended(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
         let (work, visible) = (self.work_precision.as_ref()?, self.visible.as_ref()?);
@@ -35,23 +35,23 @@ impl Results {
             let scenes = visible.invisible(s, rate, THROW);
             (scenes, cost(work, s, rate).unwrap_or(f64::INFINITY))
         };
-        let best = |schemes: &mut dyn Iterator<Item = Integrator>| {
-            schemes.max_by(|&a, &b| {
+        let best = |integrators: &mut dyn Iterator<Item = Integrator>| {
+            integrators.max_by(|&a, &b| {
                 let ((scenes_a, cost_a), (scenes_b, cost_b)) = (rank(a), rank(b));
                 scenes_a.cmp(&scenes_b).then(cost_b.total_cmp(&cost_a))
             })
         };
-        // Where none of the schemes compared survives everything, the best of them.
-        best(&mut ctx.schemes.iter().copied().filter(survives))
-            .or_else(|| best(&mut ctx.schemes.iter().copied()))
+        // Where none of the integrators compared survives everything, the best of them.
+        best(&mut ctx.integrators.iter().copied().filter(survives))
+            .or_else(|| best(&mut ctx.integrators.iter().copied()))
     }
 
-    /// The cheapest scheme of all at `rate`.
+    /// The cheapest integrator of all at `rate`.
     fn cheapest(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
         let work = self.work_precision.as_ref()?;
         let cost = |s: Integrator| cost(work, s, rate).unwrap_or(f64::INFINITY);
-        let schemes = ctx.schemes.iter().copied();
-        schemes.min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
+        let integrators = ctx.integrators.iter().copied();
+        integrators.min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
     }
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
     let mut section = Section::new(
         "summary",
         "In a minute",
-        "Which scheme for a game, what it costs, how wrong it is, when it breaks.",
+        "Which integrator for a game, what it costs, how wrong it is, when it breaks.",
     );
     let scenes = Family::all().len();
     let row = |&s: &Integrator| {
@@ -111,17 +111,17 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
             hard_cases_diverged: score.map(|s| s[2]),
         }
     };
-    let rows: Vec<Row> = ctx.schemes.iter().map(row).collect();
+    let rows: Vec<Row> = ctx.integrators.iter().map(row).collect();
     files::write_csv(&ctx.file("summary.csv"), &rows)?;
     section.tables.push(Table {
-        title: "Every scheme at a glance".to_owned(),
+        title: "Every integrator at a glance".to_owned(),
         note: format!(
             "Nothing shows: scenes of {scenes} in which neither 1° nor 1 % of the box's size is passed in 10 s and in 60 s, at 30, 60 and 120 Hz. \
              Cost: geometric mean over the scenes at 60 Hz per box and simulated second; a step in free flight. Breaks beyond: largest stable step. \
              Hard cases: ok, degraded, diverged."
         ),
         columns: [
-            "scheme",
+            "integrator",
             "nothing shows for 10 s, 30 · 60 · 120 Hz",
             "for 60 s",
             "cost [µs/s]",
@@ -174,12 +174,12 @@ fn cells(r: &Row) -> Vec<String> {
     ]
 }
 
-/// How many hard cases `scheme` survives, in words.
-fn survived(results: &Results, scheme: Integrator) -> String {
+/// How many hard cases `integrator` survives, in words.
+fn survived(results: &Results, integrator: Integrator) -> String {
     results.stability.as_ref().map_or_else(
         || "hard cases that were not measured".to_owned(),
         |d| {
-            let [ok, degraded, diverged] = d.score(scheme);
+            let [ok, degraded, diverged] = d.score(integrator);
             let all = ok + degraded + diverged;
             format!("{} of {all} hard cases ({ok} ok)", ok + degraded)
         },
@@ -217,7 +217,7 @@ fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
     }
     if let Some(stability) = &results.stability {
         let unlimited = |k: usize| {
-            let free = ctx.schemes.iter().filter(|s| {
+            let free = ctx.integrators.iter().filter(|s| {
                 let limits = stability.limits(**s);
                 limits.is_some_and(|l| l[k] == Limit::None)
             });
@@ -232,7 +232,7 @@ fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
             unlimited(1)
         ));
         let growing: Vec<String> = ctx
-            .schemes
+            .integrators
             .iter()
             .filter(|s| {
                 let limits = stability.limits(**s);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use box_bench::measure::Cost;
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::{Family, ForceSet, Scenario, Setup};
 use serde::Serialize;
 
@@ -25,16 +25,16 @@ struct Situation {
     setup: Setup,
 }
 
-/// Costs per situation, schemes in order.
+/// Costs per situation, integrators in order.
 pub(crate) struct Timings {
     situations: Vec<(Situation, Vec<(Integrator, Cost)>)>,
 }
 
 impl Timings {
-    /// ns per step of `scheme` in free flight.
-    pub(crate) fn free(&self, scheme: Integrator) -> Option<f64> {
+    /// ns per step of `integrator` in free flight.
+    pub(crate) fn free(&self, integrator: Integrator) -> Option<f64> {
         let (_, costs) = self.situations.first()?;
-        let found = costs.iter().find(|(s, _)| *s == scheme);
+        let found = costs.iter().find(|(s, _)| *s == integrator);
         found.map(|(_, c)| c.min)
     }
 }
@@ -82,16 +82,16 @@ pub(crate) fn ticks() -> u64 {
     6
 }
 
-/// Times every scheme in every situation.
+/// Times every integrator in every situation.
 pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
     let mut timed = Vec::new();
     for situation in situations()? {
         let contender = |&s: &Integrator| herd::contender(&situation.setup, &[], s, H, FLOOR_STEPS);
-        let mut contenders: Vec<_> = ctx.schemes.iter().map(contender).collect();
+        let mut contenders: Vec<_> = ctx.integrators.iter().map(contender).collect();
         let costs = ctx.measure(&mut contenders, SHARE);
         drop(contenders);
         ctx.tick(situation.title)?;
-        let costs = ctx.schemes.iter().copied().zip(costs).collect();
+        let costs = ctx.integrators.iter().copied().zip(costs).collect();
         timed.push((situation, costs));
     }
     Ok(Timings { situations: timed })
@@ -119,14 +119,14 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
         }));
     }
     files::write_csv(&ctx.file("timing.csv"), &rows)?;
-    let mut columns = vec!["scheme".to_owned()];
+    let mut columns = vec!["integrator".to_owned()];
     columns.extend(
         data.situations
             .iter()
             .map(|(s, _)| format!("{} [ns]", s.title)),
     );
     columns.push("boxes in free flight per ms".to_owned());
-    let lines = ctx.schemes.iter().enumerate().map(|(k, s)| {
+    let lines = ctx.integrators.iter().enumerate().map(|(k, s)| {
         let mut line = vec![text::code(s)];
         for (_, costs) in &data.situations {
             let c = costs[k].1;
@@ -150,7 +150,7 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
 
 fn verdicts(ctx: &Context, data: &Timings) -> Vec<String> {
     let mut by_cost: Vec<(Integrator, f64)> = ctx
-        .schemes
+        .integrators
         .iter()
         .filter_map(|&s| Some((s, data.free(s)?)))
         .collect();

@@ -1,6 +1,6 @@
 //! `visible`: how long until a player can see the error: 1° of attitude, or 1 % of the box's size.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::{Family, Metric};
 use serde::Serialize;
 
@@ -21,11 +21,11 @@ pub(crate) const MINUTE: f64 = 60.0;
 /// With `--quick`, no longer than this \[s\].
 const QUICK_WATCH: f64 = THROW;
 
-/// One scheme in one scene at one rate.
+/// One integrator in one scene at one rate.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     family: usize,
-    scheme: Integrator,
+    integrator: Integrator,
     rate: u32,
     /// When, and which error; `None`: not before the end.
     at: Option<(f64, Metric)>,
@@ -39,20 +39,20 @@ pub(crate) struct Visible {
 }
 
 impl Visible {
-    /// In how many scenes `scheme` shows nothing for `seconds`, or to the end, at `rate`.
-    pub(crate) fn invisible(&self, scheme: Integrator, rate: u32, seconds: f64) -> usize {
+    /// In how many scenes `integrator` shows nothing for `seconds`, or to the end, at `rate`.
+    pub(crate) fn invisible(&self, integrator: Integrator, rate: u32, seconds: f64) -> usize {
         let unseen = |s: &&Seen| s.at.is_none_or(|(t, _)| t > seconds);
-        self.of(scheme, rate).filter(unseen).count()
+        self.of(integrator, rate).filter(unseen).count()
     }
 
-    /// When the error of `scheme` first shows in any scene at `rate` \[s\], if it does.
-    pub(crate) fn first(&self, scheme: Integrator, rate: u32) -> Option<f64> {
-        let times = self.of(scheme, rate).filter_map(|s| Some(s.at?.0));
+    /// When the error of `integrator` first shows in any scene at `rate` \[s\], if it does.
+    pub(crate) fn first(&self, integrator: Integrator, rate: u32) -> Option<f64> {
+        let times = self.of(integrator, rate).filter_map(|s| Some(s.at?.0));
         times.reduce(f64::min)
     }
 
-    fn of(&self, scheme: Integrator, rate: u32) -> impl Iterator<Item = &Seen> {
-        let wanted = move |s: &&Seen| s.scheme == scheme && s.rate == rate;
+    fn of(&self, integrator: Integrator, rate: u32) -> impl Iterator<Item = &Seen> {
+        let wanted = move |s: &&Seen| s.integrator == integrator && s.rate == rate;
         self.seen.iter().filter(wanted)
     }
 }
@@ -73,7 +73,7 @@ pub(crate) fn ticks() -> u64 {
     Family::all().len() as u64
 }
 
-/// Watches every scene under every scheme at every rate.
+/// Watches every scene under every integrator at every rate.
 pub(crate) fn measure(ctx: &Context) -> Result<Visible, Stop> {
     let mut seen = Vec::new();
     for (k, family) in Family::all().iter().enumerate() {
@@ -89,11 +89,11 @@ pub(crate) fn measure(ctx: &Context) -> Result<Visible, Stop> {
         let size = 2.0 * family.setup.body.half_extents().max_element();
         for rate in RATES {
             let reference = reference.every((finest / rate) as usize);
-            for &scheme in &ctx.schemes {
-                let at = family.first_passing(&reference, scheme, 1, ATTITUDE, SIZE * size);
+            for &integrator in &ctx.integrators {
+                let at = family.first_passing(&reference, integrator, 1, ATTITUDE, SIZE * size);
                 seen.push(Seen {
                     family: k,
-                    scheme,
+                    integrator,
                     rate,
                     at,
                     end: watch,
@@ -119,7 +119,7 @@ pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
         .iter()
         .map(|s| Row {
             family: Family::all()[s.family].id,
-            integrator: s.scheme.id(),
+            integrator: s.integrator.id(),
             rate_hz: s.rate,
             visible_after_s: s.at.map(|(t, _)| t),
             error: s.at.map(|(_, m)| m.id()),
@@ -130,7 +130,7 @@ pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
     for rate in RATES {
         section.tables.push(table(ctx, data, rate));
         let mut never: Vec<(usize, Integrator)> = ctx
-            .schemes
+            .integrators
             .iter()
             .map(|&s| (data.invisible(s, rate, MINUTE), s))
             .collect();
@@ -150,11 +150,11 @@ pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
 }
 
 fn table(ctx: &Context, data: &Visible, rate: u32) -> Table {
-    let mut columns = vec!["scheme".to_owned()];
+    let mut columns = vec!["integrator".to_owned()];
     columns.extend(Family::all().iter().map(|f| f.title.to_owned()));
-    let row = |&scheme: &Integrator| {
-        let mut cells = vec![text::code(scheme)];
-        cells.extend(data.of(scheme, rate).map(|s| match s.at {
+    let row = |&integrator: &Integrator| {
+        let mut cells = vec![text::code(integrator)];
+        cells.extend(data.of(integrator, rate).map(|s| match s.at {
             None => format!("> {} s", text::significant(s.end, 2)),
             Some((t, m)) => {
                 let which = if m == Metric::Position { "x" } else { "°" };
@@ -168,7 +168,7 @@ fn table(ctx: &Context, data: &Visible, rate: u32) -> Table {
         note: "°: the attitude shows it, x: the position. “> 60 s”: not within the minute."
             .to_owned(),
         columns,
-        rows: ctx.schemes.iter().map(row).collect(),
+        rows: ctx.integrators.iter().map(row).collect(),
         csv: "visible.csv".to_owned(),
         digest: rate == 60,
     }

@@ -1,6 +1,6 @@
 //! The dissertation's own demo of 2012, as it computed: its three steppers, its pushes, its contact.
 //!
-//! This is reproduction, kept apart from the schemes of `box_physics`: nearly every line of it is wrong
+//! This is reproduction, kept apart from the integrators of `box_physics`: nearly every line of it is wrong
 //! as physics, and the point of having it is to show by how much. Source: V. Stojanovic, *Evaluation of
 //! Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion Within a Game
 //! Environment*, 2012 (text and listing). One cycle of the demo, of length h \[s\]:
@@ -206,7 +206,7 @@ impl Demo {
 /// What the demo keeps of its box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Centre \[m\].
+    /// Center \[m\].
     pub position: DVec3,
     /// Attitude, body to world.
     pub rotation: DQuat,
@@ -250,7 +250,7 @@ pub fn damping(h: f64) -> f64 {
 
 /// The demo's contact, a function of its own because it knows neither velocity nor mass: the bounding box
 /// of the cube, re-fitted to its attitude (half-height |R|·h, exact), is compared with the plane
-/// y = `height` \[m\]. Where it dips in, the centre is drawn by linear interpolation ([`LERP`]) to where the
+/// y = `height` \[m\]. Where it dips in, the center is drawn by linear interpolation ([`LERP`]) to where the
 /// bounding box would stand on the plane, and a fall ends (v_y ≥ 0). No bounce, no friction, no torque: a
 /// tilted cube stands on its corner, and since gravity moves the position every cycle, a cube at rest
 /// stands 9.81 h (1 − LERP)/LERP deep in the floor.

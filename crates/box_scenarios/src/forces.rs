@@ -1,4 +1,4 @@
-//! An owned, serialisable force law: what a scene or a file stores, and what it lends to the schemes.
+//! An owned, serializable force model: what a scene or a file stores, and what it lends to the integrators.
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
@@ -6,7 +6,7 @@ use box_physics::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// The owned counterpart of [`Forces`]: every term of the force law, 0 or empty meaning absent.
+/// The owned counterpart of [`Forces`]: every term of the force model, 0 or empty meaning absent.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -22,7 +22,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub struct ForceSet {
     /// Gravity [m/s²], world axes.
     pub gravity: DVec3,
-    /// Constant force at the centre of mass \[N\], world axes.
+    /// Constant force at the center of mass \[N\], world axes.
     pub force: DVec3,
     /// c₁ [N s/m], ≥ 0: force −c₁ v.
     pub linear_drag: f64,
@@ -59,7 +59,7 @@ impl ForceSet {
     }
 
     /// The same with a magnetic-like dipole `moment` (body axes) in a uniform `field` (world axes),
-    /// torque (R µ) × B \[N m\]: the force B at the body point µ and −B at the centre, a pure couple.
+    /// torque (R µ) × B \[N m\]: the force B at the body point µ and −B at the center, a pure couple.
     #[must_use]
     pub fn with_dipole(mut self, moment: DVec3, field: DVec3) -> Self {
         let at = |body_point, force| PointForce {
@@ -91,7 +91,7 @@ impl ForceSet {
         self
     }
 
-    /// The law as the schemes take it, for `body` (a force is an acceleration only with its mass).
+    /// The law as the integrators take it, for `body` (a force is an acceleration only with its mass).
     pub fn forces(&self, body: &RigidBox) -> Forces<'_> {
         Forces {
             acceleration: self.acceleration(body),
@@ -118,7 +118,7 @@ impl ForceSet {
         }
     }
 
-    /// Whether a torque or a state-dependent force acts (what the schemes call the wrench).
+    /// Whether a torque or a state-dependent force acts (what the integrators call the wrench).
     pub fn has_wrench(&self) -> bool {
         self.body_torque != DVec3::ZERO
             || self.world_torque != DVec3::ZERO

@@ -6,12 +6,12 @@
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
 //! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
-//! - [`families`]: the motions over which the report compares schemes.
+//! - [`families`]: the motions over which the report compares integrators.
 //! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
 //! - [`mod@contact_cases`]: what breaks contact.
 //! - [`dissertation`]: the demo of 2012 as it computed, wrongly.
 //! - [`oracle`]: reference trajectories from files.
-//! - [`mod@style`]: colour, dash and marker of each integrator.
+//! - [`mod@style`]: color, dash and marker of each integrator.
 //!
 //! ```
 //! use box_physics::prelude::Integrator;

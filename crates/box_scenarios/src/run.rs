@@ -2,13 +2,15 @@
 
 use box_physics::body::RigidBox;
 use box_physics::floor::{ContactSettings, ContactState, Floor, step_on_floor};
-use box_physics::force::{Dissipation, ForceLaw, Gravity};
-use box_physics::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
+use box_physics::force::{Dissipation, ForceModel, Gravity};
+use box_physics::integrators::{
+    Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome,
+};
 use box_physics::state::BodyState;
 
 use crate::setup::{FloorSpec, Setup, TimedImpulse};
 
-/// What a run cost and how often a scheme gave way.
+/// What a run cost and how often an integrator gave way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
     /// Steps taken.
@@ -41,15 +43,15 @@ impl core::ops::AddAssign for Totals {
     }
 }
 
-/// `n` steps of `h` \[s\] by `integrator`, compiled for the scheme: one match, then a tight loop.
-pub fn advance<F: ForceLaw>(
+/// `n` steps of `h` \[s\] by `integrator`, compiled for the integrator: one match, then a tight loop.
+pub fn advance<F: ForceModel>(
     integrator: Integrator,
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
     h: f64,
     n: u64,
-    memory: &mut SchemeMemory,
+    memory: &mut IntegratorMemory,
 ) -> Totals {
     integrator.dispatch(Steps {
         body,
@@ -68,14 +70,14 @@ struct Steps<'a, F> {
     force: &'a F,
     h: f64,
     n: u64,
-    memory: &'a mut SchemeMemory,
+    memory: &'a mut IntegratorMemory,
     floor: Option<&'a mut OnFloor>,
 }
 
-impl<F: ForceLaw> SchemeVisitor for Steps<'_, F> {
+impl<F: ForceModel> IntegratorVisitor for Steps<'_, F> {
     type Output = Totals;
 
-    fn visit<S: Scheme>(self) -> Totals {
+    fn visit<S: Integrate>(self) -> Totals {
         let mut totals = Totals::default();
         let (body, force, h) = (self.body, self.force, self.h);
         let (state, memory) = (self.state, self.memory);
@@ -150,13 +152,13 @@ const BLOCK: u64 = 4096;
 
 impl Leg {
     /// Stops after a block of steps in which `budget` evaluations were exceeded.
-    fn run<F: ForceLaw>(
+    fn run<F: ForceModel>(
         &self,
         integrator: Integrator,
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
-        memory: &mut SchemeMemory,
+        memory: &mut IntegratorMemory,
         mut floor: Option<&mut OnFloor>,
         budget: u64,
     ) -> Totals {
@@ -222,7 +224,7 @@ impl Plan {
     }
 
     /// `samples` samples, one after every `stride` steps of exactly `h` \[s\]: the clock of a game. Every
-    /// step is bit for bit as long as the last, so that a scheme's memory stays valid throughout.
+    /// step is bit for bit as long as the last, so that an integrator's memory stays valid throughout.
     pub fn clock(h: f64, stride: u64, samples: u64) -> Self {
         let leg = |k: u64| Leg {
             h,
@@ -272,7 +274,7 @@ pub fn run_plan_within(
     let only_gravity = !forces.has_wrench() && forces.dissipation == Dissipation::NONE;
     let mut floor = setup.floor.as_ref().map(OnFloor::new);
     let mut state = setup.initial;
-    let mut memory = SchemeMemory::default();
+    let mut memory = IntegratorMemory::default();
     let mut totals = Totals::default();
     for leg in &plan.legs {
         let left = budget - totals.evaluations;

@@ -1,6 +1,6 @@
 //! The registry of scenes.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 
 use crate::scenes;
 use crate::setup::Setup;
@@ -119,7 +119,7 @@ mod tests {
             assert!(s.lesson.ends_with('.') && s.lesson.len() < 260, "{}", s.id);
             assert!(s.hints.iter().all(|h| h.ends_with('.')), "{}", s.id);
             assert!(!s.recommended().is_empty() && s.boxes >= 1, "{}", s.id);
-            // Every name is a scheme, once all fourteen are there.
+            // Every name is an integrator, once all fourteen are there.
             let known = s.recommended().len() == s.recommended.len();
             assert!(known, "{}", s.id);
             assert_eq!(Scenario::find(&s.id.to_uppercase()), Ok(s));

@@ -70,7 +70,7 @@ pub struct TimedImpulse {
     pub t: f64,
     /// J \[N s\], world axes.
     pub impulse: DVec3,
-    /// Where, body axes from the centre of mass \[m\].
+    /// Where, body axes from the center of mass \[m\].
     pub body_point: DVec3,
 }
 
@@ -138,7 +138,7 @@ impl Setup {
                 .is_none_or(|f| f.restitution >= 1.0 && f.friction <= 0.0)
     }
 
-    /// Whether the angular momentum about the centre is constant in the world: nothing turns the body.
+    /// Whether the angular momentum about the center is constant in the world: nothing turns the body.
     pub fn conserves_angular_momentum(&self) -> bool {
         let d = self.forces.dissipation();
         !self.forces.has_wrench()

@@ -1,6 +1,6 @@
 //! A setup against its truth: the errors of every step.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use glam::DVec3;
 

@@ -1,11 +1,11 @@
-//! The look of each integrator in every plot and scene: colour, dash and marker by its place in
+//! The look of each integrator in every plot and scene: color, dash and marker by its place in
 //! [`Integrator::ALL`], in this one table.
 //!
-//! The colours are Okabe and Ito's (2008), distinguishable with every common colour blindness; yellow
-//! is left out of the first round because it is faint on white. Dash and marker repeat what the colour
-//! says, so that nothing depends on colour alone.
+//! The colors are Okabe and Ito's (2008), distinguishable with every common color blindness; yellow
+//! is left out of the first round because it is faint on white. Dash and marker repeat what the color
+//! says, so that nothing depends on color alone.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 
 /// A line's dash pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -71,7 +71,7 @@ const SKY: [u8; 3] = [0x56, 0xB4, 0xE9];
 const PURPLE: [u8; 3] = [0xCC, 0x79, 0xA7];
 const YELLOW: [u8; 3] = [0xF0, 0xE4, 0x42];
 
-/// By place in the menu; every (colour, dash) pair occurs once.
+/// By place in the menu; every (color, dash) pair occurs once.
 const TABLE: [Style; 14] = {
     use Dash::{Dashed, Dotted, Solid};
     [
@@ -100,7 +100,7 @@ const fn look(color: [u8; 3], dash: Dash, marker: Marker) -> Style {
     }
 }
 
-/// The look of `integrator`. A fifteenth and later scheme is yellow, then repeats the table.
+/// The look of `integrator`. A fifteenth and later integrator is yellow, then repeats the table.
 pub fn style(integrator: Integrator) -> Style {
     by_place(integrator.index())
 }

@@ -1,7 +1,7 @@
 //! The slow change of the energy under a long run, separated from its oscillation.
 
 use box_physics::force::Gravity;
-use box_physics::schemes::{Integrator, SchemeMemory};
+use box_physics::integrators::{Integrator, IntegratorMemory};
 use glam::DVec3;
 
 use crate::run::advance;
@@ -14,7 +14,7 @@ use crate::setup::Setup;
 pub fn energy_trend(setup: &Setup, integrator: Integrator, h: f64, steps: u64) -> f64 {
     let (body, free) = (&setup.body, Gravity(DVec3::ZERO));
     let mut state = setup.initial;
-    let mut memory = SchemeMemory::default();
+    let mut memory = IntegratorMemory::default();
     let start = state.rotational_energy(body);
     let tenth = (steps / 10).max(1);
     let mut mean_over_a_tenth = || {

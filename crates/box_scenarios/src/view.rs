@@ -74,6 +74,6 @@ pub enum PlotPreset {
     Cpu,
     /// Error against cost.
     WorkPrecision,
-    /// The figures of every scheme.
+    /// The figures of every integrator.
     Table,
 }

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 /// One request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CompareAction {
-    /// Simulate this scheme beside the hero, or stop doing so.
-    ToggleLane(#[serde(with = "scheme_id")] Integrator),
-    /// Every scheme beside the hero.
+    /// Simulate this integrator beside the hero, or stop doing so.
+    ToggleLane(#[serde(with = "integrator_id")] Integrator),
+    /// Every integrator beside the hero.
     AllLanes,
-    /// No scheme beside the hero.
+    /// No integrator beside the hero.
     NoLanes,
     /// How the lanes are drawn.
     SetLayout(Layout),
@@ -30,8 +30,8 @@ pub enum CompareAction {
     ToggleLogarithmicEnergy,
     /// Error since the start, or of each step alone.
     ToggleLocal,
-    /// The scheme that the hero is compared with in words.
-    Select(#[serde(with = "scheme_id")] Integrator),
+    /// The integrator that the hero is compared with in words.
+    Select(#[serde(with = "integrator_id")] Integrator),
     /// Compute the work–precision lines in a thread of its own.
     StartSweep,
     /// Stop doing so.
@@ -87,7 +87,7 @@ pub enum Fairness {
     /// The step.
     #[default]
     Step,
-    /// Force evaluations per simulated second: a scheme with four a step takes steps four times as long.
+    /// Force evaluations per simulated second: an integrator with four a step takes steps four times as long.
     Evaluations,
     /// Measured cost per simulated second.
     Cost,
@@ -143,15 +143,15 @@ impl Window {
     }
 }
 
-/// A scheme in a file: by its id.
-pub mod scheme_id {
+/// An integrator in a file: by its id.
+pub mod integrator_id {
     use super::Integrator;
     use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
 
     /// Writes the id.
     ///
     /// # Errors
-    /// The serialiser's.
+    /// The serializer's.
     pub fn serialize<S: Serializer>(integrator: &Integrator, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_str(integrator.id())
     }
@@ -159,7 +159,7 @@ pub mod scheme_id {
     /// Reads the id.
     ///
     /// # Errors
-    /// Where no scheme has it; the message lists those there are.
+    /// Where no integrator has it; the message lists those there are.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
         String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(text, r#"ToggleLane("rk4")"#);
         assert_eq!(ron::from_str::<CompareAction>(&text), Ok(request));
         let error = ron::from_str::<CompareAction>(r#"Select("leapfrog")"#)
-            .expect_err("no such scheme")
+            .expect_err("no such integrator")
             .to_string();
         assert!(error.contains("leapfrog"), "{error}");
         assert_eq!(

@@ -10,7 +10,7 @@ use super::series::Quantity;
 use crate::action::Plot;
 use crate::session::Session;
 
-/// The visible window of every trajectory: one row per moment and scheme.
+/// The visible window of every trajectory: one row per moment and integrator.
 pub fn window_csv(comparison: &Comparison) -> String {
     let mut text = String::from("sim_t_s,integrator");
     for quantity in Quantity::ALL {

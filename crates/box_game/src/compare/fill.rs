@@ -5,7 +5,7 @@ use super::track::Track;
 use super::{CompareView, Comparison, LaneView, Quantity, Settings, SweepView};
 use crate::action::Plot;
 use crate::panel::decimate::{NARROW, decimate_to};
-use crate::sampling::SchemeSamples;
+use crate::sampling::IntegratorSamples;
 use box_physics::prelude::Integrator;
 
 /// Which quantities a tab shows.
@@ -21,7 +21,7 @@ fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
 /// The view of this frame, with the lines of the open `plot`; `boxes` are in the scene.
 pub fn compare_view(
     comparison: &Comparison,
-    samples: &SchemeSamples,
+    samples: &IntegratorSamples,
     plot: Option<Plot>,
     boxes: u32,
 ) -> CompareView {

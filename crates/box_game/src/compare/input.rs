@@ -14,7 +14,7 @@ const MOST: usize = 36_000;
 /// Something done to the box.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The impulse J \[N s\], world axes, at a point in body axes from the centre \[m\].
+    /// The impulse J \[N s\], world axes, at a point in body axes from the center \[m\].
     Impulse {
         /// J \[N s\], world axes.
         impulse: DVec3,

@@ -6,16 +6,16 @@
 //! ```
 //!
 //! What a force or the floor rightly does in one step is the change along the accurate flow of the law,
-//! from the lane's own state at the beginning of that step: a simulation in finer steps by the scheme of
-//! [`best_scheme`]. Under conservative forces away from the floor nothing is booked and nothing computed.
+//! from the lane's own state at the beginning of that step: a simulation in finer steps by the integrator of
+//! [`best_integrator`]. Under conservative forces away from the floor nothing is booked and nothing computed.
 
 use box_physics::prelude::{BodyState, DVec3};
 use box_scenarios::metrics::{energy_scale, momentum_scale};
 
-use super::reference::best_scheme;
+use super::reference::best_integrator;
 use crate::lane::{Lane, Law};
 
-/// Parts of a step in which the accurate flow is simulated: with a scheme of fourth order its error is
+/// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
 /// 4096 times smaller than the lane's would be with the same.
 const PARTS: u32 = 8;
 
@@ -84,7 +84,7 @@ impl Ledger {
         if !meets && !turns && law.is_conservative() {
             return;
         }
-        let mut flow = Lane::new(*state, best_scheme(law));
+        let mut flow = Lane::new(*state, best_integrator(law));
         for _ in 0..PARTS {
             if !flow.step(law, h / f64::from(PARTS)).sound {
                 return;
@@ -145,24 +145,24 @@ mod tests {
         worst
     }
 
-    /// Drag, torque and lossy impacts are not drift: a scheme that is right about them has none left.
+    /// Drag, torque and lossy impacts are not drift: an integrator that is right about them has none left.
     #[test]
     fn what_the_law_takes_is_not_drift() {
-        for (id, scheme, most) in [
+        for (id, integrator, most) in [
             ("quadratic-drag", Integrator::Rk4, 1e-9),
             ("damped-spin", Integrator::Exact, 1e-12),
             ("drop", Integrator::Split, 1e-9),
             ("slide", Integrator::Split, 1e-9),
             ("bounce", Integrator::Split, 1e-9),
         ] {
-            let left = worst(id, scheme, 3.0);
+            let left = worst(id, integrator, 3.0);
             assert!(left < most, "{id}: {left:e}");
         }
     }
 
-    /// And what a scheme gets wrong shows, dissipation or not.
+    /// And what an integrator gets wrong shows, dissipation or not.
     #[test]
-    fn what_a_scheme_gets_wrong_is() {
+    fn what_a_integrator_gets_wrong_is() {
         assert!(worst("dzhanibekov", Integrator::SemiImplicitEuler, 3.0) > 0.1);
         assert!(worst("quadratic-drag", Integrator::ExplicitEuler, 3.0) > 1e-4);
         assert!(worst("bounce", Integrator::ExplicitEuler, 3.0) > 1e-3);

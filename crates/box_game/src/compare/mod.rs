@@ -1,4 +1,4 @@
-//! The same scene under several schemes at once, through the same inputs, measured against one trusted
+//! The same scene under several integrators at once, through the same inputs, measured against one trusted
 //! trajectory.
 //!
 //! ```text
@@ -77,7 +77,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Opens on `scene` with these schemes beside the hero.
+    /// Opens on `scene` with these integrators beside the hero.
     pub fn with_lanes(scene: &str, lanes: &[Integrator]) -> Self {
         let mut comparison = Self {
             scene: Some(scene.to_owned()),
@@ -87,24 +87,24 @@ impl Comparison {
         comparison
     }
 
-    /// The schemes beside the hero, in the order of the menu. One that is the hero's own waits.
+    /// The integrators beside the hero, in the order of the menu. One that is the hero's own waits.
     pub fn chosen(&self) -> &[Integrator] {
         &self.chosen
     }
 
-    /// Compares with these schemes.
+    /// Compares with these integrators.
     pub fn choose(&mut self, lanes: impl IntoIterator<Item = Integrator>) {
         self.chosen = lanes.into_iter().collect();
         self.chosen.sort();
         self.chosen.dedup();
     }
 
-    fn toggle(&mut self, scheme: Integrator) {
-        match self.chosen.iter().position(|&i| i == scheme) {
+    fn toggle(&mut self, integrator: Integrator) {
+        match self.chosen.iter().position(|&i| i == integrator) {
             Some(k) => {
                 self.chosen.remove(k);
             }
-            None => self.choose(self.chosen.clone().into_iter().chain([scheme])),
+            None => self.choose(self.chosen.clone().into_iter().chain([integrator])),
         }
     }
 

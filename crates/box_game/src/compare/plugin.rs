@@ -9,18 +9,18 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{
     AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyState, BodyTorque, ContactPhase,
     ExternalForce, Floor, FloorContact, GlobalIntegrator, GravityScale, ImpulsePoint, Integrator,
-    LinearDrag, PhysicsClock, PhysicsSchedule, PhysicsSystems, PointForces, QuadraticDrag,
-    RigidBox, SchemeMemory, Springs, WorldGravity,
+    IntegratorMemory, LinearDrag, PhysicsClock, PhysicsSchedule, PhysicsSystems, PointForces,
+    QuadraticDrag, RigidBox, Springs, WorldGravity,
 };
 use box_scenarios::{ForceSet, Truth};
 
 use super::input::Change;
 use super::{CompareAction, Comparison, Layout, RuleKind};
 use crate::lane::Law;
-use crate::sampling::SchemeSamples;
+use crate::sampling::IntegratorSamples;
 use crate::session::{Hero, Session};
 
-/// Compares the hero, a body marked [`Hero`], with other schemes. Needs `PhysicsPlugins`. What is to be
+/// Compares the hero, a body marked [`Hero`], with other integrators. Needs `PhysicsPlugins`. What is to be
 /// seen of it is up to others: [`PanelPlugin`](crate::panel_plugin::PanelPlugin) shows figures and plots,
 /// [`GhostPlugin`](crate::ghosts::GhostPlugin) the boxes.
 pub struct ComparePlugin;
@@ -103,7 +103,7 @@ pub struct Scene<'w, 's> {
 }
 
 impl Scene<'_, '_> {
-    /// (entity, state, law, scheme) of the first hero.
+    /// (entity, state, law, integrator) of the first hero.
     fn hero(&self) -> Option<(Entity, BodyState, Law, Integrator)> {
         let (entity, body, state, forces, own) = self.hero.iter().next()?;
         let law = Law {
@@ -177,7 +177,7 @@ fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
         let mut changes = Vec::new();
         for push in pending.iter().filter(|p| p.entity == entity) {
             let body_point = match push.at {
-                ImpulsePoint::Centre => bevy::math::DVec3::ZERO,
+                ImpulsePoint::Center => bevy::math::DVec3::ZERO,
                 ImpulsePoint::Body(point) => point,
                 ImpulsePoint::World(point) => {
                     expected.rotation.inverse() * (point - expected.position)
@@ -185,7 +185,7 @@ fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
             };
             let mut pushed = *expected;
             push.apply(&body, &mut pushed);
-            if pushed.is_sound() {
+            if pushed.is_valid() {
                 *expected = pushed;
                 changes.push(Change::Impulse {
                     impulse: push.impulse,
@@ -225,7 +225,11 @@ pub(crate) fn after_step(
 }
 
 /// Between the steps: a new scene, other lanes, other steps, and what is left to catch up with.
-fn follow(scene: Scene, samples: Option<Res<SchemeSamples>>, mut comparison: ResMut<Comparison>) {
+fn follow(
+    scene: Scene,
+    samples: Option<Res<IntegratorSamples>>,
+    mut comparison: ResMut<Comparison>,
+) {
     let comparison = &mut *comparison;
     comparison.lanes_ms = comparison.spent.as_secs_f64() * 1e3;
     comparison.spent = Duration::ZERO;
@@ -261,7 +265,7 @@ pub fn apply(world: &mut World, action: CompareAction) {
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
     match action {
-        CompareAction::ToggleLane(scheme) => comparison.toggle(scheme),
+        CompareAction::ToggleLane(integrator) => comparison.toggle(integrator),
         CompareAction::AllLanes => comparison.choose(Integrator::ALL.iter().copied()),
         CompareAction::NoLanes => comparison.choose([]),
         CompareAction::SetLayout(layout) => settings.layout = layout,
@@ -277,7 +281,7 @@ pub fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLogarithmic => settings.logarithmic ^= true,
         CompareAction::ToggleLogarithmicEnergy => settings.logarithmic_energy ^= true,
         CompareAction::ToggleLocal => settings.local ^= true,
-        CompareAction::Select(scheme) => settings.selected = Some(scheme),
+        CompareAction::Select(integrator) => settings.selected = Some(integrator),
         CompareAction::StartSweep => {
             let Some(run) = &comparison.run else {
                 return;
@@ -285,8 +289,8 @@ pub fn apply(world: &mut World, action: CompareAction) {
             let setup = setup.unwrap_or_else(|| run.law.setup(*run.start(), 10.0));
             let hero = run.hero.integrator;
             let others = comparison.chosen.iter().copied().filter(|&i| i != hero);
-            let schemes = [hero].into_iter().chain(others).collect();
-            if let Err(error) = comparison.sweep.start(setup, schemes) {
+            let integrators = [hero].into_iter().chain(others).collect();
+            if let Err(error) = comparison.sweep.start(setup, integrators) {
                 notice = Some(format!("sweep: {error}"));
             }
         }
@@ -323,9 +327,9 @@ fn show(state: &BodyState, pose: Option<Mut<Transform>>) {
     }
 }
 
-/// The scheme moves the hero from now on. Where a lane runs under it, hero and lane change places, so
-/// that each trajectory stays one scheme's alone; else the hero carries its state over.
-pub fn make_hero(world: &mut World, scheme: Integrator) {
+/// The integrator moves the hero from now on. Where a lane runs under it, hero and lane change places, so
+/// that each trajectory stays one integrator's alone; else the hero carries its state over.
+pub fn make_hero(world: &mut World, integrator: Integrator) {
     let swapped = world.resource_scope(|world, mut comparison: Mut<Comparison>| {
         let Some(run) = &mut comparison.run else {
             return false;
@@ -333,18 +337,18 @@ pub fn make_hero(world: &mut World, scheme: Integrator) {
         let old = run.hero.integrator;
         let mut hero = world.query_filtered::<(
             &mut BodyState,
-            &mut SchemeMemory,
+            &mut IntegratorMemory,
             &mut ContactState,
             Option<&mut Transform>,
         ), With<Hero>>();
         let Some((mut state, mut memory, mut contact, pose)) = hero.iter_mut(world).next() else {
             return false;
         };
-        let swapped = run.swap(scheme, (&mut state, &mut memory, &mut contact));
+        let swapped = run.swap(integrator, (&mut state, &mut memory, &mut contact));
         if swapped {
             show(&state, pose);
             let others = comparison.chosen.clone().into_iter();
-            let others: Vec<_> = others.filter(|&i| i != scheme).chain([old]).collect();
+            let others: Vec<_> = others.filter(|&i| i != integrator).chain([old]).collect();
             comparison.choose(others);
             // In the order of the menu again.
             comparison.settle();
@@ -355,9 +359,9 @@ pub fn make_hero(world: &mut World, scheme: Integrator) {
         .query_filtered::<&mut BodyIntegrator, With<Hero>>()
         .iter_mut(world)
         .next()
-        .map(|mut own| own.0 = scheme);
+        .map(|mut own| own.0 = integrator);
     if own.is_none() {
-        world.insert_resource(GlobalIntegrator(scheme));
+        world.insert_resource(GlobalIntegrator(integrator));
     }
-    debug!("hero under {scheme}, swapped: {swapped}");
+    debug!("hero under {integrator}, swapped: {swapped}");
 }

@@ -3,7 +3,7 @@
 //!
 //! While there is a closed form it is that; an impulse begins a new one from the state it leaves. Where
 //! there is none (torques, tumbling contact) the motion is simulated in steps 64 times finer than the
-//! clock's, by the scheme that is best for the law.
+//! clock's, by the integrator that is best for the law.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,15 +17,15 @@ use crate::lane::{Lane, Law};
 /// How much finer the reference steps than the clock.
 pub const FINER: f64 = 64.0;
 /// Its shortest step \[s\]: at the shortest steps of the clock 64 times finer would cost more than a
-/// frame has, and the schemes used are of fourth order or exact.
+/// frame has, and the integrators used are of fourth order or exact.
 const SHORTEST: f64 = 1.0 / 30_720.0;
 /// Stretches kept, so that a lane that is behind can still be measured.
 const PIECES: usize = 256;
 /// For how long a closed form is asked \[s\].
 const LONG: f64 = 3600.0;
 
-/// The scheme that is closest to the truth under `law`, in fine steps.
-pub fn best_scheme(law: &Law) -> Integrator {
+/// The integrator that is closest to the truth under `law`, in fine steps.
+pub fn best_integrator(law: &Law) -> Integrator {
     let d = law.forces.dissipation();
     if d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
         Integrator::Rk4
@@ -73,7 +73,7 @@ struct Fine {
 impl Fine {
     fn new(state: BodyState, from: f64, law: &Arc<Law>, waiting: VecDeque<TimedImpulse>) -> Self {
         Self {
-            lane: Lane::new(state, best_scheme(law)).at_time(from),
+            lane: Lane::new(state, best_integrator(law)).at_time(from),
             law: law.clone(),
             waiting,
             lost: false,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use box_physics::floor::ContactState;
-use box_physics::prelude::{BodyState, Integrator, SchemeMemory};
+use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::metrics::Sanity;
 use box_scenarios::simulate::sanity;
 use box_scenarios::{Setup, StateError, TimedImpulse, Truth};
@@ -36,8 +36,8 @@ pub enum RuleKind {
     Input,
     /// Another step size.
     Step,
-    /// The hero got another scheme.
-    Scheme,
+    /// The hero got another integrator.
+    Integrator,
     /// The lanes were put into the reference's state.
     Resync,
 }
@@ -54,7 +54,7 @@ pub struct Rule {
 /// The hero as the comparison sees it: a body of the plugin, looked at before and after each step.
 #[derive(Clone, Debug)]
 pub struct HeroTrack {
-    /// Its scheme.
+    /// Its integrator.
     pub integrator: Integrator,
     /// Books and past.
     pub track: Track,
@@ -140,11 +140,11 @@ impl Run {
         &self.start.1
     }
 
-    /// Simulates exactly these schemes beside the hero, in this order. One that is new begins at the
+    /// Simulates exactly these integrators beside the hero, in this order. One that is new begins at the
     /// start and catches up.
-    pub fn choose(&mut self, schemes: impl IntoIterator<Item = Integrator>) {
+    pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
         let mut old = core::mem::take(&mut self.lanes);
-        for integrator in schemes {
+        for integrator in integrators {
             let kept = old.iter().position(|r| r.lane.integrator == integrator);
             let runner = match kept {
                 Some(k) => old.swap_remove(k),
@@ -271,7 +271,7 @@ impl Run {
     pub fn after_step(&mut self, t: f64, h: f64, state: &BodyState, integrator: Integrator) {
         if integrator != self.hero.integrator {
             self.hero.integrator = integrator;
-            self.rule(self.clock, RuleKind::Scheme);
+            self.rule(self.clock, RuleKind::Integrator);
         }
         self.set_step(h);
         self.clock = t;
@@ -366,15 +366,15 @@ impl Run {
         Some(state)
     }
 
-    /// The lane under `scheme` becomes the hero, and the hero a lane under its own scheme, if the lane
+    /// The lane under `integrator` becomes the hero, and the hero a lane under its own integrator, if the lane
     /// is where the clock is. Takes what the plugin keeps of the hero and puts there what it should keep.
     pub fn swap(
         &mut self,
-        scheme: Integrator,
-        (state, memory, contact): (&mut BodyState, &mut SchemeMemory, &mut ContactState),
+        integrator: Integrator,
+        (state, memory, contact): (&mut BodyState, &mut IntegratorMemory, &mut ContactState),
     ) -> bool {
         let here = |r: &&mut Runner| {
-            r.lane.integrator == scheme
+            r.lane.integrator == integrator
                 && r.track.diverged.is_none()
                 && (r.lane.time - self.clock).abs() <= SAME * self.step
         };
@@ -390,7 +390,7 @@ impl Run {
         core::mem::swap(&mut runner.lane.memory, memory);
         core::mem::swap(&mut runner.lane.contact, contact);
         core::mem::swap(&mut runner.track, &mut hero.track);
-        runner.lane.integrator = core::mem::replace(&mut hero.integrator, scheme);
+        runner.lane.integrator = core::mem::replace(&mut hero.integrator, integrator);
         (hero.state, hero.before) = (*state, *state);
         // Both stand at the same input.
         runner.next_input = self.inputs.end();

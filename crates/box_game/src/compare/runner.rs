@@ -1,4 +1,4 @@
-//! One scheme beside the hero: its simulation, its clock, its books.
+//! One integrator beside the hero: its simulation, its clock, its books.
 
 use std::sync::Arc;
 

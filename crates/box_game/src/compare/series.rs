@@ -41,7 +41,7 @@ impl Quantity {
         Self::Direction,
     ];
 
-    /// As an axis is labelled.
+    /// As an axis is labeled.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Position => "position error [m]",

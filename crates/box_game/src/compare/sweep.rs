@@ -1,4 +1,4 @@
-//! Work–precision: every scheme at every step size over the whole scene, error against cost, in a thread
+//! Work–precision: every integrator at every step size over the whole scene, error against cost, in a thread
 //! of its own.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -26,7 +26,7 @@ const PATIENCE: Duration = Duration::from_millis(40);
 const ROUNDING: f64 = 1e-11;
 const LOST: f64 = 0.3;
 
-/// One step size of one scheme.
+/// One step size of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepPoint {
     /// dt \[s\].
@@ -39,10 +39,10 @@ pub struct SweepPoint {
     pub cost: f64,
 }
 
-/// All step sizes of one scheme.
+/// All step sizes of one integrator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepLine {
-    /// The scheme.
+    /// The integrator.
     pub integrator: Integrator,
     /// Coarsest first.
     pub points: Vec<SweepPoint>,
@@ -68,19 +68,19 @@ struct Shared {
 }
 
 impl Sweep {
-    /// Begins; a sweep that runs is cancelled first.
+    /// Begins; a sweep that runs is canceled first.
     ///
     /// # Errors
     /// Where the system gives no thread.
-    pub fn start(&mut self, setup: Setup, schemes: Vec<Integrator>) -> std::io::Result<()> {
+    pub fn start(&mut self, setup: Setup, integrators: Vec<Integrator>) -> std::io::Result<()> {
         self.cancel();
         self.shared = Arc::default();
-        self.total = (schemes.len() * RATES.len()) as u32;
+        self.total = (integrators.len() * RATES.len()) as u32;
         let shared = self.shared.clone();
         self.thread = Some(
             std::thread::Builder::new()
                 .name("sweep".to_owned())
-                .spawn(move || run(&setup, &schemes, &shared))?,
+                .spawn(move || run(&setup, &integrators, &shared))?,
         );
         Ok(())
     }
@@ -126,7 +126,7 @@ impl Drop for Sweep {
     }
 }
 
-fn run(setup: &Setup, schemes: &[Integrator], shared: &Shared) {
+fn run(setup: &Setup, integrators: &[Integrator], shared: &Shared) {
     let law = Arc::new(Law::of(setup));
     let truth = Truth::of(setup);
     // Fine enough for the finest step: 1/30720 s.
@@ -151,7 +151,7 @@ fn run(setup: &Setup, schemes: &[Integrator], shared: &Shared) {
     }
     let limits = sanity(setup, &trusted);
     let radius = setup.body.radius();
-    for &integrator in schemes {
+    for &integrator in integrators {
         let mut points = Vec::new();
         for rate in RATES {
             if shared.cancel.load(Ordering::Relaxed) {
@@ -247,7 +247,7 @@ fn simulate(
     false
 }
 
-/// The slope of log error over log dt, by least squares along the finest stretch of four neighbouring
+/// The slope of log error over log dt, by least squares along the finest stretch of four neighboring
 /// steps (three, if there is none of four) over which it is steady: neither lost, nor rounding, nor on the
 /// way from one to the other. `None` where there is no such stretch. `points` are (dt, error), coarsest
 /// first.
@@ -259,7 +259,7 @@ pub fn order(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     })
 }
 
-/// By how much the slopes between neighbours may differ, of their mean.
+/// By how much the slopes between neighbors may differ, of their mean.
 const STEADY: f64 = 0.15;
 
 fn steady_slope(points: &[(f64, f64)]) -> Option<f64> {
@@ -296,19 +296,19 @@ mod tests {
         panic!("the sweep does not end");
     }
 
-    /// The fitted orders of the flip are those that the schemes claim for the rotation.
+    /// The fitted orders of the flip are those that the integrators claim for the rotation.
     #[test]
     fn orders_are_found() {
         let mut setup = Scenario::find("throw").expect("a scene").setup;
         setup.duration = 2.0;
-        let schemes = [
+        let integrators = [
             Integrator::Split,
             Integrator::Rk4,
             Integrator::SemiImplicitEuler,
             Integrator::Exact,
         ];
         let mut sweep = Sweep::default();
-        sweep.start(setup, schemes.to_vec()).expect("a thread");
+        sweep.start(setup, integrators.to_vec()).expect("a thread");
         wait(&sweep);
         assert_eq!(sweep.progress(), (32, 32));
         let lines = sweep.lines();
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn it_can_be_cancelled_and_dropped() {
+    fn it_can_be_canceled_and_dropped() {
         let setup = Scenario::find("heavy-top").expect("a scene").setup;
         let mut sweep = Sweep::default();
         sweep

@@ -22,7 +22,7 @@ pub struct Settings {
     pub logarithmic_energy: bool,
     /// Error of each step alone, instead of since the start.
     pub local: bool,
-    /// The scheme that the hero is compared with in words; the first lane if `None`.
+    /// The integrator that the hero is compared with in words; the first lane if `None`.
     pub selected: Option<Integrator>,
 }
 
@@ -68,7 +68,7 @@ pub struct CompareView {
 /// One trajectory in one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaneView {
-    /// The scheme.
+    /// The integrator.
     pub integrator: Integrator,
     /// Whether it is the hero.
     pub hero: bool,
@@ -128,7 +128,7 @@ pub fn verdict(view: &CompareView) -> String {
         .find(|l| Some(l.integrator) == view.settings.selected)
         .or_else(|| others().next());
     let Some(other) = chosen else {
-        return "Tick a scheme to compare with.".to_owned();
+        return "Tick an integrator to compare with.".to_owned();
     };
     let (h, o) = (hero.integrator.name(), other.integrator.name());
     match (hero.diverged(), other.diverged()) {
@@ -234,7 +234,7 @@ mod tests {
             "Semi-implicit Euler has diverged, RK4 has not."
         );
         view.lanes.truncate(1);
-        assert_eq!(verdict(&view), "Tick a scheme to compare with.");
+        assert_eq!(verdict(&view), "Tick an integrator to compare with.");
         assert_eq!(verdict(&CompareView::default()), "");
         assert_eq!(times(1.6e6), "1.6e6×");
     }

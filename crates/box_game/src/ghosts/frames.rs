@@ -21,7 +21,7 @@ pub(super) struct Trails {
     points: Vec<(Integrator, VecDeque<(f64, Vec3)>)>,
 }
 
-/// Follows a point of every trajectory: the centre where the box travels, else the tip of its longest
+/// Follows a point of every trajectory: the center where the box travels, else the tip of its longest
 /// edge, which shows a flip.
 pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Trails>) {
     let Some(run) = &comparison.run else {

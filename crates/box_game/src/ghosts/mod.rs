@@ -52,7 +52,7 @@ impl Plugin for GhostPlugin {
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Ghost(pub Integrator);
 
-/// A trajectory that is drawn: scheme, state, books, by how much its picture is shifted.
+/// A trajectory that is drawn: integrator, state, books, by how much its picture is shifted.
 type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3);
 
 /// Every trajectory that is drawn, the hero's first.

@@ -11,7 +11,7 @@ use crate::demo::Demo2012;
 use crate::session::Session;
 use crate::style;
 
-/// In a picture narrower than this \[points\] a tag is the scheme's mark without its name: it would cover
+/// In a picture narrower than this \[points\] a tag is the integrator's mark without its name: it would cover
 /// the box.
 const NARROW: f32 = 460.0;
 
@@ -79,14 +79,14 @@ pub(super) fn draw_tags(
             _ => style::tagged(integrator),
         };
         let text = tag(name, k == 0 && !narrow, track, attitude);
-        let centre = state.position.as_vec3() + offset;
+        let center = state.position.as_vec3() + offset;
         let font = egui::FontId::proportional(13.0);
         let looks = style::of(integrator).color();
         let galley = painter.layout_no_wrap(text, font, egui::Color32::WHITE);
         let size = galley.size() + egui::vec2(12.0, 6.0);
         let corner = match layout {
             Layout::Lanes => {
-                let Some(above) = seen(centre + Vec3::Y * radius * 1.25) else {
+                let Some(above) = seen(center + Vec3::Y * radius * 1.25) else {
                     continue;
                 };
                 let mut corner = egui::pos2(above.x - 0.5 * size.x, above.y - size.y);

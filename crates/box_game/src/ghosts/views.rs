@@ -1,4 +1,4 @@
-//! The layout of views: up to four schemes, a view each, all from the same place. The hero is in the first,
+//! The layout of views: up to four integrators, a view each, all from the same place. The hero is in the first,
 //! each lane alone in one of the others; floor, light and lattice are in all.
 
 use bevy::camera::visibility::RenderLayers;
@@ -63,7 +63,7 @@ pub(super) fn add_gizmos(app: &mut App) {
         .insert_gizmo_config(Fourth, group(only(3)));
 }
 
-/// The views of `n` schemes in `area`: one, two or three side by side, or two by two.
+/// The views of `n` integrators in `area`: one, two or three side by side, or two by two.
 pub fn cells(area: URect, n: usize) -> Vec<URect> {
     let wide = 2 * area.width() > 3 * area.height();
     let (columns, rows) = match n {
@@ -174,7 +174,7 @@ pub fn follow_main(
 mod tests {
     use super::*;
 
-    /// Inside the area, apart, equal, and as many as there are schemes.
+    /// Inside the area, apart, equal, and as many as there are integrators.
     #[test]
     fn views_share_the_picture() {
         for area in [URect::new(0, 96, 940, 462), URect::new(3, 5, 8, 8)] {

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! with C the point's distance from the hand, u its velocity and K its inverse-mass matrix. Being
-//! implicit it is stable at every step size and for every scheme; being an impulse at the start of the
-//! step it reaches every scheme that is compared alike.
+//! implicit it is stable at every step size and for every integrator; being an impulse at the start of the
+//! step it reaches every integrator that is compared alike.
 
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox};
@@ -18,7 +18,7 @@ use glam::DMat3;
 
 use crate::session::{Hero, Session};
 
-/// Undamped frequency of a box held at its centre \[Hz\]: fast to follow, slow to jerk.
+/// Undamped frequency of a box held at its center \[Hz\]: fast to follow, slow to jerk.
 pub const FREQUENCY: f64 = 7.5;
 /// Share of critical damping.
 pub const DAMPING: f64 = 1.0;
@@ -28,7 +28,7 @@ pub const FORCE_CAP: f64 = 100.0;
 /// Where the box is held and where to.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Hold {
-    /// The held point, body axes from the centre \[m\].
+    /// The held point, body axes from the center \[m\].
     pub body_point: DVec3,
     /// Where the hand is \[m\].
     pub anchor: DVec3,
@@ -85,11 +85,11 @@ pub fn pull(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use box_physics::prelude::{Gravity, Integrator, SchemeMemory};
+    use box_physics::prelude::{Gravity, Integrator, IntegratorMemory};
 
     fn held(hold: &Hold, start: BodyState, h: f64, seconds: f64) -> Vec<BodyState> {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
-        let (mut state, mut memory) = (start, SchemeMemory::default());
+        let (mut state, mut memory) = (start, IntegratorMemory::default());
         (0..(seconds / h) as usize)
             .map(|_| {
                 let pull = impulse(hold, &body, &state, h);
@@ -101,7 +101,7 @@ mod tests {
             .collect()
     }
 
-    /// Held at the centre: there within half a second, without swinging past. It hangs as low as the
+    /// Held at the center: there within half a second, without swinging past. It hangs as low as the
     /// discrete balance of weight and spring says, g/Ω² + g h/Ω + g h²/2: at rest every step's impulse is
     /// m g h, and the speed before it is −g h/2.
     #[test]

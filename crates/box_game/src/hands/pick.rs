@@ -7,7 +7,7 @@ use box_physics::prelude::{BodyState, DVec3, RigidBox};
 pub struct Hit {
     /// Distance along the ray, in lengths of its direction.
     pub distance: f64,
-    /// The point, body axes from the centre \[m\].
+    /// The point, body axes from the center \[m\].
     pub point: DVec3,
     /// Outward normal of the face, body axes.
     pub normal: DVec3,

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
-use box_physics::prelude::{BodyState, PhysicsClock, RigidBox, SchemeMemory, WorldAabb};
+use box_physics::prelude::{BodyState, IntegratorMemory, PhysicsClock, RigidBox, WorldAabb};
 use box_scenarios::dissertation;
 
 use crate::demo::Demo2012;
@@ -32,14 +32,14 @@ pub struct Moment {
 struct Body {
     number: u32,
     state: BodyState,
-    memory: SchemeMemory,
+    memory: IntegratorMemory,
     contact: ContactState,
 }
 
 impl Moment {
     /// As it is now; `None` with more bodies than are kept.
     pub fn now(world: &mut World) -> Option<Self> {
-        let mut query = world.query::<(&BoxNumber, &BodyState, &SchemeMemory, &ContactState)>();
+        let mut query = world.query::<(&BoxNumber, &BodyState, &IntegratorMemory, &ContactState)>();
         if query.iter(world).len() > MOST_BODIES {
             return None;
         }
@@ -73,7 +73,7 @@ impl Moment {
             &BoxNumber,
             &RigidBox,
             &mut BodyState,
-            &mut SchemeMemory,
+            &mut IntegratorMemory,
             &mut ContactState,
             &mut Transform,
             &mut WorldAabb,

@@ -43,7 +43,7 @@ fn choices(ui: &mut Ui, demo: &DemoView, out: &mut Vec<Action>) {
         let button = ui.add(Button::selectable(chosen, name).frame_when_inactive(true));
         button.widget_info(|| WidgetInfo::selected(WidgetType::RadioButton, true, chosen, name));
         let hint = choice.map_or(
-            "The plugin, with the scheme chosen on the right.",
+            "The plugin, with the integrator chosen on the right.",
             Stepper::fault,
         );
         if button.on_hover_text(hint).clicked() && !chosen {

@@ -208,7 +208,7 @@ mod tests {
             assert!(field.hint.ends_with('.'));
             assert!(fields[..k].iter().all(|other| other.label != field.label));
             for bad in [f64::NEG_INFINITY, f64::INFINITY, -1e300, 1e300, 0.0] {
-                let value = field.allowed(bad).expect("only NaN has no neighbour");
+                let value = field.allowed(bad).expect("only NaN has no neighbor");
                 assert!(value.is_finite() && value >= field.hard.0 && value <= field.hard.1);
             }
             assert_eq!(field.allowed(f64::NAN), None);

@@ -3,7 +3,7 @@
 
 use egui_plot::{GridInput, GridMark};
 
-/// Labelled marks stand this many times the finest spacing of the plot's grid apart: 24 points.
+/// Labeled marks stand this many times the finest spacing of the plot's grid apart: 24 points.
 const APART: f64 = 3.0;
 /// More marks than this are a plot that is not laid out yet.
 const MOST: f64 = 200.0;
@@ -69,10 +69,10 @@ mod tests {
                     base_step_size: spacing,
                 });
                 let step = all.iter().map(|m| m.step_size).fold(0.0, f64::max);
-                let labelled: Vec<_> = all.iter().filter(|m| m.step_size == step).collect();
-                assert!((2..=8).contains(&labelled.len()), "{high}: {labelled:?}");
+                let labeled: Vec<_> = all.iter().filter(|m| m.step_size == step).collect();
+                assert!((2..=8).contains(&labeled.len()), "{high}: {labeled:?}");
                 assert!(step >= 3.0 * spacing * (1.0 - 1e-9));
-                assert!(labelled.iter().any(|m| m.value == 0.0));
+                assert!(labeled.iter().any(|m| m.value == 0.0));
                 let digit = step / 10_f64.powf(step.log10().floor() + 1e-9);
                 assert!(digit > 0.99 && digit < 5.01, "{step}");
             }

@@ -51,7 +51,7 @@ pub(super) fn marks(input: GridInput) -> Vec<GridMark> {
         if span <= FINE {
             for digit in 2..=9 {
                 let value = decade + f64::from(digit).log10();
-                // Room to the next labelled mark (1, 2, 5, 10), which decides whether a label fits.
+                // Room to the next labeled mark (1, 2, 5, 10), which decides whether a label fits.
                 let step_size = if span <= LABELLED && (digit == 2 || digit == 5) {
                     0.3
                 } else {

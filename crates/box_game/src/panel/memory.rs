@@ -14,7 +14,7 @@ pub struct PanelMemory {
     /// How many notices there were, and the newest, when it was dismissed.
     pub dismissed_notice: Option<(usize, String)>,
     /// Push buttons push at the edge of the face.
-    pub push_off_centre: bool,
+    pub push_off_center: bool,
     /// Push buttons push along the world's axes.
     pub push_world: bool,
     /// The notice that is shown, and since when \[s\].
@@ -50,7 +50,7 @@ impl Default for PanelMemory {
             open: Section::ALL.map(|section| !folded.contains(&section)),
             dismissed_lesson: None,
             dismissed_notice: None,
-            push_off_centre: false,
+            push_off_center: false,
             push_world: false,
             shown_notice: None,
             search: String::new(),
@@ -76,7 +76,7 @@ impl PanelMemory {
 /// A section of the side panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
-    /// The schemes.
+    /// The integrators.
     Integrator,
     /// dt and substeps.
     Step,

@@ -10,7 +10,7 @@
 //!
 //! It draws and asks, and changes nothing but its own [`PanelMemory`]. Every widget that can be used has
 //! an accessible name, by which the tests find it: a button its text without key or sign ("Pause"), a
-//! slider `Gravity [m/s²]`, its typed value `Gravity value [m/s²]`, a scheme its name.
+//! slider `Gravity [m/s²]`, its typed value `Gravity value [m/s²]`, an integrator its name.
 
 pub(crate) mod decimate;
 mod demo;
@@ -38,7 +38,7 @@ pub use memory::{PanelMemory, Section};
 #[doc(hidden)]
 pub use sample::sample_view;
 pub use view::{
-    DemoView, HandsView, HeroView, HistoryView, LogView, PanelView, Parameters, SchemeTiming,
+    DemoView, HandsView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView, Parameters,
 };
 
 use bevy_egui::egui::{Panel, Rect, Ui};
@@ -47,7 +47,7 @@ use crate::action::{Action, Plot};
 use crate::compare::CompareView;
 use crate::style;
 
-/// Draws the comparison alone: tabs, schemes to tick, and the open tab. For a window in another app.
+/// Draws the comparison alone: tabs, integrators to tick, and the open tab. For a window in another app.
 pub fn comparison_window(
     ui: &mut Ui,
     view: &CompareView,

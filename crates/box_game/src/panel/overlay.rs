@@ -136,7 +136,7 @@ fn reset_everything(ui: &mut Ui, memory: &mut PanelMemory, out: &mut Vec<Action>
     if !memory.sure {
         let button = ui.button("Reset everything…");
         memory.sure = button
-            .on_hover_text("First scene, default scheme, step, speed, switches, scale.")
+            .on_hover_text("First scene, default integrator, step, speed, switches, scale.")
             .clicked();
         return;
     }

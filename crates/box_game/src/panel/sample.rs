@@ -2,7 +2,7 @@
 
 use box_physics::prelude::{DVec3, Integrator};
 
-use super::view::{HandsView, HeroView, HistoryView, PanelView, Parameters, SchemeTiming};
+use super::view::{HandsView, HeroView, HistoryView, IntegratorTiming, PanelView, Parameters};
 use crate::action::Plot;
 use crate::compare::{CompareView, LaneView, Quantity};
 
@@ -58,7 +58,7 @@ pub fn sample_view() -> PanelView {
             .enumerate()
             .map(|(k, &integrator)| {
                 let median = 60.0 + 45.0 * k as f64;
-                SchemeTiming {
+                IntegratorTiming {
                     integrator,
                     nanoseconds: Some((0.9 * median, median, 1.3 * median)),
                     evaluations: f64::from(integrator.info().evaluations.free),

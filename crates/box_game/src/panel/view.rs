@@ -16,7 +16,7 @@ pub struct PanelView {
     pub scene: usize,
     /// One or two sentences about the scene.
     pub lesson: String,
-    /// The scheme in use.
+    /// The integrator in use.
     pub integrator: Integrator,
     /// Whether the clock stands.
     pub paused: bool,
@@ -44,9 +44,9 @@ pub struct PanelView {
     pub defaults: Parameters,
     /// State of the hero box.
     pub hero: HeroView,
-    /// Timing of every scheme, in the order of the menu.
-    pub timings: Vec<SchemeTiming>,
-    /// Body-steps since the start of the scene in which the scheme gave way to `split`.
+    /// Timing of every integrator, in the order of the menu.
+    pub timings: Vec<IntegratorTiming>,
+    /// Body-steps since the start of the scene in which the integrator gave way to `split`.
     pub fallbacks: u64,
     /// Body-steps since then whose iteration ended at its cap.
     pub unconverged: u64,
@@ -56,7 +56,7 @@ pub struct PanelView {
     pub frame_time_ms: f64,
     /// Histories for the plots.
     pub history: HistoryView,
-    /// The comparison of schemes.
+    /// The comparison of integrators.
     pub compare: CompareView,
     /// What is drawn besides the boxes.
     pub show_aabb: bool,
@@ -167,15 +167,15 @@ pub struct HeroView {
     pub speed: f64,
     /// |ω| [rad/s].
     pub spin: f64,
-    /// Centre \[m\].
+    /// Center \[m\].
     pub position: DVec3,
     /// "free", "contact", "resting" or "quarantined".
     pub state: &'static str,
 }
 
-/// Timing of one scheme on the present load.
+/// Timing of one integrator on the present load.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SchemeTiming {
+pub struct IntegratorTiming {
     /// Which.
     pub integrator: Integrator,
     /// Shortest, median and 95th percentile of the recent samples [ns per body-step]; `None` before
@@ -188,7 +188,7 @@ pub struct SchemeTiming {
 /// Histories, oldest first; times are seconds since the start of the program or the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryView {
-    /// Per scheme in the order of the menu: (wall time \[s\], median ns per body-step).
+    /// Per integrator in the order of the menu: (wall time \[s\], median ns per body-step).
     pub timing: Vec<Vec<(f64, f64)>>,
     /// (wall time \[s\], process CPU [% of all cores], system CPU \[%\]).
     pub cpu: Vec<(f64, f64, f64)>,

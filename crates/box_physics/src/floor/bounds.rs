@@ -2,7 +2,7 @@
 
 use super::geometry::Corners;
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw};
+use crate::force::{Dissipation, ForceModel};
 use crate::state::BodyState;
 
 /// u_kn of all corners [m/s].
@@ -17,7 +17,7 @@ pub(super) fn spin_bound(body: &RigidBox, state: &BodyState) -> f64 {
 }
 
 /// How strongly the law accelerates any corner now, the rotation's own part left out [m/s²].
-pub(super) fn acceleration_bound<F: ForceLaw>(
+pub(super) fn acceleration_bound<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
     force: &F,
@@ -42,7 +42,7 @@ pub(super) fn acceleration_bound<F: ForceLaw>(
 /// A bound of the upward acceleration of every corner: 1.06 Ω²|r| for the rotation (Ω² the largest
 /// |ω|² that the rotational energy allows; for a box at most twice the present one), and whatever the
 /// law adds. Plain gravity downwards adds nothing when nothing is held: free fall is concave.
-pub(super) fn curvature_bound<F: ForceLaw>(
+pub(super) fn curvature_bound<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
     acceleration: f64,

@@ -1,8 +1,8 @@
-//! When the first corner touches: the scheme itself is re-run over part of the step, so its order
+//! When the first corner touches: the integrator itself is re-run over part of the step, so its order
 //! survives the event (Hairer, Nørsett, Wanner, *Solving ODEs I*, II.6).
 //!
 //! Where to look is told by the polynomial through what is known of a corner's height: its height and its
-//! velocity at the start, which every scheme keeps exactly as its time goes to zero, its height after each of the
+//! velocity at the start, which every integrator keeps exactly as its time goes to zero, its height after each of the
 //! last pieces tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three pieces
 //! bring it to 1e-12 of the scene; a bracket guards it.
 
@@ -199,7 +199,7 @@ impl Search {
             };
             if !(tau > low && tau < high.tau) {
                 tau = low + 0.5 * gap;
-                // Neighbouring numbers, which next to zero are far apart for their size.
+                // Neighboring numbers, which next to zero are far apart for their size.
                 if !(tau > low && tau < high.tau) {
                     break;
                 }

@@ -4,8 +4,8 @@ use super::Floor;
 use super::bounds::{acceleration_bound, curvature_bound};
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw};
-use crate::schemes::{Scheme, SchemeMemory, StepOutcome};
+use crate::force::{Dissipation, ForceModel};
+use crate::integrators::{Integrate, IntegratorMemory, StepOutcome};
 use crate::state::BodyState;
 
 /// A plain step from off the floor.
@@ -25,14 +25,14 @@ pub(super) struct Flown {
 }
 
 /// The commonest case. The lowest corner stands for all. `spare` gets the memory of what is not made.
-pub(super) fn fly<S: Scheme, F: ForceLaw>(
+pub(super) fn fly<S: Integrate, F: ForceModel>(
     floor: &Floor,
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
     h: f64,
-    memory: &mut SchemeMemory,
-    spare: &mut SchemeMemory,
+    memory: &mut IntegratorMemory,
+    spare: &mut IntegratorMemory,
     margin: f64,
 ) -> Flight {
     let clearance = |s: &BodyState| {
@@ -59,7 +59,7 @@ pub(super) fn fly<S: Scheme, F: ForceLaw>(
 
 /// Whether no corner can have been below the floor between the heights `before` and `after` of the lowest: as in
 /// the event search √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 is enough.
-fn clears<F: ForceLaw>(
+fn clears<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
     force: &F,

@@ -12,7 +12,7 @@ pub(super) type Corner3 = [DVec3; 8];
 /// The eight corners at one instant; index bits as in [`crate::aabb::corners`].
 #[derive(Clone, Copy, Default)]
 pub(super) struct Corners {
-    /// r_k = R (±h_x, ±h_y, ±h_z): from the centre to the corner \[m\], world axes.
+    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to the corner \[m\], world axes.
     pub(super) lever: Corner3,
     /// c_k = n·(x + r_k) − height \[m\].
     pub(super) height: [f64; 8],
@@ -111,7 +111,7 @@ pub(super) fn spans_face(set: u8) -> bool {
 pub(super) struct ContactSet {
     /// How many corners.
     pub(super) count: usize,
-    /// Their indices; opposite corners of a face are neighbours, so that their sums cancel.
+    /// Their indices; opposite corners of a face are neighbors, so that their sums cancel.
     pub(super) corner: [u8; 8],
     /// Their levers \[m\].
     pub(super) lever: Corner3,

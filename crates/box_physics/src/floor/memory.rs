@@ -10,8 +10,8 @@ use glam::{DQuat, DVec3};
 use super::Floor;
 use super::geometry::{Corner3, has};
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Wrench};
-use crate::schemes::SchemeMemory;
+use crate::force::{ForceModel, Wrench};
+use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
 /// What the contact remembers of one body between steps: which corners touch, and for which state and
@@ -42,9 +42,9 @@ pub struct ContactState {
     pub(super) spare: Spare,
 }
 
-/// Scheme memories for pieces that are tried: kept for what they have allocated, not for what they say.
+/// Integrator memories for pieces that are tried: kept for what they have allocated, not for what they say.
 #[derive(Debug, Default)]
-pub(super) struct Spare(pub(super) [SchemeMemory; 2]);
+pub(super) struct Spare(pub(super) [IntegratorMemory; 2]);
 
 impl Clone for Spare {
     fn clone(&self) -> Self {
@@ -86,7 +86,7 @@ impl ContactState {
 
     /// Whether it still does: nothing is different.
     #[inline]
-    pub(super) fn still_rests<F: ForceLaw>(
+    pub(super) fn still_rests<F: ForceModel>(
         &self,
         floor: &Floor,
         body: &RigidBox,
@@ -108,7 +108,7 @@ impl ContactState {
     }
 
     /// Remembers that the box lies still; `impulse` over `tau` \[s\] held it.
-    pub(super) fn establish_rest<F: ForceLaw>(
+    pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
         floor: &Floor,
         body: &RigidBox,

@@ -1,11 +1,11 @@
 //! The floor: a plane, what happens when a box meets it, and what it costs when it does not.
 //!
 //! ```text
-//! may_touch?  no  → the scheme's plain step, no contact work at all
+//! may_touch?  no  → the integrator's plain step, no contact work at all
 //!             yes → step_on_floor: impact | motion until the next event | rest, until the time is over
 //! ```
 //!
-//! Contact acts at the eight corners. An impact is located in time by re-running the scheme over part
+//! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part
 //! of the step (`event`); all touching corners are solved together, with Newton's restitution and a
 //! round friction cone (`impact`, `cone`); a corner that stays is held by a force over the piece of
 //! motion (`sustained`); a box that lies still keeps its state bit for bit (`memory`).
@@ -43,8 +43,8 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
-use crate::force::{Dissipation, ForceLaw};
-use crate::schemes::StepOutcome;
+use crate::force::{Dissipation, ForceModel};
+use crate::integrators::StepOutcome;
 use crate::state::BodyState;
 
 /// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
@@ -108,7 +108,7 @@ impl Floor {
     }
 }
 
-/// How hard the contact tries. The defaults suit boxes from millimetres to hundreds of metres.
+/// How hard the contact tries. The defaults suit boxes from millimeters to hundreds of meters.
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -162,7 +162,7 @@ impl Default for ContactSettings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct FloorOutcome {
-    /// The scheme's own account, over all pieces.
+    /// The integrator's own account, over all pieces.
     pub step: StepOutcome,
     /// Impacts resolved.
     pub impacts: u32,
@@ -200,12 +200,12 @@ impl core::ops::AddAssign for FloorOutcome {
     }
 }
 
-/// Whether the box can reach the floor within `h` \[s\]; `false` means that a plain scheme step is safe.
-/// Conservative and cheap: the centre's height, less the reach of the lowest corner at any attitude it
+/// Whether the box can reach the floor within `h` \[s\]; `false` means that a plain integrator step is safe.
+/// Conservative and cheap: the center's height, less the reach of the lowest corner at any attitude it
 /// can take, less the farthest drop. A box that touched the floor at the end of the last step should be
 /// given to [`step_on_floor`] in any case, so that the end of its contact is reported.
 #[inline]
-pub fn may_touch<F: ForceLaw>(
+pub fn may_touch<F: ForceModel>(
     floor: &Floor,
     body: &RigidBox,
     state: &BodyState,
@@ -217,7 +217,7 @@ pub fn may_touch<F: ForceLaw>(
     let mut pull = (-force.acceleration().y).max(0.0);
     let wrench = force.has_wrench();
     if wrench {
-        // Springs pull harder on the way: the larger of the force here and where the centre will be, twice.
+        // Springs pull harder on the way: the larger of the force here and where the center will be, twice.
         let mut ahead = *state;
         ahead.position += h * state.velocity;
         let here = force.wrench(body, state).force.length();
@@ -225,12 +225,12 @@ pub fn may_touch<F: ForceLaw>(
         pull += 2.0 * body.inverse_mass() * here.max(there);
     }
     drop += 0.5 * h * h * pull * if wrench { 2.0 } else { 1.0 };
-    // A semi-implicit scheme falls by a whole a h² in its step.
+    // A semi-implicit integrator falls by a whole a h² in its step.
     drop += 0.5 * h * h * pull;
     let radius = body.radius();
     if clearance - radius > drop {
         let d = force.dissipation();
-        // Beyond its stable range an explicit scheme turns drag into motion the wrong way.
+        // Beyond its stable range an explicit integrator turns drag into motion the wrong way.
         return d != Dissipation::NONE
             && h * (d.linear_drag + d.quadratic_drag * state.velocity.length()) > body.mass();
     }

@@ -30,7 +30,7 @@ pub(super) fn cancel(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 {
 }
 
 /// The normal velocities of three or four corners of a face, which tell three numbers: for three corners their
-/// own; for four, of which opposite ones are neighbours, their mean and the differences of opposite ones, since
+/// own; for four, of which opposite ones are neighbors, their mean and the differences of opposite ones, since
 /// loading one diagonal against the other does nothing. Impulses in the same three proportions are the smallest,
 /// and three linear equations tell how much of each. `None` if the corners are as good as on a line.
 fn cancel_on_face(set: &ContactSet, u: &Corner3) -> Option<Corner3> {
@@ -171,7 +171,7 @@ fn cancel_iteratively(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 
 }
 
 /// Moves and turns the body so that the corners `held` lie on the floor: Newton's method on their
-/// heights. The centre moves along the normal only. Returns where the corners are then.
+/// heights. The center moves along the normal only. Returns where the corners are then.
 pub(super) fn place_on_floor(
     floor: &Floor,
     body: &RigidBox,
@@ -203,7 +203,7 @@ pub(super) fn place_on_floor(
         if turn != DVec3::ZERO {
             // World turn: q ← exp(turn)∘q. The angular momentum keeps its body components.
             state.rotation = compose(exponential_map(turn), state.rotation);
-            state.renormalise();
+            state.renormalize();
         }
         corners = Corners::at(floor, body, state);
     }
@@ -228,9 +228,9 @@ mod tests {
     use super::*;
     use crate::floor::tests::{Random, about};
 
-    /// A corner, an edge or a face on the floor: both ways agree, and what was to be cancelled is.
+    /// A corner, an edge or a face on the floor: both ways agree, and what was to be canceled is.
     #[test]
-    fn directly_or_not_the_same_is_cancelled() {
+    fn directly_or_not_the_same_is_canceled() {
         let mut random = Random(3);
         for i in 0..1000 {
             let mut side = || random.magnitude(0.1, 1.0);

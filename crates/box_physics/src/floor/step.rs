@@ -12,8 +12,8 @@ use super::projection::lift_out;
 use super::sustained::{Piece, Start, candidates, limit_energy, longest_piece};
 use super::{ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
-use crate::schemes::{Scheme, SchemeMemory};
+use crate::force::ForceModel;
+use crate::integrators::{Integrate, IntegratorMemory};
 use crate::state::BodyState;
 
 /// Pieces of sustained motion in a step; a body that needs more gets longer ones.
@@ -41,20 +41,20 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 ///
 /// - **impact** if a touching corner approaches: all touching corners at once, at this instant;
 /// - else **motion** until the next corner touches or the time is over, with the floor holding the
-///   corners that would sink (none of them: free flight by the bare scheme);
+///   corners that would sink (none of them: free flight by the bare integrator);
 /// - **rest** if the box lies on a face and nothing moves it: the state stays bit for bit.
 ///
-/// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is left to the scheme.
+/// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is left to the integrator.
 ///
 /// ```
 /// use box_physics::floor::{ContactState, step_on_floor};
 /// use box_physics::prelude::*;
-/// use box_physics::schemes::Split;
-/// // A cube is dropped from a metre, without an App.
+/// use box_physics::integrators::Split;
+/// // A cube is dropped from a meter, without an App.
 /// let (body, floor, settings) = (RigidBox::default(), Floor::default(), ContactSettings::default());
 /// let weight = Gravity(DVec3::new(0.0, -9.81, 0.0));
 /// let mut state = BodyState::at(DVec3::Y * 1.5);
-/// let (mut memory, mut contact) = (SchemeMemory::default(), ContactState::default());
+/// let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
 /// for _ in 0..600 {
 ///     step_on_floor::<Split, _>(
 ///         &floor, &settings, &body, &mut state, &weight, 1.0 / 60.0, &mut memory, &mut contact, None,
@@ -62,14 +62,14 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 /// }
 /// assert!(contact.is_resting() && (state.position.y - 0.5).abs() < 1e-9);
 /// ```
-pub fn step_on_floor<S: Scheme, F: ForceLaw>(
+pub fn step_on_floor<S: Integrate, F: ForceModel>(
     floor: &Floor,
     settings: &ContactSettings,
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
     h: f64,
-    memory: &mut SchemeMemory,
+    memory: &mut IntegratorMemory,
     contact: &mut ContactState,
     points: Option<&mut Vec<ContactPoint>>,
 ) -> FloorOutcome {
@@ -117,14 +117,14 @@ pub fn step_on_floor<S: Scheme, F: ForceLaw>(
 
 /// The step of a box that touches the floor or may: piece after piece. `flown` is the plain step, if it is known.
 #[inline(never)] // its large frame is not for boxes that rest or fly
-fn between_events<S: Scheme, F: ForceLaw>(
+fn between_events<S: Integrate, F: ForceModel>(
     floor: &Floor,
     settings: &ContactSettings,
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
     h: f64,
-    memory: &mut SchemeMemory,
+    memory: &mut IntegratorMemory,
     contact: &mut ContactState,
     points: Option<&mut Vec<ContactPoint>>,
     mut flown: Option<Flown>,
@@ -264,7 +264,7 @@ fn tolerated_height(floor: &Floor, settings: &ContactSettings, body: &RigidBox) 
 
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
 /// step over `time`, if it is known, with its memory in the first of the pieces, which are overwritten.
-fn move_until_event<'a, S: Scheme, F: ForceLaw>(
+fn move_until_event<'a, S: Integrate, F: ForceModel>(
     start: &Start<F>,
     time: f64,
     tolerance: f64,
@@ -302,7 +302,7 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
     }
     let watch = !start.candidates;
     let held = start.candidates != 0;
-    let centre = start.state.position.y.max(whole.state.position.y) - start.floor.height;
+    let center = start.state.position.y.max(whole.state.position.y) - start.floor.height;
     let search = Search {
         watch,
         start: start.corners.height,
@@ -317,7 +317,7 @@ fn move_until_event<'a, S: Scheme, F: ForceLaw>(
         curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
         tolerance,
         dip: tolerance * if held { DIP_HELD } else { DIP_FREE },
-        highest: centre + start.body.radius() + tau * start.state.velocity.length(),
+        highest: center + start.body.radius() + tau * start.state.velocity.length(),
         budget: if held {
             SEARCH_BUDGET_HELD
         } else {
@@ -343,9 +343,9 @@ impl Piece {
     }
 }
 
-impl<F: ForceLaw> Start<'_, F> {
-    /// [`Start::advance`], its cost counted; a bare scheme step if nothing may be held.
-    fn spent<S: Scheme>(&self, outcome: &mut FloorOutcome, tau: f64, piece: &mut Piece) {
+impl<F: ForceModel> Start<'_, F> {
+    /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
+    fn spent<S: Integrate>(&self, outcome: &mut FloorOutcome, tau: f64, piece: &mut Piece) {
         piece.memory.clone_from(self.memory);
         if self.candidates == 0 {
             let mut state = self.state;
@@ -359,13 +359,13 @@ impl<F: ForceLaw> Start<'_, F> {
 }
 
 /// What is left when the caps are reached: one plain step, out of the floor, no approach, no gain.
-fn rest_of_step<S: Scheme, F: ForceLaw>(
+fn rest_of_step<S: Integrate, F: ForceModel>(
     floor: &Floor,
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
     rest: f64,
-    memory: &mut SchemeMemory,
+    memory: &mut IntegratorMemory,
 ) {
     let start = *state;
     S::step(body, state, force, rest, memory);

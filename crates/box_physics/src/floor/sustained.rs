@@ -1,9 +1,9 @@
 //! Sustained contact: the floor's force acts *during* a piece of the step, as a force, so that sliding
-//! and pivoting keep second order whatever the scheme.
+//! and pivoting keep second order whatever the integrator.
 //!
 //! The contact force is constant over the piece and is found from the **mean** motion of the corners,
 //! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
-//! over time, taken from a `split` step, so that the force does not depend on the scheme),
+//! over time, taken from a `split` step, so that the force does not depend on the integrator),
 //!
 //! ```text
 //! ū_k = d_k + ½ W p,   0 ≤ p_n ⊥ ū_n ≥ 0,   friction in the cone against ū_t,
@@ -11,7 +11,7 @@
 //!
 //! since a constant force p/τ moves a body by half of what the impulse p at the start would. The
 //! same W on both sides makes the contact's work Σ p·ū ≤ 0 (θ = ½ of Moreau–Jean: Acary, Brogliato 2008,
-//! §10). The scheme then makes the piece with that force, and what its own error leaves is projected
+//! §10). The integrator then makes the piece with that force, and what its own error leaves is projected
 //! away: positions of the held corners onto the floor, velocities onto what the contact allows (as
 //! RATTLE does, Andersen 1983).
 
@@ -23,8 +23,8 @@ use super::projection::{cancel, lift_out, place_on_floor};
 use super::slips::{STOPPED, Slips};
 use super::{ContactSettings, Floor};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Wrench};
-use crate::schemes::{Scheme, SchemeMemory, Split, StepOutcome};
+use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::integrators::{Integrate, IntegratorMemory, Split, StepOutcome};
 use crate::state::BodyState;
 
 /// The law plus the floor's constant force and torque, world axes.
@@ -32,11 +32,11 @@ struct Supported<'a, F> {
     inner: &'a F,
     /// Contact force over mass [m/s²].
     acceleration: DVec3,
-    /// Contact torque about the centre \[N m\], world axes.
+    /// Contact torque about the center \[N m\], world axes.
     torque: DVec3,
 }
 
-impl<F: ForceLaw> Supported<'_, F> {
+impl<F: ForceModel> Supported<'_, F> {
     fn torque_in_body(&self, state: &BodyState) -> Wrench {
         Wrench {
             force: DVec3::ZERO,
@@ -45,7 +45,7 @@ impl<F: ForceLaw> Supported<'_, F> {
     }
 }
 
-impl<F: ForceLaw> ForceLaw for Supported<'_, F> {
+impl<F: ForceModel> ForceModel for Supported<'_, F> {
     fn acceleration(&self) -> DVec3 {
         self.inner.acceleration() + self.acceleration
     }
@@ -86,7 +86,7 @@ pub(super) struct Start<'a, F> {
     pub(super) body: &'a RigidBox,
     pub(super) force: &'a F,
     pub(super) state: BodyState,
-    pub(super) memory: &'a SchemeMemory,
+    pub(super) memory: &'a IntegratorMemory,
     pub(super) corners: &'a Corners,
     /// The corners' velocities upwards [m/s].
     pub(super) normal: [f64; 8],
@@ -103,7 +103,7 @@ pub(super) struct Start<'a, F> {
 /// A piece of sustained motion.
 pub(super) struct Piece {
     pub(super) state: BodyState,
-    pub(super) memory: SchemeMemory,
+    pub(super) memory: IntegratorMemory,
     pub(super) corners: Corners,
     /// Impulses over the piece, by corner index \[N s\].
     pub(super) impulse: Corner3,
@@ -113,13 +113,13 @@ pub(super) struct Piece {
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,
     pub(super) capped: bool,
-    /// Energy taken because the errors of scheme and projection had added it \[J\].
+    /// Energy taken because the errors of integrator and projection had added it \[J\].
     pub(super) repaired: Option<f64>,
 }
 
 impl Piece {
     /// Yet to be made, with this memory to write to.
-    pub(super) fn new(memory: SchemeMemory) -> Self {
+    pub(super) fn new(memory: IntegratorMemory) -> Self {
         Self {
             state: BodyState::default(),
             memory,
@@ -145,9 +145,9 @@ impl Piece {
     }
 }
 
-impl<F: ForceLaw> Start<'_, F> {
-    /// The motion over `tau` \[s\] by scheme `S`, from the memory that `piece` holds.
-    pub(super) fn advance<S: Scheme>(&self, tau: f64, piece: &mut Piece) {
+impl<F: ForceModel> Start<'_, F> {
+    /// The motion over `tau` \[s\] by integrator `S`, from the memory that `piece` holds.
+    pub(super) fn advance<S: Integrate>(&self, tau: f64, piece: &mut Piece) {
         let (floor, body, start) = (self.floor, self.body, &self.state);
         let mut free = *start;
         let mut outcome = Split::step(
@@ -155,7 +155,7 @@ impl<F: ForceLaw> Start<'_, F> {
             &mut free,
             self.force,
             tau,
-            &mut SchemeMemory::default(),
+            &mut IntegratorMemory::default(),
         );
         let middle = middle_attitude(start, &free);
         let levers = levers(body, middle, self.candidates);
@@ -218,21 +218,21 @@ impl<F: ForceLaw> Start<'_, F> {
         let start = &self.state;
         let rate = 1.0 / tau;
         // Exact under a uniform acceleration.
-        let mut centre = 0.5 * (start.velocity + free.velocity);
+        let mut center = 0.5 * (start.velocity + free.velocity);
         if self.force.has_wrench() || self.force.dissipation() != Dissipation::NONE {
             let path = (free.position - start.position) * rate;
-            if (path - centre).length() > 1e-6 * (free.velocity - start.velocity).length() {
-                centre = path;
+            if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
+                center = path;
             }
         }
         // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
         let omega = 0.5 * (start.angular_velocity(self.body) + free.angular_velocity(self.body));
-        let mut d = set.velocities((centre, omega));
+        let mut d = set.velocities((center, omega));
         if omega.length() * tau >= 0.01 {
             let moved = Corners::at(self.floor, self.body, free);
             for i in 0..set.count {
                 let k = usize::from(set.corner[i]);
-                d[i] = centre + (moved.lever[k] - self.corners.lever[k]) * rate;
+                d[i] = center + (moved.lever[k] - self.corners.lever[k]) * rate;
             }
         }
         d
@@ -295,7 +295,7 @@ impl<F: ForceLaw> Start<'_, F> {
     }
 
     /// The end of an accepted piece: a corner that was let go and yet ended below the floor (by the error
-    /// of a piece) is lifted out. A contact only takes energy: what the errors of scheme and projection
+    /// of a piece) is lifted out. A contact only takes energy: what the errors of integrator and projection
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
     pub(super) fn finish(&self, piece: &mut Piece) {

@@ -1,11 +1,11 @@
-//! The force law of a body, as the schemes see it.
+//! The force model of a body, as the integrators see it.
 //!
 //! ```text
 //! m v' = m a − c₁ v − k₂ |v| v + F(x, q, v, ω)        world axes
 //! L'   = L×ω − γ L − c_ω ω + τ(x, q, v, ω)           body axes, ω = L/I
 //! ```
 //!
-//! The parts are kept apart because a good scheme treats them apart: the uniform acceleration and the
+//! The parts are kept apart because a good integrator treats them apart: the uniform acceleration and the
 //! isotropic dissipation have exact flows, the rest (the *wrench*) is what a kick applies.
 
 mod parts;
@@ -18,14 +18,14 @@ use glam::DVec3;
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
-/// A force through the centre of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
+/// A force through the center of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wrench {
     /// Force \[N\], world axes.
     pub force: DVec3,
-    /// Torque about the centre of mass \[N m\], body axes.
+    /// Torque about the center of mass \[N m\], body axes.
     pub torque: DVec3,
 }
 
@@ -56,7 +56,7 @@ impl core::ops::AddAssign for Wrench {
 ///     dissipation: Dissipation { quadratic_drag: 0.1, ..Dissipation::NONE },
 ///     ..Forces::default()
 /// };
-/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// let (mut state, mut memory) = (BodyState::default(), IntegratorMemory::default());
 /// for _ in 0..600 {
 ///     Integrator::Rk4.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
 /// }
@@ -85,17 +85,17 @@ impl Dissipation {
     };
 }
 
-/// What acts on one body. The schemes are generic over it, so a body without a force pays nothing
+/// What acts on one body. The integrators are generic over it, so a body without a force pays nothing
 /// for it: the compiler removes what [`Gravity`] says is absent.
 ///
-/// Implement it for forces of your own: give the state-dependent part in [`ForceLaw::wrench`] and
-/// say so in [`ForceLaw::has_wrench`].
+/// Implement it for forces of your own: give the state-dependent part in [`ForceModel::wrench`] and
+/// say so in [`ForceModel::has_wrench`].
 ///
 /// ```
 /// use box_physics::prelude::*;
 /// /// A rotor that drives the box about its own z axis, weaker the faster it turns.
 /// struct Motor;
-/// impl ForceLaw for Motor {
+/// impl ForceModel for Motor {
 ///     fn acceleration(&self) -> DVec3 { DVec3::ZERO }
 ///     fn has_wrench(&self) -> bool { true }
 ///     fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
@@ -104,15 +104,15 @@ impl Dissipation {
 ///     }
 /// }
 /// let body = RigidBox::default();
-/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// let (mut state, mut memory) = (BodyState::default(), IntegratorMemory::default());
 /// for _ in 0..60 {
 ///     Integrator::Rk4.step(&body, &mut state, &Motor, 1.0 / 60.0, &mut memory);
 /// }
 /// assert!(state.angular_velocity(&body).z > 4.0);
 /// ```
-pub trait ForceLaw {
+pub trait ForceModel {
     /// The uniform acceleration [m/s²], world axes: gravity and whatever constant force acts on the
-    /// centre, divided by the mass. Constant over a step.
+    /// center, divided by the mass. Constant over a step.
     fn acceleration(&self) -> DVec3;
 
     /// Isotropic drag and damping. Constant over a step.
@@ -121,21 +121,21 @@ pub trait ForceLaw {
         Dissipation::NONE
     }
 
-    /// Whether [`ForceLaw::wrench`] is ever different from zero; schemes skip the kicks if not.
+    /// Whether [`ForceModel::wrench`] is ever different from zero; integrators skip the kicks if not.
     #[inline(always)]
     fn has_wrench(&self) -> bool {
         false
     }
 
-    /// Everything else, evaluated at every stage of a multi-stage scheme.
+    /// Everything else, evaluated at every stage of a multi-stage integrator.
     #[inline(always)]
     fn wrench(&self, _body: &RigidBox, _state: &BodyState) -> Wrench {
         Wrench::ZERO
     }
 
-    /// The part of [`ForceLaw::wrench`] that does not depend on the velocities, for schemes that
-    /// kick: what it leaves out must be in [`ForceLaw::damp`]. By default the whole wrench, whose
-    /// velocity-dependent part such a scheme then takes at the velocity it has (order 1).
+    /// The part of [`ForceModel::wrench`] that does not depend on the velocities, for integrators that
+    /// kick: what it leaves out must be in [`ForceModel::damp`]. By default the whole wrench, whose
+    /// velocity-dependent part such an integrator then takes at the velocity it has (order 1).
     #[inline(always)]
     fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
         self.wrench(body, state)
@@ -151,7 +151,7 @@ pub trait ForceLaw {
 #[reflect(Default, Clone, PartialEq)]
 pub struct Gravity(pub DVec3);
 
-impl ForceLaw for Gravity {
+impl ForceModel for Gravity {
     #[inline(always)]
     fn acceleration(&self) -> DVec3 {
         self.0
@@ -160,15 +160,15 @@ impl ForceLaw for Gravity {
 
 /// The time derivatives (v', L') of the whole law at `state`: one force evaluation.
 #[inline(always)]
-pub fn rates<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {
+pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {
     let (dv, torque) = applied_rates(body, state, force);
     let omega = state.body_angular_velocity(body);
     (dv, state.angular_momentum.cross(omega) + torque)
 }
 
-/// [`rates`] without the gyroscopic term L×ω, for schemes whose drift contains it.
+/// [`rates`] without the gyroscopic term L×ω, for integrators whose drift contains it.
 #[inline(always)]
-pub(crate) fn applied_rates<F: ForceLaw>(
+pub(crate) fn applied_rates<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
     force: &F,

@@ -4,7 +4,7 @@ use bevy::ecs::VariantDefaults;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::{DMat3, DVec3};
 
-use super::{Dissipation, ForceLaw, Wrench};
+use super::{Dissipation, ForceModel, Wrench};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
@@ -13,7 +13,7 @@ use crate::state::BodyState;
 #[reflect(Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForce {
-    /// Where it acts, body axes from the centre \[m\].
+    /// Where it acts, body axes from the center \[m\].
     pub body_point: DVec3,
     /// The force \[N\], constant in the axes that `frame` names.
     pub force: DVec3,
@@ -39,7 +39,7 @@ pub enum Frame {
 #[reflect(Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spring {
-    /// Where it holds the box, body axes from the centre \[m\].
+    /// Where it holds the box, body axes from the center \[m\].
     pub body_point: DVec3,
     /// Where it is fixed in the world \[m\].
     pub anchor: DVec3,
@@ -49,11 +49,11 @@ pub struct Spring {
     pub damping: f64,
 }
 
-/// The whole force law of the library: every term may be absent.
+/// The whole force model of the library: every term may be absent.
 ///
 /// ```
 /// use box_physics::prelude::*;
-/// // A box hangs on a spring from a metre above: k = 20 N/m stretches by m g / k.
+/// // A box hangs on a spring from a meter above: k = 20 N/m stretches by m g / k.
 /// let body = RigidBox::default(); // 1 kg
 /// let springs = [Spring { anchor: DVec3::Y, stiffness: 20.0, damping: 4.0, ..Spring::default() }];
 /// let law = Forces {
@@ -61,7 +61,7 @@ pub struct Spring {
 ///     springs: &springs,
 ///     ..Forces::default()
 /// };
-/// let (mut state, mut memory) = (BodyState::default(), SchemeMemory::default());
+/// let (mut state, mut memory) = (BodyState::default(), IntegratorMemory::default());
 /// for _ in 0..1200 {
 ///     Integrator::Split.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
 /// }
@@ -83,7 +83,7 @@ pub struct Forces<'a> {
     pub springs: &'a [Spring],
 }
 
-impl ForceLaw for Forces<'_> {
+impl ForceModel for Forces<'_> {
     #[inline(always)]
     fn acceleration(&self) -> DVec3 {
         self.acceleration

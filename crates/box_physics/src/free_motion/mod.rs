@@ -1,5 +1,5 @@
 //! The torque-free rotation of a rigid body in closed form: where the body is at *any* time, without
-//! stepping there. It is the heart of the `exact` scheme and a reference for everything else.
+//! stepping there. It is the heart of the `exact` integrator and a reference for everything else.
 //!
 //! ```text
 //! L' = L × ω,   q' = ½ q∘(ω, 0),   ω_i = L_i/I_i                body axes

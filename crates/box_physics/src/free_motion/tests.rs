@@ -1,8 +1,8 @@
 use super::*;
 use crate::body::RigidBox;
 use crate::force::Gravity;
+use crate::integrators::{Integrator, IntegratorMemory};
 use crate::rotation::compose;
-use crate::schemes::{Integrator, SchemeMemory};
 use crate::state::BodyState;
 use proptest::prelude::*;
 
@@ -253,7 +253,7 @@ proptest! {
         prop_assert!(angle(there, direct) < 1e-11);
         prop_assert!((m - n).length() < 1e-11 * n.length());
 
-        let (mut state, mut memory) = (start, SchemeMemory::default());
+        let (mut state, mut memory) = (start, IntegratorMemory::default());
         for _ in 0..1000 {
             Integrator::Rk4.step(&body, &mut state, &Gravity(DVec3::ZERO), t2 / 1000.0, &mut memory);
         }

@@ -13,4 +13,4 @@ mod vectors;
 pub use exponential::{Exponential, exp};
 pub(crate) use trigonometry::{AnyArgument, SmallArguments, Trigonometry};
 pub use trigonometry::{sin_cos, sinc_cos};
-pub(crate) use vectors::{VectorLoop, vectorised};
+pub(crate) use vectors::{VectorLoop, vectorized};

@@ -22,7 +22,7 @@ const C: [f64; 6] = [
     -1.1382623647474604e-11,
 ];
 
-/// S(z) and C(z) for z = x², by Estrin's scheme (three independent pairs, so that the processor can
+/// S(z) and C(z) for z = x², by Estrin's integrator (three independent pairs, so that the processor can
 /// work on them at the same time).
 #[inline(always)]
 fn polynomials(z: f64) -> (f64, f64) {
@@ -88,7 +88,7 @@ impl Trigonometry for AnyArgument {
 /// within |x| ≤ π/4, and it says whether that was so.
 #[derive(Default)]
 pub(crate) struct SmallArguments {
-    /// Arguments that were larger, or no number. (Not a flag: additions are vectorised, a chain of
+    /// Arguments that were larger, or no number. (Not a flag: additions are vectorized, a chain of
     /// conditions is not.)
     others: f64,
 }

@@ -14,7 +14,7 @@ pub(crate) trait VectorLoop {
 /// Runs the loop: compiled for AVX2 (four f64 at a time) where the processor has it, which is asked at run
 /// time; elsewhere for what every x86-64 has (two at a time), or what the target has.
 #[inline]
-pub(crate) fn vectorised<L: VectorLoop>(work: L) {
+pub(crate) fn vectorized<L: VectorLoop>(work: L) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[expect(unsafe_code, reason = "the same code, compiled for AVX2")]

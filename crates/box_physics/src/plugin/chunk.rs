@@ -13,17 +13,17 @@ use super::step::{Tally, runs_of};
 use super::timing::Stopwatch;
 use crate::body::RigidBox;
 use crate::floor::ContactState;
-use crate::schemes::SchemeMemory;
+use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
-/// Neighbours in a table. A column that the table lacks, or that is not wanted, is empty.
+/// Neighbors in a table. A column that the table lacks, or that is not wanted, is empty.
 pub(crate) struct Chunk<'a> {
     /// Index in the table of the first body.
     pub(crate) first: usize,
     pub(crate) entities: &'a [Entity],
     pub(crate) bodies: &'a [RigidBox],
     pub(crate) states: &'a mut [BodyState],
-    pub(crate) memories: &'a mut [SchemeMemory],
+    pub(crate) memories: &'a mut [IntegratorMemory],
     pub(crate) contacts: &'a mut [ContactState],
     pub(crate) near: &'a mut [NearFloor],
     pub(crate) shown: Shown<'a>,

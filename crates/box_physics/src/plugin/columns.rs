@@ -52,7 +52,7 @@ impl ForceColumnsContiguousItem<'_, '_> {
         self.gravity_scale.is_some()
     }
 
-    /// The whole force law of body `i`.
+    /// The whole force model of body `i`.
     #[inline]
     pub(crate) fn forces(&self, i: usize, body: &RigidBox, world: DVec3) -> Forces<'_> {
         let external = self.external.map_or(ExternalForce::default(), |c| c[i]);

@@ -11,10 +11,10 @@ use crate::aabb;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::force::{PointForce, Spring};
-use crate::schemes::Integrator;
+use crate::integrators::Integrator;
 use crate::state::BodyState;
 
-/// The scheme of this body alone, instead of the [`GlobalIntegrator`](super::GlobalIntegrator).
+/// The integrator of this body alone, instead of the [`GlobalIntegrator`](super::GlobalIntegrator).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -87,9 +87,9 @@ coefficient! {
     AngularDrag, "angular drag"
 }
 
-/// A force through the centre \[N\] and a torque \[N m\], both in **world** axes, held constant over each
+/// A force through the center \[N\] and a torque \[N m\], both in **world** axes, held constant over each
 /// step. It stays until changed. For forces that depend on the state use [`PointForces`],
-/// [`Springs`], or the core with a [`ForceLaw`](crate::force::ForceLaw) of your own.
+/// [`Springs`], or the core with a [`ForceModel`](crate::force::ForceModel) of your own.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -111,7 +111,7 @@ coefficient! {
 pub struct ExternalForce {
     /// Force \[N\].
     pub force: DVec3,
-    /// Torque about the centre of mass \[N m\].
+    /// Torque about the center of mass \[N m\].
     pub torque: DVec3,
 }
 
@@ -121,7 +121,7 @@ pub struct ExternalForce {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyTorque(pub DVec3);
 
-/// Forces at body points, evaluated at every stage of the scheme.
+/// Forces at body points, evaluated at every stage of the integrator.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -141,7 +141,7 @@ pub struct BodyTorque(pub DVec3);
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForces(pub Vec<PointForce>);
 
-/// Springs from body points to world anchors, evaluated at every stage of the scheme.
+/// Springs from body points to world anchors, evaluated at every stage of the integrator.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -176,7 +176,7 @@ pub struct Springs(pub Vec<Spring>);
 pub struct WorldAabb(pub Aabb3d);
 
 impl WorldAabb {
-    /// Fitted to a body: |R|·h about its centre, rounded outward.
+    /// Fitted to a body: |R|·h about its center, rounded outward.
     #[inline(always)]
     pub fn of(body: &RigidBox, state: &BodyState) -> Self {
         let half = aabb::world_half_extents(state.rotation, body.half_extents());

@@ -22,7 +22,7 @@ use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::floor::{ContactSettings, Floor};
-use crate::schemes::SchemeMemory;
+use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
 /// Says at startup what would keep everything still.
@@ -133,7 +133,7 @@ pub(crate) fn mend_bodies(
             With<RigidBox>,
             Or<(
                 Without<BodyState>,
-                Without<SchemeMemory>,
+                Without<IntegratorMemory>,
                 Without<Transform>,
                 Without<WrittenTransform>,
                 Without<NearFloor>,
@@ -150,7 +150,7 @@ pub(crate) fn mend_bodies(
             commands.entity(entity).try_insert(state);
         }
         commands.entity(entity).try_insert_if_new((
-            SchemeMemory::default(),
+            IntegratorMemory::default(),
             Transform::default(),
             WrittenTransform::default(),
             NearFloor::default(),
@@ -179,7 +179,7 @@ pub(crate) fn guard_quarantined(
     mut bodies: Query<(&mut BodyState, &WrittenTransform), (With<Quarantined>, With<RigidBox>)>,
 ) {
     for (mut state, written) in &mut bodies {
-        if !state.is_sound() {
+        if !state.is_valid() {
             *state.bypass_change_detection() = written.state_at_rest();
         }
     }

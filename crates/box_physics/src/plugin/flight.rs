@@ -10,9 +10,9 @@ use super::components::NearFloor;
 use super::step::{Setting, Tally, runs_of};
 use crate::body::RigidBox;
 use crate::floor::{self, Floor};
-use crate::force::{ForceLaw, Gravity};
-use crate::math::{VectorLoop, vectorised};
-use crate::schemes::{GravityField, Group, Scheme, SchemeMemory, SchemeVisitor};
+use crate::force::{ForceModel, Gravity};
+use crate::integrators::{GravityField, Group, Integrate, IntegratorMemory, IntegratorVisitor};
+use crate::math::{VectorLoop, vectorized};
 use crate::state::BodyState;
 
 /// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
@@ -60,10 +60,10 @@ impl VectorLoop for HighAbove<'_> {
     }
 }
 
-impl SchemeVisitor for FreeFlight<'_, '_, '_, '_> {
+impl IntegratorVisitor for FreeFlight<'_, '_, '_, '_> {
     type Output = Tally;
 
-    fn visit<S: Scheme>(mut self) -> Tally {
+    fn visit<S: Integrate>(mut self) -> Tally {
         let (forces, bodies, first) = (self.forces, self.chunk.bodies, self.chunk.first);
         let world = self.setting.gravity;
         if !forces.only_gravity() {
@@ -104,7 +104,7 @@ impl FreeFlight<'_, '_, '_, '_> {
             }
             let mut high = [0.0; GATHERED];
             if !self.forces.scales_gravity() {
-                vectorised(HighAbove {
+                vectorized(HighAbove {
                     floor,
                     bodies: &chunk.bodies[part.clone()],
                     states: &chunk.states[part.clone()],
@@ -132,7 +132,7 @@ impl FreeFlight<'_, '_, '_, '_> {
 
     /// The bodies between those that are left to *Contact*: long runs of them where they are, short ones
     /// copied together.
-    fn runs<S: Scheme>(&mut self, tally: &mut Tally) {
+    fn runs<S: Integrate>(&mut self, tally: &mut Tally) {
         let (mut chosen, mut count) = ([0; GATHERED], 0);
         let mut next = 0;
         while let Some(range) = self.next_run(next) {
@@ -164,8 +164,8 @@ impl FreeFlight<'_, '_, '_, '_> {
         Some(from + range.start..from + range.end)
     }
 
-    /// Neighbours, where they are.
-    fn run<S: Scheme>(&mut self, range: Range<usize>, tally: &mut Tally) {
+    /// Neighbors, where they are.
+    fn run<S: Integrate>(&mut self, range: Range<usize>, tally: &mut Tally) {
         if !self.forces.scales_gravity() {
             let gravity = GravityField::Uniform(self.setting.gravity);
             return self.group::<S>(range, gravity, tally);
@@ -178,7 +178,7 @@ impl FreeFlight<'_, '_, '_, '_> {
         }
     }
 
-    fn group<S: Scheme>(
+    fn group<S: Integrate>(
         &mut self,
         range: Range<usize>,
         gravity: GravityField<'_>,
@@ -201,17 +201,17 @@ impl FreeFlight<'_, '_, '_, '_> {
 
     /// Scattered bodies: at least one, at most [`GATHERED`].
     #[inline(never)]
-    fn gathered<S: Scheme>(&mut self, chosen: &[usize], tally: &mut Tally) {
+    fn gathered<S: Integrate>(&mut self, chosen: &[usize], tally: &mut Tally) {
         let known = tally.faults.len();
         // What is beyond the last is not looked at.
         let place = |k: usize| chosen[k.min(chosen.len() - 1)];
         let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.chunk.bodies[place(k)]);
         let mut states: [BodyState; GATHERED] =
             core::array::from_fn(|k| self.chunk.states[place(k)]);
-        let mut memories: [SchemeMemory; GATHERED] =
+        let mut memories: [IntegratorMemory; GATHERED] =
             core::array::from_fn(|k| match chosen.get(k) {
                 Some(&i) => core::mem::take(&mut self.chunk.memories[i]),
-                None => SchemeMemory::default(),
+                None => IntegratorMemory::default(),
             });
         let gravity: [DVec3; GATHERED] = core::array::from_fn(|k| self.gravity(place(k)));
         let mut group = Group {
@@ -232,7 +232,7 @@ impl FreeFlight<'_, '_, '_, '_> {
         }
     }
 
-    fn each<S: Scheme, F: ForceLaw>(&mut self, law: impl Fn(usize) -> F) -> Tally {
+    fn each<S: Integrate, F: ForceModel>(&mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
         for i in 0..self.chunk.bodies.len() {
             let (body, state) = (&self.chunk.bodies[i], &mut self.chunk.states[i]);
@@ -247,7 +247,7 @@ impl FreeFlight<'_, '_, '_, '_> {
             let memory = &mut self.chunk.memories[i];
             tally.outcome += S::step(body, state, &law, self.setting.h, memory);
             tally.bodies += 1;
-            if !state.is_sound() {
+            if !state.is_valid() {
                 *state = before;
                 tally.faults.push(self.chunk.first + i);
             }

@@ -108,7 +108,7 @@ pub(crate) fn take_teleports(
     Ok(())
 }
 
-/// Neighbours in a table, of which some may have been teleported.
+/// Neighbors in a table, of which some may have been teleported.
 struct Teleports<'a> {
     entities: &'a [Entity],
     transforms: &'a [Transform],
@@ -161,7 +161,7 @@ pub(crate) fn apply_impulses(
             Ok((body, mut state, false)) => {
                 let mut pushed = *state;
                 impulse.apply(body, &mut pushed);
-                if pushed.is_sound() || !state.is_sound() {
+                if pushed.is_valid() || !state.is_valid() {
                     *state = pushed;
                     continue;
                 }
@@ -206,7 +206,7 @@ pub(crate) fn place_new_bodies(
     for (body, mut state, mut written, mut transform, mut near, contact, aabb) in &mut bodies {
         // A loaded body may bring its contacts along.
         near.touched = contact.is_some_and(|c| c.touching() != 0);
-        if !state.is_sound() {
+        if !state.is_valid() {
             // The first step quarantines it, where its Transform is.
             *written = WrittenTransform::shown_by(&transform).unwrap_or_default();
             continue;
@@ -242,7 +242,7 @@ pub(crate) fn show_written(
         let shown =
             written.translation == transform.translation && written.rotation == transform.rotation;
         let now = WrittenTransform::of(state);
-        if !shown || !state.is_sound() || now == *written {
+        if !shown || !state.is_valid() || now == *written {
             continue;
         }
         *written = now;

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::body::RigidBox;
 use crate::floor::ContactPhase;
-use crate::schemes::Integrator;
+use crate::integrators::Integrator;
 use crate::state::BodyState;
 
 /// Asks for an impulse on a body at the start of the next step. Several are applied in their order of
@@ -23,7 +23,7 @@ use crate::state::BodyState;
 ///     mut impulses: MessageWriter<ApplyImpulse>,
 /// ) {
 ///     if keys.just_pressed(KeyCode::Space) {
-///         impulses.write_batch(boxes.iter().map(|b| ApplyImpulse::centre(b, Vec3::Y * 4.0)));
+///         impulses.write_batch(boxes.iter().map(|b| ApplyImpulse::center(b, Vec3::Y * 4.0)));
 ///     }
 /// }
 /// ```
@@ -42,22 +42,22 @@ pub struct ApplyImpulse {
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ImpulsePoint {
-    /// At the centre of mass: no spin.
+    /// At the center of mass: no spin.
     #[default]
-    Centre,
+    Center,
     /// At this point of the world \[m\].
     World(DVec3),
-    /// At this point in body axes from the centre \[m\].
+    /// At this point in body axes from the center \[m\].
     Body(DVec3),
 }
 
 impl ApplyImpulse {
-    /// At the centre of mass.
-    pub fn centre(entity: Entity, impulse: impl Into<DVec3>) -> Self {
+    /// At the center of mass.
+    pub fn center(entity: Entity, impulse: impl Into<DVec3>) -> Self {
         Self {
             entity,
             impulse: impulse.into(),
-            at: ImpulsePoint::Centre,
+            at: ImpulsePoint::Center,
         }
     }
 
@@ -74,7 +74,7 @@ impl ApplyImpulse {
         }
     }
 
-    /// At a point in body axes from the centre \[m\].
+    /// At a point in body axes from the center \[m\].
     pub fn at_body_point(
         entity: Entity,
         impulse: impl Into<DVec3>,
@@ -90,7 +90,7 @@ impl ApplyImpulse {
     /// Applies it to `state`.
     pub fn apply(&self, body: &RigidBox, state: &mut BodyState) {
         match self.at {
-            ImpulsePoint::Centre => state.velocity += self.impulse * body.inverse_mass(),
+            ImpulsePoint::Center => state.velocity += self.impulse * body.inverse_mass(),
             ImpulsePoint::World(point) => state.apply_impulse(body, self.impulse, point),
             ImpulsePoint::Body(point) => {
                 state.apply_impulse_at_body_point(body, self.impulse, point);
@@ -144,7 +144,7 @@ pub struct FloorContact {
 pub struct BodyQuarantined {
     /// The body.
     pub entity: Entity,
-    /// The scheme that was to step it.
+    /// The integrator that was to step it.
     pub integrator: Integrator,
     /// Simulated time \[s\].
     pub time: f64,
@@ -159,7 +159,7 @@ pub enum QuarantineCause {
     /// Somebody wrote a [`BodyState`] that is not finite or beyond 1e38, or whose attitude is not a unit quaternion.
     /// The body stands at its last written pose, at rest.
     State,
-    /// The step from a sound state led to one that is not finite or beyond 1e38: its forces are, or the scheme
+    /// The step from a sound state led to one that is not finite or beyond 1e38: its forces are, or the integrator
     /// left its stable range. The body stands as it was before that step.
     Step,
 }
@@ -172,7 +172,7 @@ impl core::fmt::Display for QuarantineCause {
                  attitude that is no unit quaternion"
             }
             Self::Step => {
-                "its step led to values that are not finite or beyond 1e38 (forces, or a scheme beyond its \
+                "its step led to values that are not finite or beyond 1e38 (forces, or an integrator beyond its \
                  range)"
             }
         })

@@ -6,8 +6,8 @@
 //!   First      (yours)
 //!   Impulses   teleports taken from Transform, then the impulses asked for
 //!   Forces     (yours: ExternalForce and the like)
-//!   Integrate  every body clear of the floor: one scheme step; the others are left to…
-//!   Contact    …this: the same scheme, impacts located, contact forces
+//!   Integrate  every body clear of the floor: one integrator step; the others are left to…
+//!   Contact    …this: the same integrator, impacts located, contact forces
 //!   Refit      world bounding boxes
 //!   Writeback  Transform, where it changed
 //!   Last       (yours)
@@ -40,7 +40,9 @@ pub use parallel::PhysicsThreads;
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use run::StepPhysics;
 pub use sets::{FixedPhysics, PhysicsSchedule, PhysicsSystems, RunPhysics};
-pub use timing::{PhysicsDiagnosticsPlugin, PhysicsTimings, SchemeTiming, Stage, scheme_path};
+pub use timing::{
+    IntegratorTiming, PhysicsDiagnosticsPlugin, PhysicsTimings, Stage, integrator_path,
+};
 
 use bevy::app::{
     App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder,
@@ -56,7 +58,7 @@ use bevy::ecs::schedule::{
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
 use crate::force::{Dissipation, Gravity, Wrench};
-use crate::schemes::SchemeMemory;
+use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
 /// Everything a game wants: one line.
@@ -237,7 +239,7 @@ impl Plugin for PhysicsPlugin {
 fn register_types(app: &mut App) {
     app.register_type::<RigidBox>()
         .register_type::<BodyState>()
-        .register_type::<SchemeMemory>()
+        .register_type::<IntegratorMemory>()
         .register_type::<BodyIntegrator>()
         .register_type::<GravityScale>()
         .register_type::<LinearDrag>()

@@ -112,7 +112,7 @@ mod tests {
     use bevy::tasks::{TaskPool, TaskPoolBuilder};
     use bevy::transform::components::Transform;
 
-    /// Boxes that fly, fall, bounce, slide, roll and rest, some with a scale on gravity, a drag or a scheme
+    /// Boxes that fly, fall, bounce, slide, roll and rest, some with a scale on gravity, a drag or an integrator
     /// of their own, after 90 steps.
     fn storm(most: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
         let mut app = App::new();

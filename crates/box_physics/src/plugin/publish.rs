@@ -6,14 +6,14 @@ use bevy::transform::components::Transform;
 use super::components::{WorldAabb, WrittenTransform};
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
-use crate::math::{VectorLoop, vectorised};
+use crate::math::{VectorLoop, vectorized};
 use crate::state::BodyState;
 
 impl WorldAabb {
     /// Fits many at once: [`WorldAabb::of`] each body, the same bits, four at a time where the processor
     /// has AVX2. The three slices are of equal length (what is beyond the shortest is left alone).
     pub fn fit_all(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [Self]) {
-        vectorised(Fit {
+        vectorized(Fit {
             bodies,
             states,
             fitted,
@@ -34,7 +34,7 @@ impl VectorLoop for Fit<'_> {
     }
 }
 
-/// The corners are written number by number: whole vectors would keep the loop from being vectorised.
+/// The corners are written number by number: whole vectors would keep the loop from being vectorized.
 #[inline(always)]
 fn fit_each(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [WorldAabb]) {
     for ((body, state), WorldAabb(fitted)) in bodies.iter().zip(states).zip(fitted) {

@@ -9,7 +9,7 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
 use crate::error::InvalidValue;
-use crate::schemes::Integrator;
+use crate::integrators::Integrator;
 
 /// Gravity of the world [m/s²]. By default 9.81 downwards (−Y).
 ///
@@ -32,8 +32,8 @@ impl Default for WorldGravity {
     }
 }
 
-/// The scheme of every body without a [`BodyIntegrator`](super::BodyIntegrator). May be changed at
-/// any time; the state is carried over exactly, because every scheme advances the same one.
+/// The integrator of every body without a [`BodyIntegrator`](super::BodyIntegrator). May be changed at
+/// any time; the state is carried over exactly, because every integrator advances the same one.
 ///
 /// ```
 /// use bevy::prelude::*;

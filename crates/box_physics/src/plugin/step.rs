@@ -1,4 +1,4 @@
-//! The inner loops: one scheme over a run of bodies of one table. Here what they share, and those at the
+//! The inner loops: one integrator over a run of bodies of one table. Here what they share, and those at the
 //! floor; those in free flight are in `flight`.
 
 use core::ops::Range;
@@ -12,8 +12,8 @@ use super::columns::ForceColumnsContiguousItem;
 use super::components::{BodyIntegrator, NearFloor};
 use super::intake::any_newer;
 use crate::floor::{self, ContactPoint, ContactSettings, Floor, FloorOutcome};
-use crate::force::{ForceLaw, Gravity};
-use crate::schemes::{Integrator, Scheme, SchemeVisitor, StepOutcome};
+use crate::force::{ForceModel, Gravity};
+use crate::integrators::{Integrate, Integrator, IntegratorVisitor, StepOutcome};
 
 /// What is the same for every body of a step.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ pub(crate) struct Setting<'a> {
     pub(crate) contact: &'a ContactSettings,
 }
 
-/// Maximal runs of bodies with one scheme: the whole table where no body has its own.
+/// Maximal runs of bodies with one integrator: the whole table where no body has its own.
 pub(crate) fn runs(
     global: Integrator,
     own: Option<&[BodyIntegrator]>,
@@ -131,10 +131,10 @@ pub(crate) struct AtFloor<'a, 'c, 'r, 'w, 's> {
     pub(crate) reporting: Option<Reporting<'r>>,
 }
 
-impl SchemeVisitor for AtFloor<'_, '_, '_, '_, '_> {
+impl IntegratorVisitor for AtFloor<'_, '_, '_, '_, '_> {
     type Output = Tally;
 
-    fn visit<S: Scheme>(self) -> Tally {
+    fn visit<S: Integrate>(self) -> Tally {
         let (forces, bodies, first) = (self.forces, self.chunk.bodies, self.chunk.first);
         let world = self.setting.gravity;
         if forces.only_gravity() {
@@ -146,7 +146,7 @@ impl SchemeVisitor for AtFloor<'_, '_, '_, '_, '_> {
 }
 
 impl AtFloor<'_, '_, '_, '_, '_> {
-    fn each<S: Scheme, F: ForceLaw>(mut self, law: impl Fn(usize) -> F) -> Tally {
+    fn each<S: Integrate, F: ForceModel>(mut self, law: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
         let chunk = self.chunk;
         let first = chunk.first;
@@ -194,7 +194,7 @@ impl AtFloor<'_, '_, '_, '_, '_> {
             let near = &mut chunk.near[i];
             near.touched = contact.touching() != 0;
             near.still = lay_still && outcome.resting && *state == before;
-            if !state.is_sound() {
+            if !state.is_valid() {
                 *state = before;
                 near.still = false;
                 tally.faults.push(chunk.first + i);

@@ -25,7 +25,7 @@ use super::step::{AtFloor, Reporting, Setting, Tally, Untouched, runs, runs_of};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
-use crate::schemes::{Integrator, SchemeMemory};
+use crate::integrators::{Integrator, IntegratorMemory};
 use crate::state::BodyState;
 
 /// What is the same for every body of a step.
@@ -64,7 +64,7 @@ fn quarantine(
     commands: &mut Commands,
     messages: &mut MessageWriter<BodyQuarantined>,
 ) {
-    let cause = if state.is_sound() {
+    let cause = if state.is_valid() {
         QuarantineCause::Step
     } else {
         // It was not sound before the step either: what was last shown is the last good pose.
@@ -99,9 +99,9 @@ fn record(
     timings.record_stage(own, time - refit - writeback);
     if own == Stage::Integrate {
         let time = time - refit - writeback;
-        timings.record_scheme(integrator, tally.bodies, time, tally.outcome);
+        timings.record_integrator(integrator, tally.bodies, time, tally.outcome);
     } else {
-        timings.record_scheme(integrator, 0, 0, tally.outcome);
+        timings.record_integrator(integrator, 0, 0, tally.outcome);
         timings.floor += tally.floor;
         timings.bodies_at_floor += tally.bodies;
     }
@@ -118,7 +118,7 @@ pub(crate) fn integrate(
             &RigidBox,
             ForceColumns,
             &mut BodyState,
-            &mut SchemeMemory,
+            &mut IntegratorMemory,
             &mut NearFloor,
             (
                 &mut WrittenTransform,
@@ -214,7 +214,7 @@ pub(crate) fn contact(
             Ref<RigidBox>,
             ForceColumns,
             &mut BodyState,
-            &mut SchemeMemory,
+            &mut IntegratorMemory,
             (&mut ContactState, &mut NearFloor),
             (
                 &mut WrittenTransform,

@@ -14,7 +14,7 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 use super::{PhysicsSchedule, PhysicsSystems};
 use crate::floor::FloorOutcome;
-use crate::schemes::{Integrator, StepOutcome};
+use crate::integrators::{Integrator, StepOutcome};
 
 /// The stages of a step that are timed.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,10 +45,10 @@ impl Stage {
     }
 }
 
-/// What one scheme did in the last step.
+/// What one integrator did in the last step.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
-pub struct SchemeTiming {
+pub struct IntegratorTiming {
     /// Bodies it stepped in free flight.
     pub bodies: u64,
     /// Time of those loops \[ns\].
@@ -57,7 +57,7 @@ pub struct SchemeTiming {
     pub outcome: StepOutcome,
 }
 
-impl SchemeTiming {
+impl IntegratorTiming {
     /// ns per body-step, if it stepped any.
     pub fn per_body(&self) -> Option<f64> {
         (self.bodies > 0).then(|| self.nanoseconds as f64 / self.bodies as f64)
@@ -73,7 +73,7 @@ impl SchemeTiming {
 /// fn show(timings: Res<PhysicsTimings>) {
 ///     let floor = timings.stage(Stage::Contact) as f64 / 1000.0;
 ///     println!("{floor:.1} µs for {} bodies at the floor", timings.bodies_at_floor);
-///     if let Some(ns) = timings.scheme(Integrator::Split).per_body() {
+///     if let Some(ns) = timings.integrator(Integrator::Split).per_body() {
 ///         println!("split: {ns:.0} ns a body");
 ///     }
 /// }
@@ -85,7 +85,7 @@ impl SchemeTiming {
 #[reflect(Resource, Default, Clone)]
 pub struct PhysicsTimings {
     stages: [u64; 4],
-    schemes: Vec<SchemeTiming>,
+    integrators: Vec<IntegratorTiming>,
     /// Impacts, caps and repairs at the floor in the last step.
     pub floor: FloorOutcome,
     /// Bodies that *Contact* stepped.
@@ -96,7 +96,7 @@ impl Default for PhysicsTimings {
     fn default() -> Self {
         Self {
             stages: [0; 4],
-            schemes: vec![SchemeTiming::default(); Integrator::ALL.len()],
+            integrators: vec![IntegratorTiming::default(); Integrator::ALL.len()],
             floor: FloorOutcome::default(),
             bodies_at_floor: 0,
         }
@@ -114,13 +114,13 @@ impl PhysicsTimings {
         self.stages.iter().sum()
     }
 
-    /// What a scheme did in the last step.
-    pub fn scheme(&self, integrator: Integrator) -> SchemeTiming {
-        self.schemes[integrator.index()]
+    /// What an integrator did in the last step.
+    pub fn integrator(&self, integrator: Integrator) -> IntegratorTiming {
+        self.integrators[integrator.index()]
     }
 
     pub(crate) fn begin_step(&mut self) {
-        self.schemes.fill(SchemeTiming::default());
+        self.integrators.fill(IntegratorTiming::default());
         self.floor = FloorOutcome::default();
         self.bodies_at_floor = 0;
         self.stages = [0; 4];
@@ -131,14 +131,14 @@ impl PhysicsTimings {
         self.stages[stage as usize] += nanoseconds;
     }
 
-    pub(crate) fn record_scheme(
+    pub(crate) fn record_integrator(
         &mut self,
         integrator: Integrator,
         bodies: u64,
         nanoseconds: u64,
         outcome: StepOutcome,
     ) {
-        let entry = &mut self.schemes[integrator.index()];
+        let entry = &mut self.integrators[integrator.index()];
         entry.bodies += bodies;
         entry.nanoseconds += nanoseconds;
         entry.outcome += outcome;
@@ -164,18 +164,18 @@ impl Stopwatch {
     }
 }
 
-/// A scheme's diagnostic: `box_physics/scheme/split`, … in ns per body-step.
-pub fn scheme_path(integrator: Integrator) -> DiagnosticPath {
+/// An integrator's diagnostic: `box_physics/integrator/split`, … in ns per body-step.
+pub fn integrator_path(integrator: Integrator) -> DiagnosticPath {
     // Made once, and never freed: a path of static text is passed on without an allocation, and one is
     // passed on in every step.
     static PATHS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
-        let path = |i: &Integrator| format!("box_physics/scheme/{i}").leak() as &str;
+        let path = |i: &Integrator| format!("box_physics/integrator/{i}").leak() as &str;
         Integrator::ALL.iter().map(path).collect()
     });
     DiagnosticPath::new(PATHS[integrator.index()])
 }
 
-/// Times every stage and scheme, and publishes the figures. Leave it out and nothing is timed.
+/// Times every stage and integrator, and publishes the figures. Leave it out and nothing is timed.
 ///
 /// ```
 /// use bevy::diagnostic::DiagnosticsStore;
@@ -213,7 +213,9 @@ impl Plugin for PhysicsDiagnosticsPlugin {
             app.register_diagnostic(Diagnostic::new(stage.path()).with_suffix(" µs"));
         }
         for &integrator in Integrator::ALL {
-            app.register_diagnostic(Diagnostic::new(scheme_path(integrator)).with_suffix(" ns"));
+            app.register_diagnostic(
+                Diagnostic::new(integrator_path(integrator)).with_suffix(" ns"),
+            );
         }
         app.add_systems(
             PhysicsSchedule,
@@ -230,7 +232,7 @@ fn publish(
     mut paths: bevy::ecs::system::Local<Vec<(Integrator, DiagnosticPath)>>,
 ) {
     if paths.is_empty() {
-        paths.extend(Integrator::ALL.iter().map(|&i| (i, scheme_path(i))));
+        paths.extend(Integrator::ALL.iter().map(|&i| (i, integrator_path(i))));
     }
     let microseconds = |ns: u64| ns as f64 * 1e-3;
     diagnostics.add_measurement(&PhysicsDiagnosticsPlugin::STEP, || {
@@ -240,7 +242,7 @@ fn publish(
         diagnostics.add_measurement(&stage.path(), || microseconds(timings.stage(stage)));
     }
     for (integrator, path) in paths.iter() {
-        if let Some(ns) = timings.scheme(*integrator).per_body() {
+        if let Some(ns) = timings.integrator(*integrator).per_body() {
             diagnostics.add_measurement(path, || ns);
         }
     }

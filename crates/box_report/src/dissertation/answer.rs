@@ -1,7 +1,7 @@
 //! Its question, answered: which integrator for simple rigid bodies in a game, at 30, 60 and 120 Hz, and by
 //! how much.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::Metric;
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ use crate::visible::{MINUTE, RATES, THROW};
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
-/// Its two schemes: under its own rule for the position, and as a textbook has it.
+/// Its two integrators: under its own rule for the position, and as a textbook has it.
 const ITS: [Integrator; 2] = [Integrator::Heun2012, Integrator::Rk4];
 /// Errors below this count as this: rounding is no ratio.
 const ROUNDING: f64 = 1e-12;
@@ -47,7 +47,7 @@ pub(super) fn table(
         compared.extend(
             ITS.iter()
                 .copied()
-                .filter(|s| *s != best && ctx.schemes.contains(s)),
+                .filter(|s| *s != best && ctx.integrators.contains(s)),
         );
         for &s in &compared {
             rows.push(Row {
@@ -100,12 +100,12 @@ pub(super) fn table(
         .collect();
     let table = Table {
         title: "Its question, answered: which integrator for simple rigid bodies in a game".to_owned(),
-        note: "First at each rate, among the schemes that survive every hard case: the one with most scenes in which nothing shows for ten seconds (1° or 1 % of the size), \
+        note: "First at each rate, among the integrators that survive every hard case: the one with most scenes in which nothing shows for ten seconds (1° or 1 % of the size), \
                the cheapest of equals; then its two. Cost: geometric mean over the scenes of the time per box and simulated second."
             .to_owned(),
         columns: [
             "rate",
-            "scheme",
+            "integrator",
             "scenes without a visible error in 10 s · 60 s",
             "cost [µs/s]",
             "error over the first's, median scene",
@@ -129,14 +129,14 @@ fn ratio(x: f64) -> String {
 
 /// Geometric mean over the families of the time per simulated second \[µs\] at `rate`; failed runs are left
 /// out.
-pub(crate) fn cost(work: &WorkPrecision, scheme: Integrator, rate: u32) -> Option<f64> {
+pub(crate) fn cost(work: &WorkPrecision, integrator: Integrator, rate: u32) -> Option<f64> {
     let costs: Vec<f64> = work
         .families
         .iter()
         .filter_map(|f| {
             let at =
                 |p: &&crate::work_precision::Point| (p.dt * f64::from(rate) - 1.0).abs() < 1e-9;
-            f.of(scheme).find(at)?.microseconds()
+            f.of(integrator).find(at)?.microseconds()
         })
         .collect();
     if costs.is_empty() {
@@ -146,8 +146,8 @@ pub(crate) fn cost(work: &WorkPrecision, scheme: Integrator, rate: u32) -> Optio
     Some((logs / costs.len() as f64).exp())
 }
 
-/// The median over all families and errors of the error of `scheme` over that of `best`.
-fn median_ratio(work: &WorkPrecision, scheme: Integrator, best: Integrator, rate: u32) -> f64 {
+/// The median over all families and errors of the error of `integrator` over that of `best`.
+fn median_ratio(work: &WorkPrecision, integrator: Integrator, best: Integrator, rate: u32) -> f64 {
     let mut ratios = Vec::new();
     for f in &work.families {
         for &metric in f.family.metrics.iter().filter(|m| **m != Metric::Energy) {
@@ -157,7 +157,7 @@ fn median_ratio(work: &WorkPrecision, scheme: Integrator, best: Integrator, rate
                 let e = f.of(s).find(at).and_then(|p| p.run.error(metric));
                 e.unwrap_or(LOST).max(ROUNDING)
             };
-            ratios.push(error(scheme) / error(best));
+            ratios.push(error(integrator) / error(best));
         }
     }
     ratios.sort_by(f64::total_cmp);

@@ -3,7 +3,7 @@
 use box_physics::body::RigidBox;
 use box_physics::force::Dissipation;
 use box_physics::force::Forces;
-use box_physics::schemes::{Integrator, SchemeMemory};
+use box_physics::integrators::{Integrator, IntegratorMemory};
 use box_physics::state::BodyState;
 use box_scenarios::dissertation::{Demo, State, Stepper};
 use box_scenarios::{Family, StateError};
@@ -12,8 +12,8 @@ use glam::DVec3;
 /// Gravity of the falls [m/s²].
 const G: f64 = 9.81;
 
-/// |v₁/v₀| after one step of `scheme` under drag with c·dt/m = `z`.
-pub(super) fn amplification(scheme: Integrator, z: f64) -> f64 {
+/// |v₁/v₀| after one step of `integrator` under drag with c·dt/m = `z`.
+pub(super) fn amplification(integrator: Integrator, z: f64) -> f64 {
     let body = RigidBox::default();
     let law = Forces {
         dissipation: Dissipation {
@@ -23,7 +23,13 @@ pub(super) fn amplification(scheme: Integrator, z: f64) -> f64 {
         ..Forces::default()
     };
     let mut state = BodyState::at(DVec3::ZERO).with_velocity(DVec3::X);
-    scheme.step(&body, &mut state, &law, 1.0, &mut SchemeMemory::default());
+    integrator.step(
+        &body,
+        &mut state,
+        &law,
+        1.0,
+        &mut IntegratorMemory::default(),
+    );
     state.velocity.x.abs()
 }
 
@@ -33,14 +39,14 @@ pub(super) fn amplification_2012(stepper: Stepper, z: f64) -> f64 {
     v.x.abs()
 }
 
-/// How far `scheme` is from ½·g·t² after a second of free fall in steps of `h` \[m\].
-pub(super) fn fall_error(scheme: Integrator, h: f64) -> f64 {
+/// How far `integrator` is from ½·g·t² after a second of free fall in steps of `h` \[m\].
+pub(super) fn fall_error(integrator: Integrator, h: f64) -> f64 {
     let body = RigidBox::default();
     let law = box_physics::force::Gravity(DVec3::NEG_Y * G);
     let mut state = BodyState::at(DVec3::ZERO);
     let n = (1.0 / h).round() as u64;
-    let mut memory = SchemeMemory::default();
-    box_scenarios::advance(scheme, &body, &mut state, &law, h, n, &mut memory);
+    let mut memory = IntegratorMemory::default();
+    box_scenarios::advance(integrator, &body, &mut state, &law, h, n, &mut memory);
     (state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
 }
 
@@ -77,15 +83,15 @@ pub(super) struct Tumble {
     pub(super) points: Vec<(f64, f64, f64)>,
 }
 
-/// The free tumble at steps of `h` by `scheme`.
-pub(super) fn tumble(scheme: Integrator, h: f64) -> Result<Tumble, String> {
+/// The free tumble at steps of `h` by `integrator`.
+pub(super) fn tumble(integrator: Integrator, h: f64) -> Result<Tumble, String> {
     let family = &Family::all()[0];
     let body = family.setup.body;
     let mut state = family.setup.initial;
-    let mut memory = SchemeMemory::default();
+    let mut memory = IntegratorMemory::default();
     let law = box_physics::force::Gravity(DVec3::ZERO);
     follow(h, |_| {
-        box_scenarios::advance(scheme, &body, &mut state, &law, h, 1, &mut memory);
+        box_scenarios::advance(integrator, &body, &mut state, &law, h, 1, &mut memory);
         state
     })
 }

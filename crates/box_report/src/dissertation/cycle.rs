@@ -6,7 +6,7 @@ use box_bench::measure::Cost;
 use box_physics::body::RigidBox;
 use box_physics::floor::{ContactSettings, ContactState, Floor, step_on_floor};
 use box_physics::force::Gravity;
-use box_physics::schemes::{Rk4, Scheme, SchemeMemory, Split};
+use box_physics::integrators::{Integrate, IntegratorMemory, Rk4, Split};
 use box_physics::state::BodyState;
 use box_scenarios::dissertation::{Demo, State, Stepper};
 use glam::DVec3;
@@ -89,13 +89,13 @@ impl Cycles {
     }
 }
 
-/// One box of ours over the floor, under one scheme.
+/// One box of ours over the floor, under one integrator.
 struct Ours {
     body: RigidBox,
     floor: Floor,
     settings: ContactSettings,
     state: BodyState,
-    memory: SchemeMemory,
+    memory: IntegratorMemory,
     contact: ContactState,
 }
 
@@ -110,12 +110,12 @@ impl Ours {
             },
             settings: ContactSettings::default(),
             state,
-            memory: SchemeMemory::default(),
+            memory: IntegratorMemory::default(),
             contact: ContactState::default(),
         }
     }
 
-    fn step<S: Scheme>(&mut self, h: f64) {
+    fn step<S: Integrate>(&mut self, h: f64) {
         step_on_floor::<S, Gravity>(
             &self.floor,
             &self.settings,

@@ -1,6 +1,6 @@
 //! The figures that go with its claims.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::dissertation::Stepper;
 use box_scenarios::style::{Dash, Marker};
 
@@ -28,7 +28,7 @@ fn finish(id: &str, caption: &str, plot: &Plot) -> Result<Figure, Stop> {
     })
 }
 
-/// Its own steppers, in grey and black: they are no schemes of the list.
+/// Its own steppers, in gray and black: they are no integrators of the list.
 fn theirs(label: &str, dash: Dash, marker: Marker, points: Vec<Option<Point>>) -> Line {
     Line {
         label: label.to_owned(),
@@ -68,7 +68,7 @@ pub(super) fn cycles(run: &Cycles) -> Result<Figure, Stop> {
     };
     finish(
         CYCLES,
-        "Its figure, redone: the time of each integration cycle of one box over a run, the clock's own reading included (medians of neighbouring cycles). Ours includes contact located in time; bounces show as peaks.",
+        "Its figure, redone: the time of each integration cycle of one box over a run, the clock's own reading included (medians of neighboring cycles). Ours includes contact located in time; bounces show as peaks.",
         &plot,
     )
 }
@@ -161,14 +161,14 @@ pub(super) fn fall() -> Result<Figure, Stop> {
     };
     finish(
         FALL,
-        "x += dt·v_new makes any scheme first order, ½·g·dt·t: its Heun and its RK4 lie on one line with semi-implicit Euler. A proper RK4 and split are exact to rounding. The demo itself adds g to the position and is 4.9 m off at any step.",
+        "x += dt·v_new makes any integrator first order, ½·g·dt·t: its Heun and its RK4 lie on one line with semi-implicit Euler. A proper RK4 and split are exact to rounding. The demo itself adds g to the position and is 4.9 m off at any step.",
         &plot,
     )
 }
 
-/// The free tumble by several schemes at 60 Hz, and by the demo.
+/// The free tumble by several integrators at 60 Hz, and by the demo.
 pub(super) struct Tumbles {
-    schemes: Vec<(Integrator, Tumble)>,
+    integrators: Vec<(Integrator, Tumble)>,
     pub(super) demo: Tumble,
     pub(super) undamped: Tumble,
 }
@@ -178,7 +178,7 @@ const H: f64 = 1.0 / 60.0;
 
 impl Tumbles {
     pub(super) fn measure() -> Result<Self, String> {
-        let schemes = [
+        let integrators = [
             Integrator::Split,
             Integrator::Rk4,
             Integrator::ImplicitMidpoint,
@@ -187,16 +187,16 @@ impl Tumbles {
             Integrator::Heun2012,
             Integrator::ExplicitEuler,
         ];
-        let measured = schemes.map(|s| claims::tumble(s, H).map(|t| (s, t)));
+        let measured = integrators.map(|s| claims::tumble(s, H).map(|t| (s, t)));
         Ok(Self {
-            schemes: measured.into_iter().collect::<Result<_, _>>()?,
+            integrators: measured.into_iter().collect::<Result<_, _>>()?,
             demo: claims::tumble_2012(H, true)?,
             undamped: claims::tumble_2012(H, false)?,
         })
     }
 
-    pub(super) fn of(&self, scheme: Integrator) -> Option<&Tumble> {
-        let found = self.schemes.iter().find(|(s, _)| *s == scheme);
+    pub(super) fn of(&self, integrator: Integrator) -> Option<&Tumble> {
+        let found = self.integrators.iter().find(|(s, _)| *s == integrator);
         found.map(|(_, t)| t)
     }
 
@@ -207,7 +207,7 @@ impl Tumbles {
             thinned.map(|p| Some(Point::new(p.0, y(p)))).collect()
         };
         let ours = self
-            .schemes
+            .integrators
             .iter()
             .map(|(s, t)| Line::of(*s, s.to_string(), points(t)));
         let mut lines: Vec<Line> = ours.collect();

@@ -5,7 +5,7 @@ mod claims;
 mod cycle;
 mod figures;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::dissertation::Stepper;
 use serde::Serialize;
 
@@ -26,7 +26,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
         "The dissertation, redone",
         "V. Stojanovic, “Evaluation of Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion \
          Within a Game Environment” (2012), asked which integrator is the most efficient for simple rigid bodies in a game. Its two \
-         schemes (what it calls implicit Euler, and RK4), its steps of 0.005 to 0.01 s, one cube over a floor, pushed along each axis in turn, \
+         integrators (what it calls implicit Euler, and RK4), its steps of 0.005 to 0.01 s, one cube over a floor, pushed along each axis in turn, \
          the time of each integration cycle over the run and the share of the processor: here once more, beside ours. \
          `2012-…` are its own steppers with its own contact, line by line.",
     );
@@ -81,7 +81,7 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
         title: "Its comparison: one integration cycle of one box".to_owned(),
         note: "Every cycle is timed by itself, so reading the clock is part of each time; the last two columns leave it out (means of the middle half of the cycles)."
             .to_owned(),
-        columns: ["dt [s]", "scheme", "median [ns]", "95th percentile [ns]", "without the clock [ns]", "share of one core"]
+        columns: ["dt [s]", "integrator", "median [ns]", "95th percentile [ns]", "without the clock [ns]", "share of one core"]
             .map(str::to_owned)
             .to_vec(),
         rows,
@@ -126,7 +126,7 @@ fn claim_table(
     };
     let rows = [
         (
-            "Its scheme is the implicit Euler method",
+            "Its integrator is the implicit Euler method",
             "It is Heun's explicit method, stable up to c·dt/m = 2 like explicit Euler; the implicit method never grows",
             format!(
                 "At c·dt/m = 3 a step multiplies the speed by {} (2012-heun: {}), explicit Euler's by {}, backward Euler's by {}",
@@ -148,8 +148,8 @@ fn claim_table(
             figures::AMPLIFICATION,
         ),
         (
-            "A scheme of second order, and one of fourth",
-            "Both move the position by the new velocity, which makes every scheme first order: ½·g·dt·t",
+            "An integrator of second order, and one of fourth",
+            "Both move the position by the new velocity, which makes every integrator first order: ½·g·dt·t",
             format!(
                 "After a second of fall at dt = 0.005 and 0.01: 2012-heun {} and {}, 2012-rk4 {} and {}; split {}",
                 cm(claims::fall_error_2012(Stepper::Heun, 0.005)),
@@ -215,7 +215,7 @@ fn claim_table(
         ),
         (
             "RK4 costs fractions of a millisecond more",
-            "It timed four vector additions and a context switch; both schemes are lost in the clock's own reading",
+            "It timed four vector additions and a context switch; both integrators are lost in the clock's own reading",
             format!(
                 "dt = 0.005, clock left out: 2012-heun {}, 2012-rk4 {}; proper rk4 with contact {}, split {}",
                 text::time(run.net(1)),

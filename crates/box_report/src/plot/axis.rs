@@ -67,7 +67,7 @@ impl Axis {
         }
         let every = ((to - from) / 9.0).ceil().max(1.0);
         let decades = || (from.ceil() as i32..=to.floor() as i32).map(f64::from);
-        let labelled: Vec<f64> = decades().filter(|d| d.rem_euclid(every) == 0.0).collect();
+        let labeled: Vec<f64> = decades().filter(|d| d.rem_euclid(every) == 0.0).collect();
         let minor = if every > 1.0 {
             decades().collect()
         } else {
@@ -79,7 +79,7 @@ impl Axis {
         Range {
             low: from,
             high: to,
-            labelled,
+            labeled,
             minor,
             scale: Scale::Log,
             limits: self.limits,
@@ -109,7 +109,7 @@ impl Axis {
         Range {
             low: from,
             high: to,
-            labelled: (first..=last).map(|k| k as f64 * step).collect(),
+            labeled: (first..=last).map(|k| k as f64 * step).collect(),
             minor: Vec::new(),
             scale: Scale::Linear,
             limits: self.limits,
@@ -123,7 +123,7 @@ impl Axis {
 pub(super) struct Range {
     pub(super) low: f64,
     pub(super) high: f64,
-    pub(super) labelled: Vec<f64>,
+    pub(super) labeled: Vec<f64>,
     pub(super) minor: Vec<f64>,
     scale: Scale,
     limits: (f64, f64),
@@ -171,7 +171,7 @@ impl Ranged for Range {
         if hint.weight().allow_light_points() {
             self.minor.clone()
         } else {
-            self.labelled.clone()
+            self.labeled.clone()
         }
     }
 
@@ -205,12 +205,12 @@ mod tests {
         let r = Axis::log("x").range(&[3e-7, 0.2, f64::INFINITY, 0.0]);
         assert_eq!(r.place(0.0), r.place(1e-16));
         assert!(r.place(f64::INFINITY).is_none() && r.place(f64::NAN).is_none());
-        assert!(r.labelled.iter().all(|v| v.fract() == 0.0) && r.labelled.len() > 4);
+        assert!(r.labeled.iter().all(|v| v.fract() == 0.0) && r.labeled.len() > 4);
         assert_eq!(r.label(-6.0), "10⁻⁶");
         assert_eq!(r.label(0.0), "1");
         let r = Axis::linear("t").range(&[0.0, 10.0]);
-        assert_eq!(r.label(r.labelled[1]), "2");
+        assert_eq!(r.label(r.labeled[1]), "2");
         let narrow = Axis::log("x").range(&[2.0, 3.0]);
-        assert!(narrow.high - narrow.low >= 1.0 && !narrow.labelled.is_empty());
+        assert!(narrow.high - narrow.low >= 1.0 && !narrow.labeled.is_empty());
     }
 }

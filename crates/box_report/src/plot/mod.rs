@@ -4,7 +4,7 @@
 mod axis;
 mod marker;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::style::{Dash, Marker, Style, style};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
@@ -52,7 +52,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// A line in the colours of `integrator`, called `label`.
+    /// A line in the colors of `integrator`, called `label`.
     pub(crate) fn of(integrator: Integrator, label: String, points: Vec<Option<Point>>) -> Self {
         Self {
             label,
@@ -210,7 +210,7 @@ fn legend(area: &Area, lines: &[Line]) -> DrawResult {
     Ok(())
 }
 
-/// The look of something that is not a scheme of the list: black.
+/// The look of something that is not an integrator of the list: black.
 pub(crate) const fn plain(dash: Dash, marker: Marker) -> Style {
     Style {
         color: [0, 0, 0],

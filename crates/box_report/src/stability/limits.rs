@@ -1,8 +1,8 @@
-//! The largest stable step of each scheme, found by trying, beside what theory says.
+//! The largest stable step of each integrator, found by trying, beside what theory says.
 
 use std::ops::ControlFlow;
 
-use box_physics::schemes::{Integrator, Limit, SchemeMemory};
+use box_physics::integrators::{Integrator, IntegratorMemory, Limit};
 use box_physics::state::BodyState;
 use box_scenarios::{Family, ForceSet, Setup, advance};
 use glam::DVec3;
@@ -30,9 +30,9 @@ impl Number {
         }
     }
 
-    /// What the scheme claims.
-    pub(crate) fn theory(self, scheme: Integrator) -> Limit {
-        let s = &scheme.info().stability;
+    /// What the integrator claims.
+    pub(crate) fn theory(self, integrator: Integrator) -> Limit {
+        let s = &integrator.info().stability;
         match self {
             Self::Spin => s.rotation,
             Self::Drag => s.drag,
@@ -54,13 +54,13 @@ const BODIES: [usize; 3] = [0, 2, 3];
 
 /// The largest stable step, as a [`Limit`]: `None` if even the largest tried is stable. For the spin, that
 /// of the worst of three bodies.
-pub(crate) fn measured(scheme: Integrator, number: Number) -> Limit {
+pub(crate) fn measured(integrator: Integrator, number: Number) -> Limit {
     let trials: &[usize] = if number == Number::Spin {
         &BODIES
     } else {
         &BODIES[..1]
     };
-    let limits = trials.iter().map(|&b| of_body(scheme, number, b));
+    let limits = trials.iter().map(|&b| of_body(integrator, number, b));
     limits.fold(Limit::None, |worst, l| match (worst, l) {
         (Limit::AlwaysGrows, _) | (_, Limit::AlwaysGrows) => Limit::AlwaysGrows,
         (Limit::Below(a), Limit::Below(b)) => Limit::Below(a.min(b)),
@@ -68,9 +68,9 @@ pub(crate) fn measured(scheme: Integrator, number: Number) -> Limit {
     })
 }
 
-fn of_body(scheme: Integrator, number: Number, of: usize) -> Limit {
-    let stable = |scheme, number, x, n| stable(scheme, number, of, x, n);
-    if !stable(scheme, number, TRIED.0, LONG_TRIAL) {
+fn of_body(integrator: Integrator, number: Number, of: usize) -> Limit {
+    let stable = |integrator, number, x, n| stable(integrator, number, of, x, n);
+    if !stable(integrator, number, TRIED.0, LONG_TRIAL) {
         return Limit::AlwaysGrows;
     }
     let mut good = TRIED.0;
@@ -78,7 +78,7 @@ fn of_body(scheme: Integrator, number: Number, of: usize) -> Limit {
     let first_bad = (1..=steps)
         .map(|k| TRIED.0 * RATIO.powi(k as i32))
         .try_for_each(|x| {
-            if stable(scheme, number, x, TRIAL) {
+            if stable(integrator, number, x, TRIAL) {
                 good = x;
                 ControlFlow::Continue(())
             } else {
@@ -90,7 +90,7 @@ fn of_body(scheme: Integrator, number: Number, of: usize) -> Limit {
     };
     while bad / good > 1.0 + 1e-4 {
         let middle = (good * bad).sqrt();
-        if stable(scheme, number, middle, TRIAL) {
+        if stable(integrator, number, middle, TRIAL) {
             good = middle;
         } else {
             bad = middle;
@@ -111,7 +111,7 @@ pub(crate) fn agree(number: Number, measured: Limit, theory: Limit) -> bool {
 }
 
 /// Whether `n` steps of the dimensionless length `x` stay bounded.
-fn stable(scheme: Integrator, number: Number, of: usize, x: f64, n: u64) -> bool {
+fn stable(integrator: Integrator, number: Number, of: usize, x: f64, n: u64) -> bool {
     // A free-tumbling body of the families; for the others the same body without spin.
     let tumbling = &Family::all()[of].setup;
     let body = &tumbling.body;
@@ -138,10 +138,10 @@ fn stable(scheme: Integrator, number: Number, of: usize, x: f64, n: u64) -> bool
         }
     };
     let forces = setup.forces.forces(body);
-    let (mut state, mut memory) = (setup.initial, SchemeMemory::default());
-    advance(scheme, body, &mut state, &forces, h, n, &mut memory);
+    let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
+    advance(integrator, body, &mut state, &forces, h, n, &mut memory);
     let long = n >= LONG_TRIAL;
-    state.is_sound()
+    state.is_valid()
         && match number {
             // Growth of |L|: by 1 % over the long trial, to double in a short one.
             Number::Spin => {
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn limits_are_those_of_theory() {
-        for (scheme, number, theory) in [
+        for (integrator, number, theory) in [
             (Integrator::ExplicitEuler, Number::Drag, Limit::Below(2.0)),
             (Integrator::Heun2012, Number::Drag, Limit::Below(2.0)),
             (Integrator::Rk4, Number::Drag, Limit::Below(2.785)),
@@ -173,10 +173,10 @@ mod tests {
             (Integrator::Midpoint, Number::Spring, Limit::AlwaysGrows),
             (Integrator::Split, Number::Spin, Limit::None),
         ] {
-            let found = measured(scheme, number);
+            let found = measured(integrator, number);
             assert!(
                 agree(number, found, theory),
-                "{scheme} {}: {found} instead of {theory}",
+                "{integrator} {}: {found} instead of {theory}",
                 number.name()
             );
         }

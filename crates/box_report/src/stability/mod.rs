@@ -1,8 +1,8 @@
-//! `stability`: every hard case under every scheme, and the largest stable steps against theory.
+//! `stability`: every hard case under every integrator, and the largest stable steps against theory.
 
 pub(crate) mod limits;
 
-use box_physics::schemes::{Integrator, Limit};
+use box_physics::integrators::{Integrator, Limit};
 use box_scenarios::contact_cases;
 use box_scenarios::hard_cases::{Check, Finding, Verdict, hard_cases};
 use serde::Serialize;
@@ -27,17 +27,17 @@ pub(crate) struct StabilityData {
 }
 
 impl StabilityData {
-    /// The largest stable steps of `scheme`, in the order of [`Number::ALL`].
-    pub(crate) fn limits(&self, scheme: Integrator) -> Option<&[Limit; 3]> {
-        let found = self.limits.iter().find(|(s, _)| *s == scheme);
+    /// The largest stable steps of `integrator`, in the order of [`Number::ALL`].
+    pub(crate) fn limits(&self, integrator: Integrator) -> Option<&[Limit; 3]> {
+        let found = self.limits.iter().find(|(s, _)| *s == integrator);
         found.map(|(_, l)| l)
     }
 
-    /// How many cases `scheme` does, does badly, and does not survive.
-    pub(crate) fn score(&self, scheme: Integrator) -> [usize; 3] {
+    /// How many cases `integrator` does, does badly, and does not survive.
+    pub(crate) fn score(&self, integrator: Integrator) -> [usize; 3] {
         let mut score = [0; 3];
         for (_, findings) in &self.cases {
-            if let Some((_, f)) = findings.iter().find(|(s, _)| *s == scheme) {
+            if let Some((_, f)) = findings.iter().find(|(s, _)| *s == integrator) {
                 score[worst(f).0 as usize] += 1;
             }
         }
@@ -100,12 +100,12 @@ pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     let mut examined = Vec::new();
     for case in cases(ctx.quick) {
         let findings = |&s: &Integrator| (s, (case.examine)(s));
-        let findings = ctx.schemes.iter().map(findings).collect();
+        let findings = ctx.integrators.iter().map(findings).collect();
         ctx.tick(case.title)?;
         examined.push((case, findings));
     }
     let limits = ctx
-        .schemes
+        .integrators
         .iter()
         .map(|&s| (s, Number::ALL.map(|n| limits::measured(s, n))))
         .collect();
@@ -133,16 +133,16 @@ pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, St
     let mut section = Section::new(
         "stability",
         "Stability",
-        "Every motion that is known to break integrators, under every scheme, at 60, 120 and 240 Hz or the \
+        "Every motion that is known to break integrators, under every integrator, at 60, 120 and 240 Hz or the \
          steps that the case is about. The worst step counts. **ok**: within the bound that a good second-order \
-         scheme reaches, or rounding where exactness is possible; **degraded**: wrong but bounded; **diverged**: not finite or \
+         integrator reaches, or rounding where exactness is possible; **degraded**: wrong but bounded; **diverged**: not finite or \
          beyond every sane range.",
     );
     section.tables.push(limit_table(ctx, data)?);
     section.tables.push(case_table(ctx, data)?);
     let mut clean: Vec<String> = Vec::new();
     let mut scores = Vec::new();
-    for &s in &ctx.schemes {
+    for &s in &ctx.integrators {
         let [ok, degraded, diverged] = data.score(s);
         if degraded + diverged == 0 {
             clean.push(text::code(s));
@@ -206,10 +206,10 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     Ok(Table {
         title: "Largest stable steps".to_owned(),
         note: "Found by bisection: a tumbling box, plate and needle whose |L| does not grow (the worst counts; theory promises a range for every body), a velocity under drag that does not grow, \
-               an undamped spring at the centre of mass whose energy stays bounded; tried from 0.1 (100 000 steps) to 1000 (1000 \
+               an undamped spring at the center of mass whose energy stays bounded; tried from 0.1 (100 000 steps) to 1000 (1000 \
                steps). Where theory says something else, it stands beside."
             .to_owned(),
-        columns: ["scheme", "|ω|·dt", "c·dt/m", "√(k/m)·dt"]
+        columns: ["integrator", "|ω|·dt", "c·dt/m", "√(k/m)·dt"]
             .map(str::to_owned)
             .to_vec(),
         rows: cells,
@@ -257,7 +257,7 @@ fn case_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     }
     files::write_csv(&ctx.file("stability.csv"), &rows)?;
     let mut columns = vec!["case: what is measured".to_owned()];
-    columns.extend(ctx.schemes.iter().map(text::code));
+    columns.extend(ctx.integrators.iter().map(text::code));
     Ok(Table {
         title: "Hard cases".to_owned(),
         note: "The worst of the steps; all of them, with their bounds, are in the file.".to_owned(),

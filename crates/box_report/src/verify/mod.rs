@@ -6,7 +6,7 @@ mod table;
 use std::io::Write;
 
 use box_bench::measure::{Contender, Settings, interleaved};
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_scenarios::oracle::{Case, Measurement, OracleError};
 use box_scenarios::run_plan;
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use box_physics::schemes::{Integrator, UnknownIntegrator};
+use box_physics::integrators::{Integrator, UnknownIntegrator};
 use box_scenarios::parse_step;
 use clap::{Args, ValueEnum};
 

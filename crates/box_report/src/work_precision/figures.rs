@@ -58,9 +58,9 @@ fn figure(
             },
         })
     };
-    let lines = ctx.schemes.iter().map(|&scheme| {
-        let label = format!("{scheme} ({})", f.order(scheme, metric));
-        Line::of(scheme, label, f.of(scheme).map(place).collect())
+    let lines = ctx.integrators.iter().map(|&integrator| {
+        let label = format!("{integrator} ({})", f.order(integrator, metric));
+        Line::of(integrator, label, f.of(integrator).map(place).collect())
     });
     let (axis, suffix, against) = match work {
         Work::Time => ("time per simulated second [µs/s]", "", "time"),

@@ -1,12 +1,12 @@
 //! `work-precision`: error against time and against force evaluations, over twelve families of motion, every
-//! scheme and every step.
+//! integrator and every step.
 
 mod figures;
 
 use std::time::Duration;
 
 use box_bench::measure::Cost;
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::{Family, FamilyRun, Metric};
 use serde::Serialize;
@@ -24,10 +24,10 @@ const QUICK_DIVISORS: [u64; 4] = [2, 4, 8, 16];
 /// Time for the measurements of a family.
 const SHARE: Duration = Duration::from_secs(7);
 
-/// One scheme in one family at one step.
+/// One integrator in one family at one step.
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
-    pub(crate) scheme: Integrator,
+    pub(crate) integrator: Integrator,
     pub(crate) dt: f64,
     pub(crate) run: FamilyRun,
     /// ns per step; `None` if the run failed.
@@ -55,20 +55,22 @@ impl Point {
 pub(crate) struct FamilyPoints {
     pub(crate) family: &'static Family,
     pub(crate) reference: String,
-    /// Schemes in order, each with its steps from coarse to fine.
+    /// Integrators in order, each with its steps from coarse to fine.
     pub(crate) points: Vec<Point>,
 }
 
 impl FamilyPoints {
-    /// Those of one scheme.
-    pub(crate) fn of(&self, scheme: Integrator) -> impl Iterator<Item = &Point> {
-        self.points.iter().filter(move |p| p.scheme == scheme)
+    /// Those of one integrator.
+    pub(crate) fn of(&self, integrator: Integrator) -> impl Iterator<Item = &Point> {
+        self.points
+            .iter()
+            .filter(move |p| p.integrator == integrator)
     }
 
-    /// The fitted order of `scheme` in `metric`.
-    pub(crate) fn order(&self, scheme: Integrator, metric: Metric) -> fit::Fitted {
+    /// The fitted order of `integrator` in `metric`.
+    pub(crate) fn order(&self, integrator: Integrator, metric: Metric) -> fit::Fitted {
         let points: Vec<_> = self
-            .of(scheme)
+            .of(integrator)
             .filter_map(|p| Some((p.dt, p.run.error(metric)?)))
             .collect();
         fit::order(&points)
@@ -123,12 +125,12 @@ fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints
         .reference(INTERVAL, family.setup.duration)
         .map_err(Stop::Internal)?;
     let mut points: Vec<Point> = Vec::new();
-    for &scheme in &ctx.schemes {
+    for &integrator in &ctx.integrators {
         for &divisor in divisors(ctx.quick) {
             points.push(Point {
-                scheme,
+                integrator,
                 dt: INTERVAL / divisor as f64,
-                run: family.run(&reference, scheme, divisor),
+                run: family.run(&reference, integrator, divisor),
                 cost: None,
             });
         }
@@ -143,7 +145,13 @@ fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints
         .iter()
         .map(|&k| {
             let p = &points[k];
-            herd::contender(&family.setup, &starts, p.scheme, p.dt, p.run.totals.steps)
+            herd::contender(
+                &family.setup,
+                &starts,
+                p.integrator,
+                p.dt,
+                p.run.totals.steps,
+            )
         })
         .collect();
     let costs = ctx.measure(&mut contenders, SHARE);
@@ -164,7 +172,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         "work-precision",
         "Work–precision diagrams",
         format!(
-            "Each line is a scheme, each marker a step size. Down and left is better. The error is the largest \
+            "Each line is an integrator, each marker a step size. Down and left is better. The error is the largest \
              over the run, looked at every 1/15 s, against the reference named below each figure, at the time \
              actually simulated. Time is that of a step of one body among eight stepped together (over a floor: of a whole \
              run with its impacts) on one core: {SAMPLES_IN_WORDS}; thin bars reach to the 95th percentile. The order in the legend \
@@ -178,7 +186,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
             let errors = p.run.errors;
             rows.push(Row {
                 family: f.family.id,
-                integrator: p.scheme.id(),
+                integrator: p.integrator.id(),
                 dt_s: p.dt,
                 steps: p.run.totals.steps,
                 evaluations_per_step: p.evaluations() * p.dt,
@@ -230,15 +238,15 @@ fn spread(data: &WorkPrecision) -> String {
 
 /// Errors and cost at 60 Hz: what most games will see.
 fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
-    let mut columns = vec!["scheme".to_owned()];
+    let mut columns = vec!["integrator".to_owned()];
     columns.extend(data.families.iter().map(|f| {
         let metric = f.family.metrics[0];
         format!("{} [{}]", f.family.title, metric.unit())
     }));
-    let row = |&scheme: &Integrator| {
-        let mut cells = vec![text::code(scheme)];
+    let row = |&integrator: &Integrator| {
+        let mut cells = vec![text::code(integrator)];
         cells.extend(data.families.iter().map(|f| {
-            let point = f.of(scheme).find(|p| (p.dt * 60.0 - 1.0).abs() < 1e-9);
+            let point = f.of(integrator).find(|p| (p.dt * 60.0 - 1.0).abs() < 1e-9);
             match point.map(|p| (p.run.error(f.family.metrics[0]), p.cost)) {
                 Some((Some(e), Some(c))) => format!("{} · {:.0} ns", text::error(e), c.min),
                 Some((Some(e), None)) => text::error(e),
@@ -252,7 +260,7 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
         note: "Error over the whole run; time of a step of one body. π ≈ 3.1 rad is as wrong as an attitude can be."
             .to_owned(),
         columns,
-        rows: ctx.schemes.iter().map(row).collect(),
+        rows: ctx.integrators.iter().map(row).collect(),
         csv: "work-precision.csv".to_owned(),
         digest: true,
     }
@@ -265,18 +273,18 @@ fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
         fit::Fitted::Rounding => "rounding".to_owned(),
         fit::Fitted::Unknown => "–".to_owned(),
     };
-    let mut columns = vec!["scheme".to_owned()];
+    let mut columns = vec!["integrator".to_owned()];
     columns.extend(
         data.families
             .iter()
             .map(|f| format!("{} ({})", f.family.title, f.family.metrics[0].id())),
     );
-    let row = |&scheme: &Integrator| {
-        let mut cells = vec![text::code(scheme)];
+    let row = |&integrator: &Integrator| {
+        let mut cells = vec![text::code(integrator)];
         let orders = data
             .families
             .iter()
-            .map(|f| short(f.order(scheme, f.family.metrics[0])));
+            .map(|f| short(f.order(integrator, f.family.metrics[0])));
         cells.extend(orders);
         cells
     };
@@ -284,7 +292,7 @@ fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
         title: "Fitted order".to_owned(),
         note: "p in error ∝ dt^p; “rounding”: nothing but rounding errors at any step; –: lost at too many steps to tell.".to_owned(),
         columns,
-        rows: ctx.schemes.iter().map(row).collect(),
+        rows: ctx.integrators.iter().map(row).collect(),
         csv: "work-precision.csv".to_owned(),
         digest: false,
     }

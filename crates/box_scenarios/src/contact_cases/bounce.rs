@@ -1,6 +1,6 @@
 //! Cases 25 and 30: bounces.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use glam::{DQuat, DVec3};
 
 use super::{G, STEP, Trial};

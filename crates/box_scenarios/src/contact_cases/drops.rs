@@ -1,6 +1,6 @@
 //! Random drops: what energy does (case 30), and how deep a corner gets (case 32). The seed is fixed.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use glam::{DQuat, DVec3};
 
 use super::Trial;
@@ -16,7 +16,7 @@ pub(super) fn repaired_impacts(integrator: Integrator) -> f64 {
     cubes(integrator).repaired_impacts
 }
 
-/// What the errors of scheme and projection had gained, and was taken back, in a step without impacts,
+/// What the errors of integrator and projection had gained, and was taken back, in a step without impacts,
 /// relative to the energy before.
 pub(super) fn repaired_pieces(integrator: Integrator) -> f64 {
     cubes(integrator).repaired_pieces
@@ -29,7 +29,7 @@ struct Worst {
     repaired_pieces: f64,
 }
 
-/// Cubes, whose free rotation every scheme but the Euler methods does exactly, so that what the energy
+/// Cubes, whose free rotation every integrator but the Euler methods does exactly, so that what the energy
 /// does is the contact's doing.
 fn cubes(integrator: Integrator) -> Worst {
     let mut random = Random(1);

@@ -8,7 +8,7 @@ mod rest;
 mod slide;
 mod trial;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 
 use crate::hard_cases::Finding;
 
@@ -148,7 +148,7 @@ pub fn contact_cases() -> Vec<ContactCase> {
         ),
         case(
             29,
-            "pushed above its centre until it tips",
+            "pushed above its center until it tips",
             "threshold against F·H = m g hx, relative",
             0.02,
             slide::tipping_by_push,
@@ -202,7 +202,7 @@ pub fn contact_cases() -> Vec<ContactCase> {
             2.0,
             slide::spin_down,
         ),
-        case(31, "the same", "walk of the centre [m]", 1e-3, slide::walk),
+        case(31, "the same", "walk of the center [m]", 1e-3, slide::walk),
         case(
             32,
             "5 mm thick, 300 m/s, up to 1000 rad/s, steps of 1e-5 to 0.5 s",

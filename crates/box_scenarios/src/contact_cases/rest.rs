@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use glam::DVec3;
 
@@ -48,7 +48,7 @@ pub(super) fn edge_fall_sticking(integrator: Integrator) -> f64 {
 }
 
 pub(super) fn edge_fall_frictionless(integrator: Integrator) -> f64 {
-    // The centre falls straight: θ̇² = 2g(cos θ₀ − cos θ)/(d(1/3 + sin²θ)).
+    // The center falls straight: θ̇² = 2g(cos θ₀ − cos θ)/(d(1/3 + sin²θ)).
     edge_falls(integrator, 0.0, |angle, d, drop| {
         let s = angle.sin();
         (2.0 * G * drop / (d * (1.0 / 3.0 + s * s))).sqrt()

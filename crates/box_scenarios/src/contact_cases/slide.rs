@@ -1,7 +1,7 @@
 //! Cases 28, 29 and 31: sliding, tipping, spinning down.
 
 use box_physics::force::{Frame, PointForce};
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use glam::DVec3;
 
 use super::trial::heading;
@@ -99,7 +99,7 @@ pub(super) fn tipping_by_push(integrator: Integrator) -> f64 {
     })
 }
 
-/// Spins a plate down: time outside the two laws \[steps\], walk of its centre \[m\].
+/// Spins a plate down: time outside the two laws \[steps\], walk of its center \[m\].
 fn plate(integrator: Integrator, omega: f64) -> (f64, f64) {
     let half = DVec3::new(0.4, 0.02, 0.4);
     let mut trial = Trial::new(integrator, half, 0.0, MU);

@@ -3,9 +3,9 @@
 use box_physics::body::RigidBox;
 use box_physics::floor::{ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
 use box_physics::force::{Forces, PointForce};
+use box_physics::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use box_physics::math::sin_cos;
 use box_physics::rotation::exponential_map;
-use box_physics::schemes::{Integrator, Scheme, SchemeMemory, SchemeVisitor};
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
@@ -26,11 +26,11 @@ pub struct Trial {
     pub gravity: DVec3,
     /// A constant force at a body point.
     pub push: Option<PointForce>,
-    /// The scheme.
+    /// The integrator.
     pub integrator: Integrator,
     /// What contact did so far.
     pub total: FloorOutcome,
-    memory: SchemeMemory,
+    memory: IntegratorMemory,
     contact: ContactState,
 }
 
@@ -51,7 +51,7 @@ impl Trial {
             push: None,
             integrator,
             total: FloorOutcome::default(),
-            memory: SchemeMemory::default(),
+            memory: IntegratorMemory::default(),
             contact: ContactState::default(),
         }
     }
@@ -98,10 +98,10 @@ struct Step<'a> {
     h: f64,
 }
 
-impl SchemeVisitor for Step<'_> {
+impl IntegratorVisitor for Step<'_> {
     type Output = FloorOutcome;
 
-    fn visit<S: Scheme>(self) -> FloorOutcome {
+    fn visit<S: Integrate>(self) -> FloorOutcome {
         let t = self.trial;
         let law = Forces {
             acceleration: t.gravity,

@@ -126,7 +126,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "bounce",
             "Bounce",
-            "A flat drop from a metre with e = 1: ten seconds of bounces at one height.",
+            "A flat drop from a meter with e = 1: ten seconds of bounces at one height.",
             scene(crate::scenes::floor::bounce, 10.0),
             &[Position, Energy],
             60.0,

@@ -1,11 +1,11 @@
-//! The twelve families of motion over which the report compares schemes: one setup each, with an answer
-//! that can be trusted, and the errors that tell schemes apart there.
+//! The twelve families of motion over which the report compares integrators: one setup each, with an answer
+//! that can be trusted, and the errors that tell integrators apart there.
 
 mod list;
 
 use std::sync::OnceLock;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
 use crate::metrics::{Errors, StateError, energy_scale};
@@ -17,7 +17,7 @@ use crate::truth::TruthKind;
 /// An error that can be plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Metric {
-    /// Distance of the centre of mass from where it should be \[m\].
+    /// Distance of the center of mass from where it should be \[m\].
     Position,
     /// Angle between the attitude and what it should be \[rad\].
     Attitude,
@@ -145,7 +145,7 @@ impl Family {
         })
     }
 
-    /// The scheme that is exact between events, at a step 64 times smaller than the finest in use;
+    /// The integrator that is exact between events, at a step 64 times smaller than the finest in use;
     /// halving it again must not matter.
     fn fine(&self, interval: f64, samples: u64) -> Result<Reference, String> {
         let run = |stride: u64| {
@@ -153,7 +153,7 @@ impl Family {
             let plan = Plan::clock(interval / stride as f64, stride, samples);
             run_plan(&self.setup, Integrator::Exact, &plan, |_, state| {
                 states.push(*state);
-                state.is_sound()
+                state.is_valid()
             });
             states
         };
@@ -196,7 +196,7 @@ impl Family {
             integrator,
             &reference.plan(divisor),
             |_, state| match expected.next() {
-                Some(truth) if state.is_sound() && !sanity.is_diverged(state) => {
+                Some(truth) if state.is_valid() && !sanity.is_diverged(state) => {
                     errors.see(&StateError::between(state, truth));
                     if conserves {
                         errors.see_energy(setup.energy(state) / scale, start / scale);
@@ -236,7 +236,7 @@ impl Family {
                 return false;
             };
             let e = StateError::between(state, truth);
-            let failed = !state.is_sound() || sanity.is_diverged(state);
+            let failed = !state.is_valid() || sanity.is_diverged(state);
             if failed || e.attitude > attitude {
                 found = Some((t, Metric::Attitude));
             } else if e.position > position {
@@ -282,7 +282,7 @@ fn short(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use box_physics::schemes::Integrator;
+    use box_physics::integrators::Integrator;
 
     #[test]
     fn every_family_has_an_answer_and_converges_to_it() {

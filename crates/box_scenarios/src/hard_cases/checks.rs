@@ -1,6 +1,6 @@
 //! How each check measures.
 
-use box_physics::schemes::{Integrator, SchemeMemory};
+use box_physics::integrators::{Integrator, IntegratorMemory};
 use box_physics::state::BodyState;
 
 use super::{Check, Finding, HardCase};
@@ -85,7 +85,7 @@ struct Run<'a> {
     setup: &'a Setup,
     integrator: Integrator,
     state: BodyState,
-    memory: SchemeMemory,
+    memory: IntegratorMemory,
     sane: bool,
 }
 
@@ -95,7 +95,7 @@ impl<'a> Run<'a> {
             setup,
             integrator,
             state: setup.initial,
-            memory: SchemeMemory::default(),
+            memory: IntegratorMemory::default(),
             sane: true,
         }
     }

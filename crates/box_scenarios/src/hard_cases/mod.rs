@@ -9,7 +9,7 @@ mod list;
 
 use core::fmt;
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 
 use crate::setup::Setup;
 pub use list::hard_cases;

@@ -7,7 +7,7 @@ use super::field::Field;
 use crate::forces::ForceSet;
 use crate::setup::{FloorSpec, TimedImpulse};
 
-/// The force law; `None` is the empty one.
+/// The force model; `None` is the empty one.
 pub(super) fn read_forces(f: Option<Field>) -> Result<ForceSet, OracleError> {
     let Some(f) = f else {
         return Ok(ForceSet::none());

@@ -1,6 +1,6 @@
-//! A case under one scheme and step.
+//! A case under one integrator and step.
 
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 
 use super::Case;
 use crate::metrics::{Errors, StateError, energy_scale, momentum_scale};

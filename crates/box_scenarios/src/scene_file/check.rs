@@ -2,7 +2,7 @@
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use glam::DVec3;
 
 use super::form::SceneForm;
@@ -95,7 +95,7 @@ pub(super) fn texts(form: &SceneForm) -> Result<(), BadValue> {
         }
     }
     if form.recommended.len() > Integrator::ALL.len() {
-        return Err(BadValue::new("recommended", "names a scheme twice"));
+        return Err(BadValue::new("recommended", "names an integrator twice"));
     }
     if !(1..=10_000).contains(&form.boxes) {
         let (boxes, allowed) = (f64::from(form.boxes), "between 1 and 10000");

@@ -1,6 +1,6 @@
 use super::*;
 use crate::run::{Plan, run_plan};
-use box_physics::schemes::Integrator;
+use box_physics::integrators::Integrator;
 use proptest::prelude::*;
 
 const EXAMPLE: &str = include_str!("../../../../assets/scenes/example.ron");
@@ -144,7 +144,7 @@ fn plays(scene: &Scenario) {
     let truth = scene.truth();
     let start = truth.at(0.0);
     assert!(start.is_none_or(|s| s.is_finite()));
-    assert!(scene.setup.initial.is_sound());
+    assert!(scene.setup.initial.is_valid());
     // Ten steps with whatever there is: forces, floor, impulses. (What a file asks for may lead beyond f64, where the
     // game quarantines the body.)
     let dt = 1.0 / 60.0;

@@ -1,4 +1,4 @@
-//! The centre of mass under gravity and drag.
+//! The center of mass under gravity and drag.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub fn ballistic() -> Scenario {
     Scenario {
         id: "ballistic",
         title: "Ballistic throw",
-        lesson: "The simplest motion there is. Semi-implicit Euler and the 2012 scheme are off by exactly ½·g·dt·t, a third of a metre after 4 s; second-order schemes hit the parabola to rounding.",
+        lesson: "The simplest motion there is. Semi-implicit Euler and the 2012 integrator are off by exactly ½·g·dt·t, a third of a meter after 4 s; second-order integrators hit the parabola to rounding.",
         hints: [
             "Halve dt: the first-order errors halve.",
             "Explicit Euler flies high by what Semi-implicit Euler flies low.",
@@ -29,7 +29,7 @@ pub fn ballistic() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
-        // Beside the box: what the schemes differ by is less than its size.
+        // Beside the box: what the integrators differ by is less than its size.
         view: SceneView::from(20.0, 10.0).with_plot(PlotPreset::Error),
     }
 }
@@ -46,9 +46,9 @@ pub fn stiff_drag() -> Scenario {
     Scenario {
         id: "stiff-drag",
         title: "Stiff drag",
-        lesson: "Drag of 250 per second kills the throw in milliseconds. Explicit schemes explode once c·dt/m passes 2 (RK4: 2.79); implicit and exponential ones fall on quietly.",
+        lesson: "Drag of 250 per second kills the throw in milliseconds. Explicit integrators explode once c·dt/m passes 2 (RK4: 2.79); implicit and exponential ones fall on quietly.",
         hints: [
-            "At 60 Hz c·dt/m is 4: lower the drag to find each scheme's limit.",
+            "At 60 Hz c·dt/m is 4: lower the drag to find each integrator's limit.",
             "Implicit midpoint rings: its factor tends to −1.",
         ],
         setup: Setup::new(body, start, forces, 3.0),
@@ -72,8 +72,8 @@ pub fn quadratic_drag() -> Scenario {
         title: "Quadratic drag",
         lesson: "Thrown straight up at 45 m/s through air: the answer is a tangent going up and a hyperbolic tangent coming down. The drag must never turn the velocity round.",
         hints: [
-            "Throw at 1e4 m/s: explicit schemes come out backwards.",
-            "Every scheme shows its order here.",
+            "Throw at 1e4 m/s: explicit integrators come out backwards.",
+            "Every integrator shows its order here.",
         ],
         setup: Setup::new(body, start, forces, 8.0),
         recommended: &["split", "rk4", "velocity-verlet", "explicit-euler"],
@@ -90,9 +90,9 @@ pub fn throw() -> Scenario {
     Scenario {
         id: "throw",
         title: "Tumbling throw",
-        lesson: "Gravity exerts no torque, so the centre flies a parabola while the box tumbles freely. Both parts have exact answers, and errors in one do not touch the other.",
+        lesson: "Gravity exerts no torque, so the center flies a parabola while the box tumbles freely. Both parts have exact answers, and errors in one do not touch the other.",
         hints: [
-            "Position and attitude can have different orders in one scheme.",
+            "Position and attitude can have different orders in one integrator.",
             "Compare cost: force evaluations against error.",
         ],
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),

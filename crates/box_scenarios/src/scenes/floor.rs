@@ -16,7 +16,7 @@ pub fn playground() -> Scenario {
     Scenario {
         id: "playground",
         title: "Playground",
-        lesson: "A box at rest on a floor. Push it: W and S along its z axis, A and D along x, Q and E along y; Shift pushes off-centre.",
+        lesson: "A box at rest on a floor. Push it: W and S along its z axis, A and D along x, Q and E along y; Shift pushes off-center.",
         hints: [
             "Click a face to poke it, drag it to grab it.",
             "Change friction and restitution in the panel.",
@@ -36,7 +36,7 @@ pub fn drop() -> Scenario {
     Scenario {
         id: "drop",
         title: "Flat drop",
-        lesson: "Bounce n reaches e^(2n) of the first height, infinitely many of them in a finite time, then rest. A scheme that finds the impact inside the step keeps its order.",
+        lesson: "Bounce n reaches e^(2n) of the first height, infinitely many of them in a finite time, then rest. An integrator that finds the impact inside the step keeps its order.",
         hints: ["Set e to 1 or 0.", "A flat landing must not start a spin."],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
@@ -56,7 +56,7 @@ pub fn bounce() -> Scenario {
         lesson: "With e = 1 the box must come back to the same height a hundred times. Energy gained or lost at each contact adds up where everyone can see it.",
         hints: [
             "Read the height of the apex after a minute.",
-            "Schemes that are exact on the parabola stay; the others climb or sink.",
+            "Integrators that are exact on the parabola stay; the others climb or sink.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(1.0, 0.0)),
         recommended: &[
@@ -102,7 +102,7 @@ pub fn tumble_storm() -> Scenario {
     Scenario {
         id: "tumble-storm",
         title: "Tumble storm",
-        lesson: "Each bounce of a tumbling box multiplies every difference. After a few no two schemes agree on the path; energy that never grows is what is left to compare.",
+        lesson: "Each bounce of a tumbling box multiplies every difference. After a few no two integrators agree on the path; energy that never grows is what is left to compare.",
         hints: [
             "Compare where the ghosts come to rest.",
             "Halve dt: it does not help for long.",
@@ -123,10 +123,10 @@ pub fn load() -> Scenario {
     Scenario {
         id: "load",
         title: "Load test",
-        lesson: "Thousands of boxes thrown over a floor: what a body and a step cost, in nanoseconds, for each scheme.",
+        lesson: "Thousands of boxes thrown over a floor: what a body and a step cost, in nanoseconds, for each integrator.",
         hints: [
             "Move the load slider and read the time per body.",
-            "A scheme with four evaluations need not cost four times as much.",
+            "An integrator with four evaluations need not cost four times as much.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],

@@ -18,7 +18,7 @@ pub fn spring_orbit() -> Scenario {
     Scenario {
         id: "spring-orbit",
         title: "Spring orbit",
-        lesson: "A spring to a fixed point makes an ellipse that closes on itself every π seconds. Symplectic schemes keep its size for ever; RK4 shrinks it slowly, Euler spirals out or in.",
+        lesson: "A spring to a fixed point makes an ellipse that closes on itself every π seconds. Symplectic integrators keep its size for ever; RK4 shrinks it slowly, Euler spirals out or in.",
         hints: [
             "Raise dt: Explicit Euler leaves, Backward Euler falls in.",
             "Watch the energy of Split: it oscillates and never drifts.",
@@ -43,9 +43,9 @@ pub fn stiff_spring() -> Scenario {
     Scenario {
         id: "stiff-spring",
         title: "Stiff spring",
-        lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Kicked schemes hold up to 2, RK4 to 2.83; implicit ones hold always, some of them by stopping the motion.",
+        lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Kicked integrators hold up to 2, RK4 to 2.83; implicit ones hold always, some of them by stopping the motion.",
         hints: [
-            "At 30 Hz ω·dt is 2: the kicked schemes are at their limit.",
+            "At 30 Hz ω·dt is 2: the kicked integrators are at their limit.",
             "Backward Euler is stable and wrong: the oscillation is gone in a second.",
         ],
         setup: Setup::new(body, start, forces, 4.0),

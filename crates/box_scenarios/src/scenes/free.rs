@@ -16,7 +16,7 @@ pub fn dzhanibekov() -> Scenario {
     Scenario {
         id: "dzhanibekov",
         title: "Dzhanibekov flip",
-        lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: a scheme that changes the energy flips early, late, or the wrong way round.",
+        lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: an integrator that changes the energy flips early, late, or the wrong way round.",
         hints: [
             "Compare Explicit Euler with Split: one gains energy and loses the flip.",
             "Halve dt and see whose flips move.",
@@ -35,7 +35,7 @@ pub fn stable_axis() -> Scenario {
     Scenario {
         id: "stable-axis",
         title: "Stable axis",
-        lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the scheme's own.",
+        lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the integrator's own.",
         hints: [
             "Let it run for a minute and read the energy.",
             "Engine (rescaled) walks to the middle axis and flips: it keeps |L|, not the energy.",
@@ -59,9 +59,9 @@ pub fn thin_plate() -> Scenario {
     Scenario {
         id: "thin-plate",
         title: "Thin plate",
-        lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order schemes gain energy here first.",
+        lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order integrators gain energy here first.",
         hints: [
-            "Compare Midpoint with Implicit midpoint: same order, opposite energy behaviour.",
+            "Compare Midpoint with Implicit midpoint: same order, opposite energy behavior.",
             "Double dt and see who still tumbles in step with the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
@@ -97,7 +97,7 @@ pub fn symmetric_top() -> Scenario {
     Scenario {
         id: "symmetric-top",
         title: "Symmetric top",
-        lesson: "A square bar precesses steadily: its axis draws a cone at the rate L/I. Split is exact for such bodies at any step; most schemes are not.",
+        lesson: "A square bar precesses steadily: its axis draws a cone at the rate L/I. Split is exact for such bodies at any step; most integrators are not.",
         hints: [
             "Set dt to 1/10 s: Split is still exact.",
             "Look at the cone's angle under Backward Euler.",
@@ -122,7 +122,7 @@ pub fn damped_spin() -> Scenario {
         title: "Damped spin",
         lesson: "Damping in proportion to the angular momentum only slows time down: the tumbling is the free one in the time (1 − e^(−γt))/γ, and the last attitude is known in advance.",
         hints: [
-            "Raise γ until γ·dt passes 2: explicit schemes explode, Split and Exact do not notice.",
+            "Raise γ until γ·dt passes 2: explicit integrators explode, Split and Exact do not notice.",
             "The direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
@@ -142,7 +142,7 @@ pub fn separatrix() -> Scenario {
         lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
         hints: [
             "Compare Implicit midpoint, exact in energy, with RK4, which is not.",
-            "No flip at all means the scheme ignores the gyroscopic term.",
+            "No flip at all means the integrator ignores the gyroscopic term.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "exact", "implicit-midpoint", "rk4"],

@@ -2,7 +2,7 @@
 //! [`Scenario::ALL`](crate::Scenario::ALL):
 //!
 //! - [`mod@free`]: nothing but spin;
-//! - [`mod@flight`]: the centre of mass under gravity and drag;
+//! - [`mod@flight`]: the center of mass under gravity and drag;
 //! - [`mod@forced`]: springs and torques;
 //! - [`mod@floor`][]: contact.
 

@@ -13,7 +13,7 @@ use crate::setup::{FloorSpec, Setup};
 pub(super) struct FlatContact {
     start: DVec3,
     velocity: DVec3,
-    /// Height of the centre when the box lies on the floor \[m\].
+    /// Height of the center when the box lies on the floor \[m\].
     rest: f64,
     gravity: f64,
     restitution: f64,
@@ -56,7 +56,7 @@ impl FlatContact {
         let frictionless = floor.friction == 0.0;
         let still = w.y == 0.0 && level_velocity == DVec3::ZERO;
         let possible = if lies {
-            // Sliding does not tip it while µ times the height of the centre is below the distance
+            // Sliding does not tip it while µ times the height of the center is below the distance
             // to the edge of the footprint, whatever the direction.
             let extents = world_half_extents(start.rotation, half);
             let stands = floor.friction * extents.y < extents.x.min(extents.z);

@@ -2,7 +2,7 @@
 //!
 //! The angular momentum follows Jacobi's functions (Landau, Lifshitz, *Mechanics*, §37), the attitude is
 //! a frame tied to it and turned about the constant world momentum by an elliptic integral of the third
-//! kind, in Carlson's form. (The scheme `exact` uses theta functions: another route to the same motion.)
+//! kind, in Carlson's form. (The integrator `exact` uses theta functions: another route to the same motion.)
 
 use box_physics::body::RigidBox;
 use box_physics::state::BodyState;

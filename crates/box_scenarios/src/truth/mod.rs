@@ -4,7 +4,7 @@
 //! |---|---|
 //! | gravity, constant force, linear drag | exponentials |
 //! | quadratic drag on a straight line | tanh, tan, ln cosh |
-//! | springs at the centre of mass | the harmonic oscillator |
+//! | springs at the center of mass | the harmonic oscillator |
 //! | free rotation, also with damping −γL | Jacobi's elliptic functions and Carlson's R_J |
 //! | rotation about one principal axis with angular drag and torque | exponentials |
 //! | flat bounces, sliding to rest | the Zeno sequence, the parabola that stops |
@@ -67,7 +67,7 @@ enum Rotation {
 impl Rotation {
     fn of(setup: &Setup, start: &BodyState) -> Option<Self> {
         let f = &setup.forces;
-        let torque_free = !f.has_wrench() || translation::springs_at_centre(f);
+        let torque_free = !f.has_wrench() || translation::springs_at_center(f);
         if torque_free && f.angular_drag == 0.0 {
             return Some(Self::Free(FreeMotion::new(
                 &setup.body,

@@ -1,4 +1,4 @@
-//! Motion of the centre of mass in closed form.
+//! Motion of the center of mass in closed form.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
@@ -22,8 +22,8 @@ pub(super) fn phi(z: f64) -> (f64, f64) {
     }
 }
 
-/// Whether the only wrench is undamped springs at the centre of mass.
-pub(super) fn springs_at_centre(f: &ForceSet) -> bool {
+/// Whether the only wrench is undamped springs at the center of mass.
+pub(super) fn springs_at_center(f: &ForceSet) -> bool {
     f.body_torque == DVec3::ZERO
         && f.world_torque == DVec3::ZERO
         && f.point_forces.is_empty()
@@ -43,11 +43,11 @@ pub(super) enum Translation {
         a: DVec3,
         rate: f64,
     },
-    /// x'' = −Ω² (x − centre)
+    /// x'' = −Ω² (x − center)
     Oscillator {
         x: DVec3,
         v: DVec3,
-        centre: DVec3,
+        center: DVec3,
         frequency: f64,
     },
     /// Along one line: s'' = a − κ |s'| s' in the direction of a (or of v, if a = 0).
@@ -64,7 +64,7 @@ impl Translation {
     pub(super) fn of(setup: &Setup, start: &BodyState) -> Option<Self> {
         let (body, f) = (&setup.body, &setup.forces);
         let (x, v, a) = (start.position, start.velocity, f.acceleration(body));
-        if springs_at_centre(f) {
+        if springs_at_center(f) {
             if f.linear_drag != 0.0 || f.quadratic_drag != 0.0 {
                 return None;
             }
@@ -76,7 +76,7 @@ impl Translation {
             return Some(Self::Oscillator {
                 x,
                 v,
-                centre: (pull + body.mass() * a) / k,
+                center: (pull + body.mass() * a) / k,
                 frequency: (k / body.mass()).sqrt(),
             });
         }
@@ -118,13 +118,13 @@ impl Translation {
             Self::Oscillator {
                 x,
                 v,
-                centre,
+                center,
                 frequency,
             } => {
                 let (s, c) = (frequency * t).sin_cos();
-                let r = x - centre;
+                let r = x - center;
                 (
-                    centre + c * r + s / frequency * v,
+                    center + c * r + s / frequency * v,
                     c * v - s * frequency * r,
                 )
             }

@@ -60,7 +60,7 @@ impl Run {
         while self.rules.back().is_some_and(|r| r.t > t + margin) {
             self.rules.pop_back();
         }
-        let schemes: Vec<Integrator> = self.lanes.iter().map(|r| r.lane.integrator).collect();
+        let integrators: Vec<Integrator> = self.lanes.iter().map(|r| r.lane.integrator).collect();
         let Some(c) = self.checkpoints.back().cloned() else {
             // Before the first: anew from the start.
             self.reference = Reference::new(
@@ -76,7 +76,7 @@ impl Run {
             );
             self.law = self.start.0.clone();
             self.lanes.clear();
-            self.choose(schemes);
+            self.choose(integrators);
             self.hero.track = Track::new(&self.law, &self.start.1, 0.0);
             self.arrive(t, state);
             return;
@@ -89,7 +89,7 @@ impl Run {
             saved.map(|s| r.restore(s)).is_some()
         });
         self.lanes = lanes;
-        self.choose(schemes);
+        self.choose(integrators);
         let track = &mut self.hero.track;
         (track.ledger, track.now.worst) = c.hero;
         self.arrive(t, state);

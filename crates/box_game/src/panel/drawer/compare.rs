@@ -23,7 +23,7 @@ const ROOM_FOR_BARS: f32 = 760.0;
 /// Marks of the time axis that are shown at most.
 const MOST_RULES: usize = 200;
 
-/// The colours of the three energies: those of no scheme's line.
+/// The colors of the three energies: those of no integrator's line.
 const ENERGIES: [(&str, Color32); 3] = [
     ("translation", Color32::from_rgb(0x8d, 0xa0, 0xcb)),
     ("rotation", Color32::from_rgb(0xe7, 0xd4, 0x8f)),
@@ -86,10 +86,10 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
         }
         let caption = match quantity {
             Quantity::Energy if view.conservative => {
-                "should be constant: what drifts is the scheme's error".to_owned()
+                "should be constant: what drifts is the integrator's error".to_owned()
             }
             Quantity::Energy => {
-                "less what forces, floor and pushes rightly change: the rest is the scheme's error"
+                "less what forces, floor and pushes rightly change: the rest is the integrator's error"
                     .to_owned()
             }
             _ => format!("reference: {}", view.reference),
@@ -192,7 +192,11 @@ fn rules(plot: &mut PlotUi<'_>, view: &CompareView) {
             RuleKind::Contact => ("contact", Color32::from_gray(105), LineStyle::Solid),
             RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150), DASHES),
             RuleKind::Step => ("another dt", Color32::from_rgb(90, 140, 170), DASHES),
-            RuleKind::Scheme => ("another scheme", Color32::from_rgb(170, 140, 80), DASHES),
+            RuleKind::Integrator => (
+                "another integrator",
+                Color32::from_rgb(170, 140, 80),
+                DASHES,
+            ),
             RuleKind::Resync => ("re-sync", Color32::from_gray(160), DASHES),
         };
         plot.vline(

@@ -1,4 +1,4 @@
-//! The drawer below the picture: curves over time, error against cost, and the table of schemes.
+//! The drawer below the picture: curves over time, error against cost, and the table of integrators.
 
 mod compare;
 mod plots;
@@ -27,7 +27,7 @@ const TABS: [(Plot, &str, &str); 6] = [
     (
         Plot::Timing,
         "Timing",
-        "What a body-step costs under every scheme, over time.",
+        "What a body-step costs under every integrator, over time.",
     ),
     (Plot::Cpu, "CPU", "Use of the processor over time."),
     (
@@ -38,7 +38,7 @@ const TABS: [(Plot, &str, &str); 6] = [
     (
         Plot::Table,
         "Table",
-        "The figures of every scheme side by side.",
+        "The figures of every integrator side by side.",
     ),
 ];
 

@@ -14,7 +14,7 @@ use super::super::decimate::{decimate, segments, staircase};
 use super::super::format::number;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::super::view::PanelView;
-use crate::style::{self, SchemeStyle};
+use crate::style::{self, IntegratorStyle};
 
 /// Width of a column of the legend beside the plot [points].
 const LEGEND: f32 = 140.0;
@@ -23,8 +23,8 @@ const PLOT_BESIDE_LEGEND: f32 = 220.0;
 /// A plot lower than this is no use; the drawer scrolls instead.
 const LOWEST: f32 = 90.0;
 
-/// Median cost of a body-step of every scheme, on a log axis. The legend stands beside the plot, as
-/// with all schemes it would cover it; a narrow drawer has none, and the list of schemes serves.
+/// Median cost of a body-step of every integrator, on a log axis. The legend stands beside the plot, as
+/// with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     ui.add(
         Label::new(
@@ -102,7 +102,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
         .response;
     describe(
         &response,
-        "Median nanoseconds per body-step of every scheme over wall time, logarithmic",
+        "Median nanoseconds per body-step of every integrator over wall time, logarithmic",
     );
 }
 
@@ -180,7 +180,7 @@ pub(super) fn line(
     plot: &mut PlotUi<'_>,
     name: &str,
     points: &[[f64; 2]],
-    looks: SchemeStyle,
+    looks: IntegratorStyle,
     width: f32,
 ) {
     let color: Color32 = looks.color();

@@ -6,7 +6,7 @@ use bevy_egui::egui::{
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity, step_size};
-use super::super::view::SchemeTiming;
+use super::super::view::IntegratorTiming;
 use super::compare::state;
 use crate::compare::view::verdict;
 use crate::compare::{CompareAction, CompareView, LaneView, Quantity};
@@ -14,7 +14,7 @@ use crate::style;
 
 const HEADINGS: [(&str, &str); 12] = [
     (
-        "scheme",
+        "integrator",
         "The hero, the lanes beside it, then the others. Click one to compare it with the hero in words.",
     ),
     (
@@ -22,7 +22,10 @@ const HEADINGS: [(&str, &str); 12] = [
         "Half of the recent samples are shorter, ns per step: what a frame feels.",
     ),
     ("p95 [ns]", "95 % of the recent samples are shorter."),
-    ("min [ns]", "Shortest recent sample: the scheme's own cost."),
+    (
+        "min [ns]",
+        "Shortest recent sample: the integrator's own cost.",
+    ),
     ("evals", "Force evaluations per step, as counted."),
     ("dt", "Step size of the lane."),
     ("pos err [m]", "Distance from the reference, now."),
@@ -45,18 +48,18 @@ const HEADINGS: [(&str, &str); 12] = [
     ),
 ];
 
-/// `timings` are of every scheme; those that are not compared stand below.
+/// `timings` are of every integrator; those that are not compared stand below.
 pub(super) fn show(
     ui: &mut Ui,
     compare: &CompareView,
-    timings: &[SchemeTiming],
+    timings: &[IntegratorTiming],
     out: &mut Vec<CompareAction>,
 ) {
     ui.add(Label::new(RichText::new(verdict(compare)).strong()).wrap());
     ScrollArea::both()
         .auto_shrink([false, false])
         .show(ui, |ui| {
-            Grid::new("schemes")
+            Grid::new("integrators")
                 .striped(true)
                 .spacing([14.0, 3.0])
                 .show(ui, |ui| {
@@ -69,7 +72,7 @@ pub(super) fn show(
                         lane_row(ui, compare, lane, out);
                         ui.end_row();
                     }
-                    let beside = |t: &&SchemeTiming| {
+                    let beside = |t: &&IntegratorTiming| {
                         compare.lanes.iter().all(|l| l.integrator != t.integrator)
                     };
                     for timing in timings.iter().filter(beside) {
@@ -146,7 +149,7 @@ fn figure(value: f64) -> String {
     }
 }
 
-fn other_row(ui: &mut Ui, other: &SchemeTiming) {
+fn other_row(ui: &mut Ui, other: &IntegratorTiming) {
     let info = other.integrator.info();
     ui.horizontal(|ui| {
         mark(ui, other.integrator);

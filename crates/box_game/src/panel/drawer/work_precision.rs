@@ -76,7 +76,7 @@ fn controls(
     } else if ui
         .button("Sweep")
         .on_hover_text(
-            "Run this scene from its start under every ticked scheme with dt from 1/15 to 1/1920 s, in a thread of its own.",
+            "Run this scene from its start under every ticked integrator with dt from 1/15 to 1/1920 s, in a thread of its own.",
         )
         .clicked()
     {

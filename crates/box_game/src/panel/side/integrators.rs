@@ -1,11 +1,11 @@
-//! Every scheme as a row: whether it runs beside the hero, its looks, name, and what it costs now; and how
+//! Every integrator as a row: whether it runs beside the hero, its looks, name, and what it costs now; and how
 //! those that run are shown and made comparable.
 
 use bevy_egui::egui::{AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2};
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity};
-use super::super::view::{PanelView, SchemeTiming};
+use super::super::view::{IntegratorTiming, PanelView};
 use crate::action::Action;
 use crate::compare::{CompareAction, Fairness, Layout};
 use crate::style;
@@ -31,13 +31,13 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     together(ui, view, out);
 }
 
-/// The scheme that moves the box; none while a stepper of 2012 does.
+/// The integrator that moves the box; none while a stepper of 2012 does.
 fn active(view: &PanelView) -> Option<Integrator> {
     let demo = view.hands.demo.as_ref().and_then(|demo| demo.stepper);
     demo.is_none().then_some(view.integrator)
 }
 
-/// Whether the scheme runs beside the hero; returns whether that is to change.
+/// Whether the integrator runs beside the hero; returns whether that is to change.
 fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     let hero = integrator == view.integrator;
     let lanes = &view.compare.lanes;
@@ -79,8 +79,8 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         for fairness in Fairness::ALL {
             let hint = match fairness {
                 Fairness::Step => "Every lane takes the same steps.",
-                Fairness::Evaluations => "A scheme with four force evaluations a step takes steps four times as long.",
-                Fairness::Cost => "A scheme that costs twice as much takes steps twice as long, as measured when chosen.",
+                Fairness::Evaluations => "An integrator with four force evaluations a step takes steps four times as long.",
+                Fairness::Cost => "An integrator that costs twice as much takes steps twice as long, as measured when chosen.",
             };
             if choice(ui, settings.fairness == fairness, fairness.name(), hint) {
                 ask(CompareAction::SetFairness(fairness));
@@ -91,7 +91,7 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         for (name, hint, action) in [
             (
                 "All lanes",
-                "Every scheme beside the box.",
+                "Every integrator beside the box.",
                 CompareAction::AllLanes,
             ),
             ("No lanes", "The box alone.", CompareAction::NoLanes),
@@ -153,8 +153,8 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     clicked
 }
 
-/// The tooltip, all from what the scheme says of itself.
-fn describe(integrator: Integrator, timing: Option<&SchemeTiming>) -> Vec<String> {
+/// The tooltip, all from what the integrator says of itself.
+fn describe(integrator: Integrator, timing: Option<&IntegratorTiming>) -> Vec<String> {
     let info = integrator.info();
     let mut lines = vec![
         info.summary.to_owned(),

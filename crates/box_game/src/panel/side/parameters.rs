@@ -120,22 +120,22 @@ pub(super) fn push(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
     let (now, scene) = (view.parameters.impulse, view.defaults.impulse);
     out.extend(row(ui, &IMPULSE, now, scene, memory).map(Action::SetImpulse));
     let (shift, alt) = ui.input(|i| (i.modifiers.shift, i.modifiers.alt));
-    let (off_centre, world) = (memory.push_off_centre || shift, memory.push_world || alt);
+    let (off_center, world) = (memory.push_off_center || shift, memory.push_world || alt);
     for half in PUSHES.chunks(3) {
         ui.horizontal(|ui| {
             for &(name, direction) in half {
-                if push_button(ui, name, now, off_centre, world).clicked() {
+                if push_button(ui, name, now, off_center, world).clicked() {
                     out.push(Action::Push(Push {
                         direction,
                         world,
-                        off_centre,
+                        off_center,
                     }));
                 }
             }
         });
     }
     ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut memory.push_off_centre, "off-centre (Shift)")
+        ui.checkbox(&mut memory.push_off_center, "off-center (Shift)")
             .on_hover_text("Push at the edge of the face, so that the box spins.");
         ui.checkbox(&mut memory.push_world, "world axes (Alt)")
             .on_hover_text("Push along the world's axes instead of the box's own.");
@@ -145,7 +145,7 @@ pub(super) fn push(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
     }
 }
 
-fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_centre: bool, world: bool) -> Response {
+fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_center: bool, world: bool) -> Response {
     let button = ui.add_sized(vec2(64.0, ui.spacing().interact_size.y), Button::new(name));
     button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Push {name}")));
     button.on_hover_ui(|ui| {
@@ -153,7 +153,7 @@ fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_centre: bool, world: b
             "{} N s along {name} of {}{}.",
             number(impulse),
             if world { "the world" } else { "the box" },
-            if off_centre {
+            if off_center {
                 ", at the edge of the face"
             } else {
                 ""

@@ -80,7 +80,7 @@ pub(super) fn now(ui: &mut Ui, view: &PanelView) {
                 (
                     "Fallbacks",
                     view.fallbacks,
-                    "Body-steps that the scheme handed to split, because it does not apply there.",
+                    "Body-steps that the integrator handed to split, because it does not apply there.",
                 ),
                 (
                     "Not converged",

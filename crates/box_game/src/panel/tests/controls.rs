@@ -70,7 +70,7 @@ fn compare(action: CompareAction) -> Action {
 }
 
 #[test]
-fn every_scheme_can_be_ticked_but_the_hero_s_own() {
+fn every_integrator_can_be_ticked_but_the_hero_s_own() {
     let mut person = Person::before(sample_view(), TALL);
     for &integrator in Integrator::ALL {
         let name = format!("Compare {}", integrator.name());
@@ -133,7 +133,7 @@ fn lists_of_scenes_and_speeds() {
 }
 
 #[test]
-fn every_scheme_can_be_chosen_and_shows_its_cost() {
+fn every_integrator_can_be_chosen_and_shows_its_cost() {
     let mut person = Person::before(sample_view(), TALL);
     for &integrator in Integrator::ALL {
         let node = person.find(integrator.name());
@@ -159,13 +159,13 @@ fn every_scheme_can_be_chosen_and_shows_its_cost() {
 }
 
 #[test]
-fn six_pushes_plain_off_centre_and_world() {
+fn six_pushes_plain_off_center_and_world() {
     let mut person = Person::before(sample_view(), TALL);
-    let push = |direction, world, off_centre| {
+    let push = |direction, world, off_center| {
         [Action::Push(Push {
             direction,
             world,
-            off_centre,
+            off_center,
         })]
     };
     for (name, direction) in [
@@ -185,7 +185,7 @@ fn six_pushes_plain_off_centre_and_world() {
     assert_eq!(person.asked(), push(DVec3::X, false, true));
     person.find("Push +x").click_modifiers(Modifiers::ALT);
     assert_eq!(person.asked(), push(DVec3::X, true, false));
-    assert_eq!(person.click("off-centre (Shift)"), []);
+    assert_eq!(person.click("off-center (Shift)"), []);
     assert_eq!(person.click("world axes (Alt)"), []);
     assert_eq!(person.click("Push +y"), push(DVec3::Y, true, true));
 }

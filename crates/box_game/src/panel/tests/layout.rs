@@ -223,7 +223,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
             f64::from(k % 97)
         }
     };
-    let schemes = broken.timings.len();
+    let integrators = broken.timings.len();
     for lane in &mut broken.compare.lanes {
         lane.now = [nan; 7];
         (lane.dt, lane.energies) = (nan, [nan, f64::INFINITY, -1e300]);
@@ -234,7 +234,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
         }
     }
     broken.history = HistoryView {
-        timing: vec![(0..10_000).map(|k| (f64::from(k), long_run(k))).collect(); schemes],
+        timing: vec![(0..10_000).map(|k| (f64::from(k), long_run(k))).collect(); integrators],
         cpu: (0..10_000)
             .map(|k| (f64::from(k), long_run(k), nan))
             .collect(),

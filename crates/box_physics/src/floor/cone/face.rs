@@ -1,7 +1,7 @@
 //! Three or four corners of a face with Coulomb's friction, where they do not all move alike.
 //!
 //! - **All slide**: then no corner moves along the normal, so the box turns about the normal alone, and its
-//!   velocity V at the centre and its spin Ω tell every slip, w_k = V + Ω n×r_k. Given these, p_k = π_k s_k,
+//!   velocity V at the center and its spin Ω tell every slip, w_k = V + Ω n×r_k. Given these, p_k = π_k s_k,
 //!   s_k = n − µ w_k/|w_k|, and the normal law is three linear equations for the π_k, of which the smallest are
 //!   taken. The impulses give V and Ω anew. Only the direction u of (V, Ω) enters, so that what is asked for is
 //!   the u that leads to itself: two angles, found by Broyden's method (Math. Comput. 19 (1965) 577) from the
@@ -87,7 +87,7 @@ impl Face<'_> {
     fn stop(&self) -> Corner3 {
         let (set, n) = (self.set, self.set.count);
         let (r, b) = (&set.lever, self.b);
-        // −b as a motion of the floor's plane: opposite corners are neighbours, so 0, 1 and 2 span it.
+        // −b as a motion of the floor's plane: opposite corners are neighbors, so 0, 1 and 2 span it.
         let (e, f) = (r[1] - r[0], r[2] - r[0]);
         let area = e.z * f.x - e.x * f.z;
         let (p, q) = (b[1].y - b[0].y, b[2].y - b[0].y);

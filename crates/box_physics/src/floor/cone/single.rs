@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 use crate::math::sin_cos;
 
 /// Directions tried for the slip: the function whose root it is has degree two in them, so between
-/// neighbours there is hardly ever more than one of its at most four roots. If none is found, two lie
+/// neighbors there is hardly ever more than one of its at most four roots. If none is found, two lie
 /// close together: more directions.
 const DIRECTIONS: [usize; 2] = [24, 120];
 
@@ -125,7 +125,7 @@ impl Slip<'_> {
         })
     }
 
-    /// The sliding solution, its root looked for between neighbours of these directions.
+    /// The sliding solution, its root looked for between neighbors of these directions.
     fn among(&self, directions: &[(f64, f64)]) -> Option<DVec3> {
         let mut last = directions[0];
         let (mut turn, mut forward) = self.parts(last);
@@ -150,7 +150,7 @@ impl Slip<'_> {
         best.map(|(_, p)| p)
     }
 
-    /// A root of t̂ × a between two neighbouring directions: Newton's method from the middle, kept between
+    /// A root of t̂ × a between two neighboring directions: Newton's method from the middle, kept between
     /// the two by halving where it would leave them. Every point is put back on the circle.
     fn root(&self, (mut low, low_value): ((f64, f64), f64), mut high: (f64, f64)) -> (f64, f64) {
         if low_value == 0.0 {

@@ -46,7 +46,7 @@ pub(super) fn solve(
         let arm = set.lever[i].cross(s);
         arms[i] = DVec3::new(1.0, arm.dot(across), arm.dot(along));
     }
-    // Opposite corners are neighbours: in pairs their arms cancel to the bit.
+    // Opposite corners are neighbors: in pairs their arms cancel to the bit.
     let mut gram = DMat3::ZERO;
     for pair in arms[..n].chunks(2) {
         let mut sum = DMat3::ZERO;

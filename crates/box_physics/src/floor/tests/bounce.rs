@@ -1,11 +1,11 @@
-//! The order of a scheme across bounces, and flat landings to the bit. (Cases 25 and 30 stand among the
+//! The order of an integrator across bounces, and flat landings to the bit. (Cases 25 and 30 stand among the
 //! contact cases of `box_scenarios`.)
 use super::*;
 use crate::force::{Dissipation, Forces};
-use crate::schemes::{ExplicitEuler, Rk4, Split};
+use crate::integrators::{ExplicitEuler, Rk4, Split};
 
 /// Richardson: the observed order over halved steps with a fine reference, for the whole state.
-fn order<S: Scheme>(half: DVec3, start: BodyState, e: f64, time: f64, impacts: u32) -> f64 {
+fn order<S: Integrate>(half: DVec3, start: BodyState, e: f64, time: f64, impacts: u32) -> f64 {
     let run = |n: u32| {
         let mut scene = Scene::new(half, e, 0.0).with_state(start);
         scene.run::<S>(time / f64::from(n), n);
@@ -56,12 +56,12 @@ fn order_survives_bounces() {
     assert!(order::<Rk4>(half, start, 1.0, 2.8, 5) > 3.7);
 }
 
-/// Five flat bounces of a spinning box in thick air, where every scheme has its plain order.
+/// Five flat bounces of a spinning box in thick air, where every integrator has its plain order.
 #[test]
 fn order_survives_five_bounces_in_air() {
     // Between the fifth impact and the sixth.
     let time = 2.75;
-    fn run<S: Scheme>(time: f64, n: u32) -> BodyState {
+    fn run<S: Integrate>(time: f64, n: u32) -> BodyState {
         let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.9, 0.0);
         scene.state.position.y = 1.0;
         scene.state.velocity.x = 2.0;
@@ -126,7 +126,7 @@ fn flat_landing_is_symmetric_to_the_bit() {
         for _ in 0..120 {
             scene.step::<Split>(SIXTIETH);
             let s = &scene.state;
-            // The scheme's renormalisation may move the last bit of the yaw, nothing else moves.
+            // The integrator's renormalization may move the last bit of the yaw, nothing else moves.
             assert_eq!((s.rotation.x, s.rotation.z), (0.0, 0.0));
             assert!(s.attitude_difference(&start) < 1e-15);
             assert_eq!(s.angular_momentum, DVec3::ZERO);

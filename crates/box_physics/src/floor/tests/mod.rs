@@ -11,10 +11,10 @@ use glam::{DQuat, DVec3};
 
 use super::{ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity};
+use crate::force::{ForceModel, Gravity};
+use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, split_step};
 use crate::math::sin_cos;
 use crate::rotation::free_rotation_order4;
-use crate::schemes::{Scheme, SchemeMemory, StepOutcome, split_step};
 use crate::state::BodyState;
 
 pub(super) const G: f64 = 9.81;
@@ -28,7 +28,7 @@ pub(super) struct Scene {
     pub(super) body: RigidBox,
     pub(super) state: BodyState,
     pub(super) gravity: Gravity,
-    pub(super) memory: SchemeMemory,
+    pub(super) memory: IntegratorMemory,
     pub(super) contact: ContactState,
     pub(super) total: FloorOutcome,
 }
@@ -42,7 +42,7 @@ impl Scene {
             body,
             state: BodyState::at(DVec3::Y * half.y),
             gravity: Gravity(DVec3::NEG_Y * G),
-            memory: SchemeMemory::default(),
+            memory: IntegratorMemory::default(),
             contact: ContactState::default(),
             total: FloorOutcome::default(),
         }
@@ -53,14 +53,14 @@ impl Scene {
         self
     }
 
-    /// Gravity tilted by `theta` \[rad\] towards +x: a slope.
+    /// Gravity tilted by `theta` \[rad\] toward +x: a slope.
     pub(super) fn on_slope(mut self, theta: f64) -> Self {
         let (s, c) = sin_cos(theta);
         self.gravity = Gravity(DVec3::new(G * s, -G * c, 0.0));
         self
     }
 
-    pub(super) fn step<S: Scheme>(&mut self, h: f64) -> FloorOutcome {
+    pub(super) fn step<S: Integrate>(&mut self, h: f64) -> FloorOutcome {
         let outcome = step_on_floor::<S, _>(
             &self.floor,
             &self.settings,
@@ -76,7 +76,7 @@ impl Scene {
         outcome
     }
 
-    pub(super) fn run<S: Scheme>(&mut self, h: f64, steps: u32) {
+    pub(super) fn run<S: Integrate>(&mut self, h: f64, steps: u32) {
         for _ in 0..steps {
             self.step::<S>(h);
         }
@@ -102,15 +102,15 @@ pub(super) fn about(axis: DVec3, angle: f64) -> DQuat {
 /// energy does is the contact's doing.
 pub(super) struct Fine;
 
-impl Scheme for Fine {
-    const INFO: crate::schemes::SchemeInfo = crate::schemes::Split::INFO;
+impl Integrate for Fine {
+    const INFO: crate::integrators::IntegratorInfo = crate::integrators::Split::INFO;
 
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         let n = (h * state.body_angular_velocity(body).length() / 0.02)
             .ceil()

@@ -1,7 +1,7 @@
 //! What changes from outside, extremes, and what is reported.
 use super::super::{ContactPhase, may_touch};
 use super::*;
-use crate::schemes::{Rk4, Split};
+use crate::integrators::{Rk4, Split};
 
 fn resting() -> Scene {
     let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.3, 0.5);

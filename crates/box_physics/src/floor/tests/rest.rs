@@ -1,6 +1,6 @@
 //! Every drop ends at rest, and rest is for ever.
 use super::*;
-use crate::schemes::{Rk4, Split};
+use crate::integrators::{Rk4, Split};
 
 /// From any attitude to flat on a face, resting.
 #[test]

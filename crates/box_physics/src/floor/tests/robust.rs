@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::*;
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
-use crate::schemes::{ExplicitEuler, Heun2012, Rk4, SemiImplicitEuler, Split};
+use crate::integrators::{ExplicitEuler, Heun2012, Rk4, SemiImplicitEuler, Split};
 
 /// What a storm of random drops left behind at worst.
 #[derive(Debug, Default)]
@@ -28,7 +28,7 @@ enum Shapes {
 }
 
 /// `n` random drops of `steps` steps each.
-fn storm<S: Scheme>(seed: u64, n: u32, steps: u32, shapes: Shapes) -> Worst {
+fn storm<S: Integrate>(seed: u64, n: u32, steps: u32, shapes: Shapes) -> Worst {
     let mut random = Random(seed);
     let mut worst = Worst::default();
     for i in 0..n {
@@ -98,11 +98,11 @@ fn random_drops_gain_nothing_and_stay_above() {
     assert!(cubes.gain <= 1e-11 && fine.gain <= 1e-11);
 }
 
-/// Every scheme, and every kind of force: finite, above, and work bounded. (Compact boxes: the explicit
-/// schemes lose needles in free flight by themselves.)
+/// Every integrator, and every kind of force: finite, above, and work bounded. (Compact boxes: the explicit
+/// integrators lose needles in free flight by themselves.)
 #[test]
-fn any_scheme_and_force_stays_above() {
-    fn check<S: Scheme>(seed: u64) {
+fn any_integrator_and_force_stays_above() {
+    fn check<S: Integrate>(seed: u64) {
         let mut random = Random(seed);
         for i in 0..200 {
             let mut scene = Scene::new(

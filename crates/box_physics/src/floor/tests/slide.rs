@@ -1,8 +1,8 @@
 //! Sliding to a stop with steps of any length, and slopes.
 use super::*;
-use crate::schemes::{ExplicitEuler, Rk4, SemiImplicitEuler, Split};
+use crate::integrators::{ExplicitEuler, Rk4, SemiImplicitEuler, Split};
 
-fn pub17<S: Scheme>(h: f64, bound: f64) {
+fn pub17<S: Integrate>(h: f64, bound: f64) {
     let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.5), 0.0, 0.5);
     scene.state.velocity = DVec3::X * 4.0;
     let (stop, mut worst, mut stopped) = (0.8154943934760448, 0.0_f64, None);

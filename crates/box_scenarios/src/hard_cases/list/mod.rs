@@ -1,4 +1,4 @@
-//! The 24 cases. Bounds are what a good second-order scheme reaches, or rounding where exactness is
+//! The 24 cases. Bounds are what a good second-order integrator reaches, or rounding where exactness is
 //! possible.
 
 mod forced;
@@ -73,7 +73,7 @@ fn case(
 mod tests {
     use super::*;
     use crate::hard_cases::Verdict;
-    use box_physics::schemes::Integrator;
+    use box_physics::integrators::Integrator;
 
     #[test]
     fn all_24_are_there() {

@@ -43,7 +43,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             20,
             "tiny",
-            "A nanogram box of a millimetre: 1e-9 kg",
+            "A nanogram box of a millimeter: 1e-9 kg",
             scaled(1e-3, 1e-9),
             GAME_STEPS,
             Check::Attitude(1e-3),

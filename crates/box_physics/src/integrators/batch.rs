@@ -1,6 +1,6 @@
 //! Many bodies at once: free flight under gravity alone, which is what most bodies do most of the time.
 //!
-//! A scheme whose step has no branch there ([`Lanes`]) is run over a group of bodies in one plain loop, of
+//! An integrator whose step has no branch there ([`Lanes`]) is run over a group of bodies in one plain loop, of
 //! which the compiler makes vector instructions: two bodies at a time on any x86-64, four where the
 //! processor has AVX2, which is asked at run time. The bodies stay where they are; what the compiler
 //! shuffles into lanes never leaves the registers. Vector and scalar additions, multiplications, divisions
@@ -8,7 +8,7 @@
 //! instruction set and whichever lane a body is in.
 //!
 //! A body for which the loop does not apply (its turn is beyond the polynomials' range, a number is not
-//! finite) is left as it was and takes the scheme's plain step, which gives the same bits wherever both
+//! finite) is left as it was and takes the integrator's plain step, which gives the same bits wherever both
 //! apply.
 
 use core::marker::PhantomData;
@@ -16,10 +16,10 @@ use core::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use super::{Integrator, Scheme, SchemeMemory, SchemeVisitor, StepOutcome};
+use super::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::Gravity;
-use crate::math::{SmallArguments, VectorLoop, vectorised};
+use crate::math::{SmallArguments, VectorLoop, vectorized};
 use crate::state::BodyState;
 
 /// Bodies in a block of the loop: those that did not apply are noted, and stepped after it.
@@ -72,15 +72,15 @@ impl Field for &[DVec3] {
     }
 }
 
-/// Neighbours in a table, all in free flight. The slices are of one length (what is beyond the shortest is
+/// Neighbors in a table, all in free flight. The slices are of one length (what is beyond the shortest is
 /// left alone).
 pub struct Group<'a> {
     /// The bodies.
     pub bodies: &'a [RigidBox],
     /// Their states. One that does not stay sound in the step is left as it was.
     pub states: &'a mut [BodyState],
-    /// Their schemes' memories.
-    pub memories: &'a mut [SchemeMemory],
+    /// Their integrators' memories.
+    pub memories: &'a mut [IntegratorMemory],
     /// Gravity, the only force.
     pub gravity: GravityField<'a>,
     /// Where the indices of bodies go that did not stay sound.
@@ -97,9 +97,9 @@ impl Group<'_> {
         shortest.min(self.memories.len()).min(most)
     }
 
-    /// The scheme's plain step, body by body.
+    /// The integrator's plain step, body by body.
     #[inline]
-    pub fn one_by_one<S: Scheme>(&mut self, h: f64) -> StepOutcome {
+    pub fn one_by_one<S: Integrate>(&mut self, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
         let count = self.len();
         for start in (0..count).step_by(ROW) {
@@ -111,7 +111,7 @@ impl Group<'_> {
     /// Whether they stayed sound is asked after the last: what a step has just written, number by number,
     /// is slow to read back in whole vectors.
     #[inline(always)]
-    fn step_row<S: Scheme>(&mut self, row: Range<usize>, h: f64) -> StepOutcome {
+    fn step_row<S: Integrate>(&mut self, row: Range<usize>, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
         let (bodies, gravity) = (&self.bodies[row.clone()], self.gravity);
         let states = &mut self.states[row.clone()];
@@ -127,7 +127,7 @@ impl Group<'_> {
             total += S::step(body, state, &law, h, memory);
         }
         for (k, (state, before)) in states.iter_mut().zip(before).enumerate() {
-            if !state.is_sound() {
+            if !state.is_valid() {
                 *state = before;
                 self.faults.push(row.start + k);
             }
@@ -173,20 +173,20 @@ impl Group<'_> {
         h: f64,
         refused: &mut [f64],
     ) {
-        vectorised(LaneLoop {
+        vectorized(LaneLoop {
             bodies: &self.bodies[block.clone()],
             states: &mut self.states[block],
             gravity,
             h,
             refused,
-            scheme: PhantomData::<S>,
+            integrator: PhantomData::<S>,
         });
     }
 
     /// Out of line: the exception.
     #[cold]
     #[inline(never)]
-    fn step_refused<S: Scheme>(&mut self, start: usize, refused: &[f64], h: f64) -> StepOutcome {
+    fn step_refused<S: Integrate>(&mut self, start: usize, refused: &[f64], h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
         for (k, &refused) in refused.iter().enumerate() {
             if refused != 0.0 {
@@ -197,18 +197,18 @@ impl Group<'_> {
     }
 }
 
-/// A scheme whose step under gravity alone has no branch, so that many bodies can be stepped at once.
+/// An integrator whose step under gravity alone has no branch, so that many bodies can be stepped at once.
 ///
 /// Best write the step once, with the sine and cosine as an argument, and use it in both places, as `split`
-/// does: what it does must be, bit for bit, what [`Scheme::step`] does (the test in this file compares them).
+/// does: what it does must be, bit for bit, what [`Integrate::step`] does (the test in this file compares them).
 /// To see whether the compiler did make vector instructions of it, run `cargo bench --bench kernels`.
-pub(super) trait Lanes: Scheme {
+pub(super) trait Lanes: Integrate {
     /// What a step that applied reports.
     const OUTCOME: StepOutcome;
 
     /// One step of `h` ≠ 0 \[s\]. What needs a sine or cosine takes it from `trigonometry`, which notes
     /// whether its polynomials applied. No branch that is not a choice between two numbers, no call that is
-    /// not inlined: else the loop is not vectorised.
+    /// not inlined: else the loop is not vectorized.
     fn step_lane(
         body: &RigidBox,
         state: &mut BodyState,
@@ -225,7 +225,7 @@ struct LaneLoop<'a, S, G> {
     gravity: G,
     h: f64,
     refused: &'a mut [f64],
-    scheme: PhantomData<S>,
+    integrator: PhantomData<S>,
 }
 
 impl<S: Lanes, G: Field> VectorLoop for LaneLoop<'_, S, G> {
@@ -243,7 +243,7 @@ fn step_each<S: Lanes>(
     h: f64,
     refused: &mut [f64],
 ) {
-    // Known here, so that the schemes' own question is not asked in the loop.
+    // Known here, so that the integrators' own question is not asked in the loop.
     if h == 0.0 {
         return;
     }
@@ -262,16 +262,16 @@ fn step_each<S: Lanes>(
             h,
             &mut small,
         );
-        let applies = small.all_small() & is_sound(&after);
+        let applies = small.all_small() & is_valid(&after);
         refused[i] = if applies { 0.0 } else { 1.0 };
         states[i] = choose(applies, &after, &before);
     }
 }
 
-/// At most what [`BodyState::is_sound`] accepts, in fewer operations. A number that is not finite makes the
+/// At most what [`BodyState::is_valid`] accepts, in fewer operations. A number that is not finite makes the
 /// sum so.
 #[inline(always)]
-fn is_sound(state: &BodyState) -> bool {
+fn is_valid(state: &BodyState) -> bool {
     let (x, v, l) = (state.position, state.velocity, state.angular_momentum);
     let sum = (x.x.abs() + x.y.abs() + x.z.abs())
         + (v.x.abs() + v.y.abs() + v.z.abs())
@@ -296,14 +296,14 @@ fn choose(a_is_it: bool, a: &BodyState, b: &BodyState) -> BodyState {
 
 impl Integrator {
     /// One step of `h` \[s\] of many bodies in free flight, each as [`Integrator::step`] under `gravity`
-    /// does, to the last bit, but several at a time where the scheme can. A body whose new state would
+    /// does, to the last bit, but several at a time where the integrator can. A body whose new state would
     /// not be sound stays as it was. The three slices are of equal length (what is beyond the shortest
     /// is left alone).
     pub fn step_all(
         self,
         bodies: &[RigidBox],
         states: &mut [BodyState],
-        memories: &mut [SchemeMemory],
+        memories: &mut [IntegratorMemory],
         gravity: &Gravity,
         h: f64,
     ) -> StepOutcome {
@@ -324,10 +324,10 @@ struct All<'a> {
     h: f64,
 }
 
-impl SchemeVisitor for All<'_> {
+impl IntegratorVisitor for All<'_> {
     type Output = StepOutcome;
 
-    fn visit<S: Scheme>(mut self) -> StepOutcome {
+    fn visit<S: Integrate>(mut self) -> StepOutcome {
         S::step_group(&mut self.group, self.h)
     }
 }
@@ -390,13 +390,13 @@ mod tests {
         let (mut plain, mut refused) = (start.clone(), [0.0; BLOCK]);
         step_each::<S>(&bodies, &mut plain, gravity, h, &mut refused);
         let (mut best, mut refused_there) = (start, [0.0; BLOCK]);
-        vectorised(LaneLoop {
+        vectorized(LaneLoop {
             bodies: &bodies,
             states: &mut best,
             gravity,
             h,
             refused: &mut refused_there,
-            scheme: PhantomData::<S>,
+            integrator: PhantomData::<S>,
         });
         for (plain, best) in plain.iter().zip(&best) {
             assert_eq!(bits(plain), bits(best), "{}", S::INFO.id);
@@ -414,13 +414,13 @@ mod tests {
             gravity in vector(),
             h in prop_oneof![Just(1.0 / 60.0), Just(-0.1), 0.001..0.5_f64],
         ) {
-            by_instruction_sets::<crate::schemes::Split>(&set, gravity, h);
-            by_instruction_sets::<crate::schemes::Split4>(&set, gravity, h);
-            by_instruction_sets::<crate::schemes::Rk4>(&set, gravity, h);
-            by_instruction_sets::<crate::schemes::EngineNewton>(&set, gravity, h);
+            by_instruction_sets::<crate::integrators::Split>(&set, gravity, h);
+            by_instruction_sets::<crate::integrators::Split4>(&set, gravity, h);
+            by_instruction_sets::<crate::integrators::Rk4>(&set, gravity, h);
+            by_instruction_sets::<crate::integrators::EngineNewton>(&set, gravity, h);
         }
 
-        /// Every scheme, any number of bodies, zeros of both signs, turns beyond the kernels' range,
+        /// Every integrator, any number of bodies, zeros of both signs, turns beyond the kernels' range,
         /// one state that is not finite: bit for bit what the plain steps give, over several steps.
         #[test]
         fn all_at_once_is_one_by_one(
@@ -437,15 +437,15 @@ mod tests {
             let law = Gravity(gravity);
             for &integrator in Integrator::ALL {
                 let (mut states, mut expected) = (start.clone(), start.clone());
-                let mut memories: Vec<_> = bodies.iter().map(|_| SchemeMemory::default()).collect();
-                let mut own: Vec<_> = bodies.iter().map(|_| SchemeMemory::default()).collect();
+                let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
+                let mut own: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
                 for _ in 0..3 {
                     let outcome = integrator.step_all(&bodies, &mut states, &mut memories, &law, h);
                     let mut total = StepOutcome::default();
                     for ((body, state), memory) in bodies.iter().zip(&mut expected).zip(&mut own) {
                         let before = *state;
                         total += integrator.step(body, state, &law, h, memory);
-                        if !state.is_sound() {
+                        if !state.is_valid() {
                             *state = before;
                         }
                     }

@@ -4,23 +4,23 @@ use glam::{DQuat, DVec3};
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity, rates};
+use crate::force::{ForceModel, Gravity, rates};
 use crate::math::SmallArguments;
 use crate::rotation::quaternion_rate;
 use crate::state::BodyState;
 
-/// Classical Runge–Kutta on (x, q, v, L), the quaternion normalised after the step.
+/// Classical Runge–Kutta on (x, q, v, L), the quaternion normalized after the step.
 ///
 /// k₁ = f(y), k₂ = f(y + h/2 k₁), k₃ = f(y + h/2 k₂), k₄ = f(y + h k₃),
 /// y += h/6 (k₁ + 2k₂ + 2k₃ + k₄).
 pub struct Rk4;
 
-impl Scheme for Rk4 {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Rk4 {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "rk4",
         name: "RK4",
         summary: "The familiar yardstick: very accurate while |ω|·dt stays below about 0.3, loses energy beyond.",
@@ -36,7 +36,7 @@ impl Scheme for Rk4 {
             oscillator: Limit::Below(2.828),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Dissipates,
+            energy: EnergyBehavior::Dissipates,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -44,12 +44,12 @@ impl Scheme for Rk4 {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -85,11 +85,11 @@ impl Lanes for Rk4 {
         h: f64,
         _trigonometry: &mut SmallArguments,
     ) {
-        Self::step(body, state, gravity, h, &mut SchemeMemory::default());
+        Self::step(body, state, gravity, h, &mut IntegratorMemory::default());
     }
 }
 
-/// The time derivative of the whole state: what the explicit Runge–Kutta schemes add up.
+/// The time derivative of the whole state: what the explicit Runge–Kutta integrators add up.
 #[derive(Clone, Copy)]
 pub(crate) struct Slope {
     pub(crate) position: DVec3,
@@ -101,7 +101,7 @@ pub(crate) struct Slope {
 impl Slope {
     /// The slope at `state`: one force evaluation.
     #[inline(always)]
-    pub(crate) fn at<F: ForceLaw>(body: &RigidBox, state: &BodyState, force: &F) -> Self {
+    pub(crate) fn at<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Self {
         let (velocity, momentum) = rates(body, state, force);
         Self {
             position: state.velocity,
@@ -111,7 +111,7 @@ impl Slope {
         }
     }
 
-    /// `state` + `h` × this slope. The quaternion is not normalised: inside a step it differs from a
+    /// `state` + `h` × this slope. The quaternion is not normalized: inside a step it differs from a
     /// unit one by O(h²) alone, and every order condition holds for the extended field.
     #[inline(always)]
     pub(crate) fn from(&self, state: &BodyState, h: f64) -> BodyState {
@@ -145,7 +145,7 @@ mod tests {
         let r = 1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)));
         let mut s = BodyState::default().with_velocity(DVec3::X);
         for n in 1..=50 {
-            Rk4::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+            Rk4::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
             assert!((s.velocity.x - r.powi(n)).abs() < 1e-12);
         }
     }
@@ -162,7 +162,7 @@ mod tests {
                 &mut s,
                 &Gravity(DVec3::ZERO),
                 h,
-                &mut SchemeMemory::default(),
+                &mut IntegratorMemory::default(),
             );
         }
         let y = 0.5 * w * h;

@@ -42,7 +42,7 @@ impl Law {
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(from = "serialised::Fields", into = "serialised::Fields")
+    serde(from = "serialized::Fields", into = "serialized::Fields")
 )]
 pub(super) struct Trajectory {
     law: Law,
@@ -119,7 +119,7 @@ impl Trajectory {
 }
 
 #[cfg(feature = "serde")]
-mod serialised {
+mod serialized {
     //! What of a trajectory is saved. The rotation follows from the event, to the last bit; whether a
     //! loaded one fits its body is checked like any other, by [`Trajectory::continues`].
 

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Gravity, Wrench};
+use crate::force::{Dissipation, ForceModel, Gravity, Wrench};
 use crate::math::{AnyArgument, SmallArguments, Trigonometry};
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
@@ -22,13 +22,13 @@ use crate::state::BodyState;
 ///
 /// The explicit step L − hω×L is longer than L by √(1 + h²|ω×L|²/|L|²), because the two terms are
 /// at right angles; rescaling takes out that growth, and with it the blow-up, but not the error in
-/// direction, which drives every spin towards the middle axis: `E → L²/2I_mid`. Damping is the clamped
+/// direction, which drives every spin toward the middle axis: `E → L²/2I_mid`. Damping is the clamped
 /// factor of Jolt (`ApplyForceTorqueAndDragInternal`); quadratic and angular drag, which no engine has,
 /// enter it with their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
 pub struct EngineRescaled;
 
-impl Scheme for EngineRescaled {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for EngineRescaled {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "engine-rescaled",
         name: "Engine: rescaled",
         summary: "What Jolt, Avian and Rapier do with gyroscopic forces on: never blows up, keeps |L|, but energy and axis wander.",
@@ -41,7 +41,7 @@ impl Scheme for EngineRescaled {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Drifts,
+            energy: EnergyBehavior::Drifts,
             momentum_magnitude: true,
             momentum: false,
             reversible: false,
@@ -49,12 +49,12 @@ impl Scheme for EngineRescaled {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -85,7 +85,7 @@ impl Lanes for EngineRescaled {
 
 /// The step with a given sine and cosine.
 #[inline(always)]
-fn whole_step<F: ForceLaw>(
+fn whole_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -109,7 +109,7 @@ fn whole_step<F: ForceLaw>(
     state.position += h * state.velocity;
     let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
     state.rotation = compose(state.rotation, turn);
-    state.renormalise();
+    state.renormalize();
 }
 
 /// (L − hω×L) scaled back to |L|.
@@ -147,7 +147,7 @@ mod tests {
                     &mut s,
                     &drag(1.4, 0.7),
                     h,
-                    &mut SchemeMemory::default(),
+                    &mut IntegratorMemory::default(),
                 );
                 v *= r;
                 x += h * v;

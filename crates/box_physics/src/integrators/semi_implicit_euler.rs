@@ -2,11 +2,11 @@
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity, rates};
+use crate::force::{ForceModel, Gravity, rates};
 use crate::math::{AnyArgument, SmallArguments, Trigonometry};
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
@@ -17,8 +17,8 @@ use crate::state::BodyState;
 /// feeds energy into every tumbling body.
 pub struct SemiImplicitEuler;
 
-impl Scheme for SemiImplicitEuler {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for SemiImplicitEuler {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "semi-implicit-euler",
         name: "Semi-implicit Euler",
         summary: "What small engines do: cheap and steady on springs, but a tumbling body gains energy without end.",
@@ -31,7 +31,7 @@ impl Scheme for SemiImplicitEuler {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Gains,
+            energy: EnergyBehavior::Gains,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -39,12 +39,12 @@ impl Scheme for SemiImplicitEuler {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -75,7 +75,7 @@ impl Lanes for SemiImplicitEuler {
 
 /// The step with a given sine and cosine.
 #[inline(always)]
-fn whole_step<F: ForceLaw>(
+fn whole_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -88,7 +88,7 @@ fn whole_step<F: ForceLaw>(
     state.angular_momentum += h * dl;
     let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
     state.rotation = compose(state.rotation, turn);
-    state.renormalise();
+    state.renormalize();
 }
 
 #[cfg(test)]
@@ -104,7 +104,13 @@ mod tests {
         let (g, h) = (DVec3::NEG_Y * 9.81, 1.0 / 60.0);
         let mut s = BodyState::default().with_velocity(DVec3::new(3.0, 9.0, 0.0));
         for n in 1..=240 {
-            SemiImplicitEuler::step(&body, &mut s, &Gravity(g), h, &mut SchemeMemory::default());
+            SemiImplicitEuler::step(
+                &body,
+                &mut s,
+                &Gravity(g),
+                h,
+                &mut IntegratorMemory::default(),
+            );
             let n = f64::from(n);
             let x = DVec3::new(3.0, 9.0, 0.0) * (n * h) + g * (0.5 * h * h * n * (n + 1.0));
             assert!((s.position - x).length() < 1e-12);
@@ -123,7 +129,7 @@ mod tests {
                 &mut s,
                 &Gravity(DVec3::ZERO),
                 h,
-                &mut SchemeMemory::default(),
+                &mut IntegratorMemory::default(),
             );
             let exact = exponential_map(w * (h * f64::from(n)));
             assert!(

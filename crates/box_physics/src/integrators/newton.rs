@@ -1,4 +1,4 @@
-//! A globalised quasi-Newton solver for six equations z = f(z): what the implicit schemes iterate when
+//! A globalised quasi-Newton solver for six equations z = f(z): what the implicit integrators iterate when
 //! a force depends on where the step ends.
 
 /// Iterations allowed; a stiff spring takes about ten, a soft one four.

@@ -2,11 +2,11 @@
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity, rates};
+use crate::force::{ForceModel, Gravity, rates};
 use crate::math::{AnyArgument, SmallArguments, Trigonometry};
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
@@ -18,8 +18,8 @@ use crate::state::BodyState;
 /// order again: under gravity it is ahead by exactly ½ g h t.
 pub struct Heun2012;
 
-impl Scheme for Heun2012 {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Heun2012 {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "heun-2012",
         name: "Heun (2012)",
         summary: "The dissertation's \"implicit Euler\", in truth an explicit Heun step whose position is only first order.",
@@ -32,7 +32,7 @@ impl Scheme for Heun2012 {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Gains,
+            energy: EnergyBehavior::Gains,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -40,12 +40,12 @@ impl Scheme for Heun2012 {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -76,7 +76,7 @@ impl Lanes for Heun2012 {
 
 /// The step with a given sine and cosine.
 #[inline(always)]
-fn whole_step<F: ForceLaw>(
+fn whole_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -93,7 +93,7 @@ fn whole_step<F: ForceLaw>(
     state.angular_momentum += (0.5 * h) * (l1 + l2);
     let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
     state.rotation = compose(state.rotation, turn);
-    state.renormalise();
+    state.renormalize();
 }
 
 #[cfg(test)]
@@ -119,7 +119,7 @@ mod tests {
         let mut s = BodyState::default().with_velocity(DVec3::X);
         let (mut v, mut x) = (1.0, 0.0);
         for _ in 0..100 {
-            Heun2012::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+            Heun2012::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
             v *= r;
             x += h * v;
             assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);
@@ -141,7 +141,7 @@ mod tests {
         let r = 1.0 + z + 0.5 * z * z;
         let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * 3.0);
         for n in 1..=200 {
-            Heun2012::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+            Heun2012::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
             assert!((s.body_angular_velocity(&body).z - 3.0 * r.powi(n)).abs() < 1e-12);
         }
     }

@@ -4,17 +4,17 @@ use glam::DVec3;
 
 use super::split::split_step;
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
-use crate::rotation::{cayley_map, compose, free_rotation_strang, renormalise};
+use crate::force::ForceModel;
+use crate::rotation::{cayley_map, compose, free_rotation_strang, renormalize};
 use crate::state::BodyState;
 
 /// The discrete Moser–Veselov algorithm on modified moments of inertia.
 ///
-/// The algorithm (Moser, Veselov 1991) is an integrable discretisation of the free rigid body: it
+/// The algorithm (Moser, Veselov 1991) is an integrable discretization of the free rigid body: it
 /// conserves energy and momentum and moves along the true polhode, only at a speed off by O(h²). That
 /// speed is a function of energy and |L| alone, so the same algorithm for moments Ĩ chosen by them runs
 /// along the same curve with an error O(h⁶) (the 2005 and 2006 papers of the sources).
@@ -29,8 +29,8 @@ use crate::state::BodyState;
 /// is `split`'s altogether, and counted.
 pub struct Dmv6;
 
-impl Scheme for Dmv6 {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Dmv6 {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "dmv6",
         name: "DMV6",
         summary: "A discrete rigid body with the true energy and momentum, sixth order: superb while |ω|·dt stays below about 1.",
@@ -49,7 +49,7 @@ impl Scheme for Dmv6 {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Exact,
+            energy: EnergyBehavior::Exact,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -57,12 +57,12 @@ impl Scheme for Dmv6 {
     };
 
     #[inline]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         let mut fallbacks = 0;
         let evaluations = split_step(body, state, force, h, |body, state, h| {
@@ -79,7 +79,7 @@ impl Scheme for Dmv6 {
     }
 }
 
-/// Up to this |ω|h \[rad\], |ω| the largest along the free motion, the step is the scheme's own.
+/// Up to this |ω|h \[rad\], |ω| the largest along the free motion, the step is the integrator's own.
 ///
 /// By experiment (600 000 random boxes of aspects up to 64, and spins): Newton's method converges for
 /// every body up to 1.4 and fails for some beyond, where the expansion of the modified moments in h
@@ -110,7 +110,7 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
     let across = c.cross(l);
     let scale = 2.0 / (1.0 + c.length_squared());
     state.angular_momentum = l + scale * (c.cross(across) - across);
-    state.rotation = renormalise(compose(state.rotation, cayley_map(2.0 * c)));
+    state.rotation = renormalize(compose(state.rotation, cayley_map(2.0 * c)));
     true
 }
 
@@ -119,7 +119,7 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
 /// With T and |L| given, |ω|² is linear in the square of any one component:
 /// `|ω|² = 2T(J_a + J_c) − J_a J_c|L|² + (J_b − J_a)(J_b − J_c) L_b²`. For the middle axis b the
 /// last term is negative, so |ω|² is largest where b's share is 0, which every motion passes. A constant of
-/// the motion: a body does not change between this scheme and `split` as it tumbles, and neither does it
+/// the motion: a body does not change between this integrator and `split` as it tumbles, and neither does it
 /// backwards.
 #[inline(always)]
 fn largest_speed_squared(body: &RigidBox, l: DVec3) -> f64 {
@@ -150,7 +150,7 @@ fn modified_moments(body: &RigidBox, l: DVec3, h: f64) -> (f64, f64) {
     (s, det * d)
 }
 
-/// The solution c of the scheme's equation; `None` if it does not converge.
+/// The solution c of the integrator's equation; `None` if it does not converge.
 #[inline(always)]
 fn half_turn(body: &RigidBox, l: DVec3, h: f64) -> Option<DVec3> {
     let (i, j) = (body.inertia(), body.inverse_inertia());
@@ -226,7 +226,7 @@ mod tests {
     fn run(body: &RigidBox, start: &BodyState, h: f64, n: usize) -> BodyState {
         let mut state = *start;
         for _ in 0..n {
-            let outcome = Dmv6::step(body, &mut state, &FREE, h, &mut SchemeMemory::default());
+            let outcome = Dmv6::step(body, &mut state, &FREE, h, &mut IntegratorMemory::default());
             assert_eq!(outcome, StepOutcome::plain(1));
         }
         state
@@ -313,7 +313,7 @@ mod tests {
             let (body, start) = spinning([0.5, 0.25, 0.125], [0.0, 1.0 + 1e-12, 0.0]);
             let (mut a, mut b) = (start, start);
             for _ in 0..100 {
-                let outcome = Dmv6::step(&body, &mut a, &FREE, h, &mut SchemeMemory::default());
+                let outcome = Dmv6::step(&body, &mut a, &FREE, h, &mut IntegratorMemory::default());
                 assert_eq!((outcome.fallbacks, outcome.unconverged), (1, 0));
                 free_rotation_strang(&body, &mut b, h);
             }
@@ -342,7 +342,7 @@ mod tests {
                 &mut state,
                 &law,
                 1.0 / 60.0,
-                &mut SchemeMemory::default(),
+                &mut IntegratorMemory::default(),
             );
         }
         let ratio = state.rotational_energy(&body) / start.rotational_energy(&body);

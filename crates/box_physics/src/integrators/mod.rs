@@ -1,9 +1,9 @@
-//! The numerical integrators. **One scheme is one file and one line in the list below**; the menu, the
+//! The numerical integrators. **One integrator is one file and one line in the list below**; the menu, the
 //! report, the benchmarks and the convergence tests follow from the list.
 //!
-//! To add one: write `my_scheme.rs` beside the others (copy `explicit_euler.rs`), with a unit type, its
-//! formula and source, an [`impl Scheme`](Scheme) and its tests; add `MyScheme = my_scheme,` to
-//! `schemes!`. The tests in `tests/` then hold it to what its [`SchemeInfo`] claims.
+//! To add one: write `my_integrator.rs` beside the others (copy `explicit_euler.rs`), with a unit type, its
+//! formula and source, an [`impl Integrate`](Integrate) and its tests; add `MyIntegrator = my_integrator,` to
+//! `integrators!`. The tests in `tests/` then hold it to what its [`IntegratorInfo`] claims.
 
 mod batch;
 mod implicit_stage;
@@ -17,9 +17,9 @@ mod trajectory;
 
 pub use batch::{GravityField, Group};
 pub use info::{
-    Channel, EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, SchemeInfo, Stability,
+    Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, Order, Orders, Stability,
 };
-pub use memory::SchemeMemory;
+pub use memory::IntegratorMemory;
 
 #[cfg(test)]
 pub(crate) use split::split_step;
@@ -31,26 +31,26 @@ use bevy::ecs::VariantDefaults;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
+use crate::force::ForceModel;
 use crate::state::BodyState;
 
 /// A numerical integrator for translation and rotation.
-pub trait Scheme {
+pub trait Integrate {
     /// What it says of itself.
-    const INFO: SchemeInfo;
+    const INFO: IntegratorInfo;
 
     /// Advances `state` by `h` \[s\] under `force`. `h` = 0 is the identity, bit for bit; a negative `h`
-    /// runs a reversible scheme backwards and is otherwise merely another step.
-    fn step<F: ForceLaw>(
+    /// runs a reversible integrator backwards and is otherwise merely another step.
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        memory: &mut SchemeMemory,
+        memory: &mut IntegratorMemory,
     ) -> StepOutcome;
 
-    /// Steps the bodies of `group` in free flight, each bit for bit as [`Scheme::step`] under
-    /// [`Gravity`](crate::force::Gravity). By default one by one; a scheme whose step has no branch
+    /// Steps the bodies of `group` in free flight, each bit for bit as [`Integrate::step`] under
+    /// [`Gravity`](crate::force::Gravity). By default one by one; an integrator whose step has no branch
     /// steps several at a time: see `Lanes` in `batch.rs`, and `split`.
     fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome
     where
@@ -64,9 +64,9 @@ pub trait Scheme {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct StepOutcome {
-    /// Evaluations of the force law.
+    /// Evaluations of the force model.
     pub evaluations: u32,
-    /// Steps that the scheme handed to `split`, because it does not apply.
+    /// Steps that the integrator handed to `split`, because it does not apply.
     pub fallbacks: u32,
     /// Iterations that ended at their cap instead of their tolerance.
     pub unconverged: u32,
@@ -107,20 +107,20 @@ impl core::ops::AddAssign for StepOutcome {
     }
 }
 
-/// Code that is generic over the scheme; see [`Integrator::dispatch`].
-pub trait SchemeVisitor {
+/// Code that is generic over the integrator; see [`Integrator::dispatch`].
+pub trait IntegratorVisitor {
     /// What it returns.
     type Output;
-    /// Runs with the scheme as a type, so that the loop inside is compiled for it.
-    fn visit<S: Scheme>(self) -> Self::Output;
+    /// Runs with the integrator as a type, so that the loop inside is compiled for it.
+    fn visit<S: Integrate>(self) -> Self::Output;
 }
 
-macro_rules! schemes {
+macro_rules! integrators {
     ($($(#[$attribute:meta])* $name:ident = $module:ident,)+) => {
         $(mod $module;)+
         $(pub use $module::$name;)+
 
-        /// A choice of scheme: every scheme there is, in the order of the menu.
+        /// A choice of integrator: every integrator there is, in the order of the menu.
         ///
         /// ```
         /// use box_physics::prelude::*;
@@ -132,12 +132,12 @@ macro_rules! schemes {
         /// assert!("leapfrog".parse::<Integrator>().is_err());
         /// println!("{typed}: {}", typed.info().summary);
         /// // One step of one body, without an App.
-        /// let (body, mut memory) = (RigidBox::default(), SchemeMemory::default());
+        /// let (body, mut memory) = (RigidBox::default(), IntegratorMemory::default());
         /// let mut state = BodyState::default();
         /// let weight = Gravity(DVec3::new(0.0, -9.81, 0.0));
         /// let outcome = typed.step(&body, &mut state, &weight, 1.0 / 60.0, &mut memory);
         /// assert_eq!(outcome.evaluations, 4);
-        /// # Ok::<(), box_physics::schemes::UnknownIntegrator>(())
+        /// # Ok::<(), box_physics::integrators::UnknownIntegrator>(())
         /// ```
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect, VariantDefaults)]
         #[reflect(Default, Clone, PartialEq, Hash)]
@@ -146,33 +146,33 @@ macro_rules! schemes {
         }
 
         impl Integrator {
-            /// Every scheme, in the order of the menu.
+            /// Every integrator, in the order of the menu.
             pub const ALL: &[Self] = &[$(Self::$name),+];
 
-            /// What the scheme says of itself.
-            pub const fn info(self) -> &'static SchemeInfo {
+            /// What the integrator says of itself.
+            pub const fn info(self) -> &'static IntegratorInfo {
                 match self {
-                    $(Self::$name => const { &<$name as Scheme>::INFO },)+
+                    $(Self::$name => const { &<$name as Integrate>::INFO },)+
                 }
             }
 
-            /// Calls the visitor with the chosen scheme as a type: one match per loop, not per body.
+            /// Calls the visitor with the chosen integrator as a type: one match per loop, not per body.
             #[inline]
-            pub fn dispatch<V: SchemeVisitor>(self, visitor: V) -> V::Output {
+            pub fn dispatch<V: IntegratorVisitor>(self, visitor: V) -> V::Output {
                 match self {
                     $(Self::$name => visitor.visit::<$name>(),)+
                 }
             }
 
-            /// One step of one body by the chosen scheme; see [`Scheme::step`].
+            /// One step of one body by the chosen integrator; see [`Integrate::step`].
             #[inline]
-            pub fn step<F: ForceLaw>(
+            pub fn step<F: ForceModel>(
                 self,
                 body: &RigidBox,
                 state: &mut BodyState,
                 force: &F,
                 h: f64,
-                memory: &mut SchemeMemory,
+                memory: &mut IntegratorMemory,
             ) -> StepOutcome {
                 match self {
                     $(Self::$name => $name::step(body, state, force, h, memory),)+
@@ -182,7 +182,7 @@ macro_rules! schemes {
     };
 }
 
-schemes! {
+integrators! {
     #[default]
     Split = split,
     Exact = exact,
@@ -223,7 +223,7 @@ impl fmt::Display for Integrator {
     }
 }
 
-/// No scheme has this id; the message lists those there are.
+/// No integrator has this id; the message lists those there are.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown integrator '{given}'; allowed: {}", Integrator::ALL.iter().map(|i| i.id()).collect::<Vec<_>>().join(", "))]
 pub struct UnknownIntegrator {
@@ -301,7 +301,7 @@ mod tests {
         for &i in Integrator::ALL {
             let claimed = i.info().evaluations;
             for (law, claim) in [(free, claimed.free), (forced, claimed.forced)] {
-                let (mut state, mut memory) = (start, SchemeMemory::default());
+                let (mut state, mut memory) = (start, IntegratorMemory::default());
                 let spent = i
                     .step(&body, &mut state, &law, 1.0 / 60.0, &mut memory)
                     .evaluations;
@@ -328,7 +328,7 @@ mod tests {
                 &mut state,
                 &Gravity(DVec3::NEG_Y),
                 0.0,
-                &mut SchemeMemory::default(),
+                &mut IntegratorMemory::default(),
             );
             assert_eq!(state, start, "{i}");
         }

@@ -2,11 +2,11 @@
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity, applied_rates};
+use crate::force::{ForceModel, Gravity, applied_rates};
 use crate::math::{AnyArgument, SmallArguments, Trigonometry};
 use crate::rotation::free_rotation_three_axes_by;
 use crate::state::BodyState;
@@ -21,8 +21,8 @@ use crate::state::BodyState;
 /// with twice the error.)
 pub struct VelocityVerlet;
 
-impl Scheme for VelocityVerlet {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for VelocityVerlet {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "velocity-verlet",
         name: "Velocity Verlet",
         summary: "The molecular-dynamics classic: turns back exactly and keeps L, until there is drag, where it drops to first order.",
@@ -42,7 +42,7 @@ impl Scheme for VelocityVerlet {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Bounded,
+            energy: EnergyBehavior::Bounded,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -50,12 +50,12 @@ impl Scheme for VelocityVerlet {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -86,7 +86,7 @@ impl Lanes for VelocityVerlet {
 
 /// The step with a given sine and cosine.
 #[inline(always)]
-fn whole_step<F: ForceLaw>(
+fn whole_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -101,7 +101,7 @@ fn whole_step<F: ForceLaw>(
 
 /// Everything but the gyroscopic term at the state as it is: one evaluation.
 #[inline(always)]
-fn half_kick<F: ForceLaw>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
+fn half_kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
     let (dv, torque) = applied_rates(body, state, force);
     state.velocity += tau * dv;
     state.angular_momentum += tau * torque;
@@ -125,7 +125,7 @@ mod tests {
             .with_body_angular_velocity(&body, DVec3::Y);
         let (mut v, mut x) = (1.0, 0.0);
         for _ in 0..100 {
-            VelocityVerlet::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+            VelocityVerlet::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
             x += h * (1.0 + 0.5 * z) * v;
             v *= 1.0 + z + 0.25 * z * z;
             assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);

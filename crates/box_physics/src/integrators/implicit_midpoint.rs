@@ -2,11 +2,11 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Wrench};
+use crate::force::{ForceModel, Wrench};
 use crate::rotation::{cayley_map, compose};
 use crate::state::BodyState;
 
@@ -34,8 +34,8 @@ use crate::state::BodyState;
 /// beyond √(k/m) h ≈ 100 some end as `split`'s (`shortened`). A central spring has no limit.
 pub struct ImplicitMidpoint;
 
-impl Scheme for ImplicitMidpoint {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for ImplicitMidpoint {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "implicit-midpoint",
         name: "Implicit midpoint",
         summary: "The honest implicit method: stable at any step on springs, drag and spin, keeps E and L exactly, lags in phase.",
@@ -51,7 +51,7 @@ impl Scheme for ImplicitMidpoint {
             oscillator: Limit::None,
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Exact,
+            energy: EnergyBehavior::Exact,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -59,12 +59,12 @@ impl Scheme for ImplicitMidpoint {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -75,7 +75,7 @@ impl Scheme for ImplicitMidpoint {
 
 impl ImplicitMidpoint {
     #[inline(always)]
-    fn one<F: ForceLaw>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) -> Attempt {
+    fn one<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) -> Attempt {
         let start = *state;
         let stage = solve(body, &start, force, 0.5 * h, 2, |velocity, omega| {
             let mut middle = BodyState {
@@ -99,7 +99,7 @@ impl ImplicitMidpoint {
             state.velocity = 2.0 * s.velocity - state.velocity;
             state.angular_momentum = 2.0 * (body.inertia() * s.omega) - state.angular_momentum;
             state.rotation = compose(state.rotation, cayley_map(h * s.omega));
-            state.renormalise();
+            state.renormalize();
         }
         stage
     }
@@ -137,7 +137,7 @@ mod tests {
                     &mut s,
                     &drag(1.4, 0.7),
                     h,
-                    &mut SchemeMemory::default(),
+                    &mut IntegratorMemory::default(),
                 );
                 assert!((s.velocity.x - r.powi(n)).abs() < 1e-12);
                 assert!((s.body_angular_velocity(&body).y - r.powi(n)).abs() < 1e-12);

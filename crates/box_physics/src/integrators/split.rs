@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Gravity};
+use crate::force::{Dissipation, ForceModel, Gravity};
 use crate::math::{Exponential, SmallArguments, exp};
 use crate::rotation::{free_rotation_strang, free_rotation_strang_by};
 use crate::state::BodyState;
@@ -27,8 +27,8 @@ use crate::translation::{exponential_step, quadratic_drag_flow};
 /// a step limit except the kicks of a stiff spring.
 pub struct Split;
 
-impl Scheme for Split {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Split {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "split",
         name: "Split",
         summary: "The default: exact pieces composed symmetrically; never blows up, turns back exactly, spins right.",
@@ -46,7 +46,7 @@ impl Scheme for Split {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Bounded,
+            energy: EnergyBehavior::Bounded,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -54,12 +54,12 @@ impl Scheme for Split {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         let evaluations = split_step(body, state, force, h, free_rotation_strang);
         StepOutcome::plain(evaluations)
@@ -86,10 +86,10 @@ impl Lanes for Split {
     }
 }
 
-/// The whole step with a given flow of the free rotation: shared by the schemes that differ from
+/// The whole step with a given flow of the free rotation: shared by the integrators that differ from
 /// `split` in that flow alone. Returns the number of force evaluations.
 #[inline(always)]
-pub(crate) fn split_step<F: ForceLaw>(
+pub(crate) fn split_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -113,7 +113,7 @@ pub(crate) fn split_step<F: ForceLaw>(
 
 /// v += τF/m, L += τT at a fixed pose: one evaluation of the wrench.
 #[inline(always)]
-pub(crate) fn kick<F: ForceLaw>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
+pub(crate) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
     let w = force.elastic_wrench(body, state);
     state.velocity += (tau * body.inverse_mass()) * w.force;
     state.angular_momentum += tau * w.torque;
@@ -121,7 +121,7 @@ pub(crate) fn kick<F: ForceLaw>(body: &RigidBox, state: &mut BodyState, force: &
 
 /// Everything but the wrench over `h`: the exact pieces round the exact middle.
 #[inline(always)]
-pub(crate) fn drift<F: ForceLaw>(
+pub(crate) fn drift<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -193,7 +193,7 @@ mod tests {
             .with_velocity(DVec3::new(3.0, 9.0, -1.0))
             .with_body_angular_velocity(&body, DVec3::new(1.0, 12.0, 0.5));
         let (mut one, mut many) = (start, start);
-        let mut memory = SchemeMemory::default();
+        let mut memory = IntegratorMemory::default();
         Split::step(&body, &mut one, &law, 2.0, &mut memory);
         for _ in 0..256 {
             Split::step(&body, &mut many, &law, 2.0 / 256.0, &mut memory);
@@ -224,7 +224,7 @@ mod tests {
                     .with_body_angular_velocity(&body, DVec3::new(0.6, 0.0, 0.8));
                 let mut s = start;
                 for _ in 0..1000 {
-                    Split::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+                    Split::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
                 }
                 assert!(s.is_finite());
                 assert!(s.velocity.x >= 0.0 && s.velocity.x <= 1.0);

@@ -3,11 +3,11 @@
 use super::batch::{Group, Lanes};
 use super::split::{drift, exact_drift, half_dissipation, kick, split_step};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Gravity};
+use crate::force::{Dissipation, ForceModel, Gravity};
 use crate::math::SmallArguments;
 use crate::rotation::{free_rotation_order4, free_rotation_order4_by, free_rotation_strang};
 use crate::state::BodyState;
@@ -32,8 +32,8 @@ const DRIFTS: [f64; 2] = [0.245298957184271, 0.604872665711080];
 /// Greatest damping × step of the composition: e^{0.35·20} ε = 2e-13 is still rounding.
 const STIFFEST: f64 = 20.0;
 
-impl Scheme for Split4 {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Split4 {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "split4",
         name: "Split, order 4",
         summary: "Split's pieces in a fourth-order composition: errors near 1e-9 rad at 60 Hz, torque included; quadratic, angular and spring drag at order 2.",
@@ -53,7 +53,7 @@ impl Scheme for Split4 {
             oscillator: Limit::Below(3.16),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Bounded,
+            energy: EnergyBehavior::Bounded,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -61,12 +61,12 @@ impl Scheme for Split4 {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -133,7 +133,7 @@ mod tests {
     use super::super::testing::{Case, drag, run, run_counted};
     use super::*;
     use crate::force::{Forces, Gravity, Spring};
-    use crate::schemes::Rk4;
+    use crate::integrators::Rk4;
     use glam::DVec3;
 
     #[test]

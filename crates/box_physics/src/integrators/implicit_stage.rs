@@ -16,7 +16,7 @@ use super::newton::{Scales, Six, fixed_point};
 use super::split::split_step;
 use super::stage_equations::{Equations, Stage};
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Wrench};
+use crate::force::{ForceModel, Wrench};
 use crate::rotation::free_rotation_strang;
 use crate::state::BodyState;
 
@@ -38,7 +38,7 @@ pub(super) enum Attempt {
 /// 4, 16, … 1024 shorter ones, each as stable as the whole, and reported as unconverged; a step that even
 /// so cannot be taken is `split`'s, and reported as a fallback.
 #[inline(always)]
-pub(super) fn shortened<F: ForceLaw>(
+pub(super) fn shortened<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -52,7 +52,7 @@ pub(super) fn shortened<F: ForceLaw>(
 }
 
 #[cold]
-fn in_parts<F: ForceLaw>(
+fn in_parts<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -99,7 +99,7 @@ fn in_parts<F: ForceLaw>(
 /// are iterated to 2e-15 of the velocities about, or to what rounding of the pose amounts to,
 /// ε(|x| + ρ)/τ ([`Scales`]).
 #[inline(always)]
-pub(super) fn solve<F: ForceLaw>(
+pub(super) fn solve<F: ForceModel>(
     body: &RigidBox,
     start: &BodyState,
     force: &F,

@@ -3,17 +3,17 @@
 use super::split::split_step;
 use super::trajectory::{Law, Trajectory};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
+use crate::force::ForceModel;
 use crate::rotation::free_rotation_strang;
 use crate::state::BodyState;
 
 /// The exact solution under gravity, linear drag −c₁v and angular damping −γL.
 ///
-/// An *event* is whatever the scheme finds changed: an impulse, a teleport, another force, its first
+/// An *event* is whatever the integrator finds changed: an impulse, a teleport, another force, its first
 /// step. From the event, at time t,
 ///
 /// ```text
@@ -29,8 +29,8 @@ use crate::state::BodyState;
 /// With any other force, or quadratic or angular drag, it takes the step of `split`, and counts it.
 pub struct Exact;
 
-impl Scheme for Exact {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Exact {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "exact",
         name: "Exact",
         summary: "Free flight in closed form (elliptic functions): right to rounding at any step; under torque or contact it steps like Split.",
@@ -49,7 +49,7 @@ impl Scheme for Exact {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Exact,
+            energy: EnergyBehavior::Exact,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -57,12 +57,12 @@ impl Scheme for Exact {
     };
 
     #[inline]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        memory: &mut SchemeMemory,
+        memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -127,8 +127,8 @@ mod tests {
             .max(a.attitude_difference(b))
     }
 
-    fn run(body: &RigidBox, state: &mut BodyState, law: &impl ForceLaw, h: f64, n: usize) {
-        let mut memory = SchemeMemory::default();
+    fn run(body: &RigidBox, state: &mut BodyState, law: &impl ForceModel, h: f64, n: usize) {
+        let mut memory = IntegratorMemory::default();
         for _ in 0..n {
             let outcome = Exact::step(body, state, law, h, &mut memory);
             assert_eq!(outcome, StepOutcome::plain(1));
@@ -196,12 +196,12 @@ mod tests {
     fn there_and_back() {
         let (body, start) = tumbling();
         for law in [damped(), Forces::default()] {
-            let (mut state, mut memory) = (start, SchemeMemory::default());
+            let (mut state, mut memory) = (start, IntegratorMemory::default());
             for _ in 0..600 {
                 Exact::step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
             }
             // Once with the memory, once from the far end as from an event.
-            for mut memory in [memory, SchemeMemory::default()] {
+            for mut memory in [memory, IntegratorMemory::default()] {
                 let mut back = state;
                 for _ in 0..600 {
                     Exact::step(&body, &mut back, &law, -1.0 / 60.0, &mut memory);
@@ -216,9 +216,9 @@ mod tests {
     fn trial_steps_change_nothing() {
         let (body, start) = tumbling();
         let law = damped();
-        let (mut plain, mut memory) = (start, SchemeMemory::default());
-        let (mut tried, mut tried_memory) = (start, SchemeMemory::default());
-        let mut scratch = SchemeMemory::default();
+        let (mut plain, mut memory) = (start, IntegratorMemory::default());
+        let (mut tried, mut tried_memory) = (start, IntegratorMemory::default());
+        let mut scratch = IntegratorMemory::default();
         for _ in 0..100 {
             Exact::step(&body, &mut plain, &law, 0.01, &mut memory);
             for tau in [0.005, 0.0025, 0.0075, -0.3] {
@@ -230,7 +230,7 @@ mod tests {
             assert_eq!(plain, tried);
         }
         // A change of step keeps the event, a change of anything else does not.
-        let event = |m: &SchemeMemory| m.trajectory.as_ref().map(|t| t.event);
+        let event = |m: &IntegratorMemory| m.trajectory.as_ref().map(|t| t.event);
         Exact::step(&body, &mut plain, &law, 0.003, &mut memory);
         assert_eq!(event(&memory), Some(start));
         let here = plain;
@@ -271,7 +271,7 @@ mod tests {
         ];
         for law in terms {
             let (mut a, mut b) = (start, start);
-            let outcome = Exact::step(&body, &mut a, &law, 0.01, &mut SchemeMemory::default());
+            let outcome = Exact::step(&body, &mut a, &law, 0.01, &mut IntegratorMemory::default());
             split_step(&body, &mut b, &law, 0.01, free_rotation_strang);
             assert_eq!((a, outcome.fallbacks), (b, 1));
         }

@@ -1,10 +1,10 @@
-//! The stage equations of the implicit schemes under a given wrench: a formula for the velocity, one
+//! The stage equations of the implicit integrators under a given wrench: a formula for the velocity, one
 //! scalar equation for the angular velocity. They have a root at any step, and it is always found.
 
 use glam::DVec3;
 
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw};
+use crate::force::{Dissipation, ForceModel};
 use crate::state::BodyState;
 
 /// Evaluations of the scalar equation allowed: bisection alone needs 53 to reach rounding.
@@ -17,7 +17,7 @@ pub(super) struct Stage {
     pub(super) velocity: DVec3,
     /// ω [rad/s], body axes.
     pub(super) omega: DVec3,
-    /// Evaluations of the force law: of the wrench where there is one, else of the scalar equation.
+    /// Evaluations of the force model: of the wrench where there is one, else of the scalar equation.
     pub(super) evaluations: u32,
     /// Whether the tolerance was met within the cap.
     pub(super) converged: bool,
@@ -43,7 +43,7 @@ pub(super) struct Equations {
 
 impl Equations {
     #[inline(always)]
-    pub(super) fn new<F: ForceLaw>(
+    pub(super) fn new<F: ForceModel>(
         body: &RigidBox,
         start: &BodyState,
         force: &F,

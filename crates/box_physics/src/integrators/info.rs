@@ -1,9 +1,9 @@
-//! What a scheme says of itself: the one place for its name, order, cost, range and properties. The
+//! What an integrator says of itself: the one place for its name, order, cost, range and properties. The
 //! menu, the report, the documentation and the tests all read it here, and the tests hold it to it.
 
 use core::fmt;
 
-/// The parts of the force law, each with an order of its own.
+/// The parts of the force model, each with an order of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Channel {
     /// Uniform acceleration: the parabola.
@@ -70,7 +70,7 @@ impl fmt::Display for Order {
     }
 }
 
-/// The order per channel of the force law.
+/// The order per channel of the force model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Orders {
     /// [`Channel::Gravity`], in the position.
@@ -122,7 +122,7 @@ impl Orders {
     }
 }
 
-/// Up to where a scheme stays bounded.
+/// Up to where an integrator stays bounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
     /// At every step.
@@ -150,14 +150,14 @@ pub struct Stability {
     pub rotation: Limit,
     /// c₁ h / m of linear drag.
     pub drag: Limit,
-    /// √(k/m) h of an undamped spring at the centre of mass. At a corner a spring turns the box as well,
-    /// which an implicit scheme's iteration may not follow at extreme stiffness (then counted).
+    /// √(k/m) h of an undamped spring at the center of mass. At a corner a spring turns the box as well,
+    /// which an implicit integrator's iteration may not follow at extreme stiffness (then counted).
     pub oscillator: Limit,
 }
 
 /// What becomes of the energy of a free tumbling body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EnergyBehaviour {
+pub enum EnergyBehavior {
     /// Constant to rounding.
     Exact,
     /// Oscillates within a band ∝ hᵖ without a trend.
@@ -170,7 +170,7 @@ pub enum EnergyBehaviour {
     Drifts,
 }
 
-impl fmt::Display for EnergyBehaviour {
+impl fmt::Display for EnergyBehavior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Exact => "exact",
@@ -182,11 +182,11 @@ impl fmt::Display for EnergyBehaviour {
     }
 }
 
-/// What a scheme keeps of a free tumbling body, to rounding unless said otherwise.
+/// What an integrator keeps of a free tumbling body, to rounding unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Keeps {
     /// The energy.
-    pub energy: EnergyBehaviour,
+    pub energy: EnergyBehavior,
     /// |L|, the magnitude of the angular momentum.
     pub momentum_magnitude: bool,
     /// L in world axes, magnitude and direction.
@@ -202,12 +202,12 @@ pub struct Evaluations {
     pub free: u32,
     /// With a state-dependent force.
     pub forced: u32,
-    /// Whether the scheme iterates: then both are per iteration.
+    /// Whether the integrator iterates: then both are per iteration.
     pub per_iteration: bool,
 }
 
 impl Evaluations {
-    /// A scheme with a fixed number of evaluations.
+    /// An integrator with a fixed number of evaluations.
     pub const fn fixed(free: u32, forced: u32) -> Self {
         Self {
             free,
@@ -216,7 +216,7 @@ impl Evaluations {
         }
     }
 
-    /// A scheme that iterates to convergence.
+    /// An integrator that iterates to convergence.
     pub const fn per_iteration(free: u32, forced: u32) -> Self {
         Self {
             free,
@@ -237,21 +237,21 @@ impl fmt::Display for Evaluations {
     }
 }
 
-/// Everything a scheme says of itself.
+/// Everything an integrator says of itself.
 ///
 /// ```
 /// use box_physics::prelude::*;
-/// use box_physics::schemes::EnergyBehaviour;
+/// use box_physics::integrators::EnergyBehavior;
 /// let keeps_energy: Vec<&str> = Integrator::ALL
 ///     .iter()
 ///     .map(|i| i.info())
-///     .filter(|info| info.keeps.energy == EnergyBehaviour::Exact)
+///     .filter(|info| info.keeps.energy == EnergyBehavior::Exact)
 ///     .map(|info| info.id)
 ///     .collect();
 /// assert_eq!(keeps_energy, ["exact", "dmv6", "implicit-midpoint"]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SchemeInfo {
+pub struct IntegratorInfo {
     /// As typed on a command line and in files: lower case, hyphens.
     pub id: &'static str,
     /// As shown in a menu.

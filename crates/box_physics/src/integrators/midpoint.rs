@@ -3,22 +3,22 @@
 use super::batch::{Group, Lanes};
 use super::rk4::Slope;
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Order, Orders, Scheme, SchemeInfo, SchemeMemory,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity};
+use crate::force::{ForceModel, Gravity};
 use crate::math::SmallArguments;
 use crate::state::BodyState;
 
-/// k₁ = f(y), k₂ = f(y + h/2 k₁), y += h k₂ on (x, q, v, L), the quaternion normalised after the step.
+/// k₁ = f(y), k₂ = f(y + h/2 k₁), y += h k₂ on (x, q, v, L), the quaternion normalized after the step.
 ///
 /// On y' = λy a step is R(z) = 1 + z + z²/2, z = λh, so |R(iy)|² = 1 + y⁴/4 > 1: every undamped
 /// oscillation and every spin gains energy, at small steps slowly.
 pub struct Midpoint;
 
-impl Scheme for Midpoint {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for Midpoint {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "midpoint",
         name: "Midpoint (RK2)",
         summary: "Half a step to look, one step to go: second order for two evaluations, slowly gains energy.",
@@ -34,7 +34,7 @@ impl Scheme for Midpoint {
             oscillator: Limit::AlwaysGrows,
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Gains,
+            energy: EnergyBehavior::Gains,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -42,12 +42,12 @@ impl Scheme for Midpoint {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -75,7 +75,7 @@ impl Lanes for Midpoint {
         h: f64,
         _trigonometry: &mut SmallArguments,
     ) {
-        Self::step(body, state, gravity, h, &mut SchemeMemory::default());
+        Self::step(body, state, gravity, h, &mut IntegratorMemory::default());
     }
 }
 
@@ -93,7 +93,7 @@ mod tests {
         let law = drag(1.4, 0.0);
         let mut s = BodyState::default().with_velocity(DVec3::X);
         for n in 1..=50 {
-            Midpoint::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+            Midpoint::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
             assert!((s.velocity.x - (1.0 + z + 0.5 * z * z).powi(n)).abs() < 1e-12);
         }
         let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);

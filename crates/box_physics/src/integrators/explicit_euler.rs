@@ -3,19 +3,19 @@
 use super::batch::{Group, Lanes};
 use super::rk4::Slope;
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceLaw, Gravity};
+use crate::force::{ForceModel, Gravity};
 use crate::math::SmallArguments;
 use crate::state::BodyState;
 
-/// y += h f(y) for position, attitude, velocity and angular momentum; q normalised.
+/// y += h f(y) for position, attitude, velocity and angular momentum; q normalized.
 pub struct ExplicitEuler;
 
-impl Scheme for ExplicitEuler {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for ExplicitEuler {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "explicit-euler",
         name: "Explicit Euler",
         summary: "The first method anyone writes: every spin and every spring gains energy, however small the step.",
@@ -28,7 +28,7 @@ impl Scheme for ExplicitEuler {
             oscillator: Limit::AlwaysGrows,
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Gains,
+            energy: EnergyBehavior::Gains,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -36,12 +36,12 @@ impl Scheme for ExplicitEuler {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -67,7 +67,7 @@ impl Lanes for ExplicitEuler {
         h: f64,
         _trigonometry: &mut SmallArguments,
     ) {
-        Self::step(body, state, gravity, h, &mut SchemeMemory::default());
+        Self::step(body, state, gravity, h, &mut IntegratorMemory::default());
     }
 }
 
@@ -83,7 +83,13 @@ mod tests {
         let (g, h) = (DVec3::NEG_Y * 9.81, 1.0 / 60.0);
         let mut s = BodyState::default().with_velocity(DVec3::new(3.0, 9.0, 0.0));
         for n in 1..=240 {
-            ExplicitEuler::step(&body, &mut s, &Gravity(g), h, &mut SchemeMemory::default());
+            ExplicitEuler::step(
+                &body,
+                &mut s,
+                &Gravity(g),
+                h,
+                &mut IntegratorMemory::default(),
+            );
             let n = f64::from(n);
             let x = DVec3::new(3.0, 9.0, 0.0) * (n * h) + g * (0.5 * h * h * n * (n - 1.0));
             assert!((s.position - x).length() < 1e-12);
@@ -102,7 +108,7 @@ mod tests {
                 &mut s,
                 &Gravity(DVec3::ZERO),
                 h,
-                &mut SchemeMemory::default(),
+                &mut IntegratorMemory::default(),
             );
         }
         let half = libm::atan(0.5 * w * h) * f64::from(n);

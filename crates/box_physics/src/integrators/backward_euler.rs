@@ -2,11 +2,11 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::ForceLaw;
+use crate::force::ForceModel;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -22,8 +22,8 @@ use crate::state::BodyState;
 /// axis (23 % of the energy in 10 s for a brick at 60 Hz).
 pub struct BackwardEuler;
 
-impl Scheme for BackwardEuler {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for BackwardEuler {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "backward-euler",
         name: "Backward Euler",
         summary: "The true implicit Euler: stable at any step because it damps everything, spin and springs alike.",
@@ -36,7 +36,7 @@ impl Scheme for BackwardEuler {
             oscillator: Limit::None,
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Dissipates,
+            energy: EnergyBehavior::Dissipates,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -44,12 +44,12 @@ impl Scheme for BackwardEuler {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -60,7 +60,7 @@ impl Scheme for BackwardEuler {
 
 impl BackwardEuler {
     #[inline(always)]
-    fn one<F: ForceLaw>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) -> Attempt {
+    fn one<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) -> Attempt {
         let start = *state;
         let stage = solve(body, &start, force, h, 1, |velocity, omega| {
             let end = BodyState {
@@ -76,7 +76,7 @@ impl BackwardEuler {
             state.position += h * s.velocity;
             state.angular_momentum = body.inertia() * s.omega;
             state.rotation = compose(state.rotation, exponential_map(h * s.omega));
-            state.renormalise();
+            state.renormalize();
         }
         stage
     }
@@ -105,7 +105,7 @@ mod tests {
                     &mut s,
                     &drag(1.4, 0.7),
                     h,
-                    &mut SchemeMemory::default(),
+                    &mut IntegratorMemory::default(),
                 );
                 v /= 1.0 + 0.7 * h;
                 x += h * v;
@@ -166,7 +166,7 @@ mod tests {
                     &mut s,
                     &Gravity(DVec3::ZERO),
                     h,
-                    &mut SchemeMemory::default(),
+                    &mut IntegratorMemory::default(),
                 );
                 assert_eq!((outcome.fallbacks, outcome.unconverged), (0, 0));
                 let (e, l) = (s.rotational_energy(&body), s.angular_momentum.length());
@@ -201,7 +201,7 @@ mod tests {
             let mut s = BodyState::at(DVec3::X);
             for n in 1..=6 {
                 let e = total_energy(&body, &s, &law);
-                BackwardEuler::step(&body, &mut s, &law, 1.0, &mut SchemeMemory::default());
+                BackwardEuler::step(&body, &mut s, &law, 1.0, &mut IntegratorMemory::default());
                 let expected = e / (1.0 + wh * wh);
                 assert!(
                     (total_energy(&body, &s, &law) - expected).abs() < 1e-10 * e,

@@ -1,18 +1,18 @@
-//! What the schemes' tests share: two tumbling cases with known answers, and the order of a scheme on
+//! What the integrators' tests share: two tumbling cases with known answers, and the order of an integrator on
 //! them.
 
 use glam::{DQuat, DVec3};
 
-use super::{Rk4, Scheme, SchemeMemory, StepOutcome};
+use super::{Integrate, IntegratorMemory, Rk4, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, Forces, Frame, PointForce};
 use crate::state::BodyState;
 
 /// `n` steps of `S` over the time `t` \[s\].
-pub(crate) fn run<S: Scheme>(
+pub(crate) fn run<S: Integrate>(
     body: &RigidBox,
     start: BodyState,
-    law: &impl crate::force::ForceLaw,
+    law: &impl crate::force::ForceModel,
     t: f64,
     n: u32,
 ) -> BodyState {
@@ -20,14 +20,14 @@ pub(crate) fn run<S: Scheme>(
 }
 
 /// The same with the sum of what the steps reported.
-pub(crate) fn run_counted<S: Scheme>(
+pub(crate) fn run_counted<S: Integrate>(
     body: &RigidBox,
     start: BodyState,
-    law: &impl crate::force::ForceLaw,
+    law: &impl crate::force::ForceModel,
     t: f64,
     n: u32,
 ) -> (BodyState, StepOutcome) {
-    let (mut state, mut memory) = (start, SchemeMemory::default());
+    let (mut state, mut memory) = (start, IntegratorMemory::default());
     let mut outcome = StepOutcome::default();
     for _ in 0..n {
         outcome += S::step(body, &mut state, law, t / f64::from(n), &mut memory);
@@ -120,7 +120,7 @@ impl Case {
     }
 
     /// Attitude error at the end \[rad\] with `rate` steps a second.
-    pub(crate) fn error<S: Scheme>(&self, rate: u32) -> f64 {
+    pub(crate) fn error<S: Integrate>(&self, rate: u32) -> f64 {
         let n = self.seconds * rate;
         let end = run::<S>(
             &self.body,
@@ -136,7 +136,7 @@ impl Case {
     }
 
     /// The error falls by 2^order from `rate` to twice the rate, within a fifth of an order.
-    pub(crate) fn expect_order<S: Scheme>(&self, rate: u32, order: f64) {
+    pub(crate) fn expect_order<S: Integrate>(&self, rate: u32, order: f64) {
         let (coarse, fine) = (self.error::<S>(rate), self.error::<S>(2 * rate));
         let observed = libm::log2(coarse / fine);
         assert!(
@@ -148,7 +148,7 @@ impl Case {
 
     /// 600 steps of 1/60 s out and back: the largest difference from the start, attitude \[rad\],
     /// position \[m\] and velocity [m/s].
-    pub(crate) fn return_error<S: Scheme>(&self, law: &Forces) -> f64 {
+    pub(crate) fn return_error<S: Integrate>(&self, law: &Forces) -> f64 {
         let out = run::<S>(&self.body, self.start, law, 10.0, 600);
         let back = run::<S>(&self.body, out, law, -10.0, 600);
         assert!(back.is_finite());

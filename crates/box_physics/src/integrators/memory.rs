@@ -1,4 +1,4 @@
-//! What a scheme may remember between steps.
+//! What an integrator may remember between steps.
 
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -8,8 +8,8 @@ use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 
 use super::trajectory::Trajectory;
 
-/// A scheme's memory of one body. Most schemes need none and never touch it. It is checked, not
-/// trusted: a scheme drops it whenever state, body or forces are not bit for bit what it last left,
+/// An integrator's memory of one body. Most integrators need none and never touch it. It is checked, not
+/// trusted: an integrator drops it whenever state, body or forces are not bit for bit what it last left,
 /// so teleports, impulses and live switching need no notice. An empty memory is always valid.
 ///
 /// To try several steps from one state, copy the memory into a scratch one with
@@ -19,8 +19,8 @@ use super::trajectory::Trajectory;
 /// use box_physics::prelude::*;
 /// let (body, weight) = (RigidBox::default(), Gravity(DVec3::new(0.0, -9.81, 0.0)));
 /// let mut state = BodyState::default().with_angular_velocity(&body, DVec3::new(1.0, 2.0, 3.0));
-/// let mut memory = SchemeMemory::default();
-/// let mut step = |state: &mut BodyState, memory: &mut SchemeMemory| {
+/// let mut memory = IntegratorMemory::default();
+/// let mut step = |state: &mut BodyState, memory: &mut IntegratorMemory| {
 ///     Integrator::Exact.step(&body, state, &weight, 1.0 / 60.0, memory);
 /// };
 /// step(&mut state, &mut memory);
@@ -39,12 +39,12 @@ use super::trajectory::Trajectory;
     derive(serde::Serialize, serde::Deserialize),
     reflect(Serialize, Deserialize)
 )]
-pub struct SchemeMemory {
-    /// Of `exact`. Allocated when the scheme first runs on the body, then overwritten in place.
+pub struct IntegratorMemory {
+    /// Of `exact`. Allocated when the integrator first runs on the body, then overwritten in place.
     pub(super) trajectory: Option<Box<Trajectory>>,
 }
 
-impl Clone for SchemeMemory {
+impl Clone for IntegratorMemory {
     fn clone(&self) -> Self {
         Self {
             trajectory: self.trajectory.clone(),
@@ -61,16 +61,16 @@ mod tests {
     use super::*;
     use crate::body::RigidBox;
     use crate::force::Gravity;
-    use crate::schemes::Integrator;
+    use crate::integrators::Integrator;
     use crate::state::BodyState;
     use glam::DVec3;
 
     #[test]
     fn a_scratch_copy_keeps_its_allocation() {
         let (body, mut state) = (RigidBox::default(), BodyState::default());
-        let (mut memory, mut scratch) = (SchemeMemory::default(), SchemeMemory::default());
+        let (mut memory, mut scratch) = (IntegratorMemory::default(), IntegratorMemory::default());
         let law = Gravity(DVec3::NEG_Y);
-        let address = |m: &SchemeMemory| m.trajectory.as_deref().map(core::ptr::from_ref);
+        let address = |m: &IntegratorMemory| m.trajectory.as_deref().map(core::ptr::from_ref);
         Integrator::Exact.step(&body, &mut state, &law, 0.1, &mut memory);
         scratch.clone_from(&memory);
         let (first, own) = (address(&scratch), address(&memory));

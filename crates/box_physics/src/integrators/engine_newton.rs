@@ -4,11 +4,11 @@ use glam::{DMat3, DVec3};
 
 use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehaviour, Evaluations, Keeps, Limit, Orders, Scheme, SchemeInfo, SchemeMemory,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceLaw, Gravity, Wrench};
+use crate::force::{Dissipation, ForceModel, Gravity, Wrench};
 use crate::math::{AnyArgument, SmallArguments, Trigonometry};
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
@@ -30,8 +30,8 @@ use crate::state::BodyState;
 /// their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
 pub struct EngineNewton;
 
-impl Scheme for EngineNewton {
-    const INFO: SchemeInfo = SchemeInfo {
+impl Integrate for EngineNewton {
+    const INFO: IntegratorInfo = IntegratorInfo {
         id: "engine-newton",
         name: "Engine: one Newton step",
         summary: "What Bullet and box3d do: one Newton step of implicit Euler, so a tumbling body soon stops tumbling.",
@@ -44,7 +44,7 @@ impl Scheme for EngineNewton {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehaviour::Dissipates,
+            energy: EnergyBehavior::Dissipates,
             momentum_magnitude: false,
             momentum: false,
             reversible: false,
@@ -52,12 +52,12 @@ impl Scheme for EngineNewton {
     };
 
     #[inline(always)]
-    fn step<F: ForceLaw>(
+    fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut SchemeMemory,
+        _memory: &mut IntegratorMemory,
     ) -> StepOutcome {
         if h == 0.0 {
             return StepOutcome::default();
@@ -88,7 +88,7 @@ impl Lanes for EngineNewton {
 
 /// The step with a given sine and cosine.
 #[inline(always)]
-fn whole_step<F: ForceLaw>(
+fn whole_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
     force: &F,
@@ -113,7 +113,7 @@ fn whole_step<F: ForceLaw>(
     state.angular_momentum -= newton_correction(body, state, h);
     let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
     state.rotation = compose(state.rotation, turn);
-    state.renormalise();
+    state.renormalize();
 }
 
 /// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for
@@ -158,7 +158,7 @@ mod tests {
                 .with_body_angular_velocity(&body, DVec3::Y);
             let (mut v, mut x, mut w) = (DVec3::X, DVec3::ZERO, 1.0);
             for _ in 0..50 {
-                EngineNewton::step(&body, &mut s, &law, h, &mut SchemeMemory::default());
+                EngineNewton::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
                 v = v / (1.0 + 0.7 * h) + h * g;
                 x += h * v;
                 w /= 1.0 + 0.7 * h;
@@ -187,7 +187,7 @@ mod tests {
         assert!((s.rotation.dot(turned).abs() - 1.0).abs() < 1e-12);
     }
 
-    /// The step solves the equation linearised about ω: I(ω₁ − ω) + h(ω₁×Iω + ω×Iω₁ − ω×Iω) = 0.
+    /// The step solves the equation linearized about ω: I(ω₁ − ω) + h(ω₁×Iω + ω×Iω₁ − ω×Iω) = 0.
     #[test]
     fn one_newton_step() {
         let Case { body, start, .. } = Case::free();
