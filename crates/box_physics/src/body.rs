@@ -1,10 +1,7 @@
 //! The box itself: size, mass, inertia, and what the integrators precompute from them.
 
-use bevy::ecs::component::Component;
-use bevy::ecs::reflect::ReflectComponent;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
-#[cfg(feature = "serde")]
-use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use glam::DVec3;
 
 use crate::error::InvalidValue;
@@ -31,21 +28,21 @@ const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
 ///
 /// To reflection it is opaque (its numbers depend on one another); with the feature `serde` it is read
 /// and written as `half_extents`, `mass` and `inertia`, and checked.
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(opaque)]
-#[reflect(Component, Default, Clone, PartialEq, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(opaque),
+    reflect(Component, Default, Clone, PartialEq, Debug)
+)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "serialized::BoxFields", into = "serialized::BoxFields"),
-    reflect(Serialize, Deserialize)
+    serde(try_from = "serialized::BoxFields", into = "serialized::BoxFields")
 )]
-#[require(
-    crate::state::BodyState,
-    crate::plugin::WrittenTransform,
-    crate::plugin::NearFloor,
-    crate::integrators::IntegratorMemory,
-    bevy::transform::components::Transform
+#[cfg_attr(
+    all(feature = "bevy", feature = "serde"),
+    reflect(Serialize, Deserialize)
 )]
 pub struct RigidBox {
     half_extents: DVec3,

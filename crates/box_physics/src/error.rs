@@ -7,8 +7,7 @@
 /// let error = RigidBox::new(DVec3::new(0.5, -1.0, 0.5), 2.0).unwrap_err();
 /// assert_eq!(error.to_string(), "half_extents.y must be finite and between 1e-6 and 1e6 m, but is -1");
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{field} must be {allowed}, but is {value}")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidValue {
     /// The field as the caller knows it.
     pub field: &'static str,
@@ -17,6 +16,19 @@ pub struct InvalidValue {
     /// The range, in words and with its unit.
     pub allowed: &'static str,
 }
+
+impl core::fmt::Display for InvalidValue {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self {
+            field,
+            value,
+            allowed,
+        } = self;
+        write!(f, "{field} must be {allowed}, but is {value}")
+    }
+}
+
+impl core::error::Error for InvalidValue {}
 
 impl InvalidValue {
     /// `Ok(value)` if `ok`, otherwise the error that names it.

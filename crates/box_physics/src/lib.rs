@@ -126,6 +126,8 @@
 pub mod aabb;
 pub mod body;
 pub mod digest;
+#[cfg(feature = "bevy")]
+mod ecs;
 pub mod energy;
 pub mod error;
 pub mod floor;
@@ -133,6 +135,7 @@ pub mod force;
 pub mod free_motion;
 pub mod integrators;
 pub mod math;
+#[cfg(feature = "bevy")]
 pub mod plugin;
 pub mod rotation;
 pub mod state;
@@ -147,6 +150,7 @@ pub mod prelude {
         Dissipation, ForceModel, Forces, Frame, Gravity, PointForce, Spring, Wrench,
     };
     pub use crate::integrators::{Integrator, IntegratorMemory, StepOutcome};
+    #[cfg(feature = "bevy")]
     pub use crate::plugin::{
         AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
         BodyTorque, ExternalForce, FixedPhysics, FloorContact, FloorPlugin, GlobalIntegrator,
@@ -160,6 +164,6 @@ pub mod prelude {
 }
 
 /// The code blocks of the guide for newcomers are compiled and run.
-#[cfg(doctest)]
+#[cfg(all(doctest, feature = "bevy"))]
 #[doc = include_str!("../../../docs/coming-from-avian-or-rapier.md")]
 struct ComingFromAvianOrRapier;

@@ -1,8 +1,7 @@
 //! The motion of a body: where it is, how it lies, how it moves.
 
-use bevy::ecs::component::Component;
-use bevy::ecs::reflect::ReflectComponent;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use glam::{DQuat, DVec3};
 
 use crate::body::RigidBox;
@@ -28,8 +27,12 @@ use crate::rotation::renormalize;
 /// assert_eq!(state.kinetic_energy(&body), 0.5 * 6.0 + 0.5 * 4.0);
 /// # Ok::<(), InvalidValue>(())
 /// ```
-#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(Component, Default, Clone, PartialEq)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyState {
     /// Center of mass in the world \[m\].

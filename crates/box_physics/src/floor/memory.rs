@@ -1,10 +1,7 @@
 //! What the contact remembers of a body, and what it reports.
 
-use bevy::ecs::component::Component;
-use bevy::ecs::reflect::ReflectComponent;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
-#[cfg(feature = "serde")]
-use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use glam::{DQuat, DVec3};
 
 use super::Floor;
@@ -27,12 +24,16 @@ use crate::state::BodyState;
 ///     dice.iter().all(ContactState::is_resting)
 /// }
 /// ```
-#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
-#[reflect(opaque)]
-#[reflect(Component, Default, Clone, PartialEq, Debug)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(opaque),
+    reflect(Component, Default, Clone, PartialEq, Debug)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    all(feature = "bevy", feature = "serde"),
     reflect(Serialize, Deserialize)
 )]
 pub struct ContactState {
@@ -136,8 +137,8 @@ impl ContactState {
 }
 
 /// Where in its life a contact is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
-#[reflect(Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ContactPhase {
     /// The corner did not touch before this step.
@@ -150,8 +151,8 @@ pub enum ContactPhase {
 
 /// One corner's contact in one step. A corner that comes and goes within a step is reported twice:
 /// began with its impulse, ended with none.
-#[derive(Clone, Copy, Debug, PartialEq, Reflect)]
-#[reflect(Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Clone, PartialEq))]
 pub struct ContactPoint {
     /// Corner index; bits as in [`crate::aabb::corners`].
     pub corner: u8,

@@ -36,20 +36,22 @@ mod tests;
 pub use memory::{ContactPhase, ContactPoint, ContactState};
 pub use step::step_on_floor;
 
-use bevy::ecs::reflect::ReflectResource;
-use bevy::ecs::resource::Resource;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
-
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use crate::error::InvalidValue;
 use crate::force::{Dissipation, ForceModel};
 use crate::integrators::StepOutcome;
 use crate::state::BodyState;
 
 /// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
-#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Resource, Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Resource, Reflect),
+    reflect(Resource, Default, Clone, PartialEq)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Floor {
     /// Height of the plane \[m\].
@@ -109,8 +111,12 @@ impl Floor {
 }
 
 /// How hard the contact tries. The defaults suit boxes from millimeters to hundreds of meters.
-#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Resource, Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Resource, Reflect),
+    reflect(Resource, Default, Clone, PartialEq)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactSettings {
     /// Approach speed [m/s] below which nothing bounces. Default 0.01: a bounce of 5 µm, which nobody
@@ -159,8 +165,8 @@ impl Default for ContactSettings {
 }
 
 /// What a step over the floor cost, and whether it had to give way. Nothing is limited silently.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct FloorOutcome {
     /// The integrator's own account, over all pieces.
     pub step: StepOutcome,

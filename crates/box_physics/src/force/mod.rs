@@ -12,15 +12,16 @@ mod parts;
 
 pub use parts::{Forces, Frame, PointForce, Spring};
 
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use glam::DVec3;
 
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
 /// A force through the center of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wrench {
     /// Force \[N\], world axes.
@@ -62,8 +63,8 @@ impl core::ops::AddAssign for Wrench {
 /// }
 /// assert!((state.velocity.y + (9.81_f64 / 0.1).sqrt()).abs() < 1e-6);
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct Dissipation {
     /// c₁ [N s/m]: force −c₁ v.
     pub linear_drag: f64,
@@ -147,8 +148,8 @@ pub trait ForceModel {
 }
 
 /// Uniform acceleration [m/s²] alone: a body in free flight.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct Gravity(pub DVec3);
 
 impl ForceModel for Gravity {

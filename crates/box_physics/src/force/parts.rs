@@ -1,7 +1,7 @@
 //! The library's own law: forces at points of the body and springs, beside what is uniform.
 
-use bevy::ecs::VariantDefaults;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use glam::{DMat3, DVec3};
 
 use super::{Dissipation, ForceModel, Wrench};
@@ -9,8 +9,8 @@ use crate::body::RigidBox;
 use crate::state::BodyState;
 
 /// A force at a body point.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForce {
     /// Where it acts, body axes from the center \[m\].
@@ -22,8 +22,12 @@ pub struct PointForce {
 }
 
 /// In which axes a vector is constant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect, VariantDefaults)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Reflect, VariantDefaults),
+    reflect(Default, Clone, PartialEq)
+)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Frame {
     /// The world's: wind, a magnetic field.
@@ -35,8 +39,8 @@ pub enum Frame {
 
 /// A spring of zero natural length from a body point to a world anchor, with a damper:
 /// force −k (x + R r − anchor) − d u at the point, u its velocity. A mouse grab is one of these.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spring {
     /// Where it holds the box, body axes from the center \[m\].

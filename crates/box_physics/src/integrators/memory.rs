@@ -1,12 +1,8 @@
 //! What an integrator may remember between steps.
 
-use bevy::ecs::component::Component;
-use bevy::ecs::reflect::ReflectComponent;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
-#[cfg(feature = "serde")]
-use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
-
 use super::trajectory::Trajectory;
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 
 /// An integrator's memory of one body. Most integrators need none and never touch it. It is checked, not
 /// trusted: an integrator drops it whenever state, body or forces are not bit for bit what it last left,
@@ -31,12 +27,16 @@ use super::trajectory::Trajectory;
 /// step(&mut again, &mut memory);
 /// assert_eq!(again, state);
 /// ```
-#[derive(Component, Reflect, Debug, Default, PartialEq)]
-#[reflect(opaque)]
-#[reflect(Component, Default, Clone, PartialEq, Debug)]
+#[derive(Debug, Default, PartialEq)]
 #[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(opaque),
+    reflect(Component, Default, Clone, PartialEq, Debug)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    all(feature = "bevy", feature = "serde"),
     reflect(Serialize, Deserialize)
 )]
 pub struct IntegratorMemory {

@@ -24,11 +24,10 @@ pub use memory::IntegratorMemory;
 #[cfg(test)]
 pub(crate) use split::split_step;
 
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
 use core::fmt;
 use core::str::FromStr;
-
-use bevy::ecs::VariantDefaults;
-use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -61,8 +60,8 @@ pub trait Integrate {
 }
 
 /// What a step cost and whether it had to give way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
-#[reflect(Default, Clone, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct StepOutcome {
     /// Evaluations of the force model.
     pub evaluations: u32,
@@ -139,8 +138,8 @@ macro_rules! integrators {
         /// assert_eq!(outcome.evaluations, 4);
         /// # Ok::<(), box_physics::integrators::UnknownIntegrator>(())
         /// ```
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Reflect, VariantDefaults)]
-        #[reflect(Default, Clone, PartialEq, Hash)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "bevy", derive(Reflect, VariantDefaults), reflect(Default, Clone, PartialEq, Hash))]
         pub enum Integrator {
             $($(#[$attribute])* #[doc = concat!("[`", stringify!($name), "`](struct@", stringify!($name), ")")] $name,)+
         }
@@ -224,12 +223,25 @@ impl fmt::Display for Integrator {
 }
 
 /// No integrator has this id; the message lists those there are.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown integrator '{given}'; allowed: {}", Integrator::ALL.iter().map(|i| i.id()).collect::<Vec<_>>().join(", "))]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownIntegrator {
     /// What was typed.
     pub given: String,
 }
+
+impl fmt::Display for UnknownIntegrator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ids: Vec<_> = Integrator::ALL.iter().map(|i| i.id()).collect();
+        write!(
+            f,
+            "unknown integrator '{}'; allowed: {}",
+            self.given,
+            ids.join(", ")
+        )
+    }
+}
+
+impl core::error::Error for UnknownIntegrator {}
 
 impl FromStr for Integrator {
     type Err = UnknownIntegrator;

@@ -54,6 +54,7 @@ use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
     common_conditions,
 };
+use bevy::transform::components::Transform;
 
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
@@ -168,6 +169,11 @@ impl Plugin for PhysicsPlugin {
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();
         register_types(app);
+        require::<BodyState>(app);
+        require::<IntegratorMemory>(app);
+        require::<Transform>(app);
+        require::<WrittenTransform>(app);
+        require::<NearFloor>(app);
 
         // Not `add_schedule`: systems that users gave it before the plugin stay.
         app.init_schedule(PhysicsSchedule)
@@ -283,7 +289,7 @@ impl Plugin for FloorPlugin {
             .register_type::<ReportContacts>()
             .register_type::<FloorContact>()
             .register_type::<ContactPoint>();
-        require::<ContactState>(app);
+        require_optional::<ContactState>(app);
         app.add_systems(
             PhysicsSchedule,
             (
@@ -303,11 +309,19 @@ fn require<C: Component + Default>(app: &mut App) {
         .try_register_required_components::<RigidBox, C>()
         .is_err()
     {
-        log::warn!(
-            "box_physics: bodies were spawned before PhysicsPlugins was added; they get what they lack \
-             at their first tick"
-        );
+        static WARNED: std::sync::Once = std::sync::Once::new();
+        WARNED.call_once(|| {
+            log::warn!(
+                "box_physics: bodies were spawned before PhysicsPlugins was added; they get the components \
+                 that they lack at their first tick"
+            );
+        });
     }
+}
+
+/// The same for the component of an optional part, which a body that lost it gets back.
+fn require_optional<C: Component + Default>(app: &mut App) {
+    require::<C>(app);
     app.add_systems(
         PhysicsSchedule,
         faults::complete_bodies::<C>
@@ -330,7 +344,7 @@ impl Plugin for AabbPlugin {
             return;
         }
         app.register_type::<WorldAabb>();
-        require::<WorldAabb>(app);
+        require_optional::<WorldAabb>(app);
         app.add_systems(
             PhysicsSchedule,
             systems::refit_aabbs.in_set(PhysicsSystems::Refit),
