@@ -9,7 +9,7 @@ use box_game::app::{GamePlugin, open_log};
 use box_game::apply::Asked;
 use box_game::cli::Cli;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
-use box_game::session::Hero;
+use box_game::scene::session::Hero;
 use box_physics::prelude::*;
 use clap::Parser;
 
@@ -377,8 +377,8 @@ fn lanes_follow_the_clock_back() {
     let h = 1.0 / 60.0;
     let mut run = Run::new(&setup, Some(setup.truth()), Integrator::Split, h);
     run.choose([Integrator::Rk4, Integrator::ExplicitEuler]);
-    let law = box_game::lane::Law::of(&setup);
-    let mut body = box_game::lane::Lane::new(setup.initial, Integrator::Split);
+    let law = box_game::compare::lane::Law::of(&setup);
+    let mut body = box_game::compare::lane::Lane::new(setup.initial, Integrator::Split);
     let mut past = Vec::new();
     for n in 0..300 {
         let t = f64::from(n) * h;
@@ -453,15 +453,15 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
     updates(&mut app, 20);
     ask(&mut app, push(DVec3::X, false));
     updates(&mut app, 20);
-    let law = box_game::lane::Law::of(&box_game::session::Session::setup(
-        app.world().resource::<box_game::session::Session>(),
+    let law = box_game::compare::lane::Law::of(&box_game::scene::session::Session::setup(
+        app.world().resource::<box_game::scene::session::Session>(),
     ));
     let [rk4, exact] = [Integrator::Rk4, Integrator::Exact].map(|i| lane(&app, i).lane.state);
     // A parabola with the push, as the closed form has it.
     assert!((rk4.position - exact.position).length() < 1e-9);
     let strength = app
         .world()
-        .resource::<box_game::session::Session>()
+        .resource::<box_game::scene::session::Session>()
         .parameters
         .impulse;
     assert!((rk4.velocity.x - strength / law.body.mass()).abs() < 1e-9);
@@ -488,7 +488,7 @@ fn the_first_run_shows_something_in_five_seconds() {
     let mut app = game(&[]);
     app.update();
     assert_eq!(run(&app).lanes.len(), 2);
-    let session = app.world().resource::<box_game::session::Session>();
+    let session = app.world().resource::<box_game::scene::session::Session>();
     assert_eq!(session.scenario.id, "dzhanibekov");
     assert!(session.show_plots && session.plot == box_game::action::Plot::Energy);
     let comparison = app.world().resource::<Comparison>();
@@ -529,7 +529,7 @@ fn the_panel_fits_into_other_apps() {
         if host_compares {
             app.add_plugins(box_game::compare::ComparePlugin);
         }
-        app.add_plugins(box_game::panel_plugin::PanelPlugin)
+        app.add_plugins(box_game::ui::panel_plugin::PanelPlugin)
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
             .insert_resource(Floor::default());
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
@@ -586,7 +586,10 @@ fn keys_of_the_comparison() {
     let (down, up) = (ButtonState::Pressed, ButtonState::Released);
     key(&mut app, KeyCode::ShiftLeft, "", down);
     // A key that types nothing asks for nothing.
-    assert!(!app.world().contains_resource::<box_game::csv_log::CsvLog>());
+    assert!(
+        !app.world()
+            .contains_resource::<box_game::record::csv_log::CsvLog>()
+    );
     assert!(!app.world().resource::<PhysicsClock>().paused);
     key(&mut app, KeyCode::Digit5, "%", down);
     key(&mut app, KeyCode::Digit5, "%", up);

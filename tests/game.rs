@@ -8,10 +8,10 @@ use box_game::action::{Action, Push};
 use box_game::app::{GamePlugin, open_log};
 use box_game::apply::Asked;
 use box_game::cli::Cli;
-use box_game::input::UiFocus;
-use box_game::library::SceneLibrary;
-use box_game::sampling::IntegratorSamples;
-use box_game::session::{Hero, Session};
+use box_game::compare::sampling::IntegratorSamples;
+use box_game::input::keys::UiFocus;
+use box_game::scene::library::SceneLibrary;
+use box_game::scene::session::{Hero, Session};
 use box_physics::prelude::*;
 use clap::Parser;
 

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use box_game::panel::KEYS;
+use box_game::ui::panel::KEYS;
 use box_physics::prelude::Integrator;
 
 fn keys() -> String {

@@ -13,9 +13,9 @@ use box_game::action::Plot;
 use box_game::app::GamePlugin;
 use box_game::cli::Cli;
 use box_game::compare::CompareAction;
-use box_game::panel::{self, PanelMemory};
-use box_game::panel_view::{self, Sources};
-use box_game::session::Session;
+use box_game::scene::session::Session;
+use box_game::ui::panel::{self, PanelMemory};
+use box_game::ui::panel_view::{self, Sources};
 use clap::Parser;
 
 /// Frames of 1/60 s before the first is timed: a full minute of plots.

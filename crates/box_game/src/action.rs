@@ -8,8 +8,8 @@ use box_scenarios::SceneView;
 use box_scenarios::dissertation::Stepper;
 use serde::{Deserialize, Serialize};
 
-use crate::hands::grab::Hold;
-use crate::recorder::Film;
+use crate::interaction::grab::Hold;
+use crate::record::film::Film;
 
 use crate::compare::CompareAction;
 

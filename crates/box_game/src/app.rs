@@ -14,20 +14,20 @@ use crate::action::{Action, Plot};
 use crate::apply::{Accepted, Asked, accept, apply_actions, set_speed, set_step};
 use crate::cli::Cli;
 use crate::compare::plugin::after_step;
+use crate::compare::sampling::{IntegratorSamples, sample_integrators};
 use crate::compare::{CompareAction, ComparePlugin, Comparison};
-use crate::csv_log::CsvLog;
-use crate::demo::{Demo2012, run_cycle};
-use crate::hands::HandsPlugin;
-use crate::history::{History, count_dropped, record};
-use crate::input::{UiFocus, read_keys};
-use crate::library::{self, SceneLibrary, watch_scenes};
-use crate::opening::plot_of;
-use crate::preferences::{Preferences, follow, restore};
-use crate::row_log;
-use crate::sampling::{IntegratorSamples, sample_integrators};
-use crate::screenshot::ScreenshotRequest;
-use crate::script::{self, PendingPictures, Script};
-use crate::session::{LONGEST_FRAME, SceneEntity, Session, choose, start_scene};
+use crate::demo_2012::{Demo2012, run_cycle};
+use crate::input::keys::{UiFocus, read_keys};
+use crate::input::script::{self, PendingPictures, Script};
+use crate::interaction::InteractionPlugin;
+use crate::record::csv_log::CsvLog;
+use crate::record::history::{History, count_dropped, record};
+use crate::record::rows;
+use crate::record::screenshot::ScreenshotRequest;
+use crate::scene::library::{self, SceneLibrary, watch_scenes};
+use crate::scene::opening::plot_of;
+use crate::scene::session::{LONGEST_FRAME, SceneEntity, Session, choose, start_scene};
+use crate::ui::preferences::{Preferences, follow, restore};
 
 /// When to end by itself.
 #[derive(Resource, Clone, Debug, Default)]
@@ -72,7 +72,7 @@ impl Plugin for GamePlugin {
         if let Some(scale) = cli.ui_scale {
             kept.ui_scale = scale;
         }
-        app.add_plugins((PhysicsPlugins::default(), HandsPlugin))
+        app.add_plugins((PhysicsPlugins::default(), InteractionPlugin))
             .insert_resource(session)
             .insert_resource(library)
             .init_resource::<Demo2012>()
@@ -123,7 +123,7 @@ impl Plugin for GamePlugin {
                 run_cycle
                     .after(PhysicsSystems::Writeback)
                     .before(PhysicsSystems::Last),
-                row_log::write_rows
+                rows::write_rows
                     .in_set(PhysicsSystems::Last)
                     .after(after_step),
             ),
@@ -143,7 +143,7 @@ impl Plugin for GamePlugin {
         #[cfg(feature = "gamepad")]
         app.add_systems(
             PreUpdate,
-            crate::gamepad::read_buttons
+            crate::input::gamepad::read_buttons
                 .after(read_keys)
                 .before(apply_actions),
         );

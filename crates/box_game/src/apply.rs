@@ -7,22 +7,22 @@ use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBo
 
 use crate::action::{Action, Push};
 use crate::camera::CameraRequest;
-use crate::command_line;
+use crate::cli::command_line;
 use crate::compare::{self, CompareAction, copy};
-use crate::csv_log::CsvLog;
-use crate::demo;
-use crate::hands;
-use crate::hands::grab::{Grip, Hold};
-use crate::hands::{rewind, undo};
-use crate::library::SceneLibrary;
-use crate::opening::{open_scene, reset_everything};
-use crate::panel::Parameters;
-use crate::preferences::{Preferences, UI_SCALES};
-use crate::recorder::Recording;
-use crate::screenshot::{Part, ScreenshotRequest};
-use crate::session::{
+use crate::demo_2012;
+use crate::interaction;
+use crate::interaction::grab::{Grip, Hold};
+use crate::interaction::{rewind, undo};
+use crate::record::csv_log::CsvLog;
+use crate::record::film::Recording;
+use crate::record::screenshot::{Part, ScreenshotRequest};
+use crate::scene::library::SceneLibrary;
+use crate::scene::opening::{open_scene, reset_everything};
+use crate::scene::session::{
     Hero, LONGEST_FRAME, SPEEDS, SceneEntity, Session, apply_world, insert_forces, start_scene,
 };
+use crate::ui::panel::Parameters;
+use crate::ui::preferences::{Preferences, UI_SCALES};
 
 /// How long the frame of [`Action::Hitch`] takes: longer than [`LONGEST_FRAME`].
 pub const HITCH: core::time::Duration = core::time::Duration::from_millis(750);
@@ -94,7 +94,7 @@ fn apply(world: &mut World, action: Action) {
         Action::NextScene => neighbor(world, 1),
         Action::PreviousScene => neighbor(world, -1),
         Action::Push(push) => self::push(world, push),
-        Action::Poke(poke) => hands::poke(world, poke),
+        Action::Poke(poke) => interaction::poke(world, poke),
         Action::Grab(hold) => {
             let finite = |h: &Hold| h.body_point.is_finite() && h.anchor.is_finite();
             let hold = hold.filter(finite);
@@ -105,8 +105,8 @@ fn apply(world: &mut World, action: Action) {
             world.insert_resource(Grip(hold));
         }
         Action::Hitch => std::thread::sleep(HITCH),
-        Action::SetDemo(stepper) => demo::choose(world, stepper),
-        Action::ToggleDemoLog => demo::toggle_log(world),
+        Action::SetDemo(stepper) => demo_2012::choose(world, stepper),
+        Action::ToggleDemoLog => demo_2012::toggle_log(world),
         Action::ToggleLog => toggle_log(world),
         Action::Screenshot => {
             world.init_resource::<ScreenshotRequest>();
@@ -321,7 +321,7 @@ fn push(world: &mut World, push: Push) {
     };
     world.write_message(message);
     let at = if push.off_center { point } else { DVec3::ZERO };
-    demo::push(world, impulse, at);
+    demo_2012::push(world, impulse, at);
     world.resource_mut::<Session>().perturb(format!(
         "push {:.3} {:.3} {:.3} N s",
         impulse.x, impulse.y, impulse.z

@@ -6,12 +6,12 @@ use std::process::ExitCode;
 
 use bevy::app::AppExit;
 use box_game::apply::{Accepted, accept};
+use box_game::cli::display::{self, Need};
 use box_game::cli::{self, Cli};
-use box_game::display::{self, Need};
-use box_game::headless::{self, Comparison};
-use box_game::library;
-use box_game::picture;
-use box_game::session::Session;
+use box_game::compare::headless::{self, Comparison};
+use box_game::scene::library;
+use box_game::scene::session::Session;
+use box_game::view::picture;
 use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;

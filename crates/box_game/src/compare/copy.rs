@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::Comparison;
 use super::series::Quantity;
 use crate::action::Plot;
-use crate::session::Session;
+use crate::scene::session::Session;
 
 /// The visible window of every trajectory: one row per moment and integrator.
 pub fn window_csv(comparison: &Comparison) -> String {

@@ -4,8 +4,8 @@ use super::runner::SAME;
 use super::track::Track;
 use super::{CompareView, Comparison, LaneView, Quantity, Settings, SweepView};
 use crate::action::Plot;
-use crate::panel::decimate::{NARROW, decimate_to};
-use crate::sampling::IntegratorSamples;
+use crate::compare::sampling::IntegratorSamples;
+use crate::ui::panel::decimate::{NARROW, decimate_to};
 use box_physics::prelude::Integrator;
 
 /// Which quantities a tab shows.

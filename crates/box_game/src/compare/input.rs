@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, DVec3};
 
-use crate::lane::Law;
+use crate::compare::lane::Law;
 
 /// Inputs that are kept, so that a lane chosen later can be simulated from the start. Ten pushes a
 /// second for an hour.

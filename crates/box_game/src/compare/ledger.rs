@@ -13,7 +13,7 @@ use box_physics::prelude::{BodyState, DVec3};
 use box_scenarios::metrics::{energy_scale, momentum_scale};
 
 use super::reference::best_integrator;
-use crate::lane::{Lane, Law};
+use crate::compare::lane::{Lane, Law};
 
 /// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
 /// 4096 times smaller than the lane's would be with the same.

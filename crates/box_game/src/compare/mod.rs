@@ -13,17 +13,20 @@
 //! - [`input`]: what is done to all alike; [`action`]: what can be asked.
 //! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
-//!   [`Hero`](crate::session::Hero) can use it.
+//!   [`Hero`](crate::scene::session::Hero) can use it.
 
 pub mod action;
 pub mod copy;
 pub mod fill;
+pub mod headless;
 pub mod input;
+pub mod lane;
 pub mod ledger;
 pub mod plugin;
 pub mod reference;
 pub mod run;
 pub mod runner;
+pub mod sampling;
 pub mod series;
 pub mod sweep;
 pub mod track;

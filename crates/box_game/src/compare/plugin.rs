@@ -16,13 +16,13 @@ use box_scenarios::{ForceSet, Truth};
 
 use super::input::Change;
 use super::{CompareAction, Comparison, Layout, RuleKind};
-use crate::lane::Law;
-use crate::sampling::IntegratorSamples;
-use crate::session::{Hero, Session};
+use crate::compare::lane::Law;
+use crate::compare::sampling::IntegratorSamples;
+use crate::scene::session::{Hero, Session};
 
 /// Compares the hero, a body marked [`Hero`], with other integrators. Needs `PhysicsPlugins`. What is to be
-/// seen of it is up to others: [`PanelPlugin`](crate::panel_plugin::PanelPlugin) shows figures and plots,
-/// [`GhostPlugin`](crate::ghosts::GhostPlugin) the boxes.
+/// seen of it is up to others: [`PanelPlugin`](crate::ui::panel_plugin::PanelPlugin) shows figures and plots,
+/// [`GhostPlugin`](crate::view::ghosts::GhostPlugin) the boxes.
 pub struct ComparePlugin;
 
 impl Plugin for ComparePlugin {

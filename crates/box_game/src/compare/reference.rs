@@ -12,7 +12,7 @@ use box_physics::prelude::{BodyState, Integrator};
 use box_scenarios::{TimedImpulse, Truth, TruthKind};
 
 use super::input::Change;
-use crate::lane::{Lane, Law};
+use crate::compare::lane::{Lane, Law};
 
 /// How much finer the reference steps than the clock.
 pub const FINER: f64 = 64.0;

@@ -17,7 +17,7 @@ use super::input::{Change, Input, Inputs};
 use super::reference::Reference;
 use super::runner::{Runner, SAME, Shared};
 use super::track::{ReferenceStep, Track, local_error};
-use crate::lane::Law;
+use crate::compare::lane::Law;
 use past::Checkpoint;
 
 /// Vertical lines in the plots that are kept.

@@ -10,7 +10,7 @@ use super::input::{Change, Inputs};
 use super::ledger::Ledger;
 use super::reference::Reference;
 use super::track::{ReferenceStep, Track, local_error};
-use crate::lane::{Lane, Law};
+use crate::compare::lane::{Lane, Law};
 
 /// Two times closer than this part of a step are one.
 pub(crate) const SAME: f64 = 1e-6;

@@ -11,7 +11,7 @@ use box_scenarios::simulate::sanity;
 use box_scenarios::{Setup, StateError, Truth};
 
 use super::reference::Reference;
-use crate::lane::{Lane, Law};
+use crate::compare::lane::{Lane, Law};
 
 /// Rates of the steps [1/s], coarsest first; every step fits a whole number of times into the first.
 pub const RATES: [u32; 8] = [15, 30, 60, 120, 240, 480, 960, 1920];

@@ -5,7 +5,7 @@ use box_scenarios::StateError;
 
 use super::ledger::Ledger;
 use super::series::{Quantity, Sample, Series};
-use crate::lane::{Lane, Law};
+use crate::compare::lane::{Lane, Law};
 
 /// The present figures of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,11 +8,11 @@ use box_scenarios::Truth;
 use super::Run;
 use crate::compare::Quantity;
 use crate::compare::input::Change;
+use crate::compare::lane::Law;
 use crate::compare::ledger::Ledger;
 use crate::compare::reference::Reference;
 use crate::compare::runner::{Runner, SAME, Saved};
 use crate::compare::track::Track;
-use crate::lane::Law;
 
 /// Distance of the states to which stepping back returns \[s\], and how many there are: four minutes.
 const CHECKPOINT: f64 = 1.0;

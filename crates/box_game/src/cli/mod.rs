@@ -1,0 +1,369 @@
+//! The command line.
+
+pub mod command_line;
+pub mod display;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use box_physics::prelude::{DVec3, Integrator};
+use box_scenarios::Scenario;
+use clap::Parser;
+
+use crate::action::{Action, Plot};
+use crate::compare::Layout;
+use crate::scene::library;
+use crate::scene::session::SPEEDS;
+use crate::ui::preferences::UI_SCALES;
+
+/// Push a box about and compare numerical integrators live: speed against error.
+///
+/// Exit codes: 0 ok, 1 run-time error, 2 usage, 3 diverged with --fail-on-divergence, 4 no display or
+/// GPU although a flag asks for one.
+#[derive(Parser, Clone, Debug)]
+#[command(name = "box_game", version, verbatim_doc_comment)]
+pub struct Cli {
+    /// The scene to open with (see --list-scenes), or a scene file (assets/scenes/example.ron explains
+    /// the format); `throw` for --headless.
+    #[arg(value_parser = parse_scene)]
+    pub scene: Option<String>,
+
+    /// Integrators, separated by commas: the first moves the box, the others run beside it; all are compared
+    /// by --headless (default there: every integrator). See --list-integrators.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_integrator)]
+    pub integrator: Vec<Integrator>,
+
+    /// Step size, as a rate (60hz), a fraction (1/60) or seconds (0.0166); 0.00052 to 0.5 s.
+    #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
+    pub dt: f64,
+
+    /// Substeps per step.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub substeps: u32,
+
+    /// How the integrators are shown together: solo, ghosts, lanes or views.
+    #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
+    pub layout: Layout,
+
+    /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
+    /// sweep over step sizes) or table [default: the scene's].
+    #[arg(long, value_name = "TAB", value_parser = parse_plot)]
+    pub plot: Option<Plot>,
+
+    /// Number of boxes [default: the scene's].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub boxes: Option<u32>,
+
+    /// Seed of everything random (the attitudes of the load boxes).
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+
+    /// Simulated seconds, then quit [default: no end; headless: the scene's own].
+    #[arg(long, value_name = "S", value_parser = parse_duration)]
+    pub duration: Option<f64>,
+
+    /// Log to this CSV file from the start.
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+
+    /// No window and no GPU: the comparison as a table, and its whole course as CSV (into --log, by
+    /// default comparison.csv in this folder).
+    #[arg(long, conflicts_with_all = ["offscreen", "screenshot", "boxes", "frames"])]
+    pub headless: bool,
+
+    /// Render without a window (needs a GPU driver, may be a software one); use with --screenshot.
+    #[arg(long)]
+    pub offscreen: bool,
+
+    /// Frames to draw, then quit.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub frames: Option<u32>,
+
+    /// Save a picture of the last frame to this PNG, then quit (after --frames, by default 60).
+    #[arg(long, value_name = "FILE", value_parser = parse_png)]
+    pub screenshot: Option<PathBuf>,
+
+    /// Size of the window, or of the picture with --offscreen, in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub size: (u32, u32),
+
+    /// Target speed: simulated seconds per second, 0.01 to 4.
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_speed)]
+    pub speed: f64,
+
+    /// A parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
+    /// friction, linear-drag, angular-damping, mass, impulse, half-extents=X,Y,Z.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_setting)]
+    pub set: Vec<Action>,
+
+    /// Play this script of actions (assets/scripts/tour.ron is one).
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+
+    /// Neither read nor write the settings file of the user.
+    #[arg(long)]
+    pub no_settings: bool,
+
+    /// Scale of the panel, 0.75 to 2 [default: as set last].
+    #[arg(long, value_name = "X", value_parser = parse_scale)]
+    pub ui_scale: Option<f32>,
+
+    /// Exit with code 3 if an integrator diverges.
+    #[arg(long)]
+    pub fail_on_divergence: bool,
+
+    /// List the scenes and quit.
+    #[arg(long)]
+    pub list_scenes: bool,
+
+    /// List the integrators and quit.
+    #[arg(long)]
+    pub list_integrators: bool,
+
+    /// Internal: find out in a process of its own whether a window and a GPU are to be had.
+    #[arg(long, hide = true, value_name = "WHAT")]
+    pub probe: Option<crate::cli::display::Need>,
+}
+
+/// Exit code 4: no display or GPU although a flag asks for one.
+pub fn no_display() -> ExitCode {
+    ExitCode::from(4)
+}
+
+/// Exit code 3: an integrator diverged, and --fail-on-divergence was given.
+pub fn diverged() -> ExitCode {
+    ExitCode::from(3)
+}
+
+/// Smallest and largest step \[s\].
+pub const STEP_LIMITS: (f64, f64) = (1.0 / 1920.0, 0.5);
+
+/// Reads a step size and checks its range.
+fn parse_step(text: &str) -> Result<f64, String> {
+    let (low, high) = STEP_LIMITS;
+    let step = box_scenarios::parse_step(text)?;
+    // 1920hz is the limit, not a rounding unit above it.
+    if step >= low * (1.0 - 1e-9) && step <= high * (1.0 + 1e-9) {
+        Ok(step)
+    } else {
+        Err(format!(
+            "allowed: {low:.5} to {high} s, but this is {step} s"
+        ))
+    }
+}
+
+fn parse_scene(text: &str) -> Result<String, String> {
+    let scene = library::open(text)?;
+    Ok(match library::file_path(text) {
+        Some(_) => text.to_owned(),
+        None => scene.id.to_owned(),
+    })
+}
+
+fn parse_integrator(text: &str) -> Result<Integrator, String> {
+    text.parse()
+        .map_err(|e: box_physics::integrators::UnknownIntegrator| e.to_string())
+}
+
+fn parse_plot(text: &str) -> Result<Plot, String> {
+    Plot::ALL
+        .into_iter()
+        .find(|(_, name)| name.eq_ignore_ascii_case(text.trim()))
+        .map(|(plot, _)| plot)
+        .ok_or_else(|| format!("allowed: {}", Plot::ALL.map(|(_, name)| name).join(", ")))
+}
+
+fn parse_layout(text: &str) -> Result<Layout, String> {
+    Layout::ALL
+        .into_iter()
+        .find(|layout| layout.name().eq_ignore_ascii_case(text.trim()))
+        .ok_or_else(|| "allowed: solo, ghosts, lanes, views".to_owned())
+}
+
+fn parse_duration(text: &str) -> Result<f64, String> {
+    match text.trim().trim_end_matches('s').parse::<f64>() {
+        Ok(s) if s > 0.0 && s <= 1e6 => Ok(s),
+        _ => Err("allowed: seconds, above 0 and up to 1e6".to_owned()),
+    }
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let pixels = |t: &str| t.parse().ok().filter(|n| (320..=7680).contains(n));
+    text.split_once(['x', 'X', '×'])
+        .and_then(|(w, h)| pixels(w).zip(pixels(h)))
+        .ok_or_else(|| "allowed: width x height, each 320 to 7680, as in 1920x1080".to_owned())
+}
+
+fn parse_speed(text: &str) -> Result<f64, String> {
+    let (low, high) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+    match text.trim().parse::<f64>() {
+        Ok(speed) if (low..=high).contains(&speed) => Ok(speed),
+        _ => Err(format!("allowed: {low} to {high}")),
+    }
+}
+
+fn parse_scale(text: &str) -> Result<f32, String> {
+    let (low, high) = UI_SCALES;
+    match text.trim().parse::<f32>() {
+        Ok(scale) if (low..=high).contains(&scale) => Ok(scale),
+        _ => Err(format!("allowed: {low} to {high}")),
+    }
+}
+
+fn parse_setting(text: &str) -> Result<Action, String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("allowed: NAME=VALUE, as in gravity=1.62")?;
+    let number = |t: &str| {
+        let number = t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+        number.ok_or_else(|| format!("'{t}' is not a number"))
+    };
+    Ok(match name.trim() {
+        "gravity" => Action::SetGravity(number(value)?),
+        "restitution" => Action::SetRestitution(number(value)?),
+        "friction" => Action::SetFriction(number(value)?),
+        "linear-drag" => Action::SetLinearDrag(number(value)?),
+        "angular-damping" => Action::SetAngularDamping(number(value)?),
+        "mass" => Action::SetMass(number(value)?),
+        "impulse" => Action::SetImpulse(number(value)?),
+        "half-extents" => {
+            let sizes: Vec<f64> = value.split(',').map(number).collect::<Result<_, _>>()?;
+            let [x, y, z] = sizes[..] else {
+                return Err("half-extents: three numbers, as in 0.5,0.25,0.125".to_owned());
+            };
+            Action::SetHalfExtents(DVec3::new(x, y, z))
+        }
+        other => {
+            return Err(format!(
+                "unknown parameter '{other}'; allowed: gravity, restitution, friction, linear-drag, angular-damping, mass, impulse, half-extents"
+            ));
+        }
+    })
+}
+
+fn parse_png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        Ok(path)
+    } else {
+        Err("allowed: a file name that ends in .png".to_owned())
+    }
+}
+
+/// The table of `--list-scenes`.
+pub fn scene_list() -> String {
+    let scenes: Vec<_> = Scenario::ALL.iter().map(|build| build()).collect();
+    let width = scenes.iter().map(|s| s.id.len()).max().unwrap_or(0);
+    scenes
+        .iter()
+        .map(|s| format!("{:width$}  {}: {}\n", s.id, s.title, s.lesson))
+        .collect()
+}
+
+/// The table of `--list-integrators`.
+pub fn integrator_list() -> String {
+    Integrator::ALL
+        .iter()
+        .map(|i| {
+            let info = i.info();
+            format!(
+                "{:20}  order {:5}  evaluations {:19}  {}\n",
+                info.id,
+                info.orders.rotation.to_string(),
+                info.evaluations.to_string(),
+                info.summary
+            )
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn steps_in_three_notations() {
+        for (text, step) in [
+            ("60hz", 1.0 / 60.0),
+            ("1/60", 1.0 / 60.0),
+            ("0.0166", 0.0166),
+            ("1920 Hz", 1.0 / 1920.0),
+        ] {
+            assert_eq!(parse_step(text), Ok(step), "{text}");
+        }
+        for bad in [
+            "0", "-60hz", "1/0", "nan", "inf", "fast", "0.6", "5000hz", "",
+        ] {
+            let said = parse_step(bad).unwrap_err();
+            assert!(
+                said.contains("allowed") || said.contains("finite and positive"),
+                "{bad}: {said}"
+            );
+        }
+    }
+
+    #[test]
+    fn errors_name_option_value_and_what_is_allowed() {
+        let error = |arguments: &[&str]| {
+            Cli::try_parse_from([&["box_game"], arguments].concat())
+                .unwrap_err()
+                .to_string()
+        };
+        let e = error(&["--integrator", "split,leapfrog"]);
+        assert!(
+            e.contains("leapfrog") && e.contains("--integrator") && e.contains("heun-2012"),
+            "{e}"
+        );
+        let e = error(&["--dt", "0"]);
+        assert!(
+            e.contains("--dt") && e.contains("'0'") && e.contains("60hz"),
+            "{e}"
+        );
+        let e = error(&["--dt", "0.7"]);
+        assert!(e.contains("--dt") && e.contains("0.5 s"), "{e}");
+        let e = error(&["nowhere"]);
+        assert!(e.contains("nowhere") && e.contains("dzhanibekov"), "{e}");
+        let e = error(&["--boxes", "0"]);
+        assert!(e.contains("--boxes") && e.contains("1..=100000"), "{e}");
+        let e = error(&["--layout", "tiles"]);
+        assert!(
+            e.contains("--layout") && e.contains("solo, ghosts, lanes"),
+            "{e}"
+        );
+        let e = error(&["--plot", "pie"]);
+        assert!(e.contains("--plot") && e.contains("work-precision"), "{e}");
+        let e = error(&["--screenshot", "a.jpg"]);
+        assert!(e.contains(".png"), "{e}");
+        assert!(error(&["--headless", "--offscreen"]).contains("cannot be used with"));
+    }
+
+    #[test]
+    fn a_whole_line() {
+        let cli = Cli::try_parse_from([
+            "box_game",
+            "bounce",
+            "--integrator",
+            "rk4,split",
+            "--dt",
+            "1/120",
+            "--boxes",
+            "10",
+            "--offscreen",
+        ])
+        .expect("valid");
+        assert_eq!(cli.scene.as_deref(), Some("bounce"));
+        assert_eq!(cli.integrator, [Integrator::Rk4, Integrator::Split]);
+        assert!(cli.offscreen && cli.boxes == Some(10));
+        assert!(integrator_list().lines().count() == Integrator::ALL.len());
+        assert!(scene_list().contains("dzhanibekov"));
+    }
+}

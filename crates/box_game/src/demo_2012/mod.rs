@@ -1,0 +1,225 @@
+//! The demo of 2012 on screen: in its scene the hero moves as [`box_scenarios::dissertation`] has it, or,
+//! at the press of a button, as ours.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use bevy::prelude::*;
+use box_physics::prelude::{BodyState, DVec3, PhysicsClock, RigidBox, WorldAabb};
+use box_scenarios::dissertation::{Demo, State, Stepper};
+
+use crate::scene::session::{Hero, Session};
+
+/// The scene it belongs to.
+pub const SCENE: &str = "dissertation-2012";
+
+/// What its physics gets wrong, for the strip.
+pub const FAULTS: [&str; 5] = [
+    "gravity moves the position: it falls at 9.81 m/s, straight away and for ever",
+    "a push replaces the one before",
+    "spin grows by α/60 a step whatever the step, without the gyroscopic term, with 0.83 for 1/12 in the inertia",
+    "damping of 0.005 per millisecond stops it within a second",
+    "contact lifts the bounding box out of the floor: no bounce, no friction, a tilted cube stands on its corner",
+];
+
+/// Which stepper of 2012 moves the hero, and what it has measured.
+#[derive(Resource, Debug)]
+pub struct Demo2012 {
+    /// The stepper; `None` for ours.
+    pub stepper: Option<Stepper>,
+    /// Its own state of the hero, once it has one.
+    pub state: Option<State>,
+    /// Time of the last integration cycle \[ns\].
+    pub cycle_ns: u64,
+    log: Option<CycleLog>,
+}
+
+impl Default for Demo2012 {
+    fn default() -> Self {
+        Self {
+            stepper: Some(Stepper::default()),
+            state: None,
+            cycle_ns: 0,
+            log: None,
+        }
+    }
+}
+
+impl Demo2012 {
+    /// The stepper, if it is in charge in `session`'s scene.
+    pub fn active(&self, session: &Session) -> Option<Stepper> {
+        self.stepper.filter(|_| session.scenario.id == SCENE)
+    }
+
+    /// The file that the cycle times go to.
+    pub fn log(&self) -> Option<(&Path, u64)> {
+        self.log.as_ref().map(|l| (l.path.as_path(), l.cycles))
+    }
+}
+
+/// The demo's log: the time of every integration cycle, a line each, as text.
+#[derive(Debug)]
+struct CycleLog {
+    path: PathBuf,
+    file: BufWriter<File>,
+    cycles: u64,
+    flushed: Instant,
+}
+
+impl CycleLog {
+    fn create(path: PathBuf) -> std::io::Result<Self> {
+        let mut file = BufWriter::new(File::create(&path)?);
+        writeln!(file, "cycle milliseconds stepper")?;
+        Ok(Self {
+            path,
+            file,
+            cycles: 0,
+            flushed: Instant::now(),
+        })
+    }
+
+    fn write(&mut self, stepper: Stepper, nanoseconds: u64) -> std::io::Result<()> {
+        self.cycles += 1;
+        let milliseconds = nanoseconds as f64 * 1e-6;
+        writeln!(
+            self.file,
+            "{} {milliseconds:.6} {}",
+            self.cycles,
+            stepper.id()
+        )?;
+        if self.flushed.elapsed().as_secs() >= 1 {
+            self.flushed = Instant::now();
+            self.file.flush()?;
+        }
+        Ok(())
+    }
+}
+
+/// Moves the hero by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
+/// Runs after *Writeback*: a system among the plugin's own would make it go over all bodies more than once.
+pub fn run_cycle(
+    session: Res<Session>,
+    clock: Res<PhysicsClock>,
+    mut demo: ResMut<Demo2012>,
+    mut hero: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<Hero>>,
+) {
+    let Some(stepper) = demo.active(&session) else {
+        return;
+    };
+    let Ok((body, mut state, mut transform, mut aabb)) = hero.single_mut() else {
+        return;
+    };
+    let demo = &mut *demo;
+    let floor = session.scenario.setup.floor.map(|f| f.height);
+    let law = Demo::of(body, floor);
+    let own = demo
+        .state
+        .get_or_insert_with(|| State::new(body, &session.setup().initial));
+    // It gave its time slice away before it looked at the clock; what it logged was mostly that.
+    std::thread::yield_now();
+    let start = Instant::now();
+    law.cycle(stepper, own, clock.step());
+    demo.cycle_ns = start.elapsed().as_nanos() as u64;
+    *state = own.body_state(body);
+    transform.translation = state.position.as_vec3();
+    transform.rotation = state.rotation.as_quat();
+    *aabb = WorldAabb::of(body, &state);
+    if let Some(log) = &mut demo.log
+        && let Err(error) = log.write(stepper, demo.cycle_ns)
+    {
+        warn!("the log of 2012 ends: {error}");
+        demo.log = None;
+    }
+}
+
+/// Chooses a stepper of 2012, or ours. Each goes on from where the box is.
+pub fn choose(world: &mut World, stepper: Option<Stepper>) {
+    let hero = hero(world);
+    let mut demo = world.resource_mut::<Demo2012>();
+    if demo.stepper.is_none() {
+        demo.state = hero.map(|(body, state)| State::new(&body, &state));
+    }
+    demo.stepper = stepper;
+    let text = stepper.map_or("ours", Stepper::id);
+    world
+        .resource_mut::<Session>()
+        .perturb(format!("2012: {text}"));
+}
+
+/// The demo's push, where it is in charge: it replaces the motion. Returns whether it is.
+pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
+    let session = world.resource::<Session>();
+    let demo = world.resource::<Demo2012>();
+    if demo.active(session).is_none() {
+        return;
+    }
+    let initial = session.setup().initial;
+    let Some((body, _)) = hero(world) else {
+        return;
+    };
+    let mut demo = world.resource_mut::<Demo2012>();
+    let law = Demo::of(&body, None);
+    let state = demo
+        .state
+        .get_or_insert_with(|| State::new(&body, &initial));
+    law.push(state, Demo::force_for(impulse), body_point);
+}
+
+/// Starts or ends the log of cycle times.
+pub fn toggle_log(world: &mut World) {
+    let mut demo = world.resource_mut::<Demo2012>();
+    let text = match demo.log.take() {
+        Some(log) => format!(
+            "log of 2012 closed: {} ({} cycles)",
+            log.path.display(),
+            log.cycles
+        ),
+        None => match next_log() {
+            Ok(log) => {
+                let text = format!("log of 2012: {}", log.path.display());
+                demo.log = Some(log);
+                text
+            }
+            Err(error) => format!("log of 2012: {error}"),
+        },
+    };
+    world.resource_mut::<Session>().notice(text);
+}
+
+fn next_log() -> std::io::Result<CycleLog> {
+    let free = (1..10_000)
+        .map(|n| PathBuf::from(format!("cycles-2012-{n:02}.txt")))
+        .find(|p| !p.exists())
+        .ok_or_else(|| std::io::Error::other("cycles-2012-01.txt to -9999.txt are taken"))?;
+    CycleLog::create(std::path::absolute(free)?)
+}
+
+fn hero(world: &mut World) -> Option<(RigidBox, BodyState)> {
+    world
+        .query_filtered::<(&RigidBox, &BodyState), With<Hero>>()
+        .iter(world)
+        .next()
+        .map(|(body, state)| (*body, *state))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_is_a_line_a_cycle() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("log.txt");
+        let mut log = CycleLog::create(path.clone()).expect("writable");
+        log.write(Stepper::Rk4, 1_234_567).expect("writable");
+        log.write(Stepper::Heun, 500).expect("writable");
+        drop(log);
+        let text = std::fs::read_to_string(path).expect("written");
+        assert_eq!(
+            text,
+            "cycle milliseconds stepper\n1 1.234567 2012-rk4\n2 0.000500 2012-heun\n"
+        );
+    }
+}

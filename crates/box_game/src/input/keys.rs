@@ -1,0 +1,187 @@
+//! Keys to actions.
+//!
+//! Keys that stand for a place (WASDQE, the digits 1 to 9) are taken by their place on the keyboard; the
+//! others by the character that is typed, so that they are what the keyboard says on any layout.
+
+use bevy::input::keyboard::{Key, KeyCode};
+use bevy::prelude::*;
+use box_physics::prelude::{DVec3, Integrator};
+
+use crate::action::{Action, Push};
+use crate::apply::Asked;
+use crate::compare::CompareAction;
+
+/// What the panel has of the keyboard and the mouse.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UiFocus {
+    /// A text field is being typed into: letters belong to it.
+    pub text: bool,
+    /// Some widget has the focus: Space, Enter and arrows belong to it.
+    pub widget: bool,
+    /// The pointer is over the panel, or the panel holds it.
+    pub pointer: bool,
+}
+
+/// How often a held push repeats \[s\].
+pub const REPEAT: f32 = 0.1;
+
+/// The pushes: key and direction.
+const PUSHES: [(KeyCode, DVec3); 6] = [
+    (KeyCode::KeyD, DVec3::X),
+    (KeyCode::KeyA, DVec3::NEG_X),
+    (KeyCode::KeyE, DVec3::Y),
+    (KeyCode::KeyQ, DVec3::NEG_Y),
+    (KeyCode::KeyS, DVec3::Z),
+    (KeyCode::KeyW, DVec3::NEG_Z),
+];
+
+const DIGITS: [KeyCode; 9] = [
+    KeyCode::Digit1,
+    KeyCode::Digit2,
+    KeyCode::Digit3,
+    KeyCode::Digit4,
+    KeyCode::Digit5,
+    KeyCode::Digit6,
+    KeyCode::Digit7,
+    KeyCode::Digit8,
+    KeyCode::Digit9,
+];
+
+/// Reads the keyboard.
+pub fn read_keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    characters: Res<ButtonInput<Key>>,
+    focus: Res<UiFocus>,
+    time: Res<Time<Real>>,
+    session: Res<crate::scene::session::Session>,
+    grip: Res<crate::interaction::grab::Grip>,
+    mut asked: ResMut<Asked>,
+    mut held: Local<[f32; 6]>,
+) {
+    let asked = &mut asked.0;
+    // A whole chord may begin and end within one slow frame.
+    let held_down =
+        |either: [KeyCode; 2]| keys.any_pressed(either) || keys.any_just_pressed(either);
+    let shift = held_down([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    let control = held_down([KeyCode::ControlLeft, KeyCode::ControlRight]);
+    let alt = held_down([KeyCode::AltLeft, KeyCode::AltRight]);
+    // Any of these characters was typed (a letter in either case).
+    let typed = |wanted: &str| {
+        characters.get_just_pressed().any(|key| match key {
+            // Every text contains the empty one, which some keys type.
+            Key::Character(c) => !c.is_empty() && wanted.contains(c.to_lowercase().as_str()),
+            _ => false,
+        })
+    };
+
+    if keys.just_pressed(KeyCode::F1) {
+        asked.push(Action::ToggleHelp);
+    }
+    if keys.just_pressed(KeyCode::F12) {
+        asked.push(Action::Screenshot);
+    }
+    if control {
+        if keys.just_pressed(KeyCode::KeyQ) {
+            asked.push(Action::Quit);
+        }
+        if keys.just_pressed(KeyCode::KeyO) {
+            asked.push(Action::TogglePicker);
+        }
+        // A text field has an undo of its own.
+        if typed("z") && !focus.text {
+            asked.push(if shift { Action::Redo } else { Action::Undo });
+        }
+        if typed("y") && !focus.text {
+            asked.push(Action::Redo);
+        }
+        return;
+    }
+    if keys.just_pressed(KeyCode::Escape) {
+        // Peel: the topmost thing goes.
+        if session.show_picker {
+            asked.push(Action::TogglePicker);
+        } else if session.show_help {
+            asked.push(Action::ToggleHelp);
+        } else if grip.0.is_some() {
+            asked.push(Action::Grab(None));
+        }
+    }
+    if focus.text {
+        return;
+    }
+    for (k, (key, direction)) in PUSHES.into_iter().enumerate() {
+        if keys.just_pressed(key) {
+            held[k] = 0.0;
+        } else if keys.pressed(key) {
+            held[k] += time.delta_secs();
+            if held[k] < REPEAT {
+                continue;
+            }
+            // Not more than one a frame, however long the frame was.
+            held[k] = (held[k] - REPEAT).min(REPEAT);
+        } else {
+            continue;
+        }
+        asked.push(Action::Push(Push {
+            direction,
+            world: alt,
+            off_center: shift,
+        }));
+    }
+    for (k, key) in DIGITS.into_iter().enumerate() {
+        if let (true, Some(&i)) = (keys.just_pressed(key), Integrator::ALL.get(k)) {
+            asked.push(if shift {
+                Action::Compare(CompareAction::ToggleLane(i))
+            } else {
+                Action::SetIntegrator(i)
+            });
+        }
+    }
+    let steps = if shift { 10 } else { 1 };
+    for (characters, action) in [
+        ("p", Action::TogglePause),
+        // With Shift it is another character: > on a US keyboard, : on a German one.
+        (if shift { ".>:" } else { "." }, Action::Step(steps)),
+        (if shift { ",<;" } else { "," }, Action::StepBack(steps)),
+        ("r", Action::Restart),
+        ("-", Action::Slower),
+        ("=", Action::Faster),
+        ("0", Action::SetSpeed(1.0)),
+        ("[", Action::PreviousScene),
+        ("]", Action::NextScene),
+        ("b", Action::ToggleAabb),
+        ("c", Action::ToggleContacts),
+        ("x", Action::ToggleAxes),
+        ("l", Action::ToggleLog),
+        ("m", Action::TogglePlots),
+        ("`", Action::TogglePanel),
+        ("g", Action::Compare(CompareAction::ToggleGhosts)),
+        ("v", Action::Compare(CompareAction::NextLayout)),
+        ("f", Action::FrameCamera),
+        ("?", Action::ToggleHelp),
+    ] {
+        if typed(characters) {
+            asked.push(action);
+        }
+    }
+    for (key, action) in [
+        (KeyCode::Backspace, Action::Restart),
+        (KeyCode::Home, Action::HomeCamera),
+    ] {
+        if keys.just_pressed(key) {
+            asked.push(action);
+        }
+    }
+    // A focused widget keeps the keys that move within it.
+    if !focus.widget {
+        if keys.just_pressed(KeyCode::Space) {
+            asked.push(Action::TogglePause);
+        }
+        if keys.just_pressed(KeyCode::ArrowRight) {
+            asked.push(Action::Step(steps));
+        }
+        if keys.just_pressed(KeyCode::ArrowLeft) {
+            asked.push(Action::StepBack(steps));
+        }
+    }
+}

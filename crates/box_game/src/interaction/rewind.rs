@@ -1,0 +1,181 @@
+//! Going back in time: the states before the last ticks, kept whole, so that what follows repeats bit
+//! for bit.
+
+use std::collections::VecDeque;
+
+use bevy::prelude::*;
+use box_physics::floor::ContactState;
+use box_physics::prelude::{BodyState, IntegratorMemory, PhysicsClock, RigidBox, WorldAabb};
+use box_scenarios::dissertation;
+
+use crate::demo_2012::Demo2012;
+use crate::scene::session::{BoxNumber, Session};
+
+/// The most ticks that are kept: half a minute at 60 Hz.
+pub const LONGEST: usize = 2000;
+/// The most bodies of a scene that can go back.
+pub const MOST_BODIES: usize = 1000;
+/// The most bodies in all that are kept, over every tick: some 50 MB.
+const BUDGET: usize = 80_000;
+
+/// Everything that the course of a scene depends on, between two ticks.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    clock: PhysicsClock,
+    next_impulse: usize,
+    demo: Option<dissertation::State>,
+    /// By number.
+    bodies: Vec<Body>,
+}
+
+#[derive(Clone, Debug)]
+struct Body {
+    number: u32,
+    state: BodyState,
+    memory: IntegratorMemory,
+    contact: ContactState,
+}
+
+impl Moment {
+    /// As it is now; `None` with more bodies than are kept.
+    pub fn now(world: &mut World) -> Option<Self> {
+        let mut query = world.query::<(&BoxNumber, &BodyState, &IntegratorMemory, &ContactState)>();
+        if query.iter(world).len() > MOST_BODIES {
+            return None;
+        }
+        let mut bodies: Vec<Body> = query
+            .iter(world)
+            .map(|(number, state, memory, contact)| Body {
+                number: number.0,
+                state: *state,
+                memory: memory.clone(),
+                contact: contact.clone(),
+            })
+            .collect();
+        bodies.sort_unstable_by_key(|b| b.number);
+        Some(Self {
+            clock: *world.resource::<PhysicsClock>(),
+            next_impulse: world.resource::<Session>().next_impulse,
+            demo: world.resource::<Demo2012>().state,
+            bodies,
+        })
+    }
+
+    /// Puts everything back. Pause, substeps and step size stay as they are set.
+    pub fn restore(&self, world: &mut World) {
+        let present = *world.resource::<PhysicsClock>();
+        let mut clock = self.clock;
+        (clock.paused, clock.substeps) = (present.paused, present.substeps);
+        world.insert_resource(clock);
+        world.resource_mut::<Session>().next_impulse = self.next_impulse;
+        world.resource_mut::<Demo2012>().state = self.demo;
+        let mut query = world.query::<(
+            &BoxNumber,
+            &RigidBox,
+            &mut BodyState,
+            &mut IntegratorMemory,
+            &mut ContactState,
+            &mut Transform,
+            &mut WorldAabb,
+        )>();
+        for (number, body, mut state, mut memory, mut contact, mut transform, mut aabb) in
+            query.iter_mut(world)
+        {
+            let Ok(at) = self.bodies.binary_search_by_key(&number.0, |b| b.number) else {
+                continue;
+            };
+            let kept = &self.bodies[at];
+            *state = kept.state;
+            memory.clone_from(&kept.memory);
+            *contact = kept.contact.clone();
+            *aabb = WorldAabb::of(body, &kept.state);
+            // The pose in f32 is what the plugin would write: no teleport.
+            transform.translation = kept.state.position.as_vec3();
+            transform.rotation = kept.state.rotation.as_quat();
+        }
+    }
+}
+
+/// The last moments, oldest first.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Rewind {
+    ring: VecDeque<Moment>,
+}
+
+impl Rewind {
+    /// How many ticks one can go back.
+    pub fn len(&self) -> usize {
+        self.ring.len()
+    }
+
+    /// Whether one cannot go back at all.
+    pub fn is_empty(&self) -> bool {
+        self.ring.is_empty()
+    }
+
+    /// Forgets everything: another scene.
+    pub fn clear(&mut self) {
+        self.ring.clear();
+    }
+
+    fn push(&mut self, moment: Moment) {
+        // A restart or a step back: what was to come is no past.
+        while self
+            .ring
+            .back()
+            .is_some_and(|last| last.clock.steps() >= moment.clock.steps())
+        {
+            self.ring.pop_back();
+        }
+        let bodies = moment.bodies.len().max(1);
+        self.ring.push_back(moment);
+        while self.ring.len() > LONGEST.min(BUDGET / bodies) {
+            self.ring.pop_front();
+        }
+    }
+}
+
+/// Keeps the moment before a tick.
+pub fn keep(world: &mut World) {
+    match Moment::now(world) {
+        Some(moment) => world.resource_mut::<Rewind>().push(moment),
+        None => world.resource_mut::<Rewind>().clear(),
+    }
+}
+
+/// Keeps the moment before every tick that the clock takes by itself.
+pub fn record(world: &mut World) {
+    if !world.resource::<PhysicsClock>().paused {
+        keep(world);
+    }
+}
+
+/// Goes `ticks` back, or as far as there is a past, and pauses.
+pub fn step_back(world: &mut World, ticks: u32) {
+    world.resource_mut::<PhysicsClock>().paused = true;
+    let steps = world.resource::<PhysicsClock>().steps();
+    let mut rewind = world.resource_mut::<Rewind>();
+    let mut target = None;
+    let mut left = ticks;
+    while left > 0 {
+        match rewind.ring.pop_back() {
+            // Moments from before a restart.
+            Some(moment) if moment.clock.steps() >= steps => {}
+            Some(moment) => {
+                target = Some(moment);
+                left -= 1;
+            }
+            None => break,
+        }
+    }
+    match target {
+        Some(moment) => {
+            moment.restore(world);
+            let mut session = world.resource_mut::<Session>();
+            session.events.push("step back".to_owned());
+        }
+        None => world
+            .resource_mut::<Session>()
+            .notice("nothing to go back to: the last 2000 steps are kept, of up to 1000 boxes"),
+    }
+}

@@ -1,0 +1,201 @@
+//! The log: one row per step and integrator, tidy, with its units in the column names. Every row is on disk
+//! before the next is made, so nothing is lost on exit, panic or power switch.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use bevy::prelude::Resource;
+use serde::Serialize;
+
+use crate::scene::session::Session;
+
+/// One row. Columns without a figure are empty.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Row {
+    /// Of the run: scene, seed and, in the game, how often a scene was started.
+    pub run_id: String,
+    /// Drawn frame.
+    pub frame: u64,
+    /// Simulated time \[s\].
+    pub sim_t_s: f64,
+    /// Time since the program started \[s\].
+    pub wall_t_s: Option<f64>,
+    /// 0 for the hero, then the lanes beside it; in the headless comparison one per integrator.
+    pub lane: u32,
+    /// Id of the integrator.
+    pub integrator: String,
+    /// Step \[s\].
+    pub dt_s: f64,
+    /// Substeps per step.
+    pub substeps: u32,
+    /// Force evaluations of this row's step: all boxes (hero), a step's mean (other lanes).
+    pub rhs_evals: u64,
+    /// Shortest recent time [ns per body-step].
+    pub step_ns_min: Option<f64>,
+    /// Median recent time [ns per body-step].
+    pub step_ns_med: Option<f64>,
+    /// Distance from the reference \[m\].
+    pub pos_err_m: Option<f64>,
+    /// Angle to the reference \[°\].
+    pub rot_err_deg: Option<f64>,
+    /// Distance after one step from the reference's state \[m\].
+    pub local_pos_err_m: Option<f64>,
+    /// Kinetic and potential energy \[J\].
+    pub energy_j: f64,
+    /// Energy that inputs, forces and floor do not account for, over |E₀|; headless (E − E₀)/|E₀|, where
+    /// the energy should be constant.
+    pub energy_rel: Option<f64>,
+    /// |L| that they do not account for, over |L₀|; headless |L − L₀|/|L₀| in world axes, where it should
+    /// be constant.
+    pub angmom_rel: Option<f64>,
+    /// Corners at the floor.
+    pub contacts: u32,
+    /// ok, contact, resting, quarantined or diverged.
+    pub state: String,
+    /// CPU of this process [% of all cores].
+    pub cpu_process_pct: Option<f64>,
+    /// CPU of the system \[%\].
+    pub cpu_system_pct: Option<f64>,
+    /// Last frame \[ms\].
+    pub frame_ms: Option<f64>,
+    /// What was pushed, switched or changed before this step.
+    pub event: String,
+}
+
+/// An open log.
+#[derive(Resource)]
+pub struct CsvLog {
+    path: PathBuf,
+    writer: csv::Writer<CountingFile>,
+    rows: u64,
+}
+
+struct CountingFile {
+    file: File,
+    bytes: u64,
+}
+
+impl Write for CountingFile {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        let n = self.file.write(buffer)?;
+        self.bytes += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl CsvLog {
+    /// Creates `path` (replacing it) with the metadata lines in front.
+    ///
+    /// # Errors
+    /// What the file system says, with the path.
+    pub fn create(path: &Path, scene: &str, seed: u64) -> io::Result<Self> {
+        let named = |e: io::Error| io::Error::new(e.kind(), format!("{}: {e}", path.display()));
+        let mut file = File::create(path).map_err(named)?;
+        let head = format!(
+            "# box_game {} log\n# scene: {scene}\n# seed: {seed}\n# precision: f64\n# architecture: {}, {} logical cores\n# os: {}\n# features: {}\n",
+            env!("CARGO_PKG_VERSION"),
+            std::env::consts::ARCH,
+            std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
+            std::env::consts::OS,
+            match (cfg!(feature = "wayland"), cfg!(feature = "gamepad")) {
+                (false, false) => "none",
+                (true, false) => "wayland",
+                (false, true) => "gamepad",
+                (true, true) => "wayland, gamepad",
+            },
+        );
+        file.write_all(head.as_bytes()).map_err(named)?;
+        let bytes = head.len() as u64;
+        Ok(Self {
+            path: std::path::absolute(path).map_err(named)?,
+            writer: csv::Writer::from_writer(CountingFile { file, bytes }),
+            rows: 0,
+        })
+    }
+
+    /// Creates the next free `run-NN.csv` in the current directory.
+    ///
+    /// # Errors
+    /// As [`CsvLog::create`].
+    pub fn open_next(session: &Session) -> io::Result<Self> {
+        let free = (1..10_000)
+            .map(|n| PathBuf::from(format!("run-{n:02}.csv")))
+            .find(|p| !p.exists())
+            .ok_or_else(|| io::Error::other("run-01.csv to run-9999.csv are all taken"))?;
+        Self::create(&free, session.scenario.id, session.seed)
+    }
+
+    /// Full path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Rows written.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Bytes written.
+    pub fn bytes(&self) -> u64 {
+        self.writer.get_ref().bytes
+    }
+
+    /// Writes one row through to the file.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn write(&mut self, row: &Row) -> io::Result<()> {
+        self.writer.serialize(row).map_err(io::Error::other)?;
+        self.writer.flush()?;
+        self.rows += 1;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COLUMNS: &str = "run_id,frame,sim_t_s,wall_t_s,lane,integrator,dt_s,substeps,rhs_evals,\
+step_ns_min,step_ns_med,pos_err_m,rot_err_deg,local_pos_err_m,energy_j,energy_rel,angmom_rel,\
+contacts,state,cpu_process_pct,cpu_system_pct,frame_ms,event";
+
+    #[test]
+    fn rows_are_on_disk_at_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.csv");
+        let mut log = CsvLog::create(&path, "throw", 7).expect("writable");
+        for n in 0..3 {
+            let row = Row {
+                run_id: "throw-7".to_owned(),
+                sim_t_s: f64::from(n) / 60.0,
+                ..Default::default()
+            };
+            log.write(&row).expect("writable");
+            // Not dropped, not closed: as if the program were killed here.
+            let text = std::fs::read_to_string(&path).expect("readable");
+            let rows: Vec<_> = text.lines().filter(|l| !l.starts_with('#')).collect();
+            assert_eq!(rows[0], COLUMNS);
+            assert_eq!(rows.len(), 2 + n as usize);
+            assert_eq!(log.bytes(), text.len() as u64);
+        }
+        assert!(
+            std::fs::read_to_string(&path)
+                .expect("readable")
+                .contains("# seed: 7")
+        );
+    }
+
+    #[test]
+    fn an_impossible_path_is_named() {
+        let error = CsvLog::create(Path::new("/nowhere/at/all.csv"), "throw", 1)
+            .err()
+            .expect("no folder");
+        assert!(error.to_string().contains("/nowhere/at/all.csv"));
+    }
+}

@@ -1,0 +1,88 @@
+//! What the plots show of the past, in rings of fixed size.
+
+use std::collections::VecDeque;
+
+use bevy::diagnostic::{
+    Diagnostic, DiagnosticPath, DiagnosticsStore, FrameTimeDiagnosticsPlugin,
+    SystemInformationDiagnosticsPlugin,
+};
+use bevy::prelude::*;
+use box_physics::prelude::PhysicsClock;
+
+use crate::scene::session::Session;
+
+/// Points kept per curve: 15 minutes of CPU at 4 a second.
+const LENGTH: usize = 3600;
+
+/// The rings.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct History {
+    /// (wall time \[s\], process CPU \[%\], system CPU \[%\]).
+    pub cpu: VecDeque<(f64, f64, f64)>,
+    /// (wall time \[s\], simulated time \[s\]) of the last second, for the actual speed.
+    pace: VecDeque<(f64, f64)>,
+}
+
+impl History {
+    /// Simulated seconds per second over the last second.
+    pub fn actual_speed(&self) -> Option<f64> {
+        let (first, last) = (self.pace.front()?, self.pace.back()?);
+        let wall = last.0 - first.0;
+        (wall > 0.2).then(|| (last.1 - first.1) / wall)
+    }
+}
+
+fn push<T>(ring: &mut VecDeque<T>, point: T) {
+    ring.push_back(point);
+    if ring.len() > LENGTH {
+        ring.pop_front();
+    }
+}
+
+/// Adds this frame.
+pub fn record(
+    mut history: ResMut<History>,
+    clock: Res<PhysicsClock>,
+    time: Res<Time<Real>>,
+    diagnostics: Option<Res<DiagnosticsStore>>,
+) {
+    let (wall, simulated) = (time.elapsed_secs_f64(), clock.elapsed().as_secs_f64());
+    let history = &mut *history;
+    // A restart begins anew.
+    if history.pace.back().is_some_and(|last| last.1 > simulated) {
+        history.pace.clear();
+    }
+    history.pace.push_back((wall, simulated));
+    while history.pace.front().is_some_and(|p| p.0 < wall - 1.0) {
+        history.pace.pop_front();
+    }
+    let due = history.cpu.back().is_none_or(|last| wall - last.0 >= 0.25);
+    if let (Some(store), true) = (diagnostics, due) {
+        let value = |path: DiagnosticPath| store.get(&path).and_then(Diagnostic::value);
+        let process = value(SystemInformationDiagnosticsPlugin::PROCESS_CPU_USAGE);
+        let system = value(SystemInformationDiagnosticsPlugin::SYSTEM_CPU_USAGE);
+        if let (Some(process), Some(system)) = (process, system) {
+            push(&mut history.cpu, (wall, process, system));
+        }
+    }
+}
+
+/// The last frame \[ms\], smoothed.
+pub fn frame_time(store: Option<&DiagnosticsStore>) -> Option<f64> {
+    store?
+        .get(&FrameTimeDiagnosticsPlugin::FRAME_TIME)?
+        .smoothed()
+}
+
+/// Counts the simulated time that a hitch dropped: frames longer than the clock's limit.
+pub fn count_dropped(
+    real: Res<Time<Real>>,
+    time: Res<Time<Virtual>>,
+    clock: Res<PhysicsClock>,
+    mut session: ResMut<Session>,
+) {
+    let over = real.delta().saturating_sub(time.max_delta());
+    if !over.is_zero() && !clock.paused {
+        session.dropped += over.as_secs_f64() * session.speed;
+    }
+}

@@ -1,0 +1,173 @@
+//! After every step: its counts, and the rows of the log while one is open: one for the hero, one for
+//! each lane that has taken a step.
+
+use bevy::diagnostic::{DiagnosticsStore, FrameCount};
+use bevy::prelude::*;
+use box_physics::prelude::{
+    BodyState, ContactPhase, FloorContact, GlobalIntegrator, Integrator, PhysicsClock,
+    PhysicsTimings, Quarantined,
+};
+
+use crate::compare::lane::Law;
+use crate::compare::runner::Runner;
+use crate::compare::sampling::IntegratorSamples;
+use crate::compare::track::Track;
+use crate::compare::{Comparison, Quantity};
+use crate::record::csv_log::{CsvLog, Row};
+use crate::record::history::{History, frame_time};
+use crate::scene::session::{Hero, Session};
+
+/// Writes the rows of the step that just ended. Runs in `PhysicsSystems::Last`, after the comparison.
+pub fn write_rows(
+    log: Option<ResMut<CsvLog>>,
+    (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
+    hero: Query<(&BodyState, Has<Quarantined>), With<Hero>>,
+    (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
+    (timings, samples, history): (
+        Option<Res<PhysicsTimings>>,
+        Res<IntegratorSamples>,
+        Res<History>,
+    ),
+    (diagnostics, frame, real): (
+        Option<Res<DiagnosticsStore>>,
+        Option<Res<FrameCount>>,
+        Option<Res<Time<Real>>>,
+    ),
+    mut contacts: MessageReader<FloorContact>,
+    mut commands: Commands,
+) {
+    if let Some(timings) = &timings {
+        for &i in Integrator::ALL {
+            let outcome = timings.integrator(i).outcome;
+            session.fallbacks += u64::from(outcome.fallbacks);
+            session.unconverged += u64::from(outcome.unconverged);
+        }
+    }
+    let event = core::mem::take(&mut session.events).join("; ");
+    let touching = contacts
+        .read()
+        .filter(|c| c.phase != ContactPhase::Ended)
+        .count() as u32;
+    let (Some(mut log), Some((state, quarantined))) = (log, hero.iter().next()) else {
+        return;
+    };
+    let Some(run) = &mut comparison.run else {
+        return;
+    };
+    let substeps = clock.substeps.max(1);
+    let outcome = timings.as_ref().map(|t| t.integrator(integrator.0).outcome);
+    let cpu = history.cpu.back();
+    let common = Row {
+        run_id: session.run_id(),
+        frame: frame.map_or(0, |f| u64::from(f.0)),
+        wall_t_s: real.map(|r| r.elapsed_secs_f64()),
+        cpu_process_pct: cpu.map(|c| c.1),
+        cpu_system_pct: cpu.map(|c| c.2),
+        frame_ms: frame_time(diagnostics.as_deref()),
+        ..Row::default()
+    };
+    let mut rows = vec![Row {
+        sim_t_s: clock.time(),
+        dt_s: clock.step() * f64::from(substeps),
+        substeps,
+        rhs_evals: outcome.map_or(0, |o| u64::from(o.evaluations)),
+        contacts: touching,
+        state: match (quarantined, touching) {
+            (true, _) => "quarantined",
+            _ if run.hero.track.diverged.is_some() => "diverged",
+            (false, 0) => "ok",
+            (false, _) if state.velocity.length() == 0.0 => "resting",
+            (false, _) => "contact",
+        }
+        .to_owned(),
+        event,
+        ..measured(
+            &common,
+            0,
+            integrator.0,
+            &run.law,
+            state,
+            &run.hero.track,
+            &samples,
+        )
+    }];
+    for (k, runner) in run.lanes.iter_mut().enumerate() {
+        if runner.lane.steps != runner.logged {
+            rows.push(lane_row(&common, k as u32 + 1, runner, run.step, &samples));
+            runner.logged = runner.lane.steps;
+        }
+    }
+    for row in rows {
+        if let Err(error) = log.write(&row) {
+            session.notice(format!("log closed: {error}"));
+            commands.remove_resource::<CsvLog>();
+            return;
+        }
+    }
+}
+
+fn lane_row(
+    common: &Row,
+    number: u32,
+    runner: &mut Runner,
+    step: f64,
+    samples: &IntegratorSamples,
+) -> Row {
+    let lane = &runner.lane;
+    let skew = core::mem::take(&mut runner.skew);
+    Row {
+        sim_t_s: lane.time,
+        dt_s: runner.factor * step,
+        substeps: 1,
+        rhs_evals: u64::from(lane.outcome.evaluations) / lane.steps.max(1),
+        contacts: lane.contacts(),
+        state: match runner.track.diverged {
+            Some(_) => "diverged",
+            None if lane.contacts() == 0 => "ok",
+            None if lane.state.velocity.length() == 0.0 => "resting",
+            None => "contact",
+        }
+        .to_owned(),
+        event: if skew > 0.0 {
+            format!("input {skew:e} s late")
+        } else {
+            String::new()
+        },
+        ..measured(
+            common,
+            number,
+            lane.integrator,
+            &runner.law,
+            &lane.state,
+            &runner.track,
+            samples,
+        )
+    }
+}
+
+/// The columns that every trajectory has.
+fn measured(
+    common: &Row,
+    lane: u32,
+    integrator: Integrator,
+    law: &Law,
+    state: &BodyState,
+    track: &Track,
+    samples: &IntegratorSamples,
+) -> Row {
+    let statistics = samples.statistics(integrator);
+    let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
+    Row {
+        lane,
+        integrator: integrator.id().to_owned(),
+        step_ns_min: statistics.map(|s| s.0),
+        step_ns_med: statistics.map(|s| s.1),
+        pos_err_m: known(Quantity::Position),
+        rot_err_deg: known(Quantity::Attitude),
+        local_pos_err_m: known(Quantity::LocalPosition),
+        energy_j: law.energy(state),
+        energy_rel: known(Quantity::Energy),
+        angmom_rel: known(Quantity::Momentum),
+        ..common.clone()
+    }
+}

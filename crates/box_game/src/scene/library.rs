@@ -1,0 +1,284 @@
+//! The scenes there are: those built in, and those in files, watched while the game runs.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use bevy::prelude::*;
+use box_scenarios::{Scenario, scene_file};
+
+use crate::scene::opening::open_scene;
+use crate::scene::session::Session;
+
+/// How often the files are looked at [s of real time].
+const INTERVAL: f64 = 0.5;
+/// The most files that are listed: a folder of thousands is a mistake.
+const MOST: usize = 200;
+
+/// Every scene that can be chosen.
+#[derive(Resource, Debug)]
+pub struct SceneLibrary {
+    folder: PathBuf,
+    /// A file that the command line named, wherever it lies.
+    opened: Option<PathBuf>,
+    files: Vec<SceneFile>,
+    /// (id, title) of every scene.
+    menu: Vec<(String, String)>,
+    looked: Option<f64>,
+}
+
+/// A file as it was last seen.
+#[derive(Debug)]
+struct SceneFile {
+    path: PathBuf,
+    stamp: Option<(SystemTime, u64)>,
+    /// The last good content.
+    scene: Option<Scenario>,
+    error: Option<String>,
+}
+
+impl SceneLibrary {
+    /// The built-in scenes, the files of `folder` (which need not exist) and `opened`.
+    pub fn new(folder: impl Into<PathBuf>, opened: Option<PathBuf>) -> Self {
+        let mut library = Self {
+            folder: folder.into(),
+            opened,
+            files: Vec::new(),
+            menu: Vec::new(),
+            looked: None,
+        };
+        library.refresh();
+        library
+    }
+
+    /// The files of `assets/scenes`: under `BEVY_ASSET_ROOT`, the present folder, or beside the program.
+    pub fn shipped(opened: Option<PathBuf>) -> Self {
+        let root = std::env::var_os("BEVY_ASSET_ROOT").map(PathBuf::from);
+        let program = std::env::current_exe().ok();
+        let beside = program.and_then(|p| p.parent().map(Path::to_owned));
+        let folder = [root, Some(PathBuf::new()), beside]
+            .into_iter()
+            .flatten()
+            .map(|base| base.join("assets/scenes"))
+            .find(|folder| folder.is_dir())
+            .unwrap_or_else(|| PathBuf::from("assets/scenes"));
+        Self::new(folder, opened)
+    }
+
+    /// (id, title) of every scene, in the order of the menu: built-in ones first.
+    pub fn scenes(&self) -> &[(String, String)] {
+        &self.menu
+    }
+
+    /// The scene with this id, built in or from a file; or the file at this path.
+    ///
+    /// # Errors
+    /// A sentence that lists what there is, or what is wrong with the file.
+    pub fn find(&self, text: &str) -> Result<Scenario, String> {
+        let file = self.files.iter().find_map(|f| {
+            let scene = f.scene.as_ref()?;
+            (scene.id == text || f.path == Path::new(text)).then(|| scene.clone())
+        });
+        match file {
+            Some(scene) => Ok(scene),
+            None => open(text),
+        }
+    }
+
+    /// The path of the file in which the scene with this id stands, if it is not built in.
+    pub fn path_of(&self, id: &str) -> Option<String> {
+        let file = self
+            .files
+            .iter()
+            .find(|f| f.scene.as_ref().is_some_and(|scene| scene.id == id))?;
+        Some(file.path.display().to_string())
+    }
+
+    /// What is wrong with the files, one line each.
+    pub fn errors(&self) -> Vec<String> {
+        self.files.iter().filter_map(|f| f.error.clone()).collect()
+    }
+
+    /// Looks at every file again. Returns the ids of the scenes whose content changed.
+    pub fn refresh(&mut self) -> Vec<&'static str> {
+        let mut paths: Vec<PathBuf> = std::fs::read_dir(&self.folder)
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| entry.ok().map(|e| e.path()))
+            .filter(|path| path.extension().is_some_and(|e| e == "ron"))
+            .collect();
+        paths.sort();
+        paths.truncate(MOST);
+        let listed = |path: &PathBuf| paths.iter().any(|p| same_file(p, path));
+        if let Some(opened) = self.opened.clone().filter(|o| !listed(o)) {
+            paths.push(opened);
+        }
+        self.files.retain(|f| paths.contains(&f.path));
+        let mut changed = Vec::new();
+        for path in paths {
+            let stamp = std::fs::metadata(&path)
+                .ok()
+                .and_then(|m| Some((m.modified().ok()?, m.len())));
+            let known = self.files.iter().position(|f| f.path == path);
+            if known.is_some_and(|k| self.files[k].stamp == stamp) {
+                continue;
+            }
+            let read = self.read(&path);
+            let at = known.unwrap_or_else(|| {
+                self.files.push(SceneFile {
+                    path,
+                    stamp,
+                    scene: None,
+                    error: None,
+                });
+                self.files.len() - 1
+            });
+            let file = &mut self.files[at];
+            file.stamp = stamp;
+            match read {
+                Ok(scene) => {
+                    file.error = None;
+                    if file.scene.as_ref() != Some(&scene) {
+                        changed.push(scene.id);
+                        file.scene = Some(scene);
+                    }
+                }
+                // The last good scene stays.
+                Err(error) => file.error = Some(error),
+            }
+        }
+        let built_in = Scenario::ALL.iter().map(|build| build());
+        let from_files = self.files.iter().filter_map(|f| f.scene.clone());
+        self.menu = built_in
+            .chain(from_files)
+            .map(|s| (s.id.to_owned(), s.title.to_owned()))
+            .collect();
+        changed
+    }
+
+    fn read(&self, path: &Path) -> Result<Scenario, String> {
+        let scene = scene_file::load(path).map_err(|e| e.to_string())?;
+        let other =
+            |f: &SceneFile| f.path != path && f.scene.as_ref().is_some_and(|s| s.id == scene.id);
+        if Scenario::ids().contains(&scene.id) || self.files.iter().any(other) {
+            return Err(format!(
+                "{}: id: another scene is called '{}' already",
+                path.display(),
+                scene.id
+            ));
+        }
+        Ok(scene)
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// The scene with this id, or in the file at this path (which ends in `.ron`).
+///
+/// # Errors
+/// A sentence that lists what there is, or what is wrong with the file.
+pub fn open(text: &str) -> Result<Scenario, String> {
+    if let Some(path) = file_path(text) {
+        scene_file::load(&path).map_err(|e| e.to_string())
+    } else {
+        Scenario::find(text).map_err(|e| format!("{e}; or the path of a scene file (.ron)"))
+    }
+}
+
+/// The path, if `text` names a file and not a scene.
+pub fn file_path(text: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(text);
+    let ron = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("ron"));
+    ron.then_some(path)
+}
+
+/// Looks at the files now and then; a scene that is being played and has changed starts anew.
+pub fn watch_scenes(world: &mut World) {
+    let now = world.resource::<Time<Real>>().elapsed_secs_f64();
+    let mut library = world.resource_mut::<SceneLibrary>();
+    if library.looked.is_some_and(|then| now - then < INTERVAL) {
+        return;
+    }
+    let first = library.looked.replace(now).is_none();
+    let before = library.errors();
+    let changed = library.refresh();
+    let errors = library.errors();
+    let playing = world.resource::<Session>().scenario.id;
+    let again = changed
+        .iter()
+        .find(|id| **id == playing)
+        .and_then(|id| world.resource::<SceneLibrary>().find(id).ok());
+    if let Some(scene) = again {
+        let title = scene.title;
+        open_scene(world, scene, false);
+        world
+            .resource_mut::<Session>()
+            .notice(format!("{title}: read again"));
+    }
+    for error in errors.iter().filter(|e| first || !before.contains(e)) {
+        world.resource_mut::<Session>().notice(error.clone());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(id: &str, mass: f64) -> String {
+        format!(
+            "(id: \"{id}\", title: \"T\", duration: 5, body: (half_extents: (1, 1, 1), mass: {mass}))"
+        )
+    }
+
+    #[test]
+    fn files_come_change_break_and_go() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("mine.ron");
+        let mut library = SceneLibrary::new(folder.path(), None);
+        let built_in = library.scenes().len();
+        assert_eq!(built_in, Scenario::ALL.len());
+        std::fs::write(&path, scene("mine", 2.0)).expect("writable");
+        assert_eq!(library.refresh(), ["mine"]);
+        assert_eq!(library.scenes().len(), built_in + 1);
+        assert!(library.refresh().is_empty(), "nothing changed");
+        // Broken: the last good one stays, and the error has the line.
+        std::fs::write(&path, scene("mine", -1.0)).expect("writable");
+        assert!(library.refresh().is_empty());
+        assert!(
+            library.errors()[0].contains("mine.ron:1:") && library.errors()[0].contains("mass")
+        );
+        assert_eq!(library.find("mine").expect("kept").setup.body.mass(), 2.0);
+        std::fs::write(&path, scene("mine", 33.0)).expect("writable");
+        assert_eq!(library.refresh(), ["mine"]);
+        assert!(library.errors().is_empty());
+        assert_eq!(library.find("mine").expect("new").setup.body.mass(), 33.0);
+        // A built-in scene's id is taken.
+        std::fs::write(folder.path().join("b.ron"), scene("bounce", 1.0)).expect("writable");
+        library.refresh();
+        assert!(library.errors()[0].contains("'bounce'"));
+        std::fs::remove_file(&path).expect("there");
+        library.refresh();
+        assert!(library.find("mine").is_err());
+        let error = library.find("moon").expect_err("none");
+        assert!(
+            error.contains("dzhanibekov") && error.contains(".ron"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn an_opened_file_is_listed_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.ron");
+        std::fs::write(&path, scene("a", 1.0)).expect("writable");
+        let inside = SceneLibrary::new(folder.path(), Some(path.clone()));
+        assert_eq!(inside.files.len(), 1);
+        let outside = SceneLibrary::new("/nowhere", Some(path.clone()));
+        assert_eq!(outside.files.len(), 1);
+        assert!(outside.find("a").is_ok());
+        assert!(outside.find(&path.display().to_string()).is_ok());
+    }
+}

@@ -1,0 +1,281 @@
+//! Error and energy of every trajectory over time, with a common time axis and cursor, and vertical
+//! lines where something happened.
+
+use bevy_egui::egui::{
+    Color32, Label, Rect, RichText, Sense, Ui, UiBuilder, Vec2b, WidgetInfo, WidgetType, pos2, vec2,
+};
+use egui_plot::{LineStyle, PlotUi, VLine};
+
+use super::super::format::number;
+use super::super::linear_axis;
+use super::super::log_axis::{from_axis, marks, tick, to_axis};
+use super::plots::{describe, frame, line, scrolled, time_and};
+use crate::compare::{CompareView, LaneView, Quantity, RuleKind};
+use crate::view::style;
+
+/// Plots stand side by side if each has this width, else one above the other [points].
+const NARROWEST: f32 = 200.0;
+/// A plot lower than this is no use; the drawer scrolls instead [points].
+const LOWEST: f32 = 90.0;
+/// Width of the energy bars, and of a drawer that has room for them [points].
+const BARS: f32 = 150.0;
+const ROOM_FOR_BARS: f32 = 760.0;
+/// Marks of the time axis that are shown at most.
+const MOST_RULES: usize = 200;
+
+/// The colors of the three energies: those of no integrator's line.
+const ENERGIES: [(&str, Color32); 3] = [
+    ("translation", Color32::from_rgb(0x8d, 0xa0, 0xcb)),
+    ("rotation", Color32::from_rgb(0xe7, 0xd4, 0x8f)),
+    ("potential", Color32::from_rgb(0x80, 0x88, 0x90)),
+];
+
+/// Distance and angle to the reference.
+pub(super) fn error(ui: &mut Ui, view: &CompareView) {
+    let quantities = if view.settings.local {
+        [Quantity::LocalPosition, Quantity::LocalAttitude]
+    } else {
+        [Quantity::Position, Quantity::Attitude]
+    };
+    if view.attitude {
+        legend(ui, view, quantities[1], "°");
+    } else {
+        legend(ui, view, quantities[0], " m");
+    }
+    beside(ui, quantities.len(), |ui, k| {
+        curve(ui, view, quantities[k], view.settings.logarithmic);
+    });
+}
+
+/// What should be constant: energy, |L| and the direction of L, less what is accounted for.
+pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
+    legend(ui, view, Quantity::Energy, "");
+    let log = view.settings.logarithmic_energy;
+    let plots = [Quantity::Energy, Quantity::Momentum, Quantity::Direction];
+    let bars = ui.available_width() >= ROOM_FOR_BARS;
+    let whole = ui.available_rect_before_wrap();
+    let mut rest = whole;
+    if bars {
+        let place = Rect::from_min_size(whole.min, vec2(BARS, whole.height()));
+        ui.scope_builder(UiBuilder::new().max_rect(place), |ui| energy_bars(ui, view));
+        rest.min.x += BARS + 8.0;
+    }
+    ui.scope_builder(UiBuilder::new().max_rect(rest), |ui| {
+        beside(ui, plots.len(), |ui, k| curve(ui, view, plots[k], log));
+    });
+}
+
+/// Name, figure and state of every trajectory in one wrapped line: the plots' legend.
+fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 14.0;
+        for lane in &view.lanes {
+            let value = lane.get(quantity);
+            let mut text = style::tagged(lane.integrator);
+            if lane.hero {
+                text.push_str(" (hero)");
+            }
+            if value.is_finite() {
+                text.push_str(&format!(" {}{unit}", number(value)));
+            }
+            if lane.status != "ok" {
+                text.push_str(&format!(" · {}", lane.status));
+            }
+            let color = style::of(lane.integrator).color();
+            ui.add(Label::new(RichText::new(text).color(color).small()).extend());
+        }
+        let caption = match quantity {
+            Quantity::Energy if view.conservative => {
+                "should be constant: what drifts is the integrator's error".to_owned()
+            }
+            Quantity::Energy => {
+                "less what forces, floor and pushes rightly change: the rest is the integrator's error"
+                    .to_owned()
+            }
+            _ => format!("reference: {}", view.reference),
+        };
+        ui.add(Label::new(RichText::new(caption).small().weak()).truncate());
+    });
+}
+
+/// `n` plots side by side, or one above the other where that is too narrow.
+fn beside(ui: &mut Ui, n: usize, mut draw: impl FnMut(&mut Ui, usize)) {
+    let width = (ui.available_width() - 8.0 * (n - 1) as f32) / n as f32;
+    if width >= NARROWEST {
+        let whole = ui.available_rect_before_wrap();
+        for k in 0..n {
+            let corner = whole.min + vec2(k as f32 * (width + 8.0), 0.0);
+            let place = Rect::from_min_size(corner, vec2(width, whole.height().max(LOWEST)));
+            ui.scope_builder(UiBuilder::new().max_rect(place), |ui| draw(ui, k));
+        }
+    } else {
+        scrolled(ui, |ui| {
+            for k in 0..n {
+                ui.allocate_ui(vec2(ui.available_width(), LOWEST + 20.0), |ui| draw(ui, k));
+            }
+        });
+    }
+}
+
+fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool) {
+    let mut plot = frame(quantity.label())
+        .link_axis("time of the lanes", Vec2b::new(true, false))
+        .link_cursor("time of the lanes", Vec2b::new(true, false))
+        .x_axis_label("simulated time [s]")
+        .y_axis_label(quantity.label())
+        .label_formatter(move |at| {
+            Some(time_and(at, |y| {
+                let value = if logarithmic { from_axis(y) } else { y };
+                format!("{} {}", number(value), quantity.label())
+            }))
+        });
+    plot = if logarithmic {
+        plot.y_grid_spacer(marks)
+            .y_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
+            .include_y(to_axis(1e-12))
+    } else {
+        // Rounding noise on a constant must not fill the plot.
+        plot.include_y(-1e-9)
+            .include_y(1e-9)
+            .y_grid_spacer(linear_axis::marks)
+            .y_axis_formatter(|mark, _| number(mark.value))
+    };
+    let response = plot
+        .show(ui, |plot| {
+            rules(plot, view);
+            // The hero last, over the others.
+            for lane in view.lanes.iter().rev() {
+                let width = if lane.hero { 2.5 } else { 1.6 };
+                let name = style::tagged(lane.integrator);
+                for (_, points) in lane.lines.iter().filter(|(q, _)| *q == quantity) {
+                    let looks = style::of(lane.integrator);
+                    if logarithmic {
+                        let log: Vec<_> =
+                            points.iter().map(|p| [p[0], to_axis(p[1].abs())]).collect();
+                        line(plot, &name, &log, looks, width);
+                    } else {
+                        line(plot, &name, points, looks, width);
+                    }
+                }
+            }
+        })
+        .response;
+    describe(&response, &in_words(view, quantity));
+}
+
+/// For screen readers: what is plotted and where every line stands.
+fn in_words(view: &CompareView, quantity: Quantity) -> String {
+    let figures: Vec<String> = view
+        .lanes
+        .iter()
+        .map(|lane| format!("{} {}", lane.integrator.name(), number(lane.get(quantity))))
+        .collect();
+    format!(
+        "{} over simulated time, now {}",
+        quantity.label(),
+        figures.join(", ")
+    )
+}
+
+/// A thin line where something happened.
+fn rules(plot: &mut PlotUi<'_>, view: &CompareView) {
+    let newest = view.rules.len().saturating_sub(MOST_RULES);
+    let start = view
+        .lanes
+        .iter()
+        .flat_map(|l| &l.lines)
+        .filter_map(|(_, points)| points.first())
+        .map(|p| p[0])
+        .fold(f64::INFINITY, f64::min);
+    for rule in view.rules[newest..].iter().filter(|r| r.t >= start) {
+        let (name, color, dash) = match rule.kind {
+            RuleKind::Contact => ("contact", Color32::from_gray(105), LineStyle::Solid),
+            RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150), DASHES),
+            RuleKind::Step => ("another dt", Color32::from_rgb(90, 140, 170), DASHES),
+            RuleKind::Integrator => (
+                "another integrator",
+                Color32::from_rgb(170, 140, 80),
+                DASHES,
+            ),
+            RuleKind::Resync => ("re-sync", Color32::from_gray(160), DASHES),
+        };
+        plot.vline(
+            VLine::new(name, rule.t)
+                .color(color)
+                .width(1.0)
+                .style(dash)
+                .allow_hover(false),
+        );
+    }
+}
+
+const DASHES: LineStyle = LineStyle::Dashed { length: 4.0 };
+
+/// A stacked bar for each trajectory: where its energy is.
+fn energy_bars(ui: &mut Ui, view: &CompareView) {
+    let most = view
+        .lanes
+        .iter()
+        .map(|l| {
+            l.energies
+                .iter()
+                .filter(|e| e.is_finite())
+                .map(|e| e.abs())
+                .sum()
+        })
+        .fold(1e-12_f64, f64::max);
+    ui.add(
+        Label::new(RichText::new(format!("energy, full bar {} J", number(most))).small())
+            .truncate(),
+    );
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 6.0;
+        for (name, color) in ENERGIES {
+            ui.label(RichText::new(name).small().color(color));
+        }
+    });
+    // All of them fit: a drawer that grows with them would not shrink again.
+    ui.spacing_mut().item_spacing.y = 2.0;
+    let height = (ui.available_height() / view.lanes.len().max(1) as f32).clamp(5.0, 22.0);
+    for lane in &view.lanes {
+        let (place, response) =
+            ui.allocate_exact_size(vec2(ui.available_width(), height - 2.0), Sense::hover());
+        let [t, r, p] = lane.energies;
+        let text = format!(
+            "{}: translation {} J, rotation {} J, potential {} J",
+            lane.integrator.name(),
+            number(t),
+            number(r),
+            number(p)
+        );
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &text));
+        let painter = ui.painter_at(place);
+        let mut x = place.left() + 16.0;
+        let scale = (place.width() - 16.0) / most as f32;
+        painter.text(
+            pos2(place.left(), place.center().y),
+            bevy_egui::egui::Align2::LEFT_CENTER,
+            style::of(lane.integrator).glyph,
+            bevy_egui::egui::FontId::proportional((height - 2.0).clamp(5.0, 12.0)),
+            style::of(lane.integrator).color(),
+        );
+        for (energy, (_, color)) in lane.energies.iter().zip(ENERGIES) {
+            let width = (energy.abs() as f32 * scale).min(place.right() - x);
+            if width.is_finite() && width > 0.0 {
+                let bar = Rect::from_min_size(pos2(x, place.top()), vec2(width, place.height()));
+                painter.rect_filled(bar, 0.0, color);
+                x += width;
+            }
+        }
+        response.on_hover_text(text);
+    }
+}
+
+/// Figures of a lane that stand for all of it in a row of text.
+pub(super) fn state(lane: &LaneView) -> String {
+    if lane.skew > 0.0 {
+        format!("{} · input {} s late", lane.status, number(lane.skew))
+    } else {
+        lane.status.clone()
+    }
+}

@@ -1,0 +1,164 @@
+//! The figures of every trajectory side by side, and what they come to in a sentence.
+
+use bevy_egui::egui::{
+    Button, Grid, Label, RichText, ScrollArea, Ui, WidgetInfo, WidgetType, vec2,
+};
+use box_physics::prelude::Integrator;
+
+use super::super::format::{number, quantity, step_size};
+use super::super::view::IntegratorTiming;
+use super::compare::state;
+use crate::compare::view::verdict;
+use crate::compare::{CompareAction, CompareView, LaneView, Quantity};
+use crate::view::style;
+
+const HEADINGS: [(&str, &str); 12] = [
+    (
+        "integrator",
+        "The hero, the lanes beside it, then the others. Click one to compare it with the hero in words.",
+    ),
+    (
+        "med [ns]",
+        "Half of the recent samples are shorter, ns per step: what a frame feels.",
+    ),
+    ("p95 [ns]", "95 % of the recent samples are shorter."),
+    (
+        "min [ns]",
+        "Shortest recent sample: the integrator's own cost.",
+    ),
+    ("evals", "Force evaluations per step, as counted."),
+    ("dt", "Step size of the lane."),
+    ("pos err [m]", "Distance from the reference, now."),
+    ("rot err [°]", "Angle to the reference, now."),
+    (
+        "ΔE/E₀",
+        "Energy that pushes, forces and floor do not account for.",
+    ),
+    (
+        "Δ|L|/|L₀|",
+        "Angular momentum that they do not account for.",
+    ),
+    (
+        "order",
+        "The error of a free rotation falls with this power of dt.",
+    ),
+    (
+        "state",
+        "ok, contact, resting, catching up, or when it diverged.",
+    ),
+];
+
+/// `timings` are of every integrator; those that are not compared stand below.
+pub(super) fn show(
+    ui: &mut Ui,
+    compare: &CompareView,
+    timings: &[IntegratorTiming],
+    out: &mut Vec<CompareAction>,
+) {
+    ui.add(Label::new(RichText::new(verdict(compare)).strong()).wrap());
+    ScrollArea::both()
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            Grid::new("integrators")
+                .striped(true)
+                .spacing([14.0, 3.0])
+                .show(ui, |ui| {
+                    for (heading, hint) in HEADINGS {
+                        ui.add(Label::new(RichText::new(heading).strong()).extend())
+                            .on_hover_text(hint);
+                    }
+                    ui.end_row();
+                    for lane in &compare.lanes {
+                        lane_row(ui, compare, lane, out);
+                        ui.end_row();
+                    }
+                    let beside = |t: &&IntegratorTiming| {
+                        compare.lanes.iter().all(|l| l.integrator != t.integrator)
+                    };
+                    for timing in timings.iter().filter(beside) {
+                        other_row(ui, timing);
+                        ui.end_row();
+                    }
+                });
+        });
+}
+
+fn mark(ui: &mut Ui, integrator: Integrator) {
+    let looks = style::of(integrator);
+    // Marks differ in width; the names line up.
+    let mark = Label::new(RichText::new(looks.glyph).color(looks.color()));
+    ui.add_sized(vec2(16.0, ui.spacing().interact_size.y), mark);
+}
+
+fn timing(ui: &mut Ui, nanoseconds: Option<(f64, f64, f64)>, evaluations: f64) {
+    let figures = match nanoseconds {
+        Some((min, median, p95)) => [median, p95, min].map(quantity),
+        None => ["…", "…", "…"].map(str::to_owned),
+    };
+    for figure in figures {
+        ui.label(RichText::new(figure).monospace());
+    }
+    ui.label(RichText::new(number(evaluations)).monospace());
+}
+
+fn lane_row(ui: &mut Ui, view: &CompareView, lane: &LaneView, out: &mut Vec<CompareAction>) {
+    let info = lane.integrator.info();
+    ui.horizontal(|ui| {
+        mark(ui, lane.integrator);
+        if lane.hero {
+            ui.add(Label::new(RichText::new(format!("{} · hero", info.name)).strong()).extend());
+            return;
+        }
+        let chosen = view.settings.selected == Some(lane.integrator);
+        let button = ui.add(Button::selectable(chosen, info.name));
+        button.widget_info(|| {
+            let name = format!("Compare the hero with {}", info.name);
+            WidgetInfo::selected(WidgetType::Button, true, chosen, name)
+        });
+        if button.clicked() {
+            out.push(CompareAction::Select(lane.integrator));
+        }
+    });
+    timing(ui, lane.nanoseconds, lane.evaluations);
+    ui.label(RichText::new(step_size(lane.dt)).monospace());
+    for q in [
+        Quantity::Position,
+        Quantity::Attitude,
+        Quantity::Energy,
+        Quantity::Momentum,
+    ] {
+        let value = lane.get(q);
+        let text = if value.is_finite() {
+            figure(value)
+        } else {
+            "–".to_owned()
+        };
+        ui.label(RichText::new(text).monospace());
+    }
+    ui.label(info.orders.rotation.to_string());
+    let text = RichText::new(state(lane));
+    ui.label(if lane.diverged() { text.strong() } else { text });
+}
+
+/// The size of a small error is all that matters: two digits and an exponent.
+fn figure(value: f64) -> String {
+    if value == 0.0 || (0.01..1e4).contains(&value.abs()) {
+        number(value)
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+fn other_row(ui: &mut Ui, other: &IntegratorTiming) {
+    let info = other.integrator.info();
+    ui.horizontal(|ui| {
+        mark(ui, other.integrator);
+        ui.add(Label::new(info.name).extend());
+    });
+    timing(ui, other.nanoseconds, other.evaluations);
+    for _ in 0..5 {
+        ui.weak("–");
+    }
+    ui.label(info.orders.rotation.to_string());
+    ui.weak("not simulated");
+}

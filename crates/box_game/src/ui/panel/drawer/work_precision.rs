@@ -1,0 +1,214 @@
+//! Error against cost, both logarithmic: down and left is better. The dots are the lanes as they run;
+//! the lines are the sweep over step sizes.
+
+use bevy_egui::egui::{
+    Button, Label, ProgressBar, Rect, RichText, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
+};
+use egui_plot::{HoverPosition, Line, PlotPoints, Points};
+
+use super::super::decimate::segments;
+use super::super::format::number;
+use super::super::log_axis::{from_axis, marks, tick, to_axis};
+use super::super::memory::PanelMemory;
+use super::plots::{describe, frame, scrolled};
+use crate::compare::sweep::{SweepLine, SweepPoint};
+use crate::compare::{CompareAction, CompareView, LaneView};
+use crate::view::style;
+
+/// Width of the legend beside the plot, and what the plot keeps beside it [points].
+const LEGEND: f32 = 235.0;
+const PLOT: f32 = 260.0;
+
+pub(super) fn show(
+    ui: &mut Ui,
+    view: &CompareView,
+    memory: &mut PanelMemory,
+    out: &mut Vec<CompareAction>,
+) {
+    ui.horizontal_wrapped(|ui| controls(ui, view, memory, out));
+    let position = memory.sweep_position.unwrap_or(!view.attitude);
+    let whole = ui.available_rect_before_wrap();
+    let right = if whole.width() - LEGEND >= PLOT {
+        whole.right() - LEGEND - 8.0
+    } else {
+        whole.right()
+    };
+    if right < whole.right() {
+        let place = Rect::from_min_max(pos2(right + 8.0, whole.top()), whole.max);
+        ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            for lane in &view.lanes {
+                let line = view
+                    .sweep
+                    .lines
+                    .iter()
+                    .find(|l| l.integrator == lane.integrator);
+                legend(ui, lane, line, position);
+            }
+        });
+    }
+    let place = Rect::from_min_max(whole.min, pos2(right, whole.bottom()));
+    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
+        scrolled(ui, |ui| diagram(ui, view, position));
+    });
+}
+
+fn controls(
+    ui: &mut Ui,
+    view: &CompareView,
+    memory: &mut PanelMemory,
+    out: &mut Vec<CompareAction>,
+) {
+    let sweep = &view.sweep;
+    if sweep.running {
+        if ui
+            .button("Cancel sweep")
+            .on_hover_text("Keeps the lines that are done.")
+            .clicked()
+        {
+            out.push(CompareAction::CancelSweep);
+        }
+        let (done, total) = sweep.progress;
+        let bar = ProgressBar::new(done as f32 / total.max(1) as f32)
+            .desired_width(140.0)
+            .text(format!("{done} of {total}"));
+        ui.add(bar);
+    } else if ui
+        .button("Sweep")
+        .on_hover_text(
+            "Run this scene from its start under every ticked integrator with dt from 1/15 to 1/1920 s, in a thread of its own.",
+        )
+        .clicked()
+    {
+        out.push(CompareAction::StartSweep);
+    }
+    for (on, name, hint) in [
+        (false, "attitude", "Largest angle to the reference."),
+        (true, "position", "Largest distance from the reference."),
+    ] {
+        let chosen = memory.sweep_position.unwrap_or(!view.attitude) == on;
+        let button = ui.add(Button::selectable(chosen, name).frame_when_inactive(true));
+        button.widget_info(|| {
+            WidgetInfo::selected(WidgetType::Button, true, chosen, format!("{name} error"))
+        });
+        if button.on_hover_text(hint).clicked() {
+            memory.sweep_position = Some(on);
+        }
+    }
+    ui.add(
+        Label::new(
+            RichText::new("dots: now · lines: the sweep · down and left is better")
+                .small()
+                .weak(),
+        )
+        .truncate(),
+    );
+}
+
+/// `■ RK4 (Δtᵖ, p = 4.0)`.
+fn legend(ui: &mut Ui, lane: &LaneView, line: Option<&SweepLine>, position: bool) {
+    let mut text = style::tagged(lane.integrator);
+    let order = line.map(|l| {
+        if position {
+            l.order_position
+        } else {
+            l.order_attitude
+        }
+    });
+    match order {
+        Some(Some(p)) => text.push_str(&format!(" (Δt^p, p = {p:.1})")),
+        Some(None) => text.push_str(" (no order: rounding or lost)"),
+        None => {}
+    }
+    let color = style::of(lane.integrator).color();
+    ui.add(Label::new(RichText::new(text).small().color(color)).truncate());
+}
+
+fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
+    let unit = if position { "m" } else { "°" };
+    let x_label = if position {
+        "largest position error [m]"
+    } else {
+        "largest attitude error [°]"
+    };
+    let plot = frame("Work–precision")
+        .x_axis_label(x_label)
+        .y_axis_label("µs per simulated second")
+        .x_grid_spacer(marks)
+        .y_grid_spacer(marks)
+        .x_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
+        .y_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
+        .set_margin_fraction(vec2(0.06, 0.1))
+        .label_formatter(move |at| {
+            let (name, p) = match at {
+                HoverPosition::NearDataPoint {
+                    plot_name,
+                    position,
+                    ..
+                } => (plot_name.to_string(), *position),
+                HoverPosition::Elsewhere { position } => (String::new(), *position),
+            };
+            Some(format!(
+                "{name}\nerror {} {unit}\n{} µs per simulated second",
+                number(from_axis(p.x)),
+                number(from_axis(p.y))
+            ))
+        });
+    let response = plot
+        .show(ui, |plot| {
+            for sweep in &view.sweep.lines {
+                let looks = style::of(sweep.integrator);
+                let name = style::tagged(sweep.integrator);
+                let points: Vec<[f64; 2]> =
+                    sweep.points.iter().map(|p| place(p, position)).collect();
+                for stretch in segments(&points) {
+                    plot.line(
+                        Line::new(name.clone(), PlotPoints::new(stretch.to_vec()))
+                            .color(looks.color())
+                            .width(2.0)
+                            .style(looks.dash),
+                    );
+                    plot.points(
+                        Points::new(name.clone(), PlotPoints::new(stretch.to_vec()))
+                            .shape(looks.marker)
+                            .radius(3.5)
+                            .color(looks.color()),
+                    );
+                }
+            }
+            for lane in &view.lanes {
+                let Some(dot) = now(lane, position) else {
+                    continue;
+                };
+                let looks = style::of(lane.integrator);
+                plot.points(
+                    Points::new(
+                        format!("{} now", style::tagged(lane.integrator)),
+                        PlotPoints::new(vec![dot]),
+                    )
+                    .shape(looks.marker)
+                    .filled(lane.hero)
+                    .radius(8.0)
+                    .color(looks.color()),
+                );
+            }
+        })
+        .response;
+    describe(
+        &response,
+        "Largest error against cost per simulated second, both logarithmic: a dot for every lane now, lines for the sweep over step sizes",
+    );
+}
+
+fn place(p: &SweepPoint, position: bool) -> [f64; 2] {
+    let error = if position { p.position } else { p.attitude };
+    [to_axis(error), to_axis(p.cost * 1e-3)]
+}
+
+/// A lane as it runs: its largest error so far, its median cost.
+fn now(lane: &LaneView, position: bool) -> Option<[f64; 2]> {
+    let (_, median, _) = lane.nanoseconds?;
+    let error = if position { lane.worst.0 } else { lane.worst.1 };
+    let at = [to_axis(error), to_axis(median * 1e-3 / lane.dt)];
+    (at.iter().all(|v| v.is_finite()) && !lane.diverged()).then_some(at)
+}

@@ -1,0 +1,186 @@
+//! Numbers as text: four significant digits, the same everywhere; and text as numbers.
+
+/// Four significant digits without trailing zeros: `9.81`, `0.01667`, `1.2e-5`.
+///
+/// ```
+/// use box_game::ui::panel::number;
+/// assert_eq!(number(9.81), "9.81");
+/// assert_eq!(number(1.0 / 60.0), "0.01667");
+/// assert_eq!(number(1.234567e-7), "1.235e-7");
+/// assert_eq!(number(f64::NAN), "not a number");
+/// ```
+pub fn number(value: f64) -> String {
+    let text = quantity(value);
+    if !value.is_finite() {
+        return text;
+    }
+    let (mantissa, exponent) = text
+        .split_once('e')
+        .map_or((&*text, None), |(m, e)| (m, Some(e)));
+    let mantissa = if mantissa.contains('.') {
+        mantissa.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        mantissa
+    };
+    exponent.map_or_else(|| mantissa.to_owned(), |e| format!("{mantissa}e{e}"))
+}
+
+/// Four significant digits with trailing zeros, so that a changing read-out keeps its width.
+pub(super) fn quantity(value: f64) -> String {
+    if value.is_nan() {
+        return "not a number".into();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞" } else { "−∞" }.into();
+    }
+    let size = value.abs();
+    if size == 0.0 {
+        return "0.000".into();
+    }
+    if !(1e-3..1e5).contains(&size) {
+        return format!("{value:.3e}");
+    }
+    // log10 of 1e-3…1e5 is −3…5: decimals 0…6.
+    let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// A step size as people say it: `1/60 s` where that is what it is, else `0.0167 s`.
+pub(super) fn step_size(dt: f64) -> String {
+    let hertz = (1.0 / dt).round();
+    // Bevy's clock counts whole nanoseconds: a sixtieth is 16 666 667 of them, 2e-8 too many.
+    if hertz >= 2.0 && hertz.is_finite() && (dt * hertz - 1.0).abs() < 1e-6 {
+        format!("1/{hertz} s")
+    } else {
+        format!("{} s", number(dt))
+    }
+}
+
+/// What a person types: `0.5`, `0,5`, `1/60`, `1e-3`, a unit behind the number, and `60 Hz` for a period.
+/// `None` for anything else, and for infinities and NaN.
+pub(super) fn parse(text: &str) -> Option<f64> {
+    let text = text.trim().replace(',', ".").replace('−', "-");
+    let lower = text.to_ascii_lowercase();
+    let plain = |t: &str| {
+        let t = t.trim();
+        // "1e3" is a number, "5 m/s²" is a number and its unit.
+        let end = (1..=t.len())
+            .rev()
+            .filter(|&k| t.is_char_boundary(k))
+            .find(|&k| t[..k].trim_end().parse::<f64>().is_ok_and(f64::is_finite))?;
+        let unit = t[end..].trim();
+        let unit_like = !unit.starts_with(|c: char| c.is_ascii_digit() || "+-./*^".contains(c));
+        if unit_like {
+            t[..end].trim_end().parse::<f64>().ok()
+        } else {
+            None
+        }
+    };
+    let value = if let Some(hertz) = lower.strip_suffix("hz") {
+        1.0 / plain(hertz)?
+    } else if let Some((over, under)) = text.split_once('/').filter(|(over, under)| {
+        over.trim().parse::<f64>().is_ok()
+            && under
+                .trim()
+                .starts_with(|c: char| c.is_ascii_digit() || c == '.')
+    }) {
+        plain(over)? / plain(under)?
+    } else {
+        plain(&text)?
+    };
+    value.is_finite().then_some(value)
+}
+
+/// `1482` as `1 482`, with a narrow no-break space.
+pub(super) fn grouped(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3 + 1);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push('\u{a0}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A file size.
+pub(super) fn bytes(value: u64) -> String {
+    // A file of 2^53 bytes is beyond any log.
+    let size = value as f64;
+    match value {
+        0..1024 => format!("{value} B"),
+        1024..1_048_576 => format!("{:.1} KiB", size / 1024.0),
+        _ => format!("{:.1} MiB", size / 1_048_576.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_digits() {
+        for (value, wide, narrow) in [
+            (0.0, "0.000", "0"),
+            (9.81, "9.810", "9.81"),
+            (-9.81, "-9.810", "-9.81"),
+            (1.0, "1.000", "1"),
+            (10_000.0, "10000", "10000"),
+            (99_999.0, "99999", "99999"),
+            (123_456.0, "1.235e5", "1.235e5"),
+            (0.001, "0.001000", "0.001"),
+            (2e-5, "2.000e-5", "2e-5"),
+            (f64::INFINITY, "∞", "∞"),
+        ] {
+            assert_eq!(
+                (quantity(value).as_str(), number(value).as_str()),
+                (wide, narrow)
+            );
+        }
+    }
+
+    #[test]
+    fn step_sizes() {
+        assert_eq!(step_size(1.0 / 60.0), "1/60 s");
+        assert_eq!(step_size(0.0167), "0.0167 s");
+        assert_eq!(step_size(0.5), "1/2 s");
+        assert_eq!(step_size(0.0), "0 s");
+        assert_eq!(step_size(f64::NAN), "not a number s");
+    }
+
+    #[test]
+    fn what_people_type() {
+        for (text, value) in [
+            ("0.5", Some(0.5)),
+            (" 0,5 ", Some(0.5)),
+            ("1e-3", Some(1e-3)),
+            ("−2", Some(-2.0)),
+            ("9.81 m/s²", Some(9.81)),
+            ("3 N s", Some(3.0)),
+            ("1/64", Some(1.0 / 64.0)),
+            ("1/64 s", Some(1.0 / 64.0)),
+            ("50hz", Some(0.02)),
+            ("50 Hz", Some(0.02)),
+            ("1/0", None),
+            ("0 Hz", None),
+            ("inf", None),
+            ("NaN", None),
+            ("", None),
+            ("box", None),
+            ("1.2.3", None),
+        ] {
+            assert_eq!(parse(text), value, "{text}");
+        }
+    }
+
+    #[test]
+    fn counts_and_sizes() {
+        assert_eq!(grouped(1_482), "1\u{a0}482");
+        assert_eq!(grouped(7), "7");
+        assert_eq!(grouped(1_234_567), "1\u{a0}234\u{a0}567");
+        assert_eq!(bytes(512), "512 B");
+        assert_eq!(bytes(2048), "2.0 KiB");
+        assert_eq!(bytes(3 << 20), "3.0 MiB");
+    }
+}

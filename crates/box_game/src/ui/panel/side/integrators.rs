@@ -1,0 +1,187 @@
+//! Every integrator as a row: whether it runs beside the hero, its looks, name, and what it costs now; and how
+//! those that run are shown and made comparable.
+
+use bevy_egui::egui::{AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2};
+use box_physics::prelude::Integrator;
+
+use super::super::format::{number, quantity};
+use super::super::view::{IntegratorTiming, PanelView};
+use crate::action::Action;
+use crate::compare::{CompareAction, Fairness, Layout};
+use crate::view::style;
+
+pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    for &integrator in Integrator::ALL {
+        ui.horizontal(|ui| {
+            if tick(ui, view, integrator) {
+                out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
+            }
+            if row(ui, view, integrator) && active(view) != Some(integrator) {
+                if active(view).is_none() {
+                    out.push(Action::SetDemo(None));
+                }
+                out.push(Action::SetIntegrator(integrator));
+            }
+        });
+    }
+    ui.label(
+        RichText::new("☑ simulated beside the box · click a name to move the box by it · median ns per body-step")
+            .small(),
+    );
+    together(ui, view, out);
+}
+
+/// The integrator that moves the box; none while a stepper of 2012 does.
+fn active(view: &PanelView) -> Option<Integrator> {
+    let demo = view.interaction.demo.as_ref().and_then(|demo| demo.stepper);
+    demo.is_none().then_some(view.integrator)
+}
+
+/// Whether the integrator runs beside the hero; returns whether that is to change.
+fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
+    let hero = integrator == view.integrator;
+    let lanes = &view.compare.lanes;
+    let mut on = hero || lanes.iter().any(|l| l.integrator == integrator);
+    let response = ui.add_enabled(!hero, Checkbox::without_text(&mut on));
+    response.widget_info(|| {
+        let name = format!("Compare {}", integrator.name());
+        WidgetInfo::selected(WidgetType::Checkbox, !hero, on, name)
+    });
+    response
+        .on_hover_text("Simulate it beside the box, through the same inputs (Shift + 1 … 9).")
+        .changed()
+}
+
+/// Layout, fairness, re-sync.
+fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    let settings = &view.compare.settings;
+    let mut ask = |action| out.push(Action::Compare(action));
+    let choice = |ui: &mut Ui, on: bool, name: &str, hint: &str| {
+        let button = ui.add(Button::selectable(on, name).frame_when_inactive(true));
+        button.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
+        button.on_hover_text(hint).clicked() && !on
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Layout");
+        for layout in Layout::ALL {
+            let hint = match layout {
+                Layout::Solo => "The box alone (G).",
+                Layout::Ghosts => "All in one place, the others translucent (G).",
+                Layout::Lanes => "Side by side; only the picture is shifted (V).",
+                Layout::Views => "The box and the first three others, a view each (V).",
+            };
+            if choice(ui, settings.layout == layout, layout.name(), hint) {
+                ask(CompareAction::SetLayout(layout));
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for fairness in Fairness::ALL {
+            let hint = match fairness {
+                Fairness::Step => "Every lane takes the same steps.",
+                Fairness::Evaluations => "An integrator with four force evaluations a step takes steps four times as long.",
+                Fairness::Cost => "An integrator that costs twice as much takes steps twice as long, as measured when chosen.",
+            };
+            if choice(ui, settings.fairness == fairness, fairness.name(), hint) {
+                ask(CompareAction::SetFairness(fairness));
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        for (name, hint, action) in [
+            (
+                "All lanes",
+                "Every integrator beside the box.",
+                CompareAction::AllLanes,
+            ),
+            ("No lanes", "The box alone.", CompareAction::NoLanes),
+            (
+                "Re-sync",
+                "Put every lane, and the box, into the reference's state.",
+                CompareAction::Resync,
+            ),
+        ] {
+            if ui.button(name).on_hover_text(hint).clicked() {
+                ask(action);
+            }
+        }
+    });
+    if !view.compare.note.is_empty() {
+        ui.label(RichText::new(&view.compare.note).small());
+    }
+}
+
+/// Draws one row and returns whether it was chosen.
+fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
+    let active = active(view) == Some(integrator);
+    let timing = view
+        .timings
+        .iter()
+        .find(|timing| timing.integrator == integrator);
+    let cost = timing.and_then(|timing| timing.nanoseconds).map_or_else(
+        || "… ns".to_owned(),
+        |(_, median, _)| format!("{} ns", quantity(median)),
+    );
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    let looks = style::of(integrator);
+    // Marks differ in width; the names line up.
+    let mark = RichText::new(looks.glyph)
+        .color(looks.color())
+        .size(15.0)
+        .atom_size(vec2(16.0, 14.0));
+    let name = if active {
+        format!("{} · active", integrator.name())
+    } else {
+        integrator.name().into()
+    };
+    let button = Button::selectable(active, (mark, name))
+        .right_text(RichText::new(cost.clone()).monospace())
+        .min_size(size)
+        .truncate();
+    let response = ui.add(button);
+    response.widget_info(|| WidgetInfo {
+        current_text_value: Some(format!("{}{cost}", if active { "active, " } else { "" })),
+        ..WidgetInfo::selected(WidgetType::RadioButton, true, active, integrator.name())
+    });
+    let clicked = response.clicked();
+    response.on_hover_ui(|ui| {
+        ui.set_max_width(ui.spacing().tooltip_width);
+        for line in describe(integrator, timing) {
+            ui.label(line);
+        }
+    });
+    clicked
+}
+
+/// The tooltip, all from what the integrator says of itself.
+fn describe(integrator: Integrator, timing: Option<&IntegratorTiming>) -> Vec<String> {
+    let info = integrator.info();
+    let mut lines = vec![
+        info.summary.to_owned(),
+        format!(
+            "Order: rotation {}, gravity {}.",
+            info.orders.rotation, info.orders.gravity
+        ),
+        format!(
+            "Force evaluations per {}: {} in free flight, {} with a state-dependent force.",
+            if info.evaluations.per_iteration {
+                "iteration"
+            } else {
+                "step"
+            },
+            info.evaluations.free,
+            info.evaluations.forced
+        ),
+        format!("Energy of a free spin: {}.", info.keeps.energy),
+    ];
+    if let Some((min, median, p95)) = timing.and_then(|timing| timing.nanoseconds) {
+        lines.push(format!(
+            "ns per body-step: min {}, median {}, 95 % under {}.",
+            number(min),
+            number(median),
+            number(p95)
+        ));
+    }
+    lines.push(format!("Source: {}", info.source));
+    lines
+}

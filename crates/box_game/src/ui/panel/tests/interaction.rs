@@ -1,0 +1,172 @@
+//! Hints, undo, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
+
+use bevy_egui::egui::{Event, Key, vec2};
+use box_scenarios::dissertation::Stepper;
+
+use super::super::{DemoView, InteractionView};
+use super::{Person, TALL, sample_view};
+use crate::action::Action;
+
+fn with(hands: InteractionView) -> Person {
+    let mut view = sample_view();
+    view.interaction = hands;
+    Person::before(view, TALL)
+}
+
+#[test]
+fn the_lesson_says_what_to_try() {
+    let hints = ["Push it.".to_owned(), "Drop it.".to_owned()];
+    let person = with(InteractionView {
+        hints,
+        ..InteractionView::default()
+    });
+    assert!(person.sees("Try: Push it.  ·  Drop it."));
+    assert!(!with(InteractionView::default()).sees_part("Try:"));
+}
+
+#[test]
+fn back_undo_and_redo_are_buttons() {
+    let mut person = with(InteractionView {
+        undoes: Some("gravity".into()),
+        ..InteractionView::default()
+    });
+    assert_eq!(person.click("Undo"), [Action::Undo]);
+    assert_eq!(person.click("Redo"), [], "there is nothing to redo");
+    assert_eq!(person.click("Step back"), [Action::StepBack(1)]);
+    assert_eq!(person.click("Frame hitch"), [Action::Hitch]);
+    assert_eq!(person.click("Copy command line"), [Action::CopyCommandLine]);
+}
+
+#[test]
+fn some_letters_and_enter_choose_a_scene() {
+    let mut person = with(InteractionView {
+        show_picker: true,
+        ..InteractionView::default()
+    });
+    person.harness.event(Event::Text("dzh".to_owned()));
+    person.look();
+    assert!(person.sees("Dzhanibekov flip  ·  flip") && !person.sees("Playground  ·  playground"));
+    person.harness.key_press(Key::Enter);
+    let asked = person.asked();
+    assert_eq!(
+        asked.first(),
+        Some(&Action::SelectScene("flip".into())),
+        "{asked:?}"
+    );
+}
+
+#[test]
+fn the_arrows_go_through_the_scenes_found() {
+    let mut person = with(InteractionView {
+        show_picker: true,
+        ..InteractionView::default()
+    });
+    person.harness.key_press(Key::ArrowDown);
+    person.look();
+    person.harness.key_press(Key::Enter);
+    let asked = person.asked();
+    assert_eq!(
+        asked.first(),
+        Some(&Action::SelectScene("throw".into())),
+        "{asked:?}"
+    );
+}
+
+#[test]
+fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
+    let mut demo = DemoView {
+        stepper: Some(Stepper::Heun),
+        cycle_us: 1.25,
+        log: None,
+    };
+    let mut person = with(InteractionView {
+        demo: Some(demo.clone()),
+        ..InteractionView::default()
+    });
+    assert!(person.sees(Stepper::Heun.fault()) && person.sees_part("9.81 m/s"));
+    assert_eq!(
+        person.click(Stepper::Rk4.name()),
+        [Action::SetDemo(Some(Stepper::Rk4))]
+    );
+    assert_eq!(person.click(Stepper::Heun.name()), [], "it is chosen");
+    assert_eq!(person.click("Start its log"), [Action::ToggleDemoLog]);
+    assert_eq!(person.click("Ours"), [Action::SetDemo(None)]);
+    demo.stepper = None;
+    let person = with(InteractionView {
+        demo: Some(demo),
+        ..InteractionView::default()
+    });
+    assert!(person.sees_part("Pushes add up") && !person.sees_part("9.81 m/s,"));
+}
+
+#[test]
+fn errors_of_scene_files_stay_in_the_window() {
+    let error = "assets/scenes/a.ron:6:9: body.mass: must be positive";
+    let person = with(InteractionView {
+        scene_errors: vec![error.into()],
+        ..InteractionView::default()
+    });
+    assert!(person.sees_part(error));
+}
+
+#[test]
+fn everything_is_reset_only_when_sure() {
+    let mut view = sample_view();
+    view.show_help = true;
+    let mut person = Person::before(view, TALL);
+    assert_eq!(person.click("Reset everything…"), []);
+    assert_eq!(person.click("No"), []);
+    assert_eq!(person.click("Reset everything…"), []);
+    assert_eq!(
+        person.click("Yes, reset everything"),
+        [Action::ResetEverything]
+    );
+    assert_eq!(person.click("150 %"), [Action::SetUiScale(1.5)]);
+}
+
+#[test]
+fn a_notice_goes_by_itself_and_the_lesson_stays() {
+    let mut view = sample_view();
+    view.notices = vec!["picture: a.png".into()];
+    let mut person = Person::before(view, TALL);
+    assert!(person.sees("picture: a.png"));
+    // Steps of a quarter of a second or less, for half a minute.
+    let mut steps = 0;
+    while person.sees("picture: a.png") && steps < 200 {
+        person.look();
+        steps += 1;
+    }
+    assert!((3..200).contains(&steps), "{steps}");
+    assert!(person.sees_part("Press D to push it"));
+}
+
+#[test]
+fn the_strips_leave_room_for_the_picture() {
+    for size in [
+        vec2(1280.0, 720.0),
+        vec2(1920.0, 1080.0),
+        vec2(853.0, 480.0),
+    ] {
+        let mut view = sample_view();
+        view.interaction = InteractionView {
+            hints: [
+                "A hint of some length.".into(),
+                "Another one of the kind.".into(),
+            ],
+            demo: Some(DemoView {
+                stepper: Some(Stepper::Rk4),
+                cycle_us: 0.5,
+                log: Some(("/a/path/cycles-2012-01.txt".into(), 1234)),
+            }),
+            ..InteractionView::default()
+        };
+        let person = Person::before(view, size);
+        let layout = person.harness.state().layout.expect("drawn");
+        let least = if size.y > 500.0 { 200.0 } else { 20.0 };
+        assert!(
+            layout.central.height() > least,
+            "{size:?}: {:?}",
+            layout.central
+        );
+    }
+}

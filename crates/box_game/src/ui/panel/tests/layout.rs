@@ -1,0 +1,293 @@
+//! Nothing outside the window, nothing over anything else, at every size and scale; and nothing a view
+//! may hold makes it fall over.
+
+use bevy_egui::egui::{self, Rect, TextStyle, Vec2, accesskit::Role, vec2};
+use box_physics::prelude::DVec3;
+
+use super::super::{HistoryView, LogView, PanelMemory, PanelView};
+use super::{Person, TALL, sample_view};
+use crate::action::Plot;
+use crate::compare::CompareView;
+
+/// In a narrow drawer these scroll.
+const SCROLLED: [Plot; 3] = [Plot::Error, Plot::Energy, Plot::WorkPrecision];
+const TABS: [Plot; 6] = [
+    Plot::Error,
+    Plot::Energy,
+    Plot::Timing,
+    Plot::Cpu,
+    Plot::WorkPrecision,
+    Plot::Table,
+];
+
+/// 1280×720 at 75, 100, 150 and 200 %, 1920×1080 at 75 and 100 %: points.
+const SIZES: [(f32, f32); 6] = [
+    (1706.0, 960.0),
+    (1280.0, 720.0),
+    (853.0, 480.0),
+    (640.0, 360.0),
+    (2560.0, 1440.0),
+    (1920.0, 1080.0),
+];
+
+/// Everything at its longest.
+fn long() -> PanelView {
+    let mut view = sample_view();
+    view.scenes[0].1 = "A scene with a title far longer than any list has room for".into();
+    view.lesson =
+        "A lesson of some length that must wrap onto a second line in a narrow window. ".repeat(2);
+    (view.time, view.steps, view.step, view.substeps) = (12_345.678, 9_999_999_999, 0.012_345, 64);
+    (view.speed, view.actual_speed) = (0.25, Some(0.12));
+    view.log = Some(LogView {
+        path: format!(
+            "/home/somebody/{}/run-0007-of-a-long-name-indeed.csv",
+            "very-long-folder".repeat(6)
+        ),
+        rows: 123_456_789,
+        bytes: 9 << 30,
+    });
+    view.software_rendering = true;
+    view.notices = vec!["cannot write /a/b/c.csv: no space left on device".into()];
+    view.parameters.linear_drag = 1.234e-5;
+    for (k, lane) in view.compare.lanes.iter_mut().enumerate() {
+        lane.status = "DIVERGED @ t = 12345.6 s".into();
+        lane.skew = 0.012_345 * k as f64;
+        lane.now = [-1.234_567e-9; 7];
+    }
+    view.compare.note = "The lanes simulate the first box alone, without the load.".into();
+    view.hero.position = DVec3::splat(-1.234_567e-9);
+    for timing in &mut view.timings {
+        timing.nanoseconds = Some((123_456.7, 234_567.8, 345_678.9));
+    }
+    view
+}
+
+/// Text and widgets; not panels, scroll areas and other containers.
+fn leaves(person: &Person) -> Vec<(String, Rect)> {
+    let kinds = [
+        Role::Button,
+        Role::CheckBox,
+        Role::ComboBox,
+        Role::Label,
+        Role::RadioButton,
+        Role::Slider,
+        Role::SpinButton,
+        Role::Image,
+    ];
+    person
+        .nodes()
+        .into_iter()
+        .filter(|(role, ..)| kinds.contains(role))
+        .map(|(_, name, rect)| (name, rect))
+        .collect()
+}
+
+#[test]
+fn nothing_lies_outside_the_window() {
+    for (width, height) in SIZES {
+        for plot in TABS {
+            let mut view = long();
+            view.plot = plot;
+            let person = Person::before(view, vec2(width, height));
+            let screen = Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height));
+            let central = person.harness.state().layout.expect("drawn").central;
+            assert!(
+                screen.contains_rect(central),
+                "{width}×{height}: {central:?}"
+            );
+            assert!(
+                central.width() >= 200.0 && central.height() >= 40.0,
+                "{width}×{height}: {central:?}"
+            );
+            for (name, rect) in leaves(&person) {
+                // The side panel, the table, and plots one above the other scroll; the rest has to fit.
+                let side = rect.left() >= central.right();
+                let table = plot == Plot::Table && rect.top() > central.bottom();
+                let drawer = !side && rect.top() > central.bottom();
+                let inside = (table
+                    || (screen.left() <= rect.left() && rect.right() <= screen.right()))
+                    && (side
+                        || drawer && (height < 400.0 || width < 900.0 && SCROLLED.contains(&plot))
+                        || table
+                        || screen.top() <= rect.top() && rect.bottom() <= screen.bottom());
+                assert!(inside, "{width}×{height} {plot:?}: {name} at {rect:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_lies_over_anything_else() {
+    for width in [1280.0, 1920.0, 640.0] {
+        let mut view = long();
+        view.show_plots = false;
+        let person = Person::before(view, vec2(width, TALL.y));
+        let leaves = leaves(&person);
+        assert!(leaves.len() > 90);
+        for (k, (a, here)) in leaves.iter().enumerate() {
+            for (b, there) in &leaves[..k] {
+                let common = here.shrink(1.0).intersect(there.shrink(1.0));
+                assert!(
+                    !common.is_positive(),
+                    "{width}: {a} at {here:?} and {b} at {there:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_side_panel_opens_wide_enough_and_scrolls() {
+    let person = Person::before(long(), vec2(1280.0, 720.0));
+    let right = |name: &str| person.find(name).rect().right();
+    let edge = right("Gravity value [m/s²]");
+    assert!((edge - right("Mass value [kg]")).abs() < 1.0);
+    assert!(edge < 1280.0 - 16.0 && edge > 1280.0 - 40.0, "{edge}");
+    let slider = person.find("Gravity [m/s²]").rect();
+    assert!(slider.width() > 80.0, "{slider:?}");
+    assert!(
+        person.find("LOG").rect().top() > 720.0,
+        "below the fold, by scrolling"
+    );
+}
+
+/// Every character shown has a glyph in the fonts that egui brings along.
+#[test]
+fn no_character_is_a_hollow_box() {
+    let mut texts = String::new();
+    for plot in TABS {
+        for paused in [false, true] {
+            let mut view = long();
+            (view.plot, view.paused, view.show_help) = (plot, paused, paused);
+            let person = Person::before(view, TALL);
+            texts.extend(person.nodes().into_iter().map(|(_, name, _)| name));
+        }
+    }
+    for scene in box_scenarios::Scenario::ALL.iter().map(|build| build()) {
+        texts.extend([scene.title, scene.lesson].into_iter().chain(scene.hints));
+    }
+    texts.extend(crate::demo_2012::FAULTS);
+    texts.extend(box_scenarios::dissertation::Stepper::ALL.map(|s| s.fault()));
+    texts.push_str("⏮↶↷⏸ Pause▶⏭⟲◂▸✖↻·…−×½ωγµ");
+    let hidden = PanelView {
+        hidden: true,
+        ..sample_view()
+    };
+    let person = Person::before(hidden, TALL);
+    texts.extend(person.nodes().into_iter().map(|(_, name, _)| name));
+
+    let font = TextStyle::Body.resolve(&person.harness.ctx.global_style());
+    let glyph = |c: char| {
+        let galley = person
+            .harness
+            .ctx
+            .fonts_mut(|f| f.layout_no_wrap(c.to_string(), font.clone(), egui::Color32::WHITE));
+        galley.rows[0].glyphs[0].uv_rect
+    };
+    // A character of no font: what the replacement looks like.
+    let hollow = glyph('\u{10fffd}');
+    for c in texts.chars().filter(|c| !c.is_whitespace()) {
+        let uv = glyph(c);
+        assert!(
+            uv.min != hollow.min || uv.max != hollow.max,
+            "no glyph for {c} (U+{:04X})",
+            c as u32
+        );
+    }
+}
+
+#[test]
+fn nothing_a_view_may_hold_makes_it_panic() {
+    let nan = f64::NAN;
+    let mut broken = long();
+    (broken.time, broken.step, broken.speed, broken.actual_speed) = (nan, nan, nan, Some(nan));
+    (broken.step_time_us, broken.frame_time_ms, broken.dropped) = (nan, f64::INFINITY, nan);
+    broken.scene = 77;
+    broken.parameters.gravity = nan;
+    broken.parameters.friction = Some(f64::INFINITY);
+    broken.parameters.half_extents = DVec3::NAN;
+    broken.hero.position = DVec3::NAN;
+    broken.hero.speed = f64::NEG_INFINITY;
+    for (k, timing) in broken.timings.iter_mut().enumerate() {
+        timing.nanoseconds = if k % 2 == 0 {
+            Some((nan, nan, nan))
+        } else {
+            None
+        };
+        timing.evaluations = nan;
+    }
+    let long_run = |k: u32| {
+        if k.is_multiple_of(777) {
+            nan
+        } else {
+            f64::from(k % 97)
+        }
+    };
+    let integrators = broken.timings.len();
+    for lane in &mut broken.compare.lanes {
+        lane.now = [nan; 7];
+        (lane.dt, lane.energies) = (nan, [nan, f64::INFINITY, -1e300]);
+        for (_, points) in &mut lane.lines {
+            *points = (0..1000)
+                .map(|k| [f64::from(k) / 60.0, 1e300 * long_run(k)])
+                .collect();
+        }
+    }
+    broken.history = HistoryView {
+        timing: vec![(0..10_000).map(|k| (f64::from(k), long_run(k))).collect(); integrators],
+        cpu: (0..10_000)
+            .map(|k| (f64::from(k), long_run(k), nan))
+            .collect(),
+    };
+    let mut empty = sample_view();
+    empty.scenes.clear();
+    empty.timings.clear();
+    empty.history = HistoryView::default();
+    empty.compare = CompareView::default();
+    (empty.actual_speed, empty.lesson) = (None, String::new());
+    (empty.parameters.restitution, empty.parameters.friction) = (None, None);
+    let mut one_point = sample_view();
+    for lane in &mut one_point.compare.lanes {
+        lane.lines.iter_mut().for_each(|(_, p)| p.truncate(1));
+    }
+    one_point.history.cpu = vec![(f64::INFINITY, 1.0, 1.0)];
+    for view in [broken, empty, one_point] {
+        for plot in TABS {
+            for hidden in [false, true] {
+                let view = PanelView {
+                    plot,
+                    hidden,
+                    show_help: hidden,
+                    ..view.clone()
+                };
+                let mut person = Person::before(view, vec2(1280.0, 720.0));
+                assert_eq!(person.asked(), [], "asks for nothing by itself");
+                person.harness.hover_at(egui::pos2(300.0, 600.0));
+                assert_eq!(person.asked(), []);
+            }
+        }
+    }
+}
+
+/// A slider that stands at NaN can still be set.
+#[test]
+fn a_broken_value_can_be_mended() {
+    let mut view = sample_view();
+    view.parameters.gravity = f64::NAN;
+    let mut person = Person::before(view, TALL);
+    person.find("Gravity [m/s²]").click_secondary();
+    assert_eq!(person.asked(), [crate::action::Action::SetGravity(9.81)]);
+}
+
+#[test]
+fn a_window_too_small_for_anything_is_survived() {
+    for size in [
+        Vec2::new(320.0, 200.0),
+        Vec2::new(60.0, 40.0),
+        Vec2::new(1.0, 1.0),
+    ] {
+        let person = Person::with(long(), PanelMemory::default(), size);
+        let central = person.harness.state().layout.expect("drawn").central;
+        assert!(central.width() >= 0.0 && central.height() >= 0.0);
+    }
+}

@@ -1,0 +1,193 @@
+//! Fills the panel's view from the world.
+
+use bevy::diagnostic::DiagnosticsStore;
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
+use box_physics::energy::potential_energy;
+use box_physics::prelude::Floor;
+use box_physics::prelude::{
+    BodyState, GlobalIntegrator, Integrator, PhysicsClock, PhysicsTimings, Quarantined, RigidBox,
+    WorldAabb,
+};
+
+use crate::compare::Comparison;
+use crate::compare::fill::compare_view;
+use crate::compare::sampling::IntegratorSamples;
+use crate::demo_2012::Demo2012;
+use crate::interaction::rewind::Rewind;
+use crate::interaction::undo::UndoStack;
+use crate::record::csv_log::CsvLog;
+use crate::record::history::{History, frame_time};
+use crate::scene::library::SceneLibrary;
+use crate::scene::session::{Hero, Session};
+use crate::ui::panel::{
+    DemoView, HeroView, HistoryView, IntegratorTiming, InteractionView, LogView, PanelView,
+};
+use crate::ui::preferences::Preferences;
+
+/// What the view is made from.
+#[derive(SystemParam)]
+pub struct Sources<'w, 's> {
+    session: Res<'w, Session>,
+    integrator: Res<'w, GlobalIntegrator>,
+    comparison: Res<'w, Comparison>,
+    clock: Res<'w, PhysicsClock>,
+    fixed: Res<'w, Time<Fixed>>,
+    history: Res<'w, History>,
+    samples: Res<'w, IntegratorSamples>,
+    timings: Option<Res<'w, PhysicsTimings>>,
+    diagnostics: Option<Res<'w, DiagnosticsStore>>,
+    log: Option<Res<'w, CsvLog>>,
+    floor: Option<Res<'w, Floor>>,
+    adapter: Option<Res<'w, RenderAdapterInfo>>,
+    library: Res<'w, SceneLibrary>,
+    rewind: Res<'w, Rewind>,
+    undo: Res<'w, UndoStack>,
+    demo: Res<'w, Demo2012>,
+    /// Settings: the panel follows their scale and may change it.
+    pub(crate) kept: ResMut<'w, Preferences>,
+    hero: Query<
+        'w,
+        's,
+        (
+            &'static RigidBox,
+            &'static BodyState,
+            Option<&'static WorldAabb>,
+            Has<Quarantined>,
+        ),
+        With<Hero>,
+    >,
+}
+
+/// The view of this frame.
+pub fn view(s: &Sources) -> PanelView {
+    let session = &*s.session;
+    let scenes = s.library.scenes();
+    let open = session.show_plots && !session.hidden;
+    PanelView {
+        scene: scenes
+            .iter()
+            .position(|(id, _)| id == session.scenario.id)
+            .unwrap_or(0),
+        scenes: scenes.to_vec(),
+        lesson: session.scenario.lesson.to_owned(),
+        integrator: s.integrator.0,
+        paused: s.clock.paused,
+        time: s.clock.elapsed().as_secs_f64(),
+        steps: s.clock.steps(),
+        step: s.fixed.timestep().as_secs_f64(),
+        substeps: s.clock.substeps,
+        default_step: 1.0 / 60.0,
+        default_substeps: 1,
+        speed: session.speed,
+        actual_speed: s.history.actual_speed(),
+        dropped: session.dropped,
+        parameters: session.parameters,
+        defaults: session.defaults,
+        hero: hero(s),
+        timings: Integrator::ALL
+            .iter()
+            .map(|&integrator| IntegratorTiming {
+                integrator,
+                nanoseconds: s.samples.statistics(integrator),
+                evaluations: s.samples.evaluations(integrator),
+            })
+            .collect(),
+        fallbacks: session.fallbacks,
+        unconverged: session.unconverged,
+        step_time_us: s.timings.as_ref().map_or(0.0, |t| t.total() as f64 * 1e-3),
+        frame_time_ms: frame_time(s.diagnostics.as_deref()).unwrap_or(0.0),
+        history: if open {
+            history(s)
+        } else {
+            HistoryView::default()
+        },
+        compare: compare_view(
+            &s.comparison,
+            &s.samples,
+            open.then_some(session.plot),
+            session.parameters.boxes,
+        ),
+        show_aabb: session.show_aabb,
+        show_contacts: session.show_contacts,
+        show_axes: session.show_axes,
+        show_help: session.show_help,
+        hidden: session.hidden,
+        show_plots: session.show_plots,
+        plot: session.plot,
+        log: s.log.as_ref().map(|log| LogView {
+            path: log.path().display().to_string(),
+            rows: log.rows(),
+            bytes: log.bytes(),
+        }),
+        software_rendering: s
+            .adapter
+            .as_ref()
+            .is_some_and(|a| a.device_type == wgpu::DeviceType::Cpu),
+        notices: session.notices.iter().cloned().collect(),
+        interaction: interaction(s),
+    }
+}
+
+fn hero(s: &Sources) -> HeroView {
+    let Some((body, state, aabb, quarantined)) = s.hero.iter().next() else {
+        return HeroView::default();
+    };
+    let forces = s.session.forces();
+    let law = forces.forces(body);
+    let floor = s.floor.as_deref().map_or(0.0, |f| f.height);
+    // Potential energy over the floor.
+    let base = -body.mass() * law.acceleration.y * floor;
+    let touching = match (aabb, &s.floor) {
+        (Some(aabb), Some(f)) => f64::from(aabb.0.min.y) <= f.height + 1e-4 * body.radius(),
+        _ => false,
+    };
+    let still = state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO;
+    HeroView {
+        translational_energy: state.translational_energy(body),
+        rotational_energy: state.rotational_energy(body),
+        potential_energy: potential_energy(body, state, &law) - base,
+        angular_momentum: state.angular_momentum.length(),
+        speed: state.velocity.length(),
+        spin: state.body_angular_velocity(body).length(),
+        position: state.position,
+        state: match (quarantined, touching, still) {
+            (true, ..) => "quarantined",
+            (_, true, true) => "resting",
+            (_, true, false) => "contact",
+            _ => "free",
+        },
+    }
+}
+
+fn history(s: &Sources) -> HistoryView {
+    HistoryView {
+        timing: Integrator::ALL
+            .iter()
+            .map(|&i| s.samples.history(i).collect())
+            .collect(),
+        cpu: s.history.cpu.iter().copied().collect(),
+    }
+}
+
+fn interaction(s: &Sources) -> InteractionView {
+    let session = &*s.session;
+    let demo = &s.demo;
+    InteractionView {
+        hints: session.scenario.hints.map(str::to_owned),
+        scene_errors: s.library.errors(),
+        past: s.rewind.len(),
+        undoes: s.undo.undoes().map(str::to_owned),
+        redoes: s.undo.redoes().map(str::to_owned),
+        show_picker: session.show_picker,
+        ui_scale: f64::from(s.kept.ui_scale),
+        demo: (session.scenario.id == crate::demo_2012::SCENE).then(|| DemoView {
+            stepper: demo.stepper,
+            cycle_us: demo.cycle_ns as f64 * 1e-3,
+            log: demo
+                .log()
+                .map(|(path, cycles)| (path.display().to_string(), cycles)),
+        }),
+    }
+}

@@ -1,0 +1,282 @@
+//! Bounding boxes, axes, velocities and contacts of bodies as lines, for other Bevy apps as for the game.
+//!
+//! ```no_run
+//! use bevy::prelude::*;
+//! use box_game::view::gizmos_plugin::{BodyGizmos, BodyGizmosPlugin};
+//! use box_physics::prelude::*;
+//!
+//! App::new()
+//!     .add_plugins((DefaultPlugins, PhysicsPlugins::default(), BodyGizmosPlugin))
+//!     .insert_resource(Floor::default())
+//!     .add_systems(Startup, |mut commands: Commands, mut gizmos: ResMut<GizmoConfigStore>| {
+//!         gizmos.config_mut::<BodyGizmos>().1.axes = false;
+//!         commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 3.0, 12.0)));
+//!         commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 5.0, 0.0), ReportContacts));
+//!     })
+//!     .run();
+//! ```
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use box_physics::prelude::{BodyState, ContactPhase, FloorContact, RigidBox, WorldAabb};
+
+/// At most so many boxes are drawn: more would be a gray cloud, and slow.
+const MOST: usize = 2000;
+/// How long a contact is shown \[s\]: a bounce lasts one step.
+const SHOWN_FOR: f32 = 0.25;
+
+const AABB: Color = Color::srgb_u8(240, 228, 66);
+/// Of the body's x, y and z axis; as the faces of the game's boxes.
+const AXES: [(Vec3, Color); 3] = [
+    (Vec3::X, Color::srgb_u8(0, 114, 178)),
+    (Vec3::Y, Color::srgb_u8(230, 159, 0)),
+    (Vec3::Z, Color::srgb_u8(0, 158, 115)),
+];
+const CONTACT: Color = Color::srgb_u8(213, 94, 0);
+
+/// Draws what [`BodyGizmos`] says. It needs Bevy's `GizmoPlugin` (in `DefaultPlugins`); a part of the
+/// physics that was left out is not drawn.
+pub struct BodyGizmosPlugin;
+
+/// Where the lines are drawn, in `Update`: what changes [`BodyGizmos`] goes before.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BodyGizmosSystems;
+
+/// What is drawn: a gizmo group of its own, so that line width, depth and render layers are set where
+/// Bevy has them, in `GizmoConfigStore`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, GizmoConfigGroup)]
+#[reflect(Default)]
+pub struct BodyGizmos {
+    /// The [`WorldAabb`] of every body.
+    pub aabbs: bool,
+    /// The axes of bodies, and their velocity: a quarter of a second of it.
+    pub axes: bool,
+    /// Where bodies with [`ReportContacts`](box_physics::prelude::ReportContacts) touch the floor: a
+    /// cross, and an arrow that grows with the root of the impulse over the body's weight in a step.
+    pub contacts: bool,
+    /// Axes and contacts of this body alone; `None`: of every body.
+    pub only: Option<Entity>,
+}
+
+impl Default for BodyGizmos {
+    /// Everything of every body.
+    fn default() -> Self {
+        Self {
+            aabbs: true,
+            axes: true,
+            contacts: true,
+            only: None,
+        }
+    }
+}
+
+impl BodyGizmos {
+    fn details(&self, entity: Entity) -> bool {
+        self.only.is_none_or(|only| only == entity)
+    }
+}
+
+impl Plugin for BodyGizmosPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_gizmo_group::<BodyGizmos>().add_systems(
+            Update,
+            (
+                draw_aabbs,
+                draw_axes,
+                draw_contacts.run_if(resource_exists::<Messages<FloorContact>>),
+            )
+                .in_set(BodyGizmosSystems),
+        );
+    }
+}
+
+fn draw_aabbs(boxes: Query<&WorldAabb>, mut gizmos: Gizmos<BodyGizmos>) {
+    if gizmos.config_ext.aabbs {
+        for aabb in boxes.iter().take(MOST) {
+            gizmos.aabb_3d(aabb.0, Transform::IDENTITY, AABB);
+        }
+    }
+}
+
+fn draw_axes(
+    bodies: Query<(Entity, &RigidBox, &BodyState, &Transform)>,
+    mut gizmos: Gizmos<BodyGizmos>,
+) {
+    let what = *gizmos.config_ext;
+    if !what.axes {
+        return;
+    }
+    let wanted = bodies.iter().filter(|b| what.details(b.0));
+    for (_, body, state, transform) in wanted.take(MOST) {
+        let at = transform.translation;
+        let length = 1.4 * body.radius() as f32;
+        for (axis, color) in AXES {
+            gizmos.arrow(at, at + transform.rotation * axis * length, color);
+        }
+        gizmos.arrow(at, at + 0.25 * state.velocity.as_vec3(), Color::WHITE);
+    }
+}
+
+fn draw_contacts(
+    mut contacts: MessageReader<FloorContact>,
+    bodies: Query<&RigidBox>,
+    fixed: Option<Res<Time<Fixed>>>,
+    time: Res<Time<Real>>,
+    mut shown: Local<Vec<(FloorContact, f32)>>,
+    mut gizmos: Gizmos<BodyGizmos>,
+) {
+    for (_, age) in &mut *shown {
+        *age += time.delta_secs();
+    }
+    shown.retain(|(_, age)| *age < SHOWN_FOR);
+    let what = *gizmos.config_ext;
+    for contact in contacts.read().filter(|c| what.details(c.entity)) {
+        // Its end is no reason to stop showing it: a bounce begins and ends in a step.
+        if contact.phase != ContactPhase::Ended {
+            shown.retain(|(old, _)| (old.entity, old.corner) != (contact.entity, contact.corner));
+            shown.push((*contact, 0.0));
+        }
+    }
+    if !what.contacts {
+        return;
+    }
+    let step = fixed.map_or(1.0 / 60.0, |fixed| fixed.timestep().as_secs_f64());
+    let wanted = shown.iter().filter(|(c, _)| what.details(c.entity));
+    for (contact, _) in wanted.take(MOST) {
+        // Its body may be gone by now.
+        let Ok(body) = bodies.get(contact.entity) else {
+            continue;
+        };
+        let at = contact.point.as_vec3();
+        let size = 0.15 * body.radius() as f32;
+        gizmos.cross(Isometry3d::from_translation(at), size, CONTACT);
+        // The root of it: an impact is a hundred times what holds a resting box.
+        let weight = body.mass() * 9.81 * step;
+        let length = (contact.normal_impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
+        gizmos.arrow(at, at + Vec3::Y * length.max(size), CONTACT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::any::TypeId;
+
+    use bevy::gizmos::{GizmoAsset, GizmoHandles};
+    use bevy::time::TimeUpdateStrategy;
+    use box_physics::prelude::{AabbPlugin, Floor, FloorPlugin, PhysicsPlugins, ReportContacts};
+
+    /// Points of the lines that the last frame drew, with their colors.
+    fn drawn(app: &mut App) -> Vec<(Vec3, LinearRgba)> {
+        app.update();
+        let world = app.world();
+        let handles = world.resource::<GizmoHandles>().handles();
+        let Some(handle) = &handles[&TypeId::of::<BodyGizmos>()] else {
+            return Vec::new();
+        };
+        let Some(asset) = world.resource::<Assets<GizmoAsset>>().get(handle) else {
+            return Vec::new();
+        };
+        let view = asset.buffer();
+        let lists = view
+            .list_positions
+            .iter()
+            .copied()
+            .zip(view.list_colors.iter().copied());
+        let strips = view
+            .strip_positions
+            .iter()
+            .copied()
+            .zip(view.strip_colors.iter().copied());
+        // A strip ends with a point that is none.
+        lists.chain(strips).filter(|(p, _)| p.is_finite()).collect()
+    }
+
+    fn count(points: &[(Vec3, LinearRgba)], color: Color) -> usize {
+        points.iter().filter(|p| p.1 == color.to_linear()).count()
+    }
+
+    fn app_with<M>(physics: impl bevy::app::Plugins<M>) -> App {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+            .add_plugins(physics)
+            // Of `GizmoPlugin` this is all that a group needs; the rest looks for meshes.
+            .init_asset::<GizmoAsset>()
+            .add_plugins(BodyGizmosPlugin)
+            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
+            .insert_resource(Floor::default());
+        app
+    }
+
+    fn set(app: &mut App, what: BodyGizmos) {
+        let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
+        *store.config_mut::<BodyGizmos>().1 = what;
+    }
+
+    #[test]
+    fn each_kind_is_drawn_where_it_is_and_can_be_switched_off() {
+        let mut app = app_with(PhysicsPlugins::default());
+        let lying = |x| {
+            (
+                RigidBox::default(),
+                Transform::from_xyz(x, 0.5, 0.0),
+                ReportContacts,
+            )
+        };
+        let one = app.world_mut().spawn(lying(0.0)).id();
+        app.world_mut().spawn(lying(10.0));
+        for _ in 0..3 {
+            app.update();
+        }
+        let all = drawn(&mut app);
+        let near = |p: &&(Vec3, LinearRgba)| p.0.x < 5.0;
+        for color in [AABB, AXES[0].1, AXES[1].1, AXES[2].1, Color::WHITE, CONTACT] {
+            let left = all.iter().filter(near).filter(|p| p.1 == color.to_linear());
+            assert!(left.count() * 2 == count(&all, color) && count(&all, color) > 0);
+        }
+        // The corners of the drawn box are those of the body.
+        let aabb: Vec<_> = all.iter().filter(|p| p.1 == AABB.to_linear()).collect();
+        let corner = |p: &Vec3| {
+            (p.y.abs() < 1e-5 || (p.y - 1.0).abs() < 1e-5) && (p.z.abs() - 0.5).abs() < 1e-5
+        };
+        assert!(aabb.iter().all(|p| corner(&p.0)), "{aabb:?}");
+
+        set(
+            &mut app,
+            BodyGizmos {
+                only: Some(one),
+                ..default()
+            },
+        );
+        let details = drawn(&mut app);
+        assert_eq!(count(&details, AABB), count(&all, AABB));
+        for color in [AXES[0].1, Color::WHITE, CONTACT] {
+            assert_eq!(2 * count(&details, color), count(&all, color));
+        }
+
+        let nothing = BodyGizmos {
+            aabbs: false,
+            axes: false,
+            contacts: false,
+            only: None,
+        };
+        set(&mut app, nothing);
+        assert_eq!(drawn(&mut app), []);
+    }
+
+    #[test]
+    fn parts_of_the_physics_that_were_left_out_are_not_missed() {
+        let plugins = PhysicsPlugins::default();
+        let mut app = app_with(
+            plugins
+                .build()
+                .disable::<AabbPlugin>()
+                .disable::<FloorPlugin>(),
+        );
+        app.world_mut().spawn(RigidBox::default());
+        app.update();
+        let all = drawn(&mut app);
+        assert_eq!((count(&all, AABB), count(&all, CONTACT)), (0, 0));
+        assert!(count(&all, AXES[0].1) > 0);
+    }
+}

@@ -1,0 +1,356 @@
+//! Hands, scene files, scripts, the 2012 scene and settings, in the game without a window; and the
+//! acceptance checks of the game by name.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use bevy::input::ButtonState;
+use bevy::input::InputPlugin;
+use bevy::input::keyboard::{Key, KeyboardInput};
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_game::action::{Action, Plot, Poke, Push};
+use box_game::app::{GamePlugin, open_log};
+use box_game::apply::Asked;
+use box_game::cli::Cli;
+use box_game::cli::command_line;
+use box_game::demo_2012::Demo2012;
+use box_game::interaction::grab::{Grip, Hold};
+use box_game::interaction::rewind::{LONGEST, Rewind};
+use box_game::interaction::undo::UndoStack;
+use box_game::scene::library::SceneLibrary;
+use box_game::scene::session::{Hero, Session};
+use box_game::ui::preferences::{Preferences, PreferencesPlugin};
+use box_physics::prelude::*;
+use box_scenarios::Scenario;
+use box_scenarios::dissertation::{Demo, State, Stepper};
+use clap::Parser;
+
+#[path = "interaction/acceptance.rs"]
+mod acceptance;
+#[path = "interaction/demo.rs"]
+mod demo;
+#[path = "interaction/files.rs"]
+mod files;
+#[path = "interaction/settings.rs"]
+mod settings;
+
+fn cli(arguments: &[&str]) -> Cli {
+    Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid")
+}
+
+fn game(arguments: &[&str]) -> App {
+    let cli = cli(arguments);
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    // The fixed clock does not run on the first update.
+    app.update();
+    open_log(&mut app, &cli).expect("readable");
+    app
+}
+
+fn ask(app: &mut App, action: Action) {
+    app.world_mut().resource_mut::<Asked>().0.push(action);
+    app.update();
+}
+
+fn hero(app: &mut App) -> BodyState {
+    *app.world_mut()
+        .query_filtered::<&BodyState, With<Hero>>()
+        .single(app.world())
+        .expect("one hero")
+}
+
+fn session(app: &App) -> &Session {
+    app.world().resource::<Session>()
+}
+
+fn clock(app: &App) -> PhysicsClock {
+    *app.world().resource::<PhysicsClock>()
+}
+
+fn run(app: &mut App, updates: u32) {
+    (0..updates).for_each(|_| app.update());
+}
+
+fn press(app: &mut App, codes: &[(KeyCode, &str)]) {
+    for state in [ButtonState::Pressed, ButtonState::Released] {
+        for &(key_code, text) in codes {
+            app.world_mut().write_message(KeyboardInput {
+                key_code,
+                logical_key: if text.is_empty() {
+                    Key::Control
+                } else {
+                    Key::Character(text.into())
+                },
+                state,
+                text: None,
+                repeat: false,
+                window: Entity::PLACEHOLDER,
+            });
+        }
+        app.update();
+    }
+}
+
+const CONTROL: (KeyCode, &str) = (KeyCode::ControlLeft, "");
+const SHIFT: (KeyCode, &str) = (KeyCode::ShiftLeft, "");
+
+#[test]
+fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
+    let mut app = game(&["dzhanibekov"]);
+    run(&mut app, 20);
+    ask(&mut app, Action::TogglePause);
+    let before = hero(&mut app);
+    let poke = Poke {
+        body_point: DVec3::new(0.4, 0.2, 0.125),
+        normal: DVec3::Z,
+        strength: 2.0,
+    };
+    ask(&mut app, Action::Poke(poke));
+    ask(&mut app, Action::Step(1));
+    let (body, mut expected) = (session(&app).setup().body, before);
+    let impulse = before.rotation * DVec3::NEG_Z * (2.0 * session(&app).parameters.impulse);
+    expected.apply_impulse_at_body_point(&body, impulse, poke.body_point);
+    let h = clock(&app).step();
+    let law = Gravity(DVec3::ZERO);
+    Integrator::Split.step(
+        &body,
+        &mut expected,
+        &law,
+        h,
+        &mut IntegratorMemory::default(),
+    );
+    assert_eq!(hero(&mut app), expected);
+    assert!(
+        session(&app).truth.is_none(),
+        "the scene's answer knows no poke"
+    );
+    // One that names no place does nothing but say so.
+    let nowhere = Poke {
+        normal: DVec3::NAN,
+        ..poke
+    };
+    ask(&mut app, Action::Poke(nowhere));
+    let said = session(&app).notices.back().cloned().unwrap_or_default();
+    assert!(said.contains("not possible"), "{said}");
+}
+
+#[test]
+fn a_held_box_follows_the_hand_and_is_let_go() {
+    for (scene, integrator) in [
+        ("playground", Integrator::Split),
+        ("dzhanibekov", Integrator::Rk4),
+        ("playground", Integrator::BackwardEuler),
+    ] {
+        let mut app = game(&[scene, "--integrator", integrator.id()]);
+        let anchor = DVec3::new(0.5, 2.5, -0.5);
+        let hold = Hold {
+            body_point: DVec3::ZERO,
+            anchor,
+        };
+        ask(&mut app, Action::Grab(Some(hold)));
+        run(&mut app, 90);
+        let state = hero(&mut app);
+        assert!(
+            (state.position - anchor).length() < 0.02,
+            "{scene} {integrator}: {state:?}"
+        );
+        assert!(state.velocity.length() < 0.2, "{scene} {integrator}");
+        ask(&mut app, Action::Grab(None));
+        assert_eq!(app.world().resource::<Grip>().0, None);
+        if scene == "playground" {
+            run(&mut app, 120);
+            assert!(hero(&mut app).position.y < 0.8, "it falls again");
+        }
+        // A restart lets go.
+        ask(&mut app, Action::Grab(Some(hold)));
+        ask(&mut app, Action::Restart);
+        assert_eq!(app.world().resource::<Grip>().0, None);
+    }
+}
+
+#[test]
+fn stepping_back_returns_every_state_and_the_future_repeats() {
+    for (scene, integrator) in [
+        ("contact", "split"),
+        ("dzhanibekov", "exact"),
+        ("tumble-storm", "rk4"),
+        ("dissertation-2012", "split"),
+    ] {
+        let mut app = game(&[scene, "--integrator", integrator]);
+        let mut past = vec![hero(&mut app)];
+        for _ in 0..80 {
+            app.update();
+            past.push(hero(&mut app));
+        }
+        let (steps, time) = (clock(&app).steps(), clock(&app).elapsed());
+        for back in 1..=30 {
+            ask(&mut app, Action::StepBack(1));
+            assert_eq!(hero(&mut app), past[80 - back], "{scene}: {back} back");
+            assert_eq!(clock(&app).steps(), steps - back as u64);
+        }
+        assert!(clock(&app).paused);
+        ask(&mut app, Action::StepBack(10));
+        assert_eq!(hero(&mut app), past[40], "{scene}: ten at once");
+        for (k, expected) in past.iter().enumerate().skip(41) {
+            ask(&mut app, Action::Step(1));
+            assert_eq!(hero(&mut app), *expected, "{scene}: step {k}");
+        }
+        assert_eq!((clock(&app).steps(), clock(&app).elapsed()), (steps, time));
+        // The picture shows the state, not a teleport.
+        let transform = *app
+            .world_mut()
+            .query_filtered::<&Transform, With<Hero>>()
+            .single(app.world())
+            .expect("one hero");
+        assert_eq!(transform.translation, past[80].position.as_vec3());
+    }
+}
+
+#[test]
+fn the_past_is_bounded_and_ends_at_the_start() {
+    let mut app = game(&["dzhanibekov"]);
+    run(&mut app, LONGEST as u32 + 50);
+    assert_eq!(app.world().resource::<Rewind>().len(), LONGEST);
+    ask(&mut app, Action::Restart);
+    run(&mut app, 5);
+    let start = session(&app).scenario.setup.initial;
+    ask(&mut app, Action::StepBack(1000));
+    assert_eq!(hero(&mut app), start);
+    assert_eq!(clock(&app).steps(), 0);
+    ask(&mut app, Action::StepBack(1));
+    let said = session(&app).notices.back().cloned().unwrap_or_default();
+    assert!(said.contains("nothing to go back to"), "{said}");
+    // Too many boxes to keep: said, not slow.
+    let mut app = game(&["load", "--boxes", "1500"]);
+    run(&mut app, 3);
+    assert!(app.world().resource::<Rewind>().is_empty());
+}
+
+#[test]
+fn parameters_and_resets_are_undone_and_redone() {
+    let mut app = game(&["playground"]);
+    let gravity = |app: &App| session(app).parameters.gravity;
+    ask(&mut app, Action::SetGravity(1.0));
+    ask(&mut app, Action::SetFriction(0.25));
+    ask(&mut app, Action::SetGravity(2.0));
+    assert_eq!(
+        app.world().resource::<UndoStack>().undoes(),
+        Some("gravity")
+    );
+    press(&mut app, &[CONTROL, (KeyCode::KeyZ, "z")]);
+    assert_eq!(gravity(&app), 1.0);
+    assert_eq!(
+        app.world().resource::<WorldGravity>().0.y,
+        -1.0,
+        "acts at once"
+    );
+    ask(&mut app, Action::Undo);
+    assert_eq!(
+        app.world().resource::<Floor>().friction,
+        session(&app).defaults.friction.unwrap_or_default()
+    );
+    ask(&mut app, Action::Undo);
+    assert_eq!(gravity(&app), 9.81);
+    ask(&mut app, Action::Undo);
+    for wanted in [1.0, 1.0, 2.0] {
+        press(&mut app, &[CONTROL, SHIFT, (KeyCode::KeyZ, "Z")]);
+        assert_eq!(gravity(&app), wanted);
+    }
+    // A drag of a slider is one change.
+    for k in 0..20 {
+        ask(&mut app, Action::SetLinearDrag(f64::from(k)));
+    }
+    ask(&mut app, Action::Undo);
+    assert_eq!(session(&app).parameters.linear_drag, 0.0);
+    // A new change forgets what could be redone.
+    ask(&mut app, Action::SetSubsteps(4));
+    assert_eq!(app.world().resource::<UndoStack>().redoes(), None);
+    ask(&mut app, Action::Undo);
+    assert_eq!(clock(&app).substeps, 1);
+    ask(&mut app, Action::SetMass(7.0));
+    ask(&mut app, Action::ResetParameters);
+    ask(&mut app, Action::Undo);
+    assert_eq!(session(&app).parameters.mass, 7.0);
+    // Another scene: nothing of this one is left to take back.
+    ask(&mut app, Action::NextScene);
+    assert_eq!(app.world().resource::<UndoStack>().undoes(), None);
+}
+
+#[test]
+fn an_undone_restart_goes_on_where_it_was() {
+    let mut app = game(&["throw"]);
+    run(&mut app, 40);
+    ask(&mut app, Action::TogglePause);
+    let (before, steps) = (hero(&mut app), clock(&app).steps());
+    ask(&mut app, Action::Restart);
+    assert_ne!(hero(&mut app), before);
+    ask(&mut app, Action::Undo);
+    assert_eq!(hero(&mut app), before);
+    assert_eq!(clock(&app).steps(), steps);
+}
+
+#[test]
+fn the_reset_ladder_ends_with_everything() {
+    let mut app = game(&[
+        "bounce",
+        "--dt",
+        "1/120",
+        "--substeps",
+        "3",
+        "--integrator",
+        "rk4",
+    ]);
+    ask(&mut app, Action::SetGravity(1.0));
+    ask(&mut app, Action::SetSpeed(0.25));
+    ask(&mut app, Action::ToggleAabb);
+    ask(&mut app, Action::SetUiScale(1.5));
+    ask(&mut app, Action::ResetEverything);
+    let now = session(&app);
+    assert_eq!(now.scenario.id, Scenario::default().id);
+    assert_eq!(now.parameters, now.defaults);
+    assert!(!now.show_aabb && now.speed == 1.0);
+    assert_eq!(
+        app.world().resource::<GlobalIntegrator>().0,
+        Integrator::default()
+    );
+    assert_eq!(clock(&app).substeps, 1);
+    assert_eq!(app.world().resource::<Preferences>().ui_scale, 1.0);
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    assert_eq!(step, Time::<Fixed>::from_hz(60.0).timestep());
+}
+
+#[test]
+fn the_hitch_button_drops_time_and_counts_it() {
+    let mut app = game(&["throw"]);
+    app.insert_resource(TimeUpdateStrategy::Automatic);
+    app.update();
+    let steps = clock(&app).steps();
+    ask(&mut app, Action::Hitch);
+    app.update();
+    let taken = clock(&app).steps() - steps;
+    assert!(taken <= 16 + 1, "{taken} steps");
+    let dropped = session(&app).dropped;
+    assert!(dropped >= 0.49, "{dropped}");
+}
+
+#[test]
+fn slow_motion_is_a_ladder_with_ends() {
+    let mut app = game(&["throw", "--speed", "0.5"]);
+    assert_eq!(
+        app.world().resource::<Time<Virtual>>().relative_speed_f64(),
+        0.5
+    );
+    ask(&mut app, Action::Slower);
+    assert_eq!(session(&app).speed, 0.25);
+    for _ in 0..20 {
+        ask(&mut app, Action::Slower);
+    }
+    assert_eq!(session(&app).speed, 0.01);
+    for _ in 0..20 {
+        ask(&mut app, Action::Faster);
+    }
+    assert_eq!(session(&app).speed, 4.0);
+}

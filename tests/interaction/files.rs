@@ -1,0 +1,171 @@
+//! Scenes from files, scripts, and the command line that brings a set-up back.
+
+use super::*;
+
+const MINE: &str = r#"(
+    id: "mine",
+    title: "Mine",
+    lesson: "A scene of my own.",
+    duration: 5,
+    body: (half_extents: (0.5, 0.5, 0.5), mass: 4),
+    start: (position: (0, 3, 0)),
+    forces: (gravity: (0, -1.62, 0)),
+    floor: (height: 0, restitution: 0.5, friction: 0.5),
+    view: (yaw: 10, pitch: 5, plot: timing),
+)"#;
+
+#[test]
+fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mine.ron");
+    std::fs::write(&path, MINE).expect("writable");
+    let mut app = game(&[path.to_str().expect("utf-8")]);
+    assert_eq!(session(&app).scenario.id, "mine");
+    assert_eq!(session(&app).plot, Plot::Timing);
+    assert_eq!(
+        app.world().resource::<WorldGravity>().0,
+        DVec3::NEG_Y * 1.62
+    );
+    assert!(session(&app).truth.is_some());
+    // A change of the file is read within a second, and the scene starts anew.
+    std::fs::write(&path, MINE.replace("mass: 4", "mass: 5.5")).expect("writable");
+    run(&mut app, 60);
+    assert_eq!(session(&app).parameters.mass, 5.5);
+    // Broken: said with its place, and the last good one goes on.
+    std::fs::write(&path, MINE.replace("mass: 4", "mass: -4")).expect("writable");
+    run(&mut app, 60);
+    let errors = app.world().resource::<SceneLibrary>().errors();
+    assert!(
+        errors[0].contains("mine.ron:6:") && errors[0].contains("body.mass"),
+        "{errors:?}"
+    );
+    assert_eq!(session(&app).parameters.mass, 5.5);
+    assert!(hero(&mut app).is_valid());
+    std::fs::write(&path, MINE).expect("writable");
+    run(&mut app, 60);
+    assert!(app.world().resource::<SceneLibrary>().errors().is_empty());
+    assert_eq!(session(&app).parameters.mass, 4.0);
+    // It stands in the menu, and the list goes round through it.
+    let scenes = app.world().resource::<SceneLibrary>().scenes();
+    assert!(scenes.contains(&("mine".to_owned(), "Mine".to_owned())));
+    ask(&mut app, Action::NextScene);
+    assert_ne!(session(&app).scenario.id, "mine");
+    ask(&mut app, Action::SelectScene("mine".to_owned()));
+    assert_eq!(session(&app).scenario.id, "mine");
+    // Gone: what plays goes on.
+    std::fs::remove_file(&path).expect("there");
+    run(&mut app, 60);
+    assert!(hero(&mut app).is_valid());
+}
+
+#[test]
+fn the_shipped_scene_files_are_in_the_menu_and_play() {
+    let mut app = game(&[]);
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+    app.insert_resource(SceneLibrary::new(root, None));
+    let scenes = app.world().resource::<SceneLibrary>().scenes().to_vec();
+    assert!(scenes.len() >= Scenario::ALL.len() + 3);
+    for (id, _) in scenes.into_iter().skip(Scenario::ALL.len()) {
+        ask(&mut app, Action::SelectScene(id.clone()));
+        run(&mut app, 30);
+        assert_eq!(session(&app).scenario.id, id);
+        assert!(hero(&mut app).is_valid(), "{id}");
+    }
+}
+
+#[test]
+fn a_bad_scene_file_on_the_command_line_is_an_error_with_its_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bad.ron");
+    std::fs::write(&path, MINE.replace("duration: 5", "duration: 0")).expect("writable");
+    let error = Cli::try_parse_from(["box_game", path.to_str().expect("utf-8")])
+        .expect_err("bad")
+        .to_string();
+    assert!(
+        error.contains("bad.ron:5:") && error.contains("duration"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_command_line_brings_the_set_up_back() {
+    let mut app = game(&["bounce"]);
+    for action in [
+        Action::SetIntegrator(Integrator::Dmv6),
+        Action::SetStep(1.0 / 240.0),
+        Action::SetSubsteps(2),
+        Action::SetGravity(3.7),
+        Action::SetRestitution(0.25),
+        Action::SetMass(1.5),
+        Action::SetHalfExtents(DVec3::new(0.25, 0.5, 0.75)),
+        Action::SetBoxes(9),
+        Action::SetImpulse(0.5),
+        Action::SetSpeed(0.25),
+    ] {
+        ask(&mut app, action);
+    }
+    let line = command_line::of(app.world());
+    let words: Vec<&str> = line.split(' ').skip(1).collect();
+    let again = game(&words);
+    assert_eq!(session(&again).parameters, session(&app).parameters);
+    assert_eq!(session(&again).scenario.id, "bounce");
+    assert_eq!(session(&again).speed, 0.25);
+    assert_eq!(
+        again.world().resource::<GlobalIntegrator>().0,
+        Integrator::Dmv6
+    );
+    assert_eq!(clock(&again).substeps, 2);
+    let step = |app: &App| app.world().resource::<Time<Fixed>>().timestep();
+    assert_eq!(step(&again), step(&app));
+    assert_eq!(command_line::of(again.world()), line);
+}
+
+#[test]
+fn a_script_does_what_it_says_when_it_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ron");
+    let script = r#"[
+        (at: 0.1, actions: [SelectScene("playground"), SetIntegrator("rk4")]),
+        (at: 0.5, actions: [Push((direction: (1, 0, 0))), ToggleAabb]),
+        (at: 1.0, actions: [Quit]),
+    ]"#;
+    std::fs::write(&path, script).expect("writable");
+    let mut app = game(&["--script", path.to_str().expect("utf-8")]);
+    run(&mut app, 5);
+    assert_eq!(session(&app).scenario.id, "dzhanibekov", "not yet");
+    run(&mut app, 5);
+    assert_eq!(session(&app).scenario.id, "playground");
+    assert_eq!(
+        app.world().resource::<GlobalIntegrator>().0,
+        Integrator::Rk4
+    );
+    assert_eq!(hero(&mut app).velocity, DVec3::ZERO);
+    run(&mut app, 24);
+    assert!(hero(&mut app).velocity.x > 0.0 && session(&app).show_aabb);
+    assert_eq!(app.should_exit(), None);
+    let mut updates = 0;
+    while app.should_exit().is_none() && updates < 60 {
+        app.update();
+        updates += 1;
+    }
+    assert_eq!(app.should_exit(), Some(AppExit::Success));
+}
+
+#[test]
+fn the_shipped_scripts_are_scripts() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scripts");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("shipped") {
+        let path = entry.expect("readable").path();
+        let beats = box_game::input::script::load(&path).unwrap_or_else(|e| panic!("{e}"));
+        let last = beats.last().and_then(|b| b.actions.last());
+        assert_eq!(last, Some(&Action::Quit), "{}", path.display());
+        for action in beats.iter().flat_map(|b| &b.actions) {
+            if let Action::SelectScene(id) = action {
+                assert!(Scenario::find(id).is_ok(), "{id}");
+            }
+        }
+        count += 1;
+    }
+    assert!(count >= 1);
+}
