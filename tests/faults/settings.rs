@@ -151,6 +151,14 @@ fn settings_out_of_range_stop_the_clock_until_they_are_put_right() {
             }),
         ),
         (
+            "ContactSettings.max_impacts",
+            Box::new(|app| {
+                app.world_mut()
+                    .resource_mut::<ContactSettings>()
+                    .max_impacts = 0;
+            }),
+        ),
+        (
             "PhysicsClock.substeps",
             Box::new(|app| app.world_mut().resource_mut::<PhysicsClock>().substeps = 1_000_000),
         ),

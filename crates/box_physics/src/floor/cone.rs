@@ -31,7 +31,7 @@ use edge::Edge;
 use face::Face;
 use glam::DVec3;
 
-use super::geometry::{ContactSet, Corner3};
+use super::geometry::{ContactSet, Corner3, has, mask};
 use super::projection::cancel;
 
 /// What the solver found.
@@ -46,7 +46,7 @@ pub(super) struct ConeSolution {
     pub(super) converged: bool,
 }
 
-/// Gradient steps before Newton's method takes over, with friction: 98 of 100 random impacts need fewer.
+/// Gradient steps before Newton's method takes over: 98 of 100 random impacts need fewer.
 const GRADIENT_STEPS: u32 = 200;
 
 /// The normal part made positive, the tangential one cut to the disc that belongs to it.
@@ -62,9 +62,9 @@ fn project(p: DVec3, friction: f64) -> DVec3 {
     }
 }
 
-/// Solves it; `tolerance` is relative to the largest |b_k|. What does not converge is solved with a
-/// quarter of the friction, and so on to none, where the problem is convex: the result always keeps the
-/// normal law and never gains energy; `converged` tells that it had to give way.
+/// Solves it; `tolerance` is relative to the largest |b_k|. What does not converge in half of the iterations is
+/// solved with a quarter of the friction in a quarter of them, and so on, and at last with none, directly: the
+/// result always keeps the normal law and never gains energy; `converged` tells that it had to give way.
 pub(super) fn solve(
     set: &ContactSet,
     b: &Corner3,
@@ -84,23 +84,22 @@ pub(super) fn solve(
         return solution; // nothing approaches: p = 0 is the solution
     }
     let target = tolerance * set.largest(b);
-    let mut gave_way = false;
-    for coefficient in [friction, 0.25 * friction, 0.0625 * friction, 0.0] {
-        attempt(
-            set,
-            b,
-            alpha,
-            coefficient,
-            target,
-            max_iterations,
-            &mut solution,
-        );
+    let mut coefficient = friction;
+    for share in [2, 4, 4] {
+        if coefficient == 0.0 {
+            break;
+        }
+        let limit = solution.iterations + max_iterations / share;
+        attempt(set, b, alpha, coefficient, target, limit, &mut solution);
         if solution.converged {
             break;
         }
-        gave_way = true;
+        coefficient *= 0.25;
     }
-    solution.converged = !gave_way;
+    if coefficient == 0.0 || !solution.converged {
+        solution.p = smooth(set, b, alpha);
+    }
+    solution.converged = coefficient == friction;
     let (v, omega) = set.twist(&solution.p);
     for i in 0..n {
         solution.w[i] = b[i] + alpha * (v + omega.cross(set.lever[i]));
@@ -108,26 +107,87 @@ pub(super) fn solve(
     solution
 }
 
+/// The impulses without friction: the smallest that stop all corners along the normal, if they all push;
+/// otherwise corner after corner is stopped as long as one approaches, and let go where it would have to pull
+/// (Lawson, Hanson, *Solving Least Squares Problems*, 1974, §23: the energy falls with every round, so that it ends).
+fn smooth(set: &ContactSet, b: &Corner3, alpha: f64) -> Corner3 {
+    let stop = |stopped: u8| {
+        let part = set.part(stopped);
+        let mut own = [DVec3::ZERO; 8];
+        let places = (0..set.count).filter(|&i| has(stopped, i));
+        for (u, i) in own.iter_mut().zip(places.clone()) {
+            *u = b[i];
+        }
+        let found = cancel(&part, &own, &[DVec3::Y; 8]);
+        let mut p = [DVec3::ZERO; 8];
+        for (q, i) in found.iter().zip(places) {
+            p[i] = *q / alpha;
+        }
+        p
+    };
+    let all = stop(mask(|i| i < set.count));
+    if all[..set.count].iter().all(|p| p.y >= 0.0) {
+        return all;
+    }
+    let tiny = 1e-14 * set.largest(b);
+    let (mut p, mut stopped) = ([DVec3::ZERO; 8], 0);
+    for _ in 0..4 * set.count {
+        let w = add(b, &set.response(&p), alpha, set.count);
+        let free = (0..set.count).filter(|&i| !has(stopped, i));
+        let Some(next) = free.min_by(|&i, &j| w[i].y.total_cmp(&w[j].y)) else {
+            break;
+        };
+        if w[next].y >= -tiny {
+            break;
+        }
+        stopped |= 1 << next;
+        while stopped != 0 {
+            let wanted = stop(stopped);
+            // As far that way as no corner pulls.
+            let mut way = 1.0_f64;
+            for i in (0..set.count).filter(|&i| has(stopped, i) && wanted[i].y <= 0.0) {
+                way = way.min(p[i].y / (p[i].y - wanted[i].y).max(f64::MIN_POSITIVE));
+            }
+            for i in 0..set.count {
+                p[i] += way * (wanted[i] - p[i]);
+            }
+            if way == 1.0 {
+                break;
+            }
+            let pulled = mask(|i| has(stopped, i) && wanted[i].y <= 0.0 && p[i].y <= 0.0);
+            // Rounding may leave the corner that stopped it a little above zero.
+            let least = (0..set.count)
+                .filter(|&i| has(stopped, i) && wanted[i].y <= 0.0)
+                .min_by(|&i, &j| p[i].y.total_cmp(&p[j].y));
+            let out = pulled | least.map_or(0, |i| 1 << i);
+            stopped &= !out;
+            for i in (0..set.count).filter(|&i| has(out, i)) {
+                p[i] = DVec3::ZERO;
+            }
+        }
+    }
+    p
+}
+
+/// With friction, until `solution.iterations` is `limit`.
 fn attempt(
     set: &ContactSet,
     b: &Corner3,
     alpha: f64,
     friction: f64,
     target: f64,
-    max_iterations: u32,
+    limit: u32,
     solution: &mut ConeSolution,
 ) {
     solution.converged = true;
     if set.count == 1 {
         (solution.p[0], solution.converged) =
             single::solve(&set.block(0, 0, alpha), b[0], friction);
-        solution.iterations += 1;
         if !solution.converged {
-            newton::solve(set, b, alpha, friction, target, solution);
+            newton::solve(set, b, alpha, friction, target, limit, solution);
         }
     } else if set.count == 2 {
         let edge = Edge::new(set, b, alpha, friction, target);
-        solution.iterations += 1;
         if let Some(p) = edge.solve() {
             solution.p[..2].copy_from_slice(&p);
         } else {
@@ -137,18 +197,11 @@ fn attempt(
                 w
             };
             search(
-                set,
-                b,
-                alpha,
-                friction,
-                target,
-                max_iterations,
-                velocities,
-                solution,
+                set, b, alpha, friction, target, limit, velocities, solution,
             );
         }
     } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p) {
-        if set.count <= 4 && friction > 0.0 && set.spans_face() {
+        if set.count <= 4 && set.spans_face() {
             let face = Face {
                 set,
                 b,
@@ -156,7 +209,6 @@ fn attempt(
                 friction,
                 target,
             };
-            solution.iterations += 1;
             if let Some(p) = face.solve() {
                 solution.p = p;
                 return;
@@ -166,14 +218,7 @@ fn attempt(
         }
         let velocities = |p: &Corner3| add(b, &set.response(p), alpha, set.count);
         search(
-            set,
-            b,
-            alpha,
-            friction,
-            target,
-            max_iterations,
-            velocities,
-            solution,
+            set, b, alpha, friction, target, limit, velocities, solution,
         );
     }
 }
@@ -186,24 +231,19 @@ fn search(
     alpha: f64,
     friction: f64,
     target: f64,
-    max_iterations: u32,
+    limit: u32,
     velocities: impl Fn(&Corner3) -> Corner3,
     solution: &mut ConeSolution,
 ) {
     let n = set.count;
     let stiffness = alpha * set.stiffness_bound();
-    // Without friction the problem is convex: gradients alone end it.
-    let patience = if friction > 0.0 {
-        GRADIENT_STEPS.min(max_iterations)
-    } else {
-        max_iterations
-    };
-    for steps in [patience, max_iterations] {
+    for steps in [GRADIENT_STEPS, u32::MAX] {
+        let steps = steps.min(limit.saturating_sub(solution.iterations));
         gradient(n, &velocities, stiffness, friction, target, steps, solution);
         if solution.converged {
             return;
         }
-        newton::solve(set, b, alpha, friction, target, solution);
+        newton::solve(set, b, alpha, friction, target, limit, solution);
         if solution.converged {
             return;
         }
@@ -212,9 +252,6 @@ fn search(
 
 /// The smallest impulses that stop every corner, if the cones allow them.
 fn stick(set: &ContactSet, b: &Corner3, alpha: f64, friction: f64, p: &mut Corner3) -> bool {
-    if friction == 0.0 {
-        return false;
-    }
     let mut stop = cancel(set, b, &[DVec3::ONE; 8]);
     for q in &mut stop[..set.count] {
         *q *= 1.0 / alpha;

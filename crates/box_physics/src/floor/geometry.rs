@@ -235,12 +235,15 @@ impl ContactSet {
         )
     }
 
-    /// The i-th and the j-th corner alone.
-    pub(super) fn pick(&self, [i, j]: [usize; 2]) -> Self {
-        let mut two = Self { count: 2, ..*self };
-        (two.corner[0], two.corner[1]) = (self.corner[i], self.corner[j]);
-        (two.lever[0], two.lever[1]) = (self.lever[i], self.lever[j]);
-        two
+    /// The corners at the places `kept` alone, in the same order.
+    pub(super) fn part(&self, kept: u8) -> Self {
+        let mut part = Self { count: 0, ..*self };
+        for i in (0..self.count).filter(|&i| has(kept, i)) {
+            part.corner[part.count] = self.corner[i];
+            part.lever[part.count] = self.lever[i];
+            part.count += 1;
+        }
+        part
     }
 
     /// Whether its corners hold a face.

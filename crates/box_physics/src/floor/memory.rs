@@ -105,7 +105,7 @@ impl ContactState {
             && rest.floor == *floor
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
-            && (!force.has_wrench() || rest.wrench == force.wrench(body, state))
+            && rest.wrench == wrench(body, state, force)
     }
 
     /// Remembers that the box lies still; `impulse` over `tau` \[s\] held it.
@@ -118,21 +118,26 @@ impl ContactState {
         impulse: &Corner3,
         tau: f64,
     ) {
-        let wrench = if force.has_wrench() {
-            force.wrench(body, state)
-        } else {
-            Wrench::ZERO
-        };
         self.rest = Some(Rest {
             position: state.position,
             rotation: state.rotation,
             half_extents: body.half_extents(),
             mass: body.mass(),
             acceleration: force.acceleration(),
-            wrench,
+            wrench: wrench(body, state, force),
             floor: *floor,
             reaction: impulse.map(|p| p.y / tau),
         });
+    }
+}
+
+/// The wrench that acts, zero where the force model has none: to lose one is a change as well.
+#[inline]
+fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrench {
+    if force.has_wrench() {
+        force.wrench(body, state)
+    } else {
+        Wrench::ZERO
     }
 }
 

@@ -123,10 +123,10 @@ pub struct ContactSettings {
     /// sees; it ends a Zeno sequence of ever smaller bounces, and it is where bounces in earth's
     /// gravity become too many for [`ContactSettings::max_impacts`] at 60 Hz (a hop takes 2u/g).
     pub restitution_threshold: f64,
-    /// Impacts in one step; further ones stop what touches instead of letting it bounce, and are
+    /// Impacts in one step, ≥ 1; further ones stop what touches instead of letting it bounce, and are
     /// counted. Default 16.
     pub max_impacts: u32,
-    /// Iterations of the contact solver. Default 2000: one impact in a hundred needs 200.
+    /// Iterations of the contact solver for one problem, ≥ 1. Default 2000: one impact in a hundred needs 200.
     pub max_iterations: u32,
     /// Of the solver, relative to the fastest corner, and of a corner's height, relative to the size of
     /// the scene (circumradius of the box plus |height of the floor|). 1e-15 to 1e-3; default 1e-12.
@@ -148,6 +148,13 @@ impl ContactSettings {
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check_coefficient("restitution_threshold", self.restitution_threshold)?;
+        let counts = [
+            ("max_impacts", self.max_impacts),
+            ("max_iterations", self.max_iterations),
+        ];
+        for (field, count) in counts {
+            InvalidValue::check(count > 0, field, count.into(), "at least 1")?;
+        }
         InvalidValue::check(
             (1e-15..=1e-3).contains(&self.tolerance),
             "tolerance",

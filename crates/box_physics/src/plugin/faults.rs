@@ -98,6 +98,8 @@ fn named(error: InvalidValue) -> InvalidValue {
         "friction" => "Floor.friction",
         "restitution_threshold" => "ContactSettings.restitution_threshold",
         "tolerance" => "ContactSettings.tolerance",
+        "max_impacts" => "ContactSettings.max_impacts",
+        "max_iterations" => "ContactSettings.max_iterations",
         other => other,
     };
     InvalidValue { field, ..error }

@@ -79,9 +79,6 @@ impl<'a> Edge<'a> {
     pub(super) fn solve(&self) -> Option<[DVec3; 2]> {
         let smooth = self.smooth_normals();
         let likely = usize::from(smooth[1] < smooth[0]);
-        if self.friction == 0.0 && smooth[likely] >= 0.0 {
-            return self.checked(smooth.map(|p| DVec3::Y * p));
-        }
         let t = self.first_directions(smooth);
         // Full friction that turns no slip round is the answer, or near it.
         let slides = |t| self.sliding(t).is_some_and(|s| s.forward);

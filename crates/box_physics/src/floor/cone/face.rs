@@ -158,7 +158,7 @@ impl Face<'_> {
         let mut order = [0, 1, 2, 3];
         order[..n].sort_by(|&i, &j| stop[j].y.total_cmp(&stop[i].y));
         let pair = [order[0].min(order[1]), order[0].max(order[1])];
-        let edge_set = self.set.pick(pair);
+        let edge_set = self.set.part(1 << pair[0] | 1 << pair[1]);
         let mut b = [DVec3::ZERO; 8];
         (b[0], b[1]) = (self.b[pair[0]], self.b[pair[1]]);
         let edge = Edge::new(&edge_set, &b, self.alpha, self.friction, self.target);

@@ -25,13 +25,15 @@ const STEPS: u32 = 60;
 /// Dampings tried for one step, each ten times the last.
 const DAMPINGS: u32 = 12;
 
-/// Improves `solution.p` until |w| is right to `target`; says in `converged` whether it could.
+/// Improves `solution.p` until |w| is right to `target` or `solution.iterations` is `limit`; says in `converged`
+/// whether it could.
 pub(super) fn solve(
     set: &ContactSet,
     b: &Corner3,
     alpha: f64,
     friction: f64,
     target: f64,
+    limit: u32,
     solution: &mut ConeSolution,
 ) {
     let n = set.count;
@@ -52,7 +54,7 @@ pub(super) fn solve(
             operator: &operator,
         };
         for start in [solution.p, [DVec3::ZERO; 8], even, stop] {
-            if let Some(p) = problem.descend(start, target, &mut solution.iterations) {
+            if let Some(p) = problem.descend(start, target, limit, &mut solution.iterations) {
                 solution.p = p.map(|q| project(q, friction));
                 solution.converged = true;
                 return;
@@ -86,12 +88,18 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// The zero of F that is reached from `p`.
-    fn descend(&self, mut p: Corner3, target: f64, iterations: &mut u32) -> Option<Corner3> {
+    fn descend(
+        &self,
+        mut p: Corner3,
+        target: f64,
+        limit: u32,
+        iterations: &mut u32,
+    ) -> Option<Corner3> {
         let n = self.set.count;
         let mut damping = 1e-6;
         let (mut q, mut f) = self.residual(&p);
         let mut square = self.set.dot(&f, &f);
-        for _ in 0..STEPS {
+        for _ in 0..STEPS.min(limit.saturating_sub(*iterations)) {
             *iterations += 1;
             if self.set.largest(&f) <= target * self.rho {
                 return Some(p);

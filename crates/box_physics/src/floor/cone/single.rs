@@ -38,10 +38,6 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
     if b.y >= 0.0 {
         return (DVec3::ZERO, true);
     }
-    let smooth = DVec3::Y * (-b.y / w.y_axis.y);
-    if friction == 0.0 {
-        return (smooth, true);
-    }
     let stick = -(w.inverse() * b);
     let tangential = stick.x * stick.x + stick.z * stick.z;
     if stick.y > 0.0 && tangential <= (friction * stick.y) * (friction * stick.y) {
@@ -49,7 +45,7 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
     }
     match slide(w, b, friction) {
         Some(p) => (p, true),
-        None => (smooth, false),
+        None => (DVec3::Y * (-b.y / w.y_axis.y), false),
     }
 }
 

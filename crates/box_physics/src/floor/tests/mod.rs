@@ -9,7 +9,7 @@ mod slide;
 
 use glam::{DQuat, DVec3};
 
-use super::{ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
+use super::{ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, split_step};
@@ -61,16 +61,26 @@ impl Scene {
     }
 
     pub(super) fn step<S: Integrate>(&mut self, h: f64) -> FloorOutcome {
+        let gravity = self.gravity;
+        self.step_under::<S>(&gravity, h, None)
+    }
+
+    pub(super) fn step_under<S: Integrate>(
+        &mut self,
+        force: &impl ForceModel,
+        h: f64,
+        points: Option<&mut Vec<ContactPoint>>,
+    ) -> FloorOutcome {
         let outcome = step_on_floor::<S, _>(
             &self.floor,
             &self.settings,
             &self.body,
             &mut self.state,
-            &self.gravity,
+            force,
             h,
             &mut self.memory,
             &mut self.contact,
-            None,
+            points,
         );
         self.total += outcome;
         outcome

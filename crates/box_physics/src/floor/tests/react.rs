@@ -1,6 +1,7 @@
 //! What changes from outside, extremes, and what is reported.
 use super::super::{ContactPhase, may_touch};
 use super::*;
+use crate::force::{Forces, Frame, PointForce, Spring};
 use crate::integrators::{Rk4, Split};
 
 fn resting() -> Scene {
@@ -76,6 +77,58 @@ fn a_resting_box_reacts_to_what_changes() {
         scene.state.velocity.y = push;
         scene.step::<Split>(1e-8);
         assert!(scene.state.position.y > 0.25 && !scene.contact.is_resting());
+    }
+}
+
+/// A wrench that is taken away is a change like any other: what was held down by it rises, and what still rests
+/// is pressed less.
+#[test]
+fn rest_under_a_force_ends_with_the_force() {
+    let half = DVec3::new(0.5, 0.25, 0.375);
+    let spring = Spring {
+        body_point: DVec3::ZERO,
+        anchor: DVec3::NEG_Y,
+        stiffness: 50.0,
+        damping: 5.0,
+    };
+    let press = PointForce {
+        body_point: DVec3::ZERO,
+        force: DVec3::NEG_Y * 20.0,
+        frame: Frame::World,
+    };
+    let mut points = Vec::new();
+    for rises in [true, false] {
+        let mut scene = Scene::new(half, 0.3, 0.5);
+        let law = Forces {
+            acceleration: DVec3::Y * if rises { 1.0 } else { -G },
+            ..Forces::default()
+        };
+        let pressed = Forces {
+            springs: if rises { core::slice::from_ref(&spring) } else { &[] },
+            point_forces: if rises { &[] } else { core::slice::from_ref(&press) },
+            ..law
+        };
+        let mut step = |law: &Forces<'_>| {
+            points.clear();
+            scene.step_under::<Split>(law, SIXTIETH, Some(&mut points));
+            let normal: f64 = points.iter().map(|p| p.normal_impulse).sum();
+            (scene.contact.is_resting(), scene.state, normal / SIXTIETH)
+        };
+        for _ in 0..3 {
+            step(&pressed);
+        }
+        let (resting, pose, force) = step(&pressed);
+        let wanted = if rises { 50.0 * 1.25 - 3.0 } else { 3.0 * G + 20.0 };
+        assert!(resting && (force - wanted).abs() < 1e-9, "{force} {wanted}");
+        step(&law);
+        let (resting, end, force) = step(&law);
+        if rises {
+            assert!(!resting && end.position.y > 0.25);
+            assert_eq!(force, 0.0);
+        } else {
+            assert!(resting && (force - 3.0 * G).abs() < 1e-9, "{force}");
+            assert_eq!(end, pose);
+        }
     }
 }
 
@@ -170,17 +223,8 @@ fn contact_points_tell_the_story() {
     for _ in 0..120 {
         let (before, mut sum) = (scene.state.velocity.y, 0.0);
         points.clear();
-        step_on_floor::<Split, _>(
-            &scene.floor,
-            &scene.settings,
-            &scene.body,
-            &mut scene.state,
-            &scene.gravity,
-            SIXTIETH,
-            &mut scene.memory,
-            &mut scene.contact,
-            Some(&mut points),
-        );
+        let gravity = scene.gravity;
+        scene.step_under::<Split>(&gravity, SIXTIETH, Some(&mut points));
         for p in &points {
             sum += p.normal_impulse;
             assert!(p.point.y.abs() < 1.0 && p.normal_impulse >= 0.0);
@@ -206,4 +250,17 @@ fn nothing_happens_in_no_time() {
     assert_eq!(scene.state, before);
     scene.state.velocity.y = f64::NAN;
     scene.step::<Split>(SIXTIETH); // left to the quarantine; must not hang or panic
+}
+
+#[test]
+fn settings_that_forbid_every_impact_or_iteration_are_refused() {
+    let bad = |change: fn(&mut ContactSettings)| {
+        let mut settings = ContactSettings::DEFAULT;
+        change(&mut settings);
+        settings.validate().map_err(|e| e.to_string())
+    };
+    assert_eq!(bad(|_| ()), Ok(()));
+    let wanted = |field: &str| Err(format!("{field} must be at least 1, but is 0"));
+    assert_eq!(bad(|s| s.max_impacts = 0), wanted("max_impacts"));
+    assert_eq!(bad(|s| s.max_iterations = 0), wanted("max_iterations"));
 }
