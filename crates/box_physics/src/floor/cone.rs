@@ -196,9 +196,7 @@ fn attempt(
                 w[..2].copy_from_slice(&edge.velocities([p[0], p[1]]));
                 w
             };
-            search(
-                set, b, alpha, friction, target, limit, velocities, solution,
-            );
+            search(set, b, alpha, friction, target, limit, velocities, solution);
         }
     } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p) {
         if set.count <= 4 && set.spans_face() {
@@ -217,9 +215,7 @@ fn attempt(
             return;
         }
         let velocities = |p: &Corner3| add(b, &set.response(p), alpha, set.count);
-        search(
-            set, b, alpha, friction, target, limit, velocities, solution,
-        );
+        search(set, b, alpha, friction, target, limit, velocities, solution);
     }
 }
 

@@ -104,8 +104,16 @@ fn rest_under_a_force_ends_with_the_force() {
             ..Forces::default()
         };
         let pressed = Forces {
-            springs: if rises { core::slice::from_ref(&spring) } else { &[] },
-            point_forces: if rises { &[] } else { core::slice::from_ref(&press) },
+            springs: if rises {
+                core::slice::from_ref(&spring)
+            } else {
+                &[]
+            },
+            point_forces: if rises {
+                &[]
+            } else {
+                core::slice::from_ref(&press)
+            },
             ..law
         };
         let mut step = |law: &Forces<'_>| {
@@ -118,7 +126,11 @@ fn rest_under_a_force_ends_with_the_force() {
             step(&pressed);
         }
         let (resting, pose, force) = step(&pressed);
-        let wanted = if rises { 50.0 * 1.25 - 3.0 } else { 3.0 * G + 20.0 };
+        let wanted = if rises {
+            50.0 * 1.25 - 3.0
+        } else {
+            3.0 * G + 20.0
+        };
         assert!(resting && (force - wanted).abs() < 1e-9, "{force} {wanted}");
         step(&law);
         let (resting, end, force) = step(&law);
