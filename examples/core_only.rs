@@ -1,7 +1,7 @@
 //! The physics without Bevy's `App`: values and one function call a step. For servers, tools, tests and
 //! papers. `cargo run --release --example core_only`
 
-use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::integrators::Split;
 use box_physics::prelude::*;
 
@@ -39,11 +39,13 @@ fn main() -> Result<(), InvalidValue> {
     let mut impacts = 0;
     for _ in 0..600 {
         impacts += step_on_floor::<Split, _>(
-            &floor,
-            &settings,
-            &brick,
+            &FloorContext {
+                floor: &floor,
+                settings: &settings,
+                body: &brick,
+                force: &gravity,
+            },
             &mut state,
-            &gravity,
             h,
             &mut memory,
             &mut contact,

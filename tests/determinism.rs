@@ -7,7 +7,7 @@ use bevy::app::TaskPoolOptions;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::digest::{fingerprint, state_digest};
-use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::*;
 
@@ -95,11 +95,13 @@ impl IntegratorVisitor for Scene {
             };
             for _ in 0..self.steps {
                 step_on_floor::<S, _>(
-                    &floor,
-                    &settings,
-                    &body,
+                    &FloorContext {
+                        floor: &floor,
+                        settings: &settings,
+                        body: &body,
+                        force: &law,
+                    },
                     &mut state,
-                    &law,
                     H,
                     &mut memory,
                     &mut contact,

@@ -1,6 +1,6 @@
 //! One box over the floor in each of the states that cost differently, stepped by the bare core.
 
-use box_physics::floor::{ContactState, step_on_floor};
+use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::integrators::Split;
 use box_physics::prelude::*;
 
@@ -111,11 +111,13 @@ impl ContactBench {
     pub fn step(&mut self) -> BodyState {
         let mut state = self.start;
         step_on_floor::<Split, _>(
-            &Floor::default(),
-            &ContactSettings::default(),
-            &self.body,
+            &FloorContext {
+                floor: &Floor::default(),
+                settings: &ContactSettings::default(),
+                body: &self.body,
+                force: &Gravity(DVec3::NEG_Y * 9.81),
+            },
             &mut state,
-            &Gravity(DVec3::NEG_Y * 9.81),
             1.0 / 60.0,
             &mut self.memory,
             &mut self.contact,
@@ -145,11 +147,13 @@ mod tests {
             let mut sum = 0;
             for _ in 0..steps {
                 let outcome = step_on_floor::<Exact, _>(
-                    &floor,
-                    &ContactSettings::default(),
-                    &body,
+                    &FloorContext {
+                        floor: &floor,
+                        settings: &ContactSettings::default(),
+                        body: &body,
+                        force: &law,
+                    },
                     &mut state,
-                    &law,
                     1.0 / 60.0,
                     &mut memory,
                     &mut contact,

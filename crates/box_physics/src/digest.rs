@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::body::RigidBox;
-use crate::floor::{ContactSettings, ContactState, Floor, step_on_floor};
+use crate::floor::{ContactSettings, ContactState, Floor, FloorContext, step_on_floor};
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
@@ -130,11 +130,13 @@ impl IntegratorVisitor for FixedScene {
             let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
             for _ in 0..Self::STEPS {
                 step_on_floor::<S, _>(
-                    &floor,
-                    &settings,
-                    &body,
+                    &FloorContext {
+                        floor: &floor,
+                        settings: &settings,
+                        body: &body,
+                        force: &laws[k],
+                    },
                     &mut state,
-                    &laws[k],
                     Self::DT,
                     &mut memory,
                     &mut contact,

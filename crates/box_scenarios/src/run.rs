@@ -1,7 +1,7 @@
 //! Advancing a setup by any integrator: from sample to sample, through its impulses, in equal steps.
 
 use box_physics::body::RigidBox;
-use box_physics::floor::{ContactSettings, ContactState, Floor, step_on_floor};
+use box_physics::floor::{ContactSettings, ContactState, Floor, FloorContext, step_on_floor};
 use box_physics::force::{Dissipation, ForceModel, Gravity};
 use box_physics::integrators::{
     Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome,
@@ -91,7 +91,17 @@ impl<F: ForceModel> IntegratorVisitor for Steps<'_, F> {
                 for _ in 0..self.n {
                     let (floor, settings, contact) = (&f.floor, &f.settings, &mut f.contact);
                     let outcome = step_on_floor::<S, F>(
-                        floor, settings, body, state, force, h, memory, contact, None,
+                        &FloorContext {
+                            floor,
+                            settings,
+                            body,
+                            force,
+                        },
+                        state,
+                        h,
+                        memory,
+                        contact,
+                        None,
                     );
                     totals.count(outcome.step);
                 }

@@ -1,7 +1,9 @@
 //! One integrator on one scene, outside the ECS: the core with a clock of its own, stepped as the plugin
 //! steps a body, bit for bit.
 
-use box_physics::floor::{ContactSettings, ContactState, Floor, may_touch, step_on_floor};
+use box_physics::floor::{
+    ContactSettings, ContactState, Floor, FloorContext, may_touch, step_on_floor,
+};
 use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::{
     BodyState, DVec3, Dissipation, ForceModel, Gravity, Integrator, IntegratorMemory, RigidBox,
@@ -180,11 +182,13 @@ impl<F: ForceModel> IntegratorVisitor for OneStep<'_, F> {
             {
                 let settings = ContactSettings::default();
                 let outcome = step_on_floor::<S, _>(
-                    floor,
-                    &settings,
-                    body,
+                    &FloorContext {
+                        floor,
+                        settings: &settings,
+                        body,
+                        force: law,
+                    },
                     self.state,
-                    law,
                     h,
                     self.memory,
                     self.contact,

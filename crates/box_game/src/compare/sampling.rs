@@ -5,7 +5,9 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use bevy::prelude::*;
-use box_physics::floor::{ContactSettings, ContactState, Floor, may_touch, step_on_floor};
+use box_physics::floor::{
+    ContactSettings, ContactState, Floor, FloorContext, may_touch, step_on_floor,
+};
 use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::{
     BodyState, ForceModel, Forces, Gravity, Integrator, IntegratorMemory, PhysicsClock, RigidBox,
@@ -157,7 +159,17 @@ impl<F: ForceModel> IntegratorVisitor for Passes<'_, F> {
                     Some((floor, settings)) if may_touch(floor, body, state, self.law, self.h) => {
                         let contact = &mut contacts[i];
                         step_on_floor::<S, F>(
-                            floor, settings, body, state, self.law, self.h, memory, contact, None,
+                            &FloorContext {
+                                floor,
+                                settings,
+                                body,
+                                force: self.law,
+                            },
+                            state,
+                            self.h,
+                            memory,
+                            contact,
+                            None,
                         )
                         .step
                     }

@@ -1,6 +1,6 @@
 //! The commonest step of a box near the floor: it flies by.
 
-use super::Floor;
+use super::FloorContext;
 use super::bounds::{acceleration_bound, curvature_bound};
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
@@ -26,15 +26,14 @@ pub(super) struct Flown {
 
 /// The commonest case. The lowest corner stands for all. `spare` gets the memory of what is not made.
 pub(super) fn fly<S: Integrate, F: ForceModel>(
-    floor: &Floor,
-    body: &RigidBox,
+    context: &FloorContext<'_, F>,
     state: &mut BodyState,
-    force: &F,
     h: f64,
     memory: &mut IntegratorMemory,
     spare: &mut IntegratorMemory,
-    margin: f64,
 ) -> Flight {
+    let (floor, body, force) = (context.floor, context.body, context.force);
+    let margin = 2.0 * context.tolerated_height();
     let clearance = |s: &BodyState| {
         s.position.y - floor.height - world_half_extents(s.rotation, body.half_extents()).y
     };

@@ -5,8 +5,7 @@ use glam::{DMat3, DVec3};
 use super::cone::{self, ConeSolution};
 use super::geometry::{ContactSet, Corner3, Corners, spans_face};
 use super::projection::cancel;
-use super::{ContactSettings, Floor};
-use crate::body::RigidBox;
+use super::{ContactSettings, FloorContext};
 use crate::state::BodyState;
 
 /// How an impact is treated.
@@ -32,15 +31,19 @@ pub(super) struct ImpactOutcome {
 
 /// Solves and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction in the
 /// round cone against the slip afterwards u⁺_t (Coulomb).
-pub(super) fn strike(
-    floor: &Floor,
-    settings: &ContactSettings,
-    body: &RigidBox,
+pub(super) fn strike<F>(
+    context: &FloorContext<'_, F>,
     state: &mut BodyState,
     corners: &Corners,
     touching: u8,
     kind: ImpactKind,
 ) -> ImpactOutcome {
+    let &FloorContext {
+        floor,
+        settings,
+        body,
+        ..
+    } = context;
     let attitude = DMat3::from_quat(state.rotation);
     let set = ContactSet::new(body, attitude, &corners.lever, touching);
     let before = set.velocities((state.velocity, state.angular_velocity(body)));

@@ -4,8 +4,8 @@
 use crate::ecs::*;
 use glam::{DQuat, DVec3};
 
-use super::Floor;
 use super::geometry::{Corner3, has};
+use super::{Floor, FloorContext};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
 use crate::integrators::IntegratorMemory;
@@ -89,11 +89,10 @@ impl ContactState {
     #[inline]
     pub(super) fn still_rests<F: ForceModel>(
         &self,
-        floor: &Floor,
-        body: &RigidBox,
+        context: &FloorContext<'_, F>,
         state: &BodyState,
-        force: &F,
     ) -> bool {
+        let (body, force) = (context.body, context.force);
         let Some(rest) = &self.rest else {
             return false;
         };
@@ -102,7 +101,7 @@ impl ContactState {
             && state.velocity == DVec3::ZERO
             && state.angular_momentum == DVec3::ZERO
             && rest.acceleration == force.acceleration()
-            && rest.floor == *floor
+            && rest.floor == *context.floor
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
             && rest.wrench == wrench(body, state, force)
@@ -111,13 +110,12 @@ impl ContactState {
     /// Remembers that the box lies still; `impulse` over `tau` \[s\] held it.
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
-        floor: &Floor,
-        body: &RigidBox,
+        context: &FloorContext<'_, F>,
         state: &BodyState,
-        force: &F,
         impulse: &Corner3,
         tau: f64,
     ) {
+        let (body, force) = (context.body, context.force);
         self.rest = Some(Rest {
             position: state.position,
             rotation: state.rotation,
@@ -125,7 +123,7 @@ impl ContactState {
             mass: body.mass(),
             acceleration: force.acceleration(),
             wrench: wrench(body, state, force),
-            floor: *floor,
+            floor: *context.floor,
             reaction: impulse.map(|p| p.y / tau),
         });
     }

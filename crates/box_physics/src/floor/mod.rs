@@ -171,6 +171,26 @@ impl Default for ContactSettings {
     }
 }
 
+/// A body, its force model and the floor below it: what a step over the floor reads.
+#[derive(Clone, Copy, Debug)]
+pub struct FloorContext<'a, F> {
+    /// The floor.
+    pub floor: &'a Floor,
+    /// How contact is solved.
+    pub settings: &'a ContactSettings,
+    /// The box.
+    pub body: &'a RigidBox,
+    /// The forces on it, contact aside.
+    pub force: &'a F,
+}
+
+impl<F> FloorContext<'_, F> {
+    /// |c| at which a corner touches \[m\].
+    fn tolerated_height(&self) -> f64 {
+        self.settings.tolerance * (self.body.radius() + self.floor.height.abs())
+    }
+}
+
 /// What a step over the floor cost, and whether it had to give way. Nothing is limited silently.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]

@@ -10,10 +10,9 @@ use super::impact::{ImpactKind, strike};
 use super::memory::Ledger;
 use super::projection::lift_out;
 use super::sustained::{Piece, Start, candidates, limit_energy, longest_piece};
-use super::{ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome};
-use crate::body::RigidBox;
+use super::{ContactPoint, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
-use crate::integrators::{Integrate, IntegratorMemory};
+use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
 
 /// Pieces of sustained motion in a step; a body that needs more gets longer ones.
@@ -47,37 +46,34 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 /// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is left to the integrator.
 ///
 /// ```
-/// use box_physics::floor::{ContactState, step_on_floor};
+/// use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 /// use box_physics::prelude::*;
 /// use box_physics::integrators::Split;
 /// // A cube is dropped from a meter, without an App.
 /// let (body, floor, settings) = (RigidBox::default(), Floor::default(), ContactSettings::default());
 /// let weight = Gravity(DVec3::new(0.0, -9.81, 0.0));
 /// let mut state = BodyState::at(DVec3::Y * 1.5);
+/// let context = FloorContext { floor: &floor, settings: &settings, body: &body, force: &weight };
 /// let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+/// let h = 1.0 / 60.0;
 /// for _ in 0..600 {
-///     step_on_floor::<Split, _>(
-///         &floor, &settings, &body, &mut state, &weight, 1.0 / 60.0, &mut memory, &mut contact, None,
-///     );
+///     step_on_floor::<Split, _>(&context, &mut state, h, &mut memory, &mut contact, None);
 /// }
 /// assert!(contact.is_resting() && (state.position.y - 0.5).abs() < 1e-9);
 /// ```
 pub fn step_on_floor<S: Integrate, F: ForceModel>(
-    floor: &Floor,
-    settings: &ContactSettings,
-    body: &RigidBox,
+    context: &FloorContext<'_, F>,
     state: &mut BodyState,
-    force: &F,
     h: f64,
     memory: &mut IntegratorMemory,
     contact: &mut ContactState,
     points: Option<&mut Vec<ContactPoint>>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
-    if contact.still_rests(floor, body, state, force) {
+    if contact.still_rests(context, state) {
         outcome.resting = true;
         if let Some(points) = points {
-            report_rest(floor, body, state, h, contact, points);
+            report_rest(context, state, h, contact, points);
         }
         return outcome;
     }
@@ -87,17 +83,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     contact.rest = None;
     let mut flown = None;
     if contact.touching == 0 {
-        let margin = 2.0 * tolerated_height(floor, settings, body);
-        match fly::<S, F>(
-            floor,
-            body,
-            state,
-            force,
-            h,
-            memory,
-            &mut contact.spare.0[0],
-            margin,
-        ) {
+        match fly::<S, F>(context, state, h, memory, &mut contact.spare.0[0]) {
             Flight::Clear(flight) => {
                 outcome.step = flight;
                 return outcome;
@@ -106,23 +92,60 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
             Flight::Low => {}
         }
     }
-    outcome = between_events::<S, F>(
-        floor, settings, body, state, force, h, memory, contact, points, flown,
-    );
+    outcome = between_events::<S, F>(context, state, h, memory, contact, points, flown);
     // However many pieces and trials it took: one step gave way once.
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
     outcome.step.unconverged = outcome.step.unconverged.min(1);
     outcome
 }
 
+impl Integrator {
+    /// [`step_on_floor`] by the chosen integrator.
+    #[inline]
+    pub fn step_on_floor<F: ForceModel>(
+        self,
+        context: &FloorContext<'_, F>,
+        state: &mut BodyState,
+        h: f64,
+        memory: &mut IntegratorMemory,
+        contact: &mut ContactState,
+        points: Option<&mut Vec<ContactPoint>>,
+    ) -> FloorOutcome {
+        self.dispatch(StepOnFloor {
+            context,
+            state,
+            h,
+            memory,
+            contact,
+            points,
+        })
+    }
+}
+
+/// The arguments of [`Integrator::step_on_floor`].
+struct StepOnFloor<'a, 'c, F> {
+    context: &'a FloorContext<'c, F>,
+    state: &'a mut BodyState,
+    h: f64,
+    memory: &'a mut IntegratorMemory,
+    contact: &'a mut ContactState,
+    points: Option<&'a mut Vec<ContactPoint>>,
+}
+
+impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
+    type Output = FloorOutcome;
+
+    fn visit<S: Integrate>(self) -> FloorOutcome {
+        let (state, memory, contact) = (self.state, self.memory, self.contact);
+        step_on_floor::<S, F>(self.context, state, self.h, memory, contact, self.points)
+    }
+}
+
 /// The step of a box that touches the floor or may: piece after piece. `flown` is the plain step, if it is known.
 #[inline(never)] // its large frame is not for boxes that rest or fly
 fn between_events<S: Integrate, F: ForceModel>(
-    floor: &Floor,
-    settings: &ContactSettings,
-    body: &RigidBox,
+    context: &FloorContext<'_, F>,
     state: &mut BodyState,
-    force: &F,
     h: f64,
     memory: &mut IntegratorMemory,
     contact: &mut ContactState,
@@ -130,7 +153,13 @@ fn between_events<S: Integrate, F: ForceModel>(
     mut flown: Option<Flown>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
-    let tolerance = tolerated_height(floor, settings, body);
+    let &FloorContext {
+        floor,
+        settings,
+        body,
+        force,
+    } = context;
+    let tolerance = context.tolerated_height();
     let [first, second] = core::mem::take(&mut contact.spare.0);
     let (mut first, mut second) = (Piece::new(first), Piece::new(second));
     let mut ledger = Ledger::new();
@@ -151,7 +180,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             || outcome.impacts_capped > settings.max_impacts;
         if exhausted {
             outcome.solves_capped += 1;
-            rest_of_step::<S, F>(floor, body, state, force, rest, memory);
+            rest_of_step::<S, F>(context, state, rest, memory);
             corners = Corners::at(floor, body, state);
             break;
         }
@@ -169,7 +198,7 @@ fn between_events<S: Integrate, F: ForceModel>(
                 outcome.impacts_capped += 1;
                 ImpactKind::Resting
             };
-            let hit = strike(floor, settings, body, state, &corners, touching, kind);
+            let hit = strike(context, state, &corners, touching, kind);
             ledger.add(state, &corners.lever, &hit.impulse);
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
@@ -186,10 +215,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             time = rest.min(longest_piece(body, state, pull).max(rest / left));
         }
         let start = Start {
-            floor,
-            settings,
-            body,
-            force,
+            context,
             state: *state,
             memory,
             corners: &corners,
@@ -202,7 +228,6 @@ fn between_events<S: Integrate, F: ForceModel>(
         let (tau, piece) = move_until_event::<S, F>(
             &start,
             time,
-            tolerance,
             flown.take(),
             &mut first,
             &mut second,
@@ -211,7 +236,7 @@ fn between_events<S: Integrate, F: ForceModel>(
         iterations += piece.iterations;
         outcome.solves_capped += u32::from(piece.capped);
         if piece.still {
-            contact.establish_rest(floor, body, state, force, &piece.impulse, tau);
+            contact.establish_rest(context, state, &piece.impulse, tau);
             let whole = piece.impulse.map(|p| p * (rest / tau));
             ledger.add(state, &corners.lever, &whole);
             break;
@@ -239,16 +264,15 @@ fn between_events<S: Integrate, F: ForceModel>(
 }
 
 /// What holds a box that lies still.
-fn report_rest(
-    floor: &Floor,
-    body: &RigidBox,
+fn report_rest<F>(
+    context: &FloorContext<'_, F>,
     state: &BodyState,
     h: f64,
     contact: &ContactState,
     points: &mut Vec<ContactPoint>,
 ) {
     let mut ledger = Ledger::new();
-    let corners = Corners::at(floor, body, state);
+    let corners = Corners::at(context.floor, context.body, state);
     if let Some(rest) = &contact.rest {
         let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
         ledger.add(state, &corners.lever, &impulse);
@@ -257,17 +281,11 @@ fn report_rest(
     ledger.report(points, state, &corners.lever, touching, touching);
 }
 
-/// |c| at which a corner touches \[m\].
-fn tolerated_height(floor: &Floor, settings: &ContactSettings, body: &RigidBox) -> f64 {
-    settings.tolerance * (body.radius() + floor.height.abs())
-}
-
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
 /// step over `time`, if it is known, with its memory in the first of the pieces, which are overwritten.
 fn move_until_event<'a, S: Integrate, F: ForceModel>(
     start: &Start<F>,
     time: f64,
-    tolerance: f64,
     flown: Option<Flown>,
     whole: &'a mut Piece,
     other: &'a mut Piece,
@@ -302,7 +320,9 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
     }
     let watch = !start.candidates;
     let held = start.candidates != 0;
-    let center = start.state.position.y.max(whole.state.position.y) - start.floor.height;
+    let context = start.context;
+    let (floor, body) = (context.floor, context.body);
+    let center = start.state.position.y.max(whole.state.position.y) - floor.height;
     let search = Search {
         watch,
         start: start.corners.height,
@@ -311,13 +331,13 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
         end_rate: if held {
             [f64::NAN; 8]
         } else {
-            normal_velocities(start.body, &whole.state, &whole.corners)
+            normal_velocities(body, &whole.state, &whole.corners)
         },
         time: tau,
-        curvature: curvature_bound(start.body, &start.state, start.acceleration, start.force),
-        tolerance,
-        dip: tolerance * if held { DIP_HELD } else { DIP_FREE },
-        highest: center + start.body.radius() + tau * start.state.velocity.length(),
+        curvature: curvature_bound(body, &start.state, start.acceleration, context.force),
+        tolerance: context.tolerated_height(),
+        dip: context.tolerated_height() * if held { DIP_HELD } else { DIP_FREE },
+        highest: center + body.radius() + tau * start.state.velocity.length(),
         budget: if held {
             SEARCH_BUDGET_HELD
         } else {
@@ -338,7 +358,7 @@ impl Piece {
     fn fly_to<F>(&mut self, start: &Start<F>, end: Flown) {
         self.clear();
         self.outcome = end.outcome;
-        self.corners = Corners::at(start.floor, start.body, &end.state);
+        self.corners = Corners::at(start.context.floor, start.context.body, &end.state);
         self.state = end.state;
     }
 }
@@ -348,8 +368,9 @@ impl<F: ForceModel> Start<'_, F> {
     fn spent<S: Integrate>(&self, outcome: &mut FloorOutcome, tau: f64, piece: &mut Piece) {
         piece.memory.clone_from(self.memory);
         if self.candidates == 0 {
+            let (body, force) = (self.context.body, self.context.force);
             let mut state = self.state;
-            let outcome = S::step(self.body, &mut state, self.force, tau, &mut piece.memory);
+            let outcome = S::step(body, &mut state, force, tau, &mut piece.memory);
             piece.fly_to(self, Flown { state, outcome });
         } else {
             self.advance::<S>(tau, piece);
@@ -360,13 +381,12 @@ impl<F: ForceModel> Start<'_, F> {
 
 /// What is left when the caps are reached: one plain step, out of the floor, no approach, no gain.
 fn rest_of_step<S: Integrate, F: ForceModel>(
-    floor: &Floor,
-    body: &RigidBox,
+    context: &FloorContext<'_, F>,
     state: &mut BodyState,
-    force: &F,
     rest: f64,
     memory: &mut IntegratorMemory,
 ) {
+    let (floor, body, force) = (context.floor, context.body, context.force);
     let start = *state;
     S::step(body, state, force, rest, memory);
     lift_out(floor, state, &mut Corners::at(floor, body, state));

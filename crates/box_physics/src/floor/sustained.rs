@@ -17,11 +17,11 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::FloorContext;
 use super::cone;
 use super::geometry::{ContactSet, Corner3, Corners, has, levers, mask, spans_face};
 use super::projection::{cancel, lift_out, place_on_floor};
 use super::slips::{STOPPED, Slips};
-use super::{ContactSettings, Floor};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::integrators::{Integrate, IntegratorMemory, Split, StepOutcome};
@@ -81,10 +81,7 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
 
 /// What a piece needs to know besides the floor and the body.
 pub(super) struct Start<'a, F> {
-    pub(super) floor: &'a Floor,
-    pub(super) settings: &'a ContactSettings,
-    pub(super) body: &'a RigidBox,
-    pub(super) force: &'a F,
+    pub(super) context: &'a FloorContext<'a, F>,
     pub(super) state: BodyState,
     pub(super) memory: &'a IntegratorMemory,
     pub(super) corners: &'a Corners,
@@ -148,12 +145,18 @@ impl Piece {
 impl<F: ForceModel> Start<'_, F> {
     /// The motion over `tau` \[s\] by integrator `S`, from the memory that `piece` holds.
     pub(super) fn advance<S: Integrate>(&self, tau: f64, piece: &mut Piece) {
-        let (floor, body, start) = (self.floor, self.body, &self.state);
+        let &FloorContext {
+            floor,
+            settings,
+            body,
+            force,
+        } = self.context;
+        let start = &self.state;
         let mut free = *start;
         let mut outcome = Split::step(
             body,
             &mut free,
-            self.force,
+            force,
             tau,
             &mut IntegratorMemory::default(),
         );
@@ -163,7 +166,6 @@ impl<F: ForceModel> Start<'_, F> {
 
         let d = self.mean_velocities(&free, &set, tau);
         let rate = 1.0 / tau;
-        let settings = self.settings;
         let friction = floor.friction;
         let solution = cone::solve(
             &set,
@@ -193,7 +195,7 @@ impl<F: ForceModel> Start<'_, F> {
 
         let (force, torque) = set.resultant(&solution.p);
         let law = Supported {
-            inner: self.force,
+            inner: self.context.force,
             acceleration: force * (rate * body.inverse_mass()),
             torque: torque * rate,
         };
@@ -216,20 +218,23 @@ impl<F: ForceModel> Start<'_, F> {
     /// as it gets, since displacements over a short time, or far from the origin, are mostly rounding.
     fn mean_velocities(&self, free: &BodyState, set: &ContactSet, tau: f64) -> Corner3 {
         let start = &self.state;
+        let &FloorContext {
+            floor, body, force, ..
+        } = self.context;
         let rate = 1.0 / tau;
         // Exact under a uniform acceleration.
         let mut center = 0.5 * (start.velocity + free.velocity);
-        if self.force.has_wrench() || self.force.dissipation() != Dissipation::NONE {
+        if force.has_wrench() || force.dissipation() != Dissipation::NONE {
             let path = (free.position - start.position) * rate;
             if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
                 center = path;
             }
         }
         // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
-        let omega = 0.5 * (start.angular_velocity(self.body) + free.angular_velocity(self.body));
+        let omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
         let mut d = set.velocities((center, omega));
         if omega.length() * tau >= 0.01 {
-            let moved = Corners::at(self.floor, self.body, free);
+            let moved = Corners::at(floor, body, free);
             for i in 0..set.count {
                 let k = usize::from(set.corner[i]);
                 d[i] = center + (moved.lever[k] - self.corners.lever[k]) * rate;
@@ -240,7 +245,7 @@ impl<F: ForceModel> Start<'_, F> {
 
     /// Projects the end of a piece onto what the held corners allow; those in `stuck` have no mean slip.
     fn settle(&self, piece: &mut Piece, held: u8, stuck: u8, tau: f64) {
-        let (floor, body) = (self.floor, self.body);
+        let (floor, body) = (self.context.floor, self.context.body);
         let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
         piece.corners = place_on_floor(floor, body, &mut piece.state, held);
         let attitude = DMat3::from_quat(piece.state.rotation);
@@ -299,11 +304,12 @@ impl<F: ForceModel> Start<'_, F> {
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
     pub(super) fn finish(&self, piece: &mut Piece) {
-        lift_out(self.floor, &mut piece.state, &mut piece.corners);
-        if !self.force.has_wrench() {
-            let pull = self.force.acceleration();
+        let context = self.context;
+        lift_out(context.floor, &mut piece.state, &mut piece.corners);
+        if !context.force.has_wrench() {
+            let pull = context.force.acceleration();
             let height = piece.state.position.y;
-            piece.repaired = limit_energy(self.body, &self.state, &mut piece.state, pull);
+            piece.repaired = limit_energy(context.body, &self.state, &mut piece.state, pull);
             if piece.state.position.y != height {
                 piece.corners = *self.corners; // it was put back to where it was
             }

@@ -178,11 +178,13 @@ impl AtFloor<'_, '_, '_, '_, '_> {
                 reporting.points.clear();
             }
             let outcome = floor::step_on_floor::<S, F>(
-                self.floor,
-                self.setting.contact,
-                body,
+                &floor::FloorContext {
+                    floor: self.floor,
+                    settings: self.setting.contact,
+                    body,
+                    force: &law(i),
+                },
                 state,
-                &law(i),
                 self.setting.h,
                 &mut chunk.memories[i],
                 contact,

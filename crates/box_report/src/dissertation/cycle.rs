@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use box_bench::measure::Cost;
 use box_physics::body::RigidBox;
-use box_physics::floor::{ContactSettings, ContactState, Floor, step_on_floor};
+use box_physics::floor::{ContactSettings, ContactState, Floor, FloorContext, step_on_floor};
 use box_physics::force::Gravity;
 use box_physics::integrators::{Integrate, IntegratorMemory, Rk4, Split};
 use box_physics::state::BodyState;
@@ -117,11 +117,13 @@ impl Ours {
 
     fn step<S: Integrate>(&mut self, h: f64) {
         step_on_floor::<S, Gravity>(
-            &self.floor,
-            &self.settings,
-            &self.body,
+            &FloorContext {
+                floor: &self.floor,
+                settings: &self.settings,
+                body: &self.body,
+                force: &Gravity(DVec3::NEG_Y * 9.81),
+            },
             &mut self.state,
-            &Gravity(DVec3::NEG_Y * 9.81),
             h,
             &mut self.memory,
             &mut self.contact,

@@ -1,9 +1,9 @@
 //! A box over a floor under gravity and perhaps a push, stepped by any integrator.
 
 use box_physics::body::RigidBox;
-use box_physics::floor::{ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
+use box_physics::floor::{ContactSettings, ContactState, Floor, FloorContext, FloorOutcome};
 use box_physics::force::{Forces, PointForce};
-use box_physics::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
+use box_physics::integrators::{Integrator, IntegratorMemory};
 use box_physics::math::sin_cos;
 use box_physics::rotation::exponential_map;
 use box_physics::state::BodyState;
@@ -68,10 +68,27 @@ impl Trial {
     pub fn run(&mut self, h: f64, n: u32) -> FloorOutcome {
         let mut sum = FloorOutcome::default();
         for _ in 0..n {
-            sum += self.integrator.dispatch(Step { trial: self, h });
+            sum += self.step(h);
         }
         self.total += sum;
         sum
+    }
+
+    fn step(&mut self, h: f64) -> FloorOutcome {
+        let force = Forces {
+            acceleration: self.gravity,
+            point_forces: self.push.as_slice(),
+            ..Default::default()
+        };
+        let context = FloorContext {
+            floor: &self.floor,
+            settings: &self.settings,
+            body: &self.body,
+            force: &force,
+        };
+        let (state, memory, contact) = (&mut self.state, &mut self.memory, &mut self.contact);
+        self.integrator
+            .step_on_floor(&context, state, h, memory, contact, None)
     }
 
     /// Height of the lowest corner over the floor \[m\].
@@ -90,35 +107,6 @@ impl Trial {
     /// Whether the box lies still for good.
     pub fn rests(&self) -> bool {
         self.contact.is_resting()
-    }
-}
-
-struct Step<'a> {
-    trial: &'a mut Trial,
-    h: f64,
-}
-
-impl IntegratorVisitor for Step<'_> {
-    type Output = FloorOutcome;
-
-    fn visit<S: Integrate>(self) -> FloorOutcome {
-        let t = self.trial;
-        let law = Forces {
-            acceleration: t.gravity,
-            point_forces: t.push.as_slice(),
-            ..Default::default()
-        };
-        step_on_floor::<S, _>(
-            &t.floor,
-            &t.settings,
-            &t.body,
-            &mut t.state,
-            &law,
-            self.h,
-            &mut t.memory,
-            &mut t.contact,
-            None,
-        )
     }
 }
 

@@ -80,11 +80,13 @@ fn order_survives_five_bounces_in_air() {
         let mut impacts = 0;
         for _ in 0..n {
             impacts += step_on_floor::<S, _>(
-                &scene.floor,
-                &scene.settings,
-                &scene.body,
+                &FloorContext {
+                    floor: &scene.floor,
+                    settings: &scene.settings,
+                    body: &scene.body,
+                    force: &law,
+                },
                 &mut scene.state,
-                &law,
                 time / f64::from(n),
                 &mut scene.memory,
                 &mut scene.contact,

@@ -9,7 +9,9 @@ mod slide;
 
 use glam::{DQuat, DVec3};
 
-use super::{ContactPoint, ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
+use super::{
+    ContactPoint, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, step_on_floor,
+};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, split_step};
@@ -71,17 +73,14 @@ impl Scene {
         h: f64,
         points: Option<&mut Vec<ContactPoint>>,
     ) -> FloorOutcome {
-        let outcome = step_on_floor::<S, _>(
-            &self.floor,
-            &self.settings,
-            &self.body,
-            &mut self.state,
+        let context = FloorContext {
+            floor: &self.floor,
+            settings: &self.settings,
+            body: &self.body,
             force,
-            h,
-            &mut self.memory,
-            &mut self.contact,
-            points,
-        );
+        };
+        let (state, memory, contact) = (&mut self.state, &mut self.memory, &mut self.contact);
+        let outcome = step_on_floor::<S, _>(&context, state, h, memory, contact, points);
         self.total += outcome;
         outcome
     }

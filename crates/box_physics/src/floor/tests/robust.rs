@@ -144,11 +144,13 @@ fn any_integrator_and_force_stays_above() {
             };
             for _ in 0..100 {
                 let outcome = step_on_floor::<S, _>(
-                    &scene.floor,
-                    &scene.settings,
-                    &scene.body,
+                    &FloorContext {
+                        floor: &scene.floor,
+                        settings: &scene.settings,
+                        body: &scene.body,
+                        force: &law,
+                    },
                     &mut scene.state,
-                    &law,
                     SIXTIETH,
                     &mut scene.memory,
                     &mut scene.contact,
