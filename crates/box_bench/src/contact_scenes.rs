@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use box_physics::integrators::Exact;
 
-    /// Not even under `exact`, whose memory every piece that is tried needs a copy of.
+    /// Not even under `exact`, whose memory every segment that is tried needs a copy of.
     #[test]
     fn a_warm_body_that_bounces_allocates_nothing() {
         let (body, law) = (RigidBox::default(), Gravity(DVec3::NEG_Y * 9.81));

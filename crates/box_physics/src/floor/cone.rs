@@ -31,7 +31,7 @@ use edge::Edge;
 use face::Face;
 use glam::DVec3;
 
-use super::geometry::{ContactSet, Corner3, has, mask};
+use super::geometry::{Corner3, DelassusOperator, has, mask};
 use super::projection::cancel;
 
 /// What the solver found.
@@ -66,14 +66,14 @@ fn project(p: DVec3, friction: f64) -> DVec3 {
 /// solved with a quarter of the friction in a quarter of them, and so on, and at last with none, directly: the
 /// result always keeps the normal law and never gains energy; `converged` tells that it had to give way.
 pub(super) fn solve(
-    set: &ContactSet,
+    operator: &DelassusOperator,
     b: &Corner3,
     alpha: f64,
     friction: f64,
     tolerance: f64,
     max_iterations: u32,
 ) -> ConeSolution {
-    let n = set.count;
+    let n = operator.count;
     let mut solution = ConeSolution {
         p: [DVec3::ZERO; 8],
         w: *b,
@@ -83,26 +83,34 @@ pub(super) fn solve(
     if b[..n].iter().all(|u| u.y >= 0.0) {
         return solution; // nothing approaches: p = 0 is the solution
     }
-    let target = tolerance * set.largest(b);
+    let target = tolerance * operator.largest(b);
     let mut coefficient = friction;
     for share in [2, 4, 4] {
         if coefficient == 0.0 {
             break;
         }
         let limit = solution.iterations + max_iterations / share;
-        attempt(set, b, alpha, coefficient, target, limit, &mut solution);
+        attempt(
+            operator,
+            b,
+            alpha,
+            coefficient,
+            target,
+            limit,
+            &mut solution,
+        );
         if solution.converged {
             break;
         }
         coefficient *= 0.25;
     }
     if coefficient == 0.0 || !solution.converged {
-        solution.p = smooth(set, b, alpha);
+        solution.p = smooth(operator, b, alpha);
     }
     solution.converged = coefficient == friction;
-    let (v, omega) = set.twist(&solution.p);
+    let (v, omega) = operator.twist(&solution.p);
     for i in 0..n {
-        solution.w[i] = b[i] + alpha * (v + omega.cross(set.lever[i]));
+        solution.w[i] = b[i] + alpha * (v + omega.cross(operator.lever[i]));
     }
     solution
 }
@@ -110,11 +118,11 @@ pub(super) fn solve(
 /// The impulses without friction: the smallest that stop all corners along the normal, if they all push;
 /// otherwise corner after corner is stopped as long as one approaches, and let go where it would have to pull
 /// (Lawson, Hanson, *Solving Least Squares Problems*, 1974, §23: the energy falls with every round, so that it ends).
-fn smooth(set: &ContactSet, b: &Corner3, alpha: f64) -> Corner3 {
+fn smooth(operator: &DelassusOperator, b: &Corner3, alpha: f64) -> Corner3 {
     let stop = |stopped: u8| {
-        let part = set.part(stopped);
+        let part = operator.part(stopped);
         let mut own = [DVec3::ZERO; 8];
-        let places = (0..set.count).filter(|&i| has(stopped, i));
+        let places = (0..operator.count).filter(|&i| has(stopped, i));
         for (u, i) in own.iter_mut().zip(places.clone()) {
             *u = b[i];
         }
@@ -125,15 +133,15 @@ fn smooth(set: &ContactSet, b: &Corner3, alpha: f64) -> Corner3 {
         }
         p
     };
-    let all = stop(mask(|i| i < set.count));
-    if all[..set.count].iter().all(|p| p.y >= 0.0) {
+    let all = stop(mask(|i| i < operator.count));
+    if all[..operator.count].iter().all(|p| p.y >= 0.0) {
         return all;
     }
-    let tiny = 1e-14 * set.largest(b);
+    let tiny = 1e-14 * operator.largest(b);
     let (mut p, mut stopped) = ([DVec3::ZERO; 8], 0);
-    for _ in 0..4 * set.count {
-        let w = add(b, &set.response(&p), alpha, set.count);
-        let free = (0..set.count).filter(|&i| !has(stopped, i));
+    for _ in 0..4 * operator.count {
+        let w = add(b, &operator.response(&p), alpha, operator.count);
+        let free = (0..operator.count).filter(|&i| !has(stopped, i));
         let Some(next) = free.min_by(|&i, &j| w[i].y.total_cmp(&w[j].y)) else {
             break;
         };
@@ -145,10 +153,10 @@ fn smooth(set: &ContactSet, b: &Corner3, alpha: f64) -> Corner3 {
             let wanted = stop(stopped);
             // As far that way as no corner pulls.
             let mut way = 1.0_f64;
-            for i in (0..set.count).filter(|&i| has(stopped, i) && wanted[i].y <= 0.0) {
+            for i in (0..operator.count).filter(|&i| has(stopped, i) && wanted[i].y <= 0.0) {
                 way = way.min(p[i].y / (p[i].y - wanted[i].y).max(f64::MIN_POSITIVE));
             }
-            for i in 0..set.count {
+            for i in 0..operator.count {
                 p[i] += way * (wanted[i] - p[i]);
             }
             if way == 1.0 {
@@ -156,12 +164,12 @@ fn smooth(set: &ContactSet, b: &Corner3, alpha: f64) -> Corner3 {
             }
             let pulled = mask(|i| has(stopped, i) && wanted[i].y <= 0.0 && p[i].y <= 0.0);
             // Rounding may leave the corner that stopped it a little above zero.
-            let least = (0..set.count)
+            let least = (0..operator.count)
                 .filter(|&i| has(stopped, i) && wanted[i].y <= 0.0)
                 .min_by(|&i, &j| p[i].y.total_cmp(&p[j].y));
             let out = pulled | least.map_or(0, |i| 1 << i);
             stopped &= !out;
-            for i in (0..set.count).filter(|&i| has(out, i)) {
+            for i in (0..operator.count).filter(|&i| has(out, i)) {
                 p[i] = DVec3::ZERO;
             }
         }
@@ -171,7 +179,7 @@ fn smooth(set: &ContactSet, b: &Corner3, alpha: f64) -> Corner3 {
 
 /// With friction, until `solution.iterations` is `limit`.
 fn attempt(
-    set: &ContactSet,
+    operator: &DelassusOperator,
     b: &Corner3,
     alpha: f64,
     friction: f64,
@@ -180,14 +188,14 @@ fn attempt(
     solution: &mut ConeSolution,
 ) {
     solution.converged = true;
-    if set.count == 1 {
+    if operator.count == 1 {
         (solution.p[0], solution.converged) =
-            single::solve(&set.block(0, 0, alpha), b[0], friction);
+            single::solve(&operator.block(0, 0, alpha), b[0], friction);
         if !solution.converged {
-            newton::solve(set, b, alpha, friction, target, limit, solution);
+            newton::solve(operator, b, alpha, friction, target, limit, solution);
         }
-    } else if set.count == 2 {
-        let edge = Edge::new(set, b, alpha, friction, target);
+    } else if operator.count == 2 {
+        let edge = Edge::new(operator, b, alpha, friction, target);
         if let Some(p) = edge.solve() {
             solution.p[..2].copy_from_slice(&p);
         } else {
@@ -196,12 +204,14 @@ fn attempt(
                 w[..2].copy_from_slice(&edge.velocities([p[0], p[1]]));
                 w
             };
-            search(set, b, alpha, friction, target, limit, velocities, solution);
+            search(
+                operator, b, alpha, friction, target, limit, velocities, solution,
+            );
         }
-    } else if !uniform::solve(set, b, alpha, friction, target, &mut solution.p) {
-        if set.count <= 4 && set.spans_face() {
+    } else if !uniform::solve(operator, b, alpha, friction, target, &mut solution.p) {
+        if operator.count <= 4 && operator.spans_face() {
             let face = Face {
-                set,
+                operator,
                 b,
                 alpha,
                 friction,
@@ -211,18 +221,20 @@ fn attempt(
                 solution.p = p;
                 return;
             }
-        } else if stick(set, b, alpha, friction, &mut solution.p) {
+        } else if stick(operator, b, alpha, friction, &mut solution.p) {
             return;
         }
-        let velocities = |p: &Corner3| add(b, &set.response(p), alpha, set.count);
-        search(set, b, alpha, friction, target, limit, velocities, solution);
+        let velocities = |p: &Corner3| add(b, &operator.response(p), alpha, operator.count);
+        search(
+            operator, b, alpha, friction, target, limit, velocities, solution,
+        );
     }
 }
 
 /// Gradient steps, then Newton's method, then both again with more patience; `velocities` is p ↦ b + αWp in
 /// its cheapest form.
 fn search(
-    set: &ContactSet,
+    operator: &DelassusOperator,
     b: &Corner3,
     alpha: f64,
     friction: f64,
@@ -231,15 +243,15 @@ fn search(
     velocities: impl Fn(&Corner3) -> Corner3,
     solution: &mut ConeSolution,
 ) {
-    let n = set.count;
-    let stiffness = alpha * set.stiffness_bound();
+    let n = operator.count;
+    let norm = alpha * operator.norm_bound();
     for steps in [GRADIENT_STEPS, u32::MAX] {
         let steps = steps.min(limit.saturating_sub(solution.iterations));
-        gradient(n, &velocities, stiffness, friction, target, steps, solution);
+        gradient(n, &velocities, norm, friction, target, steps, solution);
         if solution.converged {
             return;
         }
-        newton::solve(set, b, alpha, friction, target, limit, solution);
+        newton::solve(operator, b, alpha, friction, target, limit, solution);
         if solution.converged {
             return;
         }
@@ -247,12 +259,18 @@ fn search(
 }
 
 /// The smallest impulses that stop every corner, if the cones allow them.
-fn stick(set: &ContactSet, b: &Corner3, alpha: f64, friction: f64, p: &mut Corner3) -> bool {
-    let mut stop = cancel(set, b, &[DVec3::ONE; 8]);
-    for q in &mut stop[..set.count] {
+fn stick(
+    operator: &DelassusOperator,
+    b: &Corner3,
+    alpha: f64,
+    friction: f64,
+    p: &mut Corner3,
+) -> bool {
+    let mut stop = cancel(operator, b, &[DVec3::ONE; 8]);
+    for q in &mut stop[..operator.count] {
         *q *= 1.0 / alpha;
     }
-    let inside = in_cones(set, &stop, friction);
+    let inside = in_cones(operator, &stop, friction);
     if inside {
         *p = stop;
     }
@@ -260,24 +278,24 @@ fn stick(set: &ContactSet, b: &Corner3, alpha: f64, friction: f64, p: &mut Corne
 }
 
 /// Whether every impulse pushes, and lies in its cone.
-fn in_cones(set: &ContactSet, p: &Corner3, friction: f64) -> bool {
-    p[..set.count]
+fn in_cones(operator: &DelassusOperator, p: &Corner3, friction: f64) -> bool {
+    p[..operator.count]
         .iter()
         .all(|q| q.y > 0.0 && q.x * q.x + q.z * q.z <= (friction * q.y) * (friction * q.y))
 }
 
-/// Accelerated projected gradients for `n` corners; `velocities` is p ↦ b + αWp, `stiffness` a bound of αW.
+/// Accelerated projected gradients for `n` corners; `velocities` is p ↦ b + αWp, `norm` a bound of αW.
 #[inline(always)]
 fn gradient(
     n: usize,
     velocities: impl Fn(&Corner3) -> Corner3,
-    stiffness: f64,
+    norm: f64,
     friction: f64,
     target: f64,
     steps: u32,
     solution: &mut ConeSolution,
 ) {
-    let step = 1.0 / stiffness;
+    let step = 1.0 / norm;
     let mut previous = [DVec3::ZERO; 8];
     let mut y = previous;
     let mut theta = 1.0_f64;
@@ -293,7 +311,7 @@ fn gradient(
             turn += change.dot(next[i] - previous[i]);
         }
         solution.iterations += 1;
-        if stiffness * residual.sqrt() <= target {
+        if norm * residual.sqrt() <= target {
             solution.converged = true;
             previous = next;
             break;

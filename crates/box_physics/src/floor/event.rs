@@ -3,12 +3,12 @@
 //!
 //! Where to look is told by the polynomial through what is known of a corner's height: its height and its
 //! velocity at the start, which every integrator keeps exactly as its time goes to zero, its height after each of the
-//! last pieces tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three pieces
+//! last segments tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three segments
 //! bring it to 1e-12 of the scene; a bracket guards it.
 
 use super::geometry::has;
 
-/// The end of a piece of motion: either all the time there was, or a touch.
+/// The end of a segment of motion: either all the time there was, or a touch.
 pub(super) struct Reached<'a, T> {
     /// How long \[s\].
     pub(super) tau: f64,
@@ -42,7 +42,7 @@ pub(super) struct Search {
     pub(super) budget: u32,
 }
 
-/// A piece that was tried: how long, and the heights there.
+/// A segment that was tried: how long, and the heights there.
 #[derive(Clone, Copy)]
 struct Sample {
     tau: f64,
@@ -53,7 +53,7 @@ struct Sample {
 const NODES: usize = 3;
 /// Evaluations in which the bracket must have halved, or the next one halves it.
 const PATIENCE: usize = 3;
-/// How often that may fail before every piece halves the bracket: what jumps has no polynomial.
+/// How often that may fail before every segment halves the bracket: what jumps has no polynomial.
 const LEAPS: u32 = 2;
 /// The most evaluations of one search between a good and a bad end: a jump takes up to 53 halvings. What is
 /// found then is below the floor by no more than the jump.
@@ -124,7 +124,7 @@ impl Search {
         tau * (0.5 * self.curvature).sqrt() > f64::from(self.budget) * stretch
     }
 
-    /// The first touch of a watched corner, or the whole time. `motion(τ, piece)` makes the motion over τ and
+    /// The first touch of a watched corner, or the whole time. `motion(τ, segment)` makes the motion over τ and
     /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten.
     pub(super) fn run<'a, T>(
         &self,

@@ -108,7 +108,7 @@ pub(super) fn spans_face(set: u8) -> bool {
 /// W_jk = 1/m − [r_j]× I_w⁻¹ [r_k]×, never formed: Wp is the velocity of the corners after the
 /// impulses p, that is, one sum over the corners and one twist.
 #[derive(Clone, Copy)]
-pub(super) struct ContactSet {
+pub(super) struct DelassusOperator {
     /// How many corners.
     pub(super) count: usize,
     /// Their indices; opposite corners of a face are neighbors, so that their sums cancel.
@@ -119,7 +119,7 @@ pub(super) struct ContactSet {
     inverse_inertia: DMat3,
 }
 
-impl ContactSet {
+impl DelassusOperator {
     /// The corners `set` of a body whose world axes are `attitude`.
     pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
         // The bit that all have in common names the face; its opposite corner flips the other two.
@@ -270,7 +270,7 @@ impl ContactSet {
     /// the 6×6 matrix AᵀA with the diagonal blocks K/m and √J_w Σ(|r|² − rrᵀ) √J_w; for a positive
     /// semidefinite matrix the sum of the blocks' norms bounds the whole, and the second is similar
     /// to J_w Σ(|r|² − rrᵀ), whose Frobenius norm bounds its eigenvalues.
-    pub(super) fn stiffness_bound(&self) -> f64 {
+    pub(super) fn norm_bound(&self) -> f64 {
         let mut spread = DMat3::ZERO;
         for r in &self.lever[..self.count] {
             let outer = DMat3::from_cols(*r * r.x, *r * r.y, *r * r.z);
@@ -340,24 +340,24 @@ mod tests {
         let (body, state) = tilted();
         let c = Corners::at(&Floor::default(), &body, &state);
         let attitude = DMat3::from_quat(state.rotation);
-        let set = ContactSet::new(&body, attitude, &c.lever, 0b1011_0010);
-        assert_eq!(set.count, 4);
+        let operator = DelassusOperator::new(&body, attitude, &c.lever, 0b1011_0010);
+        assert_eq!(operator.count, 4);
         let mut p = [DVec3::ZERO; 8];
         for (i, q) in p.iter_mut().enumerate().take(4) {
             let i = i as f64;
             *q = DVec3::new(0.3 - i, 0.7 * i, 1.1 - 0.2 * i);
         }
         let mut after = state;
-        set.apply(&body, &mut after, &p);
-        let change = set.response(&p);
-        let twist = |s: &BodyState| set.velocities((s.velocity, s.angular_velocity(&body)));
+        operator.apply(&body, &mut after, &p);
+        let change = operator.response(&p);
+        let twist = |s: &BodyState| operator.velocities((s.velocity, s.angular_velocity(&body)));
         let (before, after) = (twist(&state), twist(&after));
         for i in 0..4 {
             assert!((after[i] - before[i] - change[i]).length() < 1e-13);
         }
         // The bound bounds: a Rayleigh quotient never exceeds it.
-        let quotient = set.dot(&p, &change) / set.dot(&p, &p);
-        assert!(quotient > 0.0 && quotient <= set.stiffness_bound());
+        let quotient = operator.dot(&p, &change) / operator.dot(&p, &p);
+        assert!(quotient > 0.0 && quotient <= operator.norm_bound());
     }
 
     #[test]
@@ -376,10 +376,10 @@ mod tests {
             let bottom = corners.touching(0.85);
             assert_eq!(bottom.count_ones(), 4);
             let attitude = DMat3::from_quat(state.rotation);
-            let set = ContactSet::new(&body, attitude, &corners.lever, bottom);
+            let operator = DelassusOperator::new(&body, attitude, &corners.lever, bottom);
             let mut p = [DVec3::ZERO; 8];
             p[..4].fill(DVec3::Y * 0.3);
-            assert_eq!(set.resultant(&p).1, DVec3::ZERO);
+            assert_eq!(operator.resultant(&p).1, DVec3::ZERO);
         }
     }
 }

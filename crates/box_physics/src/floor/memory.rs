@@ -43,7 +43,7 @@ pub struct ContactState {
     pub(super) spare: Spare,
 }
 
-/// Integrator memories for pieces that are tried: kept for what they have allocated, not for what they say.
+/// Integrator memories for segments that are tried: kept for what they have allocated, not for what they say.
 #[derive(Debug, Default)]
 pub(super) struct Spare(pub(super) [IntegratorMemory; 2]);
 
@@ -168,12 +168,12 @@ pub struct ContactPoint {
 }
 
 /// What happened at each corner during one step.
-pub(super) struct Ledger {
+pub(super) struct ContactImpulses {
     impulse: [f64; 8],
     point: Corner3,
 }
 
-impl Ledger {
+impl ContactImpulses {
     pub(super) fn new() -> Self {
         Self {
             impulse: [0.0; 8],

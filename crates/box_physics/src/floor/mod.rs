@@ -7,7 +7,7 @@
 //!
 //! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part
 //! of the step (`event`); all touching corners are solved together, with Newton's restitution and a
-//! round friction cone (`impact`, `cone`); a corner that stays is held by a force over the piece of
+//! round friction cone (`impact`, `cone`); a corner that stays is held by a force over the segment of
 //! motion (`sustained`); a box that lies still keeps its state bit for bit (`memory`).
 //! Literature: J. J. Moreau 1988; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical
 //! Systems*, Springer 2008.
@@ -195,7 +195,7 @@ impl<F> FloorContext<'_, F> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct FloorOutcome {
-    /// The integrator's own account, over all pieces.
+    /// The integrator's own account, over all segments.
     pub step: StepOutcome,
     /// Impacts resolved.
     pub impacts: u32,
@@ -203,7 +203,7 @@ pub struct FloorOutcome {
     pub impacts_capped: u32,
     /// Solves or event searches that ended at their cap.
     pub solves_capped: u32,
-    /// Impacts or pieces whose energy would have grown and was put right.
+    /// Impacts or segments whose energy would have grown and was put right.
     pub energy_repairs: u32,
     /// The energy that these repairs took \[J\].
     pub energy_repaired: f64,

@@ -5,25 +5,25 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::geometry::{ContactSet, Corner3, Corners, has};
+use super::geometry::{Corner3, Corners, DelassusOperator, has};
 use crate::body::RigidBox;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
 /// Impulses p with u + Wp = 0 in the components that `mask` lets through, and none in the others: of least
 /// norm. A corner's mask is Y (the normal alone) or ONE.
-pub(super) fn cancel(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 {
+pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -> Corner3 {
     let mut p = [DVec3::ZERO; 8];
-    match set.count {
-        1 => p[0] = cancel_one(set, u[0], mask[0] == DVec3::ONE),
-        2 => (p[0], p[1]) = cancel_two(set, u, [0, 1].map(|i| mask[i] == DVec3::ONE)),
+    match operator.count {
+        1 => p[0] = cancel_one(operator, u[0], mask[0] == DVec3::ONE),
+        2 => (p[0], p[1]) = cancel_two(operator, u, [0, 1].map(|i| mask[i] == DVec3::ONE)),
         n => {
             let normal_only = mask[..n].iter().all(|m| *m == DVec3::Y);
-            let face = normal_only && n <= 4 && set.spans_face();
+            let face = normal_only && n <= 4 && operator.spans_face();
             p = face
-                .then(|| cancel_on_face(set, u))
+                .then(|| cancel_on_face(operator, u))
                 .flatten()
-                .unwrap_or_else(|| cancel_iteratively(set, u, mask));
+                .unwrap_or_else(|| cancel_iteratively(operator, u, mask));
         }
     }
     p
@@ -33,9 +33,9 @@ pub(super) fn cancel(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 {
 /// own; for four, of which opposite ones are neighbors, their mean and the differences of opposite ones, since
 /// loading one diagonal against the other does nothing. Impulses in the same three proportions are the smallest,
 /// and three linear equations tell how much of each. `None` if the corners are as good as on a line.
-fn cancel_on_face(set: &ContactSet, u: &Corner3) -> Option<Corner3> {
-    let arm = |i: usize| DVec3::new(1.0, set.lever[i].x, set.lever[i].z);
-    let four = set.count == 4;
+fn cancel_on_face(operator: &DelassusOperator, u: &Corner3) -> Option<Corner3> {
+    let arm = |i: usize| DVec3::new(1.0, operator.lever[i].x, operator.lever[i].z);
+    let four = operator.count == 4;
     let (arms, speeds) = if four {
         let opposite = |i: usize| (0.5 * (arm(i + 1) - arm(i)), 0.5 * (u[i + 1].y - u[i].y));
         let ((a, v), (b, w)) = (opposite(0), opposite(2));
@@ -46,7 +46,7 @@ fn cancel_on_face(set: &ContactSet, u: &Corner3) -> Option<Corner3> {
         let speeds = DVec3::new(u[0].y, u[1].y, u[2].y);
         ([0, 1, 2].map(arm), speeds)
     };
-    let [a, b, c] = arms.map(|s| set.normal_response(s));
+    let [a, b, c] = arms.map(|s| operator.normal_response(s));
     let through = DMat3::from_cols(arms[0], arms[1], arms[2]).transpose();
     let matrix = through * DMat3::from_cols(a, b, c);
     let size = matrix.x_axis.x * matrix.y_axis.y * matrix.z_axis.z;
@@ -69,18 +69,18 @@ fn cancel_on_face(set: &ContactSet, u: &Corner3) -> Option<Corner3> {
 }
 
 /// u_n + W_nn p_n = 0, or u + Wp = 0.
-fn cancel_one(set: &ContactSet, u: DVec3, whole: bool) -> DVec3 {
+fn cancel_one(operator: &DelassusOperator, u: DVec3, whole: bool) -> DVec3 {
     if whole {
-        -(set.block(0, 0, 1.0).inverse() * u)
+        -(operator.block(0, 0, 1.0).inverse() * u)
     } else {
-        DVec3::Y * (-u.y / set.normal_column(0)[0])
+        DVec3::Y * (-u.y / operator.normal_column(0)[0])
     }
 }
 
 /// Two corners: the linear equations of one after the other.
-fn cancel_two(set: &ContactSet, u: &Corner3, whole: [bool; 2]) -> (DVec3, DVec3) {
+fn cancel_two(operator: &DelassusOperator, u: &Corner3, whole: [bool; 2]) -> (DVec3, DVec3) {
     if whole == [false; 2] {
-        let ([a, c], [_, d]) = (set.normal_column(0), set.normal_column(1));
+        let ([a, c], [_, d]) = (operator.normal_column(0), operator.normal_column(1));
         let inverse = 1.0 / (a * d - c * c);
         let normal = |n: f64| DVec3::Y * (inverse * n);
         return (
@@ -91,30 +91,30 @@ fn cancel_two(set: &ContactSet, u: &Corner3, whole: [bool; 2]) -> (DVec3, DVec3)
     // First the one that is stopped whole: p_i = −W_ii⁻¹(u_i + W_ij p_j).
     let i = usize::from(!whole[0]);
     let j = 1 - i;
-    let inverse = set.block(i, i, 1.0).inverse();
-    let cross = set.block(i, j, 1.0);
+    let inverse = operator.block(i, i, 1.0).inverse();
+    let cross = operator.block(i, j, 1.0);
     let through = cross.transpose() * inverse;
-    let own = set.block(j, j, 1.0);
+    let own = operator.block(j, j, 1.0);
     let reduced = own - through * cross;
     let rest = u[j] - through * u[i];
     let other = if whole[j] {
-        stopped_along(reduced, set.lever[1] - set.lever[0], own.y_axis.y) * -rest
+        stopped_along(reduced, operator.lever[1] - operator.lever[0], own.y_axis.y) * -rest
     } else {
         DVec3::Y * (-rest.y / reduced.y_axis.y)
     };
     let mut p = [other; 2];
     p[i] = -(inverse * (u[i] + cross * other));
     if whole[j] {
-        least_along(set.lever[1] - set.lever[0], &mut p);
+        least_along(operator.lever[1] - operator.lever[0], &mut p);
     }
     (p[0], p[1])
 }
 
 /// The inverse of what a corner has left when the other end of its edge is stopped: nothing moves it along the
-/// edge, which is filled by `stiffness`.
-pub(super) fn stopped_along(reduced: DMat3, edge: DVec3, stiffness: f64) -> DMat3 {
+/// edge, which is filled by `norm`.
+pub(super) fn stopped_along(reduced: DMat3, edge: DVec3, norm: f64) -> DMat3 {
     let e = edge.normalize_or_zero();
-    (reduced + DMat3::from_cols(e * e.x, e * e.y, e * e.z) * stiffness).inverse()
+    (reduced + DMat3::from_cols(e * e.x, e * e.y, e * e.z) * norm).inverse()
 }
 
 /// Takes from two impulses at the ends of an edge the opposite parts along it, which do nothing.
@@ -127,32 +127,32 @@ pub(super) fn least_along(edge: DVec3, p: &mut [DVec3; 2]) {
 
 /// By conjugate gradients from zero (Hestenes, Stiefel 1952), which treat all corners alike, to the last bit.
 /// W has rank six at most, so six steps are exact but for rounding; the rest of the twelve polish.
-fn cancel_iteratively(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 {
-    let n = set.count;
+fn cancel_iteratively(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -> Corner3 {
+    let n = operator.count;
     let mut p = [DVec3::ZERO; 8];
     let mut residual = p;
     for i in 0..n {
         residual[i] = -(u[i] * mask[i]);
     }
     let mut direction = residual;
-    let mut square = set.dot(&residual, &residual);
+    let mut square = operator.dot(&residual, &residual);
     let floor = square * 1e-34;
     if square <= floor {
         return p;
     }
-    let null = 1e-12 * set.stiffness_bound();
+    let null = 1e-12 * operator.norm_bound();
     for _ in 0..12 {
         if square <= floor {
             break;
         }
-        let mut image = set.response(&direction);
+        let mut image = operator.response(&direction);
         for i in 0..n {
             image[i] *= mask[i];
         }
-        let curvature = set.dot(&direction, &image);
+        let curvature = operator.dot(&direction, &image);
         // Four coplanar corners have one distribution that does nothing, and rounding leaves a residual
         // along it: there is nothing to gain there, and a step would be noise over noise.
-        if curvature <= null * set.dot(&direction, &direction) {
+        if curvature <= null * operator.dot(&direction, &direction) {
             break;
         }
         let step = square / curvature;
@@ -160,7 +160,7 @@ fn cancel_iteratively(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 
             p[i] += step * direction[i];
             residual[i] -= step * image[i];
         }
-        let next = set.dot(&residual, &residual);
+        let next = operator.dot(&residual, &residual);
         let beta = next / square;
         for i in 0..n {
             direction[i] = residual[i] + beta * direction[i];
@@ -172,7 +172,7 @@ fn cancel_iteratively(set: &ContactSet, u: &Corner3, mask: &Corner3) -> Corner3 
 
 /// Moves and turns the body so that the corners `held` lie on the floor: Newton's method on their
 /// heights. The center moves along the normal only. Returns where the corners are then.
-pub(super) fn place_on_floor(
+pub(super) fn project_positions(
     floor: &Floor,
     body: &RigidBox,
     state: &mut BodyState,
@@ -193,12 +193,12 @@ pub(super) fn place_on_floor(
             continue;
         }
         let attitude = DMat3::from_quat(state.rotation);
-        let set = ContactSet::new(body, attitude, &corners.lever, held);
+        let operator = DelassusOperator::new(body, attitude, &corners.lever, held);
         let mut gap = [DVec3::ZERO; 8];
-        for i in 0..set.count {
-            gap[i].y = corners.height[usize::from(set.corner[i])];
+        for i in 0..operator.count {
+            gap[i].y = corners.height[usize::from(operator.corner[i])];
         }
-        let (shift, turn) = set.twist(&cancel(&set, &gap, &[DVec3::Y; 8]));
+        let (shift, turn) = operator.twist(&cancel(&operator, &gap, &[DVec3::Y; 8]));
         state.position += shift;
         if turn != DVec3::ZERO {
             // World turn: q ← exp(turn)∘q. The angular momentum keeps its body components.
@@ -211,7 +211,7 @@ pub(super) fn place_on_floor(
 }
 
 /// Lifts the body so that no corner, of which `corners` knows, is below the floor; never pushes it down.
-pub(super) fn lift_out(floor: &Floor, state: &mut BodyState, corners: &mut Corners) {
+pub(super) fn recover_penetration(floor: &Floor, state: &mut BodyState, corners: &mut Corners) {
     // Rounding may leave the last bit below: a second pass takes it.
     for _ in 0..2 {
         let depth = -corners.lowest();
@@ -241,13 +241,13 @@ mod tests {
             state.rotation =
                 about(DVec3::Y, random.range(0.0, 6.0)) * about(DVec3::Z, random.range(0.2, 1.3));
             let corners = Corners::at(&Floor::default(), &body, &state);
-            let set = ContactSet::new(
+            let operator = DelassusOperator::new(
                 &body,
                 DMat3::from_quat(state.rotation),
                 &corners.lever,
                 [0b0000_0001, 0b0001_0001, 0b0101_0101, 0b0101_0100][i % 4],
             );
-            let u = set.velocities((state.velocity, state.angular_velocity(&body)));
+            let u = operator.velocities((state.velocity, state.angular_velocity(&body)));
             let mut mask = [DVec3::ONE; 8];
             if i % 4 < 2 {
                 mask[0] = [DVec3::ONE, DVec3::Y][i / 4 % 2];
@@ -255,25 +255,25 @@ mod tests {
             } else {
                 mask = [DVec3::Y; 8];
             }
-            let p = cancel(&set, &u, &mask);
-            let mut q = cancel_iteratively(&set, &u, &mask);
+            let p = cancel(&operator, &u, &mask);
+            let mut q = cancel_iteratively(&operator, &u, &mask);
             // Of least norm to rounding, which conjugate gradients are not quite: equal loads on one diagonal
             // against the other, and the opposite ones along an edge, do nothing.
             let diagonals = |p: &Corner3| 0.25 * (p[0] + p[1] - p[2] - p[3]);
-            if set.count == 4 {
+            if operator.count == 4 {
                 let idle = diagonals(&q);
                 for (q, sign) in q.iter_mut().zip([-1.0, -1.0, 1.0, 1.0]) {
                     *q += sign * idle;
                 }
                 assert!(diagonals(&p).length() < 1e-13);
             }
-            let answer = set.response(&p);
-            for k in 0..set.count {
+            let answer = operator.response(&p);
+            for k in 0..operator.count {
                 assert!(((u[k] + answer[k]) * mask[k]).length() < 1e-12);
                 assert!((p[k] - q[k]).length() < 1e-6 * q[k].length(), "{p:?} {q:?}");
             }
-            let along = (p[0] - p[1]).dot(set.lever[1] - set.lever[0]);
-            assert!(set.count == 1 || mask[..2] != [DVec3::ONE; 2] || along.abs() < 1e-13);
+            let along = (p[0] - p[1]).dot(operator.lever[1] - operator.lever[0]);
+            assert!(operator.count == 1 || mask[..2] != [DVec3::ONE; 2] || along.abs() < 1e-13);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! When the slips of held corners vanish: a piece of sustained motion ends there.
+//! When the slips of held corners vanish: a segment of sustained motion ends there.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ pub(super) const STOPPED: f64 = 1e-6;
 /// One that is this much larger than what is left of its part along its old way has not stopped but turned.
 const TURNING: f64 = 10.0;
 
-/// What becomes of the slips of a piece, by corner index; NaN where it is not so.
+/// What becomes of the slips of a segment, by corner index; NaN where it is not so.
 #[derive(Clone, Copy)]
 pub(super) struct Slips {
     /// Of a corner that slips on: its slip at the end along its slip at the start, in parts of that.
@@ -40,13 +40,13 @@ impl Slips {
         self.left[k] < 0.0
     }
 
-    /// When in the piece, which takes `tau` \[s\], the first slip vanishes, if one does; `before` is what became
-    /// of them in the piece that was tried before, and its time.
+    /// When in the segment, which takes `tau` \[s\], the first slip vanishes, if one does; `before` is what became
+    /// of them in the segment that was tried before, and its time.
     ///
     /// What is left of a slip is the parabola through what is known of it: 1 at the start, here, and before. A
     /// corner that has no mean slip is turned round, which takes twice the friction that stops it: with all of
     /// its friction it would take the time T = ½ used τ. Of used, a part that does not depend on τ may be
-    /// needed to hold the corner, so that with two pieces used = a + (1 − a) 2T/τ tells T.
+    /// needed to hold the corner, so that with two segments used = a + (1 − a) 2T/τ tells T.
     pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, Self)>) -> Option<f64> {
         let mut first: Option<f64> = None;
         let mut found = |time: f64| first = Some(first.map_or(time, |t| t.min(time)));

@@ -1,4 +1,4 @@
-//! One step over the floor: pieces of motion between events.
+//! One step over the floor: segments of motion between events.
 
 use glam::DVec3;
 
@@ -6,17 +6,17 @@ use super::bounds::{acceleration_bound, curvature_bound, normal_velocities, spin
 use super::event::Search;
 use super::flight::{Flight, Flown, fly};
 use super::geometry::{Corners, has};
-use super::impact::{ImpactKind, strike};
-use super::memory::Ledger;
-use super::projection::lift_out;
-use super::sustained::{Piece, Start, candidates, limit_energy, longest_piece};
+use super::impact::{ImpactKind, resolve_impact};
+use super::memory::ContactImpulses;
+use super::projection::recover_penetration;
+use super::sustained::{Segment, Start, candidates, limit_energy, longest_segment};
 use super::{ContactPoint, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
 
-/// Pieces of sustained motion in a step; a body that needs more gets longer ones.
-const MAX_PIECES: u32 = 256;
+/// Segments of sustained motion in a step; a body that needs more gets longer ones.
+const MAX_SEGMENTS: u32 = 256;
 /// Evaluations that the search for one event may take, in flight and with corners held.
 const SEARCH_BUDGET: u32 = 4096;
 const SEARCH_BUDGET_HELD: u32 = 128;
@@ -26,11 +26,11 @@ const DIP_FREE: f64 = 1e3;
 const DIP_HELD: f64 = 1e6;
 /// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
 const STOP_TRIES: u32 = 8;
-/// Part of a piece in which such a moment need not be found any better: at a constant deceleration, whose
-/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the piece.
+/// Part of a segment in which such a moment need not be found any better: at a constant deceleration, whose
+/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the segment.
 const SHORTEST_STOP: f64 = 1e-2;
 /// Rounds of the loop in one step.
-const MAX_ROUNDS: u32 = 4 * MAX_PIECES;
+const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
 /// Force evaluations in one step.
 const MAX_EVALUATIONS: u32 = 40_000;
 /// Solver iterations in one step, over all events: what bounds the work when nothing converges.
@@ -88,12 +88,12 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
                 outcome.step = flight;
                 return outcome;
             }
-            Flight::Meets(piece) => flown = Some(piece),
+            Flight::Meets(segment) => flown = Some(segment),
             Flight::Low => {}
         }
     }
     outcome = between_events::<S, F>(context, state, h, memory, contact, points, flown);
-    // However many pieces and trials it took: one step gave way once.
+    // However many segments and trials it took: one step gave way once.
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
     outcome.step.unconverged = outcome.step.unconverged.min(1);
     outcome
@@ -141,7 +141,7 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
     }
 }
 
-/// The step of a box that touches the floor or may: piece after piece. `flown` is the plain step, if it is known.
+/// The step of a box that touches the floor or may: segment after segment. `flown` is the plain step, if it is known.
 #[inline(never)] // its large frame is not for boxes that rest or fly
 fn between_events<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,
@@ -161,18 +161,18 @@ fn between_events<S: Integrate, F: ForceModel>(
     } = context;
     let tolerance = context.tolerated_height();
     let [first, second] = core::mem::take(&mut contact.spare.0);
-    let (mut first, mut second) = (Piece::new(first), Piece::new(second));
-    let mut ledger = Ledger::new();
-    let mut rest = h;
-    let (mut held_pieces, mut rounds, mut iterations) = (0, 0, 0);
+    let (mut first, mut second) = (Segment::new(first), Segment::new(second));
+    let mut impulses = ContactImpulses::new();
+    let mut remaining = h;
+    let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
     let mut corners = Corners::at(floor, body, state);
     // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
     // velocity stays what it was, so depth never turns into speed.
     if corners.lowest() < -tolerance {
-        lift_out(floor, state, &mut corners);
+        recover_penetration(floor, state, &mut corners);
     }
 
-    while rest > 0.0 {
+    while remaining > 0.0 {
         rounds += 1;
         let exhausted = rounds > MAX_ROUNDS
             || iterations > MAX_TOTAL_ITERATIONS
@@ -180,7 +180,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             || outcome.impacts_capped > settings.max_impacts;
         if exhausted {
             outcome.solves_capped += 1;
-            rest_of_step::<S, F>(context, state, rest, memory);
+            remainder_of_step::<S, F>(context, state, remaining, memory);
             corners = Corners::at(floor, body, state);
             break;
         }
@@ -198,8 +198,8 @@ fn between_events<S: Integrate, F: ForceModel>(
                 outcome.impacts_capped += 1;
                 ImpactKind::Resting
             };
-            let hit = strike(context, state, &corners, touching, kind);
-            ledger.add(state, &corners.lever, &hit.impulse);
+            let hit = resolve_impact(context, state, &corners, touching, kind);
+            impulses.add(state, &corners.lever, &hit.impulse);
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
             outcome.repair(hit.repaired);
@@ -208,11 +208,11 @@ fn between_events<S: Integrate, F: ForceModel>(
         }
 
         let held = candidates(touching, &normal, hold);
-        let mut time = rest;
+        let mut time = remaining;
         if held != 0 {
-            held_pieces += 1;
-            let left = f64::from(MAX_PIECES.saturating_sub(held_pieces)) + 1.0;
-            time = rest.min(longest_piece(body, state, pull).max(rest / left));
+            held_segments += 1;
+            let left = f64::from(MAX_SEGMENTS.saturating_sub(held_segments)) + 1.0;
+            time = remaining.min(longest_segment(body, state, pull).max(remaining / left));
         }
         let start = Start {
             context,
@@ -225,7 +225,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             acceleration: pull,
             shortest: SHORTEST_STOP * time,
         };
-        let (tau, piece) = move_until_event::<S, F>(
+        let (tau, segment) = move_until_event::<S, F>(
             &start,
             time,
             flown.take(),
@@ -233,30 +233,34 @@ fn between_events<S: Integrate, F: ForceModel>(
             &mut second,
             &mut outcome,
         );
-        iterations += piece.iterations;
-        outcome.solves_capped += u32::from(piece.capped);
-        if piece.still {
-            contact.establish_rest(context, state, &piece.impulse, tau);
-            let whole = piece.impulse.map(|p| p * (rest / tau));
-            ledger.add(state, &corners.lever, &whole);
+        iterations += segment.iterations;
+        outcome.solves_capped += u32::from(segment.capped);
+        if segment.still {
+            contact.establish_rest(context, state, &segment.impulse, tau);
+            let whole = segment.impulse.map(|p| p * (remaining / tau));
+            impulses.add(state, &corners.lever, &whole);
             break;
         }
         if held != 0 {
-            start.finish(piece);
+            start.finish(segment);
         }
-        corners = piece.corners;
-        outcome.repair(piece.repaired);
-        ledger.add(&piece.state, &corners.lever, &piece.impulse);
-        *state = piece.state;
-        core::mem::swap(memory, &mut piece.memory);
-        rest = if tau >= rest { 0.0 } else { rest - tau };
+        corners = segment.corners;
+        outcome.repair(segment.repaired);
+        impulses.add(&segment.state, &corners.lever, &segment.impulse);
+        *state = segment.state;
+        core::mem::swap(memory, &mut segment.memory);
+        remaining = if tau >= remaining {
+            0.0
+        } else {
+            remaining - tau
+        };
     }
 
     contact.spare.0 = [first.memory, second.memory];
-    lift_out(floor, state, &mut corners);
+    recover_penetration(floor, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
     if let Some(points) = points {
-        ledger.report(points, state, &corners.lever, contact.touching, now);
+        impulses.report(points, state, &corners.lever, contact.touching, now);
     }
     contact.touching = now;
     outcome.resting = contact.rest.is_some();
@@ -271,26 +275,26 @@ fn report_rest<F>(
     contact: &ContactState,
     points: &mut Vec<ContactPoint>,
 ) {
-    let mut ledger = Ledger::new();
+    let mut impulses = ContactImpulses::new();
     let corners = Corners::at(context.floor, context.body, state);
     if let Some(rest) = &contact.rest {
         let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
-        ledger.add(state, &corners.lever, &impulse);
+        impulses.add(state, &corners.lever, &impulse);
     }
     let touching = contact.touching;
-    ledger.report(points, state, &corners.lever, touching, touching);
+    impulses.report(points, state, &corners.lever, touching, touching);
 }
 
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
-/// step over `time`, if it is known, with its memory in the first of the pieces, which are overwritten.
+/// step over `time`, if it is known, with its memory in the first of the segments, which are overwritten.
 fn move_until_event<'a, S: Integrate, F: ForceModel>(
     start: &Start<F>,
     time: f64,
     flown: Option<Flown>,
-    whole: &'a mut Piece,
-    other: &'a mut Piece,
+    whole: &'a mut Segment,
+    other: &'a mut Segment,
     outcome: &mut FloorOutcome,
-) -> (f64, &'a mut Piece) {
+) -> (f64, &'a mut Segment) {
     let mut tau = time;
     match flown {
         Some(flown) => {
@@ -300,7 +304,7 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
         None => start.spent::<S>(outcome, tau, whole),
     }
     if start.candidates != 0 {
-        // The part found from the whole piece is exact for a constant deceleration; otherwise the
+        // The part found from the whole segment is exact for a constant deceleration; otherwise the
         // next try starts from a better guess.
         let mut before = None;
         for _ in 0..STOP_TRIES {
@@ -345,15 +349,15 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
         },
     };
     let height = whole.corners.height;
-    let reached = search.run(whole, height, other, |t, piece| {
-        start.spent::<S>(outcome, t, piece);
-        piece.corners.height
+    let reached = search.run(whole, height, other, |t, segment| {
+        start.spent::<S>(outcome, t, segment);
+        segment.corners.height
     });
     outcome.solves_capped += u32::from(reached.capped);
     (reached.tau, reached.motion)
 }
 
-impl Piece {
+impl Segment {
     /// Free flight to where it is known to lead.
     fn fly_to<F>(&mut self, start: &Start<F>, end: Flown) {
         self.clear();
@@ -365,31 +369,31 @@ impl Piece {
 
 impl<F: ForceModel> Start<'_, F> {
     /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
-    fn spent<S: Integrate>(&self, outcome: &mut FloorOutcome, tau: f64, piece: &mut Piece) {
-        piece.memory.clone_from(self.memory);
+    fn spent<S: Integrate>(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment) {
+        segment.memory.clone_from(self.memory);
         if self.candidates == 0 {
             let (body, force) = (self.context.body, self.context.force);
             let mut state = self.state;
-            let outcome = S::step(body, &mut state, force, tau, &mut piece.memory);
-            piece.fly_to(self, Flown { state, outcome });
+            let outcome = S::step(body, &mut state, force, tau, &mut segment.memory);
+            segment.fly_to(self, Flown { state, outcome });
         } else {
-            self.advance::<S>(tau, piece);
+            self.advance::<S>(tau, segment);
         }
-        outcome.step += piece.outcome;
+        outcome.step += segment.outcome;
     }
 }
 
 /// What is left when the caps are reached: one plain step, out of the floor, no approach, no gain.
-fn rest_of_step<S: Integrate, F: ForceModel>(
+fn remainder_of_step<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,
     state: &mut BodyState,
-    rest: f64,
+    remaining: f64,
     memory: &mut IntegratorMemory,
 ) {
     let (floor, body, force) = (context.floor, context.body, context.force);
     let start = *state;
-    S::step(body, state, force, rest, memory);
-    lift_out(floor, state, &mut Corners::at(floor, body, state));
+    S::step(body, state, force, remaining, memory);
+    recover_penetration(floor, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());
 }

@@ -1,7 +1,7 @@
-//! Sustained contact: the floor's force acts *during* a piece of the step, as a force, so that sliding
+//! Sustained contact: the floor's force acts *during* a segment of the step, as a force, so that sliding
 //! and pivoting keep second order whatever the integrator.
 //!
-//! The contact force is constant over the piece and is found from the **mean** motion of the corners,
+//! The contact force is constant over the segment and is found from the **mean** motion of the corners,
 //! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
 //! over time, taken from a `split` step, so that the force does not depend on the integrator),
 //!
@@ -11,7 +11,7 @@
 //!
 //! since a constant force p/τ moves a body by half of what the impulse p at the start would. The
 //! same W on both sides makes the contact's work Σ p·ū ≤ 0 (θ = ½ of Moreau–Jean: Acary, Brogliato 2008,
-//! §10). The integrator then makes the piece with that force, and what its own error leaves is projected
+//! §10). The integrator then makes the segment with that force, and what its own error leaves is projected
 //! away: positions of the held corners onto the floor, velocities onto what the contact allows (as
 //! RATTLE does, Andersen 1983).
 
@@ -19,8 +19,8 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::FloorContext;
 use super::cone;
-use super::geometry::{ContactSet, Corner3, Corners, has, levers, mask, spans_face};
-use super::projection::{cancel, lift_out, place_on_floor};
+use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spans_face};
+use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -79,7 +79,7 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
     }
 }
 
-/// What a piece needs to know besides the floor and the body.
+/// What a segment needs to know besides the floor and the body.
 pub(super) struct Start<'a, F> {
     pub(super) context: &'a FloorContext<'a, F>,
     pub(super) state: BodyState,
@@ -93,16 +93,16 @@ pub(super) struct Start<'a, F> {
     pub(super) still_speed: f64,
     /// Bound of the acceleration that acts [m/s²].
     pub(super) acceleration: f64,
-    /// Shortest piece \[s\] that is tried for the moment at which a slip vanishes.
+    /// Shortest segment \[s\] that is tried for the moment at which a slip vanishes.
     pub(super) shortest: f64,
 }
 
-/// A piece of sustained motion.
-pub(super) struct Piece {
+/// A segment of sustained motion.
+pub(super) struct Segment {
     pub(super) state: BodyState,
     pub(super) memory: IntegratorMemory,
     pub(super) corners: Corners,
-    /// Impulses over the piece, by corner index \[N s\].
+    /// Impulses over the segment, by corner index \[N s\].
     pub(super) impulse: Corner3,
     pub(super) slips: Slips,
     /// The box lies still on a face: the state is the start's.
@@ -114,7 +114,7 @@ pub(super) struct Piece {
     pub(super) repaired: Option<f64>,
 }
 
-impl Piece {
+impl Segment {
     /// Yet to be made, with this memory to write to.
     pub(super) fn new(memory: IntegratorMemory) -> Self {
         Self {
@@ -143,8 +143,8 @@ impl Piece {
 }
 
 impl<F: ForceModel> Start<'_, F> {
-    /// The motion over `tau` \[s\] by integrator `S`, from the memory that `piece` holds.
-    pub(super) fn advance<S: Integrate>(&self, tau: f64, piece: &mut Piece) {
+    /// The motion over `tau` \[s\] by integrator `S`, from the memory that `segment` holds.
+    pub(super) fn advance<S: Integrate>(&self, tau: f64, segment: &mut Segment) {
         let &FloorContext {
             floor,
             settings,
@@ -162,61 +162,61 @@ impl<F: ForceModel> Start<'_, F> {
         );
         let middle = middle_attitude(start, &free);
         let levers = levers(body, middle, self.candidates);
-        let set = ContactSet::new(body, middle, &levers, self.candidates);
+        let operator = DelassusOperator::new(body, middle, &levers, self.candidates);
 
-        let d = self.mean_velocities(&free, &set, tau);
+        let d = self.mean_velocities(&free, &operator, tau);
         let rate = 1.0 / tau;
         let friction = floor.friction;
         let solution = cone::solve(
-            &set,
+            &operator,
             &d,
             0.5,
             friction,
             settings.tolerance,
             settings.max_iterations,
         );
-        piece.clear();
-        piece.state = *start;
-        piece.outcome = outcome;
-        piece.iterations = solution.iterations;
-        piece.capped = !solution.converged;
-        for i in 0..set.count {
-            piece.impulse[usize::from(set.corner[i])] = solution.p[i];
+        segment.clear();
+        segment.state = *start;
+        segment.outcome = outcome;
+        segment.iterations = solution.iterations;
+        segment.capped = !solution.converged;
+        for i in 0..operator.count {
+            segment.impulse[usize::from(operator.corner[i])] = solution.p[i];
         }
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
         if at_rest
             && spans_face(self.candidates)
-            && set.largest(&solution.w) <= 1e-9 * set.largest(&d)
+            && operator.largest(&solution.w) <= 1e-9 * operator.largest(&d)
         {
-            piece.corners = *self.corners;
-            piece.still = true;
+            segment.corners = *self.corners;
+            segment.still = true;
             return;
         }
 
-        let (force, torque) = set.resultant(&solution.p);
+        let (force, torque) = operator.resultant(&solution.p);
         let law = Supported {
             inner: self.context.force,
             acceleration: force * (rate * body.inverse_mass()),
             torque: torque * rate,
         };
-        outcome = S::step(body, &mut piece.state, &law, tau, &mut piece.memory);
-        piece.outcome += outcome;
+        outcome = S::step(body, &mut segment.state, &law, tau, &mut segment.memory);
+        segment.outcome += outcome;
 
-        let held = mask(|k| piece.impulse[k].y > 0.0);
+        let held = mask(|k| segment.impulse[k].y > 0.0);
         if held != 0 {
-            let still = 1e-9 * set.largest(&d);
+            let still = 1e-9 * operator.largest(&d);
             let slips = |i: usize| solution.w[i].x.abs().max(solution.w[i].z.abs()) > still;
-            let sticking = (0..set.count).filter(|&i| !slips(i));
-            let stuck = sticking.fold(0, |m, i| m | 1 << set.corner[i]);
-            self.settle(piece, held, stuck, tau);
+            let sticking = (0..operator.count).filter(|&i| !slips(i));
+            let stuck = sticking.fold(0, |m, i| m | 1 << operator.corner[i]);
+            self.settle(segment, held, stuck, tau);
         } else {
-            piece.corners = Corners::at(floor, body, &piece.state);
+            segment.corners = Corners::at(floor, body, &segment.state);
         }
     }
 
     /// d_k: the mean velocity of the corners on the way to `free`. From velocities where that is as good
     /// as it gets, since displacements over a short time, or far from the origin, are mostly rounding.
-    fn mean_velocities(&self, free: &BodyState, set: &ContactSet, tau: f64) -> Corner3 {
+    fn mean_velocities(&self, free: &BodyState, operator: &DelassusOperator, tau: f64) -> Corner3 {
         let start = &self.state;
         let &FloorContext {
             floor, body, force, ..
@@ -232,52 +232,52 @@ impl<F: ForceModel> Start<'_, F> {
         }
         // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
         let omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
-        let mut d = set.velocities((center, omega));
+        let mut d = operator.velocities((center, omega));
         if omega.length() * tau >= 0.01 {
             let moved = Corners::at(floor, body, free);
-            for i in 0..set.count {
-                let k = usize::from(set.corner[i]);
+            for i in 0..operator.count {
+                let k = usize::from(operator.corner[i]);
                 d[i] = center + (moved.lever[k] - self.corners.lever[k]) * rate;
             }
         }
         d
     }
 
-    /// Projects the end of a piece onto what the held corners allow; those in `stuck` have no mean slip.
-    fn settle(&self, piece: &mut Piece, held: u8, stuck: u8, tau: f64) {
+    /// Projects the end of a segment onto what the held corners allow; those in `stuck` have no mean slip.
+    fn settle(&self, segment: &mut Segment, held: u8, stuck: u8, tau: f64) {
         let (floor, body) = (self.context.floor, self.context.body);
         let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
-        piece.corners = place_on_floor(floor, body, &mut piece.state, held);
-        let attitude = DMat3::from_quat(piece.state.rotation);
-        let set = ContactSet::new(body, attitude, &piece.corners.lever, held);
-        let after = set.velocities(twist(&piece.state));
+        segment.corners = project_positions(floor, body, &mut segment.state, held);
+        let attitude = DMat3::from_quat(segment.state.rotation);
+        let operator = DelassusOperator::new(body, attitude, &segment.corners.lever, held);
+        let after = operator.velocities(twist(&segment.state));
         let (velocity, omega) = twist(&self.state);
 
         // Which corners stick, and when the first slip vanishes.
         let mut components = [DVec3::Y; 8];
-        for i in 0..set.count {
-            let p = piece.impulse[usize::from(set.corner[i])];
+        for i in 0..operator.count {
+            let p = segment.impulse[usize::from(operator.corner[i])];
             let limit = floor.friction * p.y;
             let used = (p.x * p.x + p.z * p.z).sqrt();
-            let sticks = floor.friction > 0.0 && has(stuck, usize::from(set.corner[i]));
-            let lever = self.corners.lever[usize::from(set.corner[i])];
+            let sticks = floor.friction > 0.0 && has(stuck, usize::from(operator.corner[i]));
+            let lever = self.corners.lever[usize::from(operator.corner[i])];
             let slip_before = (velocity + omega.cross(lever)).with_y(0.0);
             let slip = after[i].with_y(0.0);
             let speed = slip_before.length();
             if speed > self.still_speed {
                 let along = slip_before.dot(slip) / speed;
-                let k = usize::from(set.corner[i]);
+                let k = usize::from(operator.corner[i]);
                 if sticks {
                     components[i] = DVec3::ONE; // where it ends if no better moment is found
                     // Unless it stops within no distance to speak of.
                     if speed * tau > 1e-9 * body.radius() {
-                        piece.slips.sticks(k, used / limit);
+                        segment.slips.sticks(k, used / limit);
                     }
                 } else {
-                    piece.slips.slides(k, slip, along, speed);
+                    segment.slips.slides(k, slip, along, speed);
                 }
                 // Friction does not turn a slip round: one that changed its way in no time has stopped.
-                let reversed = tau <= self.shortest && piece.slips.reversed(k);
+                let reversed = tau <= self.shortest && segment.slips.reversed(k);
                 if reversed || slip.length() <= STOPPED * speed {
                     components[i] = DVec3::ONE;
                 }
@@ -285,33 +285,33 @@ impl<F: ForceModel> Start<'_, F> {
                 components[i] = DVec3::ONE;
             }
         }
-        let correction = cancel(&set, &after, &components);
-        set.apply(body, &mut piece.state, &correction);
-        for i in 0..set.count {
-            piece.impulse[usize::from(set.corner[i])] += correction[i];
+        let correction = cancel(&operator, &after, &components);
+        operator.apply(body, &mut segment.state, &correction);
+        for i in 0..operator.count {
+            segment.impulse[usize::from(operator.corner[i])] += correction[i];
         }
         let speed = |s: &BodyState| {
             s.velocity.length() + s.body_angular_velocity(body).length() * body.radius()
         };
-        if spans_face(held) && speed(&piece.state) <= 1e-11 * self.acceleration * tau {
-            piece.state.velocity = DVec3::ZERO;
-            piece.state.angular_momentum = DVec3::ZERO;
+        if spans_face(held) && speed(&segment.state) <= 1e-11 * self.acceleration * tau {
+            segment.state.velocity = DVec3::ZERO;
+            segment.state.angular_momentum = DVec3::ZERO;
         }
     }
 
-    /// The end of an accepted piece: a corner that was let go and yet ended below the floor (by the error
-    /// of a piece) is lifted out. A contact only takes energy: what the errors of integrator and projection
+    /// The end of an accepted segment: a corner that was let go and yet ended below the floor (by the error
+    /// of a segment) is lifted out. A contact only takes energy: what the errors of integrator and projection
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench, whose work is not known, it is not applied.
-    pub(super) fn finish(&self, piece: &mut Piece) {
+    pub(super) fn finish(&self, segment: &mut Segment) {
         let context = self.context;
-        lift_out(context.floor, &mut piece.state, &mut piece.corners);
+        recover_penetration(context.floor, &mut segment.state, &mut segment.corners);
         if !context.force.has_wrench() {
             let pull = context.force.acceleration();
-            let height = piece.state.position.y;
-            piece.repaired = limit_energy(context.body, &self.state, &mut piece.state, pull);
-            if piece.state.position.y != height {
-                piece.corners = *self.corners; // it was put back to where it was
+            let height = segment.state.position.y;
+            segment.repaired = limit_energy(context.body, &self.state, &mut segment.state, pull);
+            if segment.state.position.y != height {
+                segment.corners = *self.corners; // it was put back to where it was
             }
         }
     }
@@ -361,9 +361,9 @@ fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
     DMat3::from_quat(start.with_rotation(sum).rotation)
 }
 
-/// Longest piece over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so
+/// Longest segment over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so
 /// short that the acceleration from rest turns the box as little.
-pub(super) fn longest_piece(body: &RigidBox, state: &BodyState, acceleration: f64) -> f64 {
+pub(super) fn longest_segment(body: &RigidBox, state: &BodyState, acceleration: f64) -> f64 {
     let omega = state.body_angular_velocity(body).length();
     let turning = if omega > 0.0 {
         0.25 / omega
@@ -378,7 +378,7 @@ pub(super) fn longest_piece(body: &RigidBox, state: &BodyState, acceleration: f6
     turning.min(falling)
 }
 
-/// The corners a piece holds or may hold.
+/// The corners a segment holds or may hold.
 pub(super) fn candidates(touching: u8, normal: &[f64; 8], hold_speed: f64) -> u8 {
     mask(|k| has(touching, k) && normal[k] <= hold_speed)
 }

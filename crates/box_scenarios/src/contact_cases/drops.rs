@@ -18,15 +18,15 @@ pub(super) fn repaired_impacts(integrator: Integrator) -> f64 {
 
 /// What the errors of integrator and projection had gained, and was taken back, in a step without impacts,
 /// relative to the energy before.
-pub(super) fn repaired_pieces(integrator: Integrator) -> f64 {
-    cubes(integrator).repaired_pieces
+pub(super) fn repaired_segments(integrator: Integrator) -> f64 {
+    cubes(integrator).repaired_segments
 }
 
 /// The worst of the drops.
 struct Worst {
     gain: f64,
     repaired_impacts: f64,
-    repaired_pieces: f64,
+    repaired_segments: f64,
 }
 
 /// Cubes, whose free rotation every integrator but the Euler methods does exactly, so that what the energy
@@ -36,7 +36,7 @@ fn cubes(integrator: Integrator) -> Worst {
     let mut worst = Worst {
         gain: 0.0,
         repaired_impacts: 0.0,
-        repaired_pieces: 0.0,
+        repaired_segments: 0.0,
     };
     for _ in 0..1000 {
         let half = DVec3::splat(random.magnitude(0.005, 5.0));
@@ -50,7 +50,7 @@ fn cubes(integrator: Integrator) -> Worst {
             let repaired = if outcome.impacts > 0 {
                 &mut worst.repaired_impacts
             } else {
-                &mut worst.repaired_pieces
+                &mut worst.repaired_segments
             };
             *repaired = repaired.max(outcome.energy_repaired / before);
             before = after;

@@ -193,7 +193,7 @@ pub fn contact_cases() -> Vec<ContactCase> {
             "the same, steps without impacts",
             "gain by errors that was taken back, relative",
             0.01,
-            drops::repaired_pieces,
+            drops::repaired_segments,
         ),
         case(
             31,

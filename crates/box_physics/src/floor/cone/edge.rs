@@ -12,7 +12,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::geometry::{ContactSet, Corner3};
+use super::super::geometry::{Corner3, DelassusOperator};
 use super::super::projection::{least_along, stopped_along};
 use super::{project, single};
 
@@ -33,27 +33,27 @@ pub(super) struct Edge<'a> {
     b: &'a Corner3,
     friction: f64,
     /// A bound of A [1/kg].
-    stiffness: f64,
+    norm: f64,
     /// |w| to which the law is to hold [m/s].
     target: f64,
 }
 
 impl<'a> Edge<'a> {
     pub(super) fn new(
-        set: &ContactSet,
+        operator: &DelassusOperator,
         b: &'a Corner3,
         alpha: f64,
         friction: f64,
         target: f64,
     ) -> Self {
-        let cross = set.block(0, 1, alpha);
+        let cross = operator.block(0, 1, alpha);
         Self {
-            edge: set.lever[1] - set.lever[0],
-            own: [set.block(0, 0, alpha), set.block(1, 1, alpha)],
+            edge: operator.lever[1] - operator.lever[0],
+            own: [operator.block(0, 0, alpha), operator.block(1, 1, alpha)],
             other: [cross, cross.transpose()],
             b,
             friction,
-            stiffness: alpha * set.stiffness_bound(),
+            norm: alpha * operator.norm_bound(),
             target,
         }
     }
@@ -111,9 +111,9 @@ impl<'a> Edge<'a> {
     /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
     fn obeys(&self, p: [DVec3; 2]) -> bool {
         let w = self.velocities(p);
-        let step = 1.0 / self.stiffness;
+        let step = 1.0 / self.norm;
         let wrong = |i: usize| (p[i] - project(p[i] - step * w[i], self.friction)).length_squared();
-        self.stiffness * wrong(0).max(wrong(1)).sqrt() <= self.target
+        self.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
     }
 
     fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {

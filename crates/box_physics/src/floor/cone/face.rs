@@ -13,7 +13,7 @@
 
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
-use super::super::geometry::{ContactSet, Corner3};
+use super::super::geometry::{Corner3, DelassusOperator};
 use super::edge::Edge;
 use super::project;
 
@@ -27,7 +27,7 @@ const SMALL: f64 = 1e-4;
 
 /// b + αWp for the corners of a face.
 pub(super) struct Face<'a> {
-    pub(super) set: &'a ContactSet,
+    pub(super) operator: &'a DelassusOperator,
     pub(super) b: &'a Corner3,
     pub(super) alpha: f64,
     pub(super) friction: f64,
@@ -52,7 +52,7 @@ impl Face<'_> {
 
     /// Whether the slips are so fast that all corners sliding on is the likeliest.
     fn is_fast(&self) -> bool {
-        let b = &self.b[..self.set.count];
+        let b = &self.b[..self.operator.count];
         let slow = b.iter().map(|u| u.x * u.x + u.z * u.z);
         let approach = b.iter().fold(0.0, |a: f64, u| a.max(-u.y));
         let bound = 4.0 * self.friction * approach;
@@ -61,19 +61,24 @@ impl Face<'_> {
 
     /// w = b + αWp.
     fn velocities(&self, p: &Corner3) -> Corner3 {
-        super::add(self.b, &self.set.response(p), self.alpha, self.set.count)
+        super::add(
+            self.b,
+            &self.operator.response(p),
+            self.alpha,
+            self.operator.count,
+        )
     }
 
     /// The criterion of the gradient steps: L |p − P(p − w/L)| is the tolerated error of w.
     fn obeys(&self, p: &Corner3) -> bool {
         let w = self.velocities(p);
-        let stiffness = self.alpha * self.set.stiffness_bound();
+        let norm = self.alpha * self.operator.norm_bound();
         let mut worst = 0.0_f64;
-        for i in 0..self.set.count {
-            let q = project(p[i] - w[i] / stiffness, self.friction);
+        for i in 0..self.operator.count {
+            let q = project(p[i] - w[i] / norm, self.friction);
             worst = worst.max((p[i] - q).length_squared());
         }
-        stiffness * worst.sqrt() <= self.target
+        norm * worst.sqrt() <= self.target
     }
 
     /// The impulses that stop all corners, the normal ones the smallest that do, the friction handed to the
@@ -85,8 +90,8 @@ impl Face<'_> {
     /// about the normal, the smallest in units of what a corner can hold. Where that is too much for one, those
     /// that can hold more are given more (Lawson's weights for the least maximum: C. L. Lawson, UCLA 1961).
     fn stop(&self) -> Corner3 {
-        let (set, n) = (self.set, self.set.count);
-        let (r, b) = (&set.lever, self.b);
+        let (operator, n) = (self.operator, self.operator.count);
+        let (r, b) = (&operator.lever, self.b);
         // −b as a motion of the floor's plane: opposite corners are neighbors, so 0, 1 and 2 span it.
         let (e, f) = (r[1] - r[0], r[2] - r[0]);
         let area = e.z * f.x - e.x * f.z;
@@ -96,7 +101,7 @@ impl Face<'_> {
         // u_y = v_y + ω_z x − ω_x z
         let omega = -DVec3::new((e.x * q - f.x * p) / area, spin, (e.z * q - f.z * p) / area);
         let v = DVec3::new(-slide.x, -b[0].y, -slide.y) - omega.with_y(0.0).cross(r[0]);
-        let (force, torque) = set.impulse_for(v, omega);
+        let (force, torque) = operator.impulse_for(v, omega);
         let (force, torque) = (force / self.alpha, torque / self.alpha);
 
         let height = r[0].y;
@@ -148,20 +153,21 @@ impl Face<'_> {
     /// is the rounding of b: to see whether the corners can be stopped at all, which those that are to
     /// bounce differently cannot.
     fn sticks(&self, stop: &Corner3) -> bool {
-        let left = self.set.largest(&self.velocities(stop));
-        super::in_cones(self.set, stop, self.friction) && left <= 1e-9 * self.set.largest(self.b)
+        let left = self.operator.largest(&self.velocities(stop));
+        super::in_cones(self.operator, stop, self.friction)
+            && left <= 1e-9 * self.operator.largest(self.b)
     }
 
     /// Two corners leave: those that would have to pull most if all were stopped.
     fn two_leave(&self, stop: &Corner3) -> Option<Corner3> {
-        let n = self.set.count;
+        let n = self.operator.count;
         let mut order = [0, 1, 2, 3];
         order[..n].sort_by(|&i, &j| stop[j].y.total_cmp(&stop[i].y));
         let pair = [order[0].min(order[1]), order[0].max(order[1])];
-        let edge_set = self.set.part(1 << pair[0] | 1 << pair[1]);
+        let pair_operator = self.operator.part(1 << pair[0] | 1 << pair[1]);
         let mut b = [DVec3::ZERO; 8];
         (b[0], b[1]) = (self.b[pair[0]], self.b[pair[1]]);
-        let edge = Edge::new(&edge_set, &b, self.alpha, self.friction, self.target);
+        let edge = Edge::new(&pair_operator, &b, self.alpha, self.friction, self.target);
         let [first, second] = edge.solve()?;
         let mut p = [DVec3::ZERO; 8];
         (p[pair[0]], p[pair[1]]) = (first, second);
@@ -216,18 +222,18 @@ impl Face<'_> {
 
     /// Ω of (V_x, V_z, Ω ℓ).
     fn spin_of(&self, x: DVec3) -> f64 {
-        let arm = self.set.lever[1] - self.set.lever[0];
+        let arm = self.operator.lever[1] - self.operator.lever[0];
         2.0 * x.z / (arm.x * arm.x + arm.z * arm.z).sqrt()
     }
 
     /// (V_x, V_z, Ω ℓ) of these velocities of the first two corners, ℓ half the diagonal.
     fn planar(&self, w: [DVec3; 2]) -> DVec3 {
-        let arm = self.set.lever[1] - self.set.lever[0];
+        let arm = self.operator.lever[1] - self.operator.lever[0];
         let square = arm.x * arm.x + arm.z * arm.z;
         let change = w[1] - w[0];
         // (Ω n × arm)·: Ω (arm_z, −arm_x)
         let spin = (change.x * arm.z - change.z * arm.x) / square;
-        let r = self.set.lever[0];
+        let r = self.operator.lever[0];
         DVec3::new(
             w[0].x - spin * r.z,
             w[0].z + spin * r.x,
@@ -237,19 +243,19 @@ impl Face<'_> {
 
     /// The impulses for the slips along those that x tells, and the x that they lead to. (One may have to pull.)
     fn sliding(&self, x: DVec3) -> ([DVec3; 4], DVec3) {
-        let (set, n) = (self.set, self.set.count);
+        let (operator, n) = (self.operator, self.operator.count);
         let spin = self.spin_of(x);
         let mut s = [DVec3::Y; 4];
         let mut twist = [(DVec3::ZERO, DVec3::ZERO); 4];
         let mut normal = [DVec3::ZERO; 4];
         let mut gram = DMat3::ZERO;
         for j in 0..n {
-            let r = set.lever[j];
+            let r = operator.lever[j];
             let slip = DVec3::new(x.x + spin * r.z, 0.0, x.y - spin * r.x);
             s[j] -= slip * (self.friction / slip.length());
             // Column j of the normal law, at the first three corners.
-            let (v, omega) = set.unit_twist(j, s[j]);
-            let at = |i: usize| v.y + omega.z * set.lever[i].x - omega.x * set.lever[i].z;
+            let (v, omega) = operator.unit_twist(j, s[j]);
+            let at = |i: usize| v.y + omega.z * operator.lever[i].x - omega.x * operator.lever[i].z;
             let a = DVec3::new(at(0), at(1), at(2));
             gram += DMat3::from_cols(a * a.x, a * a.y, a * a.z);
             (twist[j], normal[j]) = ((v, omega), a);
@@ -276,7 +282,7 @@ impl Face<'_> {
             v += twist[j].0 * share[j];
             omega += twist[j].1 * share[j];
         }
-        let w = [0, 1].map(|i| b[i] + self.alpha * (v + omega.cross(set.lever[i])));
+        let w = [0, 1].map(|i| b[i] + self.alpha * (v + omega.cross(operator.lever[i])));
         (p, self.planar(w))
     }
 }

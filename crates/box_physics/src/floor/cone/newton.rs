@@ -1,7 +1,7 @@
 //! Coulomb's law as an equation, solved by Newton's method.
 //!
 //! The law says F(p) = p − P(p − ρw) = 0, w = b + αWp, P the projection of the parent module. F is
-//! piecewise smooth, so Newton's method with any of its derivatives ends quadratically (Alart, Curnier,
+//! segmentwise smooth, so Newton's method with any of its derivatives ends quadratically (Alart, Curnier,
 //! Comput. Methods Appl. Mech. Eng. 92 (1991) 353; Qi, Sun, Math. Program. 58 (1993) 353); where it would
 //! not descend, Marquardt's damping (J. SIAM 11 (1963) 431) shortens the step. It can end in a local
 //! minimum of |F|: another ρ, or another start, has others. Of 100 000 random impacts with µ from 0.05 to
@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 
-use super::super::geometry::{ContactSet, Corner3};
+use super::super::geometry::{Corner3, DelassusOperator};
 use super::super::projection::cancel;
 use super::{ConeSolution, add, project};
 
@@ -18,7 +18,7 @@ const SIZE: usize = 24;
 type Matrix = [[f64; SIZE]; SIZE];
 type Vector = [f64; SIZE];
 
-/// ρ in units of one over the stiffness, in the order in which they are tried.
+/// ρ in units of one over the norm, in the order in which they are tried.
 const SCALES: [f64; 6] = [1.0, 10.0, 0.1, 100.0, 0.01, 1000.0];
 /// Newton steps from one start.
 const STEPS: u32 = 60;
@@ -28,7 +28,7 @@ const DAMPINGS: u32 = 12;
 /// Improves `solution.p` until |w| is right to `target` or `solution.iterations` is `limit`; says in `converged`
 /// whether it could.
 pub(super) fn solve(
-    set: &ContactSet,
+    operator: &DelassusOperator,
     b: &Corner3,
     alpha: f64,
     friction: f64,
@@ -36,22 +36,22 @@ pub(super) fn solve(
     limit: u32,
     solution: &mut ConeSolution,
 ) {
-    let n = set.count;
-    let stiffness = alpha * set.stiffness_bound();
-    let operator = matrix(set, alpha);
+    let n = operator.count;
+    let norm = alpha * operator.norm_bound();
+    let entries = matrix(operator, alpha);
     let approach = b[..n].iter().map(|u| -u.y).sum::<f64>() / n as f64;
-    let share = approach / (alpha * set.inverse_mass() * n as f64);
+    let share = approach / (alpha * operator.inverse_mass() * n as f64);
     let mut even = [DVec3::ZERO; 8];
     even[..n].fill(DVec3::Y * share);
-    let stop = cancel(set, b, &[DVec3::ONE; 8]).map(|q| q / alpha);
+    let stop = cancel(operator, b, &[DVec3::ONE; 8]).map(|q| q / alpha);
     for scale in SCALES {
         let problem = Problem {
-            set,
+            operator,
             b,
             alpha,
             friction,
-            rho: scale / stiffness,
-            operator: &operator,
+            rho: scale / norm,
+            entries: &entries,
         };
         for start in [solution.p, [DVec3::ZERO; 8], even, stop] {
             if let Some(p) = problem.descend(start, target, limit, &mut solution.iterations) {
@@ -64,13 +64,13 @@ pub(super) fn solve(
 }
 
 /// αW in full.
-fn matrix(set: &ContactSet, alpha: f64) -> Matrix {
+fn matrix(operator: &DelassusOperator, alpha: f64) -> Matrix {
     let mut w = [[0.0; SIZE]; SIZE];
-    for column in 0..3 * set.count {
+    for column in 0..3 * operator.count {
         let mut unit = [DVec3::ZERO; 8];
         unit[column / 3][column % 3] = 1.0;
-        let response = set.response(&unit);
-        for row in 0..3 * set.count {
+        let response = operator.response(&unit);
+        for row in 0..3 * operator.count {
             w[row][column] = alpha * response[row / 3][row % 3];
         }
     }
@@ -78,12 +78,12 @@ fn matrix(set: &ContactSet, alpha: f64) -> Matrix {
 }
 
 struct Problem<'a> {
-    set: &'a ContactSet,
+    operator: &'a DelassusOperator,
     b: &'a Corner3,
     alpha: f64,
     friction: f64,
     rho: f64,
-    operator: &'a Matrix,
+    entries: &'a Matrix,
 }
 
 impl Problem<'_> {
@@ -95,13 +95,13 @@ impl Problem<'_> {
         limit: u32,
         iterations: &mut u32,
     ) -> Option<Corner3> {
-        let n = self.set.count;
+        let n = self.operator.count;
         let mut damping = 1e-6;
         let (mut q, mut f) = self.residual(&p);
-        let mut square = self.set.dot(&f, &f);
+        let mut square = self.operator.dot(&f, &f);
         for _ in 0..STEPS.min(limit.saturating_sub(*iterations)) {
             *iterations += 1;
-            if self.set.largest(&f) <= target * self.rho {
+            if self.operator.largest(&f) <= target * self.rho {
                 return Some(p);
             }
             let (normal, gradient) = self.normal_equations(&q, &f);
@@ -113,7 +113,7 @@ impl Problem<'_> {
                         next[i] -= DVec3::new(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
                     }
                     let (next_q, next_f) = self.residual(&next);
-                    let next_square = self.set.dot(&next_f, &next_f);
+                    let next_square = self.operator.dot(&next_f, &next_f);
                     if next_square < square * (1.0 - 1e-6) {
                         (p, q, f, square) = (next, next_q, next_f, next_square);
                         damping = (0.1 * damping).max(1e-14);
@@ -132,8 +132,8 @@ impl Problem<'_> {
 
     /// q = p − ρw and F = p − P(q).
     fn residual(&self, p: &Corner3) -> (Corner3, Corner3) {
-        let n = self.set.count;
-        let w = add(self.b, &self.set.response(p), self.alpha, n);
+        let n = self.operator.count;
+        let w = add(self.b, &self.operator.response(p), self.alpha, n);
         let (mut q, mut f) = ([DVec3::ZERO; 8], [DVec3::ZERO; 8]);
         for i in 0..n {
             q[i] = p[i] - self.rho * w[i];
@@ -144,16 +144,16 @@ impl Problem<'_> {
 
     /// JᵀJ and JᵀF with J = 1 − P'(q)(1 − ραW).
     fn normal_equations(&self, q: &Corner3, f: &Corner3) -> (Matrix, Vector) {
-        let size = 3 * self.set.count;
+        let size = 3 * self.operator.count;
         let mut j = [[0.0; SIZE]; SIZE];
-        for i in 0..self.set.count {
+        for i in 0..self.operator.count {
             let slope = projection_slope(q[i], self.friction);
             for (a, row) in slope.iter().enumerate() {
                 for column in 0..size {
                     let mut sum = 0.0;
                     for (k, s) in row.iter().enumerate() {
                         let unit = f64::from(u8::from(3 * i + k == column));
-                        sum += s * (unit - self.rho * self.operator[3 * i + k][column]);
+                        sum += s * (unit - self.rho * self.entries[3 * i + k][column]);
                     }
                     j[3 * i + a][column] = f64::from(u8::from(3 * i + a == column)) - sum;
                 }

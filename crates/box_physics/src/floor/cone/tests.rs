@@ -9,7 +9,7 @@ use crate::state::BodyState;
 use glam::DMat3;
 
 /// `n` random touching sets with their velocities, and the mass behind them.
-fn impacts(n: usize, mut visit: impl FnMut(&ContactSet, &Corner3, f64)) {
+fn impacts(n: usize, mut visit: impl FnMut(&DelassusOperator, &Corner3, f64)) {
     let mut random = Random(11);
     for i in 0..n {
         let mut side = || random.magnitude(0.02, 1.0);
@@ -31,9 +31,9 @@ fn impacts(n: usize, mut visit: impl FnMut(&ContactSet, &Corner3, f64)) {
         let count = if flat { 4 } else { 1 + i % 2 };
         let touching = mask(|k| order[..count].contains(&k));
         let attitude = DMat3::from_quat(state.rotation);
-        let set = ContactSet::new(&body, attitude, &corners.lever, touching);
-        let b = set.velocities((state.velocity, state.angular_velocity(&body)));
-        visit(&set, &b, body.mass());
+        let operator = DelassusOperator::new(&body, attitude, &corners.lever, touching);
+        let b = operator.velocities((state.velocity, state.angular_velocity(&body)));
+        visit(&operator, &b, body.mass());
     }
 }
 
@@ -42,11 +42,11 @@ fn examine(mu: f64, n: usize) -> (usize, f64) {
     let mut counts = Vec::new();
     let mut failed = 0;
     let mut worst = 0.0_f64;
-    impacts(n, |set, b, mass| {
-        let s = solve(set, b, 1.0, mu, 1e-12, 20_000);
+    impacts(n, |operator, b, mass| {
+        let s = solve(operator, b, 1.0, mu, 1e-12, 20_000);
         counts.push(s.iterations);
         if s.converged {
-            worst = worst.max(distance_from_the_law(set, b, &s, mu, mass));
+            worst = worst.max(distance_from_the_law(operator, b, &s, mu, mass));
         } else {
             failed += 1;
         }
@@ -63,15 +63,15 @@ fn examine(mu: f64, n: usize) -> (usize, f64) {
 
 /// The largest violation of a condition of the law, in units of speed and momentum.
 fn distance_from_the_law(
-    set: &ContactSet,
+    operator: &DelassusOperator,
     b: &Corner3,
     s: &ConeSolution,
     mu: f64,
     mass: f64,
 ) -> f64 {
-    let scale = set.largest(b);
+    let scale = operator.largest(b);
     let mut worst = 0.0_f64;
-    for k in 0..set.count {
+    for k in 0..operator.count {
         let (p, w) = (s.p[k], s.w[k]);
         let t = (p.x * p.x + p.z * p.z).sqrt();
         let slip = (w.x * w.x + w.z * w.z).sqrt();
@@ -102,18 +102,19 @@ fn the_cap_is_the_cap() {
     for max_iterations in [1, 3, 10, 100] {
         let mut unsolved = 0;
         for mu in [0.0, 0.3, 10.0, 1000.0] {
-            impacts(2000, |set, b, mass| {
-                let s = solve(set, b, 1.0, mu, 1e-12, max_iterations);
+            impacts(2000, |operator, b, mass| {
+                let s = solve(operator, b, 1.0, mu, 1e-12, max_iterations);
                 assert!(s.iterations <= max_iterations, "mu {mu}: {}", s.iterations);
                 unsolved += u32::from(!s.converged);
-                let scale = set.largest(b);
-                for k in 0..set.count {
+                let scale = operator.largest(b);
+                for k in 0..operator.count {
                     let (p, w) = (s.p[k], s.w[k]);
                     assert!(p.y >= 0.0 && w.y >= -1e-11 * scale);
                     assert!(p.y * w.y <= 1e-9 * mass * scale * scale);
                     assert!(p.x.hypot(p.z) <= mu * p.y + 1e-12 * mass * scale);
                 }
-                let gain = set.dot(&s.p, b) + 0.5 * set.dot(&s.p, &set.response(&s.p));
+                let gain =
+                    operator.dot(&s.p, b) + 0.5 * operator.dot(&s.p, &operator.response(&s.p));
                 assert!(gain <= 1e-12 * mass * scale * scale);
             });
         }

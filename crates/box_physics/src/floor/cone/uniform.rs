@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::geometry::{ContactSet, Corner3};
+use super::super::geometry::{Corner3, DelassusOperator};
 
 /// If all corners have the same b and keep the same w, then w = b + (α/m) P with the resultant P of the
 /// impulses: P_n = −b_n m/α, and P_t = −µP_n t̂ along b_t (if that does not stop them). What
@@ -15,19 +15,19 @@ use super::super::geometry::{ContactSet, Corner3};
 /// with the smallest p_k, by the 3×3 normal equations in the plane perpendicular to s. `false` if the
 /// corners do not move alike, do not span a face, or one would have to pull: then the box turns.
 pub(super) fn solve(
-    set: &ContactSet,
+    operator: &DelassusOperator,
     b: &Corner3,
     alpha: f64,
     friction: f64,
     target: f64,
     p: &mut Corner3,
 ) -> bool {
-    let n = set.count;
+    let n = operator.count;
     if n < 3 || b[1..n].iter().any(|u| (*u - b[0]).length() > target) {
         return false;
     }
     let slip = (b[0].x * b[0].x + b[0].z * b[0].z).sqrt();
-    let normal = -b[0].y / (alpha * set.inverse_mass());
+    let normal = -b[0].y / (alpha * operator.inverse_mass());
     let t = if slip > 0.0 {
         DVec3::new(b[0].x / slip, 0.0, b[0].z / slip)
     } else {
@@ -35,7 +35,7 @@ pub(super) fn solve(
     };
     // Would friction stop it? Then it sticks, if it can without tipping: not for us to say.
     let drag = if slip > 0.0 { friction } else { 0.0 };
-    if alpha * set.inverse_mass() * drag * normal > slip {
+    if alpha * operator.inverse_mass() * drag * normal > slip {
         return false;
     }
     let s = DVec3::Y - drag * t;
@@ -43,7 +43,7 @@ pub(super) fn solve(
     let along = s.cross(across);
     let mut arms = [DVec3::ZERO; 8];
     for i in 0..n {
-        let arm = set.lever[i].cross(s);
+        let arm = operator.lever[i].cross(s);
         arms[i] = DVec3::new(1.0, arm.dot(across), arm.dot(along));
     }
     // Opposite corners are neighbors: in pairs their arms cancel to the bit.

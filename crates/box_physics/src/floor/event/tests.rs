@@ -15,50 +15,50 @@ fn search(start: f64, rate: f64, time: f64, curvature: f64) -> Search {
     }
 }
 
-/// The time of the first touch, how many pieces it took, and whether the search gave up.
+/// The time of the first touch, how many segments it took, and whether the search gave up.
 fn touch(search: &Search, height: impl Fn(f64) -> f64) -> (f64, u32, bool) {
     let (mut whole, mut other) = (search.time, f64::NAN);
-    let mut pieces = 1;
+    let mut segments = 1;
     let reached = search.run(
         &mut whole,
         [height(search.time); 8],
         &mut other,
-        |t, piece| {
-            pieces += 1;
-            *piece = t;
+        |t, segment| {
+            segments += 1;
+            *segment = t;
             [height(t); 8]
         },
     );
     assert_eq!(
         *reached.motion, reached.tau,
-        "the piece is the one to that time"
+        "the segment is the one to that time"
     );
-    (reached.tau, pieces, reached.capped)
+    (reached.tau, segments, reached.capped)
 }
 
 #[test]
 fn the_first_root_is_found_sharply_and_cheaply() {
-    let (tau, pieces, _) = touch(&search(1.0, 0.0, 1.0, 0.0), |t| 1.0 - 4.905 * t * t);
+    let (tau, segments, _) = touch(&search(1.0, 0.0, 1.0, 0.0), |t| 1.0 - 4.905 * t * t);
     assert!((tau - (1.0_f64 / 4.905).sqrt()).abs() < 1e-12);
-    assert!(pieces <= 3, "{pieces}");
+    assert!(segments <= 3, "{segments}");
 }
 
 /// Its derivatives are of every order, and it turns by more than a radian.
 #[test]
-fn a_turning_corner_is_found_in_a_few_pieces() {
+fn a_turning_corner_is_found_in_a_few_segments() {
     let height = |t: f64| 0.3 - t - 0.5 * libm::sin(2.0 * t);
-    let (tau, pieces, _) = touch(&search(0.3, -2.0, 0.7, 2.0), height);
+    let (tau, segments, _) = touch(&search(0.3, -2.0, 0.7, 2.0), height);
     assert!(height(tau).abs() <= 1e-12);
-    assert!(pieces <= 6, "{pieces}");
+    assert!(segments <= 6, "{segments}");
 }
 
-/// A jump, as friction makes that sticks or slips by the length of the piece: bisection ends it.
+/// A jump, as friction makes that sticks or slips by the length of the segment: bisection ends it.
 #[test]
 fn a_jump_is_found_as_well() {
     let height = |t: f64| if t < 0.3 { 0.5 } else { -0.5 };
-    let (tau, pieces, _) = touch(&search(0.5, 0.0, 1.0, 0.0), height);
+    let (tau, segments, _) = touch(&search(0.5, 0.0, 1.0, 0.0), height);
     assert!((tau - 0.3).abs() < 1e-15);
-    assert!(pieces <= 60 * PATIENCE as u32, "{pieces}");
+    assert!(segments <= 60 * PATIENCE as u32, "{segments}");
 }
 
 /// A motion that jumps below the floor at once, as one that cannot be computed may, or that is not even a
@@ -70,8 +70,8 @@ fn a_jump_at_the_very_start_ends_the_search() {
         let mut s = search(0.5, 0.0, 1.0, 0.0);
         for time in [1.0, 1e-300, f64::from_bits(1)] {
             s.time = time;
-            let (tau, pieces, _) = touch(&s, height);
-            assert!(tau <= time && pieces <= 1 + LONGEST as u32, "{pieces}");
+            let (tau, segments, _) = touch(&s, height);
+            assert!(tau <= time && segments <= 1 + LONGEST as u32, "{segments}");
         }
     }
 }
@@ -95,10 +95,10 @@ fn what_cannot_be_followed_is_given_up_at_once() {
         s.highest = 2.1;
         touch(&s, height)
     };
-    let (tau, pieces, capped) = wheel(1e6 * core::f64::consts::TAU);
-    assert!(tau == 1.0 && pieces == 1 && capped);
-    let (tau, pieces, capped) = wheel(100.0 * core::f64::consts::TAU);
-    assert!(tau == 1.0 && pieces > 100 && !capped);
+    let (tau, segments, capped) = wheel(1e6 * core::f64::consts::TAU);
+    assert!(tau == 1.0 && segments == 1 && capped);
+    let (tau, segments, capped) = wheel(100.0 * core::f64::consts::TAU);
+    assert!(tau == 1.0 && segments > 100 && !capped);
 }
 
 #[test]

@@ -70,10 +70,10 @@ fn slope_holds_below_the_friction_angle_and_slides_above() {
     }
 }
 
-/// A box on its face slides and turns to a stop in a few pieces: corners whose slips vanish one after the other,
+/// A box on its face slides and turns to a stop in a few segments: corners whose slips vanish one after the other,
 /// or turn on their way, are not followed in ever shorter ones.
 #[test]
-fn a_turning_slide_stops_in_a_few_pieces() {
+fn a_turning_slide_stops_in_a_few_segments() {
     let mut random = Random(3);
     let mut worst = 0;
     for _ in 0..2000 {
@@ -91,5 +91,5 @@ fn a_turning_slide_stops_in_a_few_pieces() {
         assert!(scene.contact.is_resting() && scene.energy() <= energy);
     }
     println!("a turning slide: at most {worst} evaluations a step");
-    assert!(worst <= 240, "{worst}"); // two or three for each piece that is tried
+    assert!(worst <= 240, "{worst}"); // two or three for each segment that is tried
 }
