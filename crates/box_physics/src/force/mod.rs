@@ -65,6 +65,7 @@ impl core::ops::AddAssign for Wrench {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dissipation {
     /// c₁ [N s/m]: force −c₁ v.
     pub linear_drag: f64,
@@ -142,9 +143,36 @@ pub trait ForceModel {
         self.wrench(body, state)
     }
 
+    /// A number that differs wherever [`ForceModel::wrench`] does: over the parameters it depends on, besides body
+    /// and state. Integrators that remember past forces compare it and start again where it changes. `None`, the
+    /// default for a model with a wrench, says that this is not known: they then remember nothing. Mix in a
+    /// constant of your own, so that the number is not that of another model ([`fingerprint`]).
+    #[inline(always)]
+    fn wrench_fingerprint(&self) -> Option<u64> {
+        (!self.has_wrench()).then_some(0)
+    }
+
     /// Applies the velocity-dependent remainder over `h` \[s\] at a fixed pose.
     #[inline(always)]
     fn damp(&self, _body: &RigidBox, _state: &mut BodyState, _h: f64) {}
+}
+
+/// A digest of `numbers`, to the bit, for [`ForceModel::wrench_fingerprint`].
+///
+/// ```
+/// use box_physics::force::fingerprint;
+/// assert_eq!(fingerprint([1.0, 2.0]), fingerprint([1.0, 2.0]));
+/// assert_ne!(fingerprint([1.0, 2.0]), fingerprint([2.0, 1.0]));
+/// ```
+pub fn fingerprint(numbers: impl IntoIterator<Item = f64>) -> u64 {
+    // Per number the finalizer of splitmix64 (Steele, Lea, Flood, OOPSLA 2014), which is one to one and lets every
+    // bit reach every other: signs that change in pairs do not cancel, as they would in a bare product.
+    numbers.into_iter().fold(0x9e37_79b9_7f4a_7c15, |hash, x| {
+        let mut z = (hash ^ x.to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    })
 }
 
 /// Uniform acceleration [m/s²] alone: a body in free flight.

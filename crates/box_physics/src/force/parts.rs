@@ -4,7 +4,7 @@
 use crate::ecs::*;
 use glam::{DMat3, DVec3};
 
-use super::{Dissipation, ForceModel, Wrench};
+use super::{Dissipation, ForceModel, Wrench, fingerprint};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
@@ -137,6 +137,29 @@ impl ForceModel for Forces<'_> {
             total += at_point(state, force, s.body_point);
         }
         total
+    }
+
+    fn wrench_fingerprint(&self) -> Option<u64> {
+        if !self.has_wrench() {
+            return Some(0);
+        }
+        let vectors = [self.body_torque, self.world_torque];
+        let points = self.point_forces.iter().map(|p| {
+            let frame = f64::from(u8::from(p.frame == Frame::Body));
+            (p.body_point, p.force, [frame, 0.0])
+        });
+        let springs = self.springs.iter();
+        let springs = springs.map(|s| (s.body_point, s.anchor, [s.stiffness, s.damping]));
+        let parts = points
+            .chain(springs)
+            .flat_map(|(a, b, rest)| a.to_array().into_iter().chain(b.to_array()).chain(rest));
+        // How many are points tells points from springs.
+        Some(fingerprint(
+            [self.point_forces.len() as f64]
+                .into_iter()
+                .chain(vectors.into_iter().flat_map(|v| v.to_array()))
+                .chain(parts),
+        ))
     }
 
     /// Every damper by the implicit midpoint rule on its point's velocity, once forwards and once

@@ -2,11 +2,12 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
+use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -43,17 +44,18 @@ impl Integrate for BackwardEuler {
         },
     };
 
+    const BRANCHES: bool = true;
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         shortened(body, state, force, h, Self::one)
     }
 }
@@ -84,6 +86,7 @@ impl BackwardEuler {
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::super::testing::{Case, brick, drag, run, run_counted};
     use super::*;
     use crate::energy::total_energy;

@@ -1,6 +1,6 @@
 //! Many bodies at once: free flight under gravity alone, which is what most bodies do most of the time.
 //!
-//! An integrator whose step has no branch there ([`Lanes`]) is run over a group of bodies in one plain loop, of
+//! An integrator whose step has no branch there ([`Integrate::BRANCHES`]) is run over a group of bodies in one plain loop, of
 //! which the compiler makes vector instructions: two bodies at a time on any x86-64, four where the
 //! processor has AVX2, which is asked at run time. The bodies stay where they are; what the compiler
 //! shuffles into lanes never leaves the registers. Vector and scalar additions, multiplications, divisions
@@ -16,7 +16,7 @@ use core::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use super::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
+use super::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::Gravity;
 use crate::math::{SmallArguments, VectorLoop, vectorized};
@@ -136,7 +136,7 @@ impl Group<'_> {
     }
 
     /// The step of `S` in lanes: the same bits as [`one_by_one`](Self::one_by_one), several bodies at a time.
-    pub(super) fn in_lanes<S: Lanes>(&mut self, h: f64) -> StepOutcome {
+    pub(super) fn in_lanes<S: Integrate>(&mut self, h: f64) -> StepOutcome {
         let count = self.len();
         if h == 0.0 || count < FEW {
             return self.one_by_one::<S>(h);
@@ -157,7 +157,8 @@ impl Group<'_> {
             }
             let refused = &refused[..block.len()];
             let exceptions = refused.iter().sum::<f64>() as u32;
-            total += S::OUTCOME * (block.len() as u32 - exceptions);
+            total +=
+                StepOutcome::plain(S::INFO.evaluations.free) * (block.len() as u32 - exceptions);
             if exceptions > 0 {
                 total += self.step_refused::<S>(start, refused, h);
             }
@@ -166,7 +167,7 @@ impl Group<'_> {
         total
     }
 
-    fn block_in_lanes<S: Lanes>(
+    fn block_in_lanes<S: Integrate>(
         &mut self,
         block: Range<usize>,
         gravity: impl Field,
@@ -197,27 +198,6 @@ impl Group<'_> {
     }
 }
 
-/// An integrator whose step under gravity alone has no branch, so that many bodies can be stepped at once.
-///
-/// Best write the step once, with the sine and cosine as an argument, and use it in both places, as `split`
-/// does: what it does must be, bit for bit, what [`Integrate::step`] does (the test in this file compares them).
-/// To see whether the compiler did make vector instructions of it, run `cargo bench --bench kernels`.
-pub(super) trait Lanes: Integrate {
-    /// What a step that applied reports.
-    const OUTCOME: StepOutcome;
-
-    /// One step of `h` ≠ 0 \[s\]. What needs a sine or cosine takes it from `trigonometry`, which notes
-    /// whether its polynomials applied. No branch that is not a choice between two numbers, no call that is
-    /// not inlined: else the loop is not vectorized.
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    );
-}
-
 /// Steps all bodies; 1 in `refused` where the body was left alone, because the loop does not apply.
 struct LaneLoop<'a, S, G> {
     bodies: &'a [RigidBox],
@@ -228,7 +208,7 @@ struct LaneLoop<'a, S, G> {
     integrator: PhantomData<S>,
 }
 
-impl<S: Lanes, G: Field> VectorLoop for LaneLoop<'_, S, G> {
+impl<S: Integrate, G: Field> VectorLoop for LaneLoop<'_, S, G> {
     #[inline(always)]
     fn run(self) {
         step_each::<S>(self.bodies, self.states, self.gravity, self.h, self.refused);
@@ -236,17 +216,13 @@ impl<S: Lanes, G: Field> VectorLoop for LaneLoop<'_, S, G> {
 }
 
 #[inline(always)]
-fn step_each<S: Lanes>(
+fn step_each<S: Integrate>(
     bodies: &[RigidBox],
     states: &mut [BodyState],
     gravity: impl Field,
     h: f64,
     refused: &mut [f64],
 ) {
-    // Known here, so that the integrators' own question is not asked in the loop.
-    if h == 0.0 {
-        return;
-    }
     // Slices of one known length: no bounds are checked in the loop.
     let count = bodies.len().min(states.len()).min(refused.len());
     let (bodies, gravity) = (&bodies[..count], gravity.first(count));
@@ -255,13 +231,8 @@ fn step_each<S: Lanes>(
         let before = states[i];
         let mut after = before;
         let mut small = SmallArguments::default();
-        S::step_lane(
-            &bodies[i],
-            &mut after,
-            &Gravity(gravity.at(i)),
-            h,
-            &mut small,
-        );
+        let (law, mut none) = (Gravity(gravity.at(i)), MemorySlot::none());
+        S::advance(&bodies[i], &mut after, &law, h, &mut none, &mut small);
         let applies = small.all_small() & is_valid(&after);
         refused[i] = if applies { 0.0 } else { 1.0 };
         states[i] = choose(applies, &after, &before);
@@ -384,24 +355,38 @@ mod tests {
     }
 
     /// One step by the loop as it is compiled for every x86-64, and for what this processor has.
-    fn by_instruction_sets<S: Lanes>(set: &[(RigidBox, BodyState)], gravity: DVec3, h: f64) {
-        let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
-        let start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
-        let (mut plain, mut refused) = (start.clone(), [0.0; BLOCK]);
-        step_each::<S>(&bodies, &mut plain, gravity, h, &mut refused);
-        let (mut best, mut refused_there) = (start, [0.0; BLOCK]);
-        vectorized(LaneLoop {
-            bodies: &bodies,
-            states: &mut best,
-            gravity,
-            h,
-            refused: &mut refused_there,
-            integrator: PhantomData::<S>,
-        });
-        for (plain, best) in plain.iter().zip(&best) {
-            assert_eq!(bits(plain), bits(best), "{}", S::INFO.id);
+    struct ByInstructionSets<'a> {
+        set: &'a [(RigidBox, BodyState)],
+        gravity: DVec3,
+        h: f64,
+    }
+
+    impl IntegratorVisitor for ByInstructionSets<'_> {
+        type Output = ();
+
+        fn visit<S: Integrate>(self) {
+            if S::BRANCHES {
+                return;
+            }
+            let Self { set, gravity, h } = self;
+            let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
+            let start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
+            let (mut plain, mut refused) = (start.clone(), [0.0; BLOCK]);
+            step_each::<S>(&bodies, &mut plain, gravity, h, &mut refused);
+            let (mut best, mut refused_there) = (start, [0.0; BLOCK]);
+            vectorized(LaneLoop {
+                bodies: &bodies,
+                states: &mut best,
+                gravity,
+                h,
+                refused: &mut refused_there,
+                integrator: PhantomData::<S>,
+            });
+            for (plain, best) in plain.iter().zip(&best) {
+                assert_eq!(bits(plain), bits(best), "{}", S::INFO.id);
+            }
+            assert_eq!(refused, refused_there, "{}", S::INFO.id);
         }
-        assert_eq!(refused, refused_there, "{}", S::INFO.id);
     }
 
     proptest! {
@@ -414,10 +399,9 @@ mod tests {
             gravity in vector(),
             h in prop_oneof![Just(1.0 / 60.0), Just(-0.1), 0.001..0.5_f64],
         ) {
-            by_instruction_sets::<crate::integrators::Split>(&set, gravity, h);
-            by_instruction_sets::<crate::integrators::Split4>(&set, gravity, h);
-            by_instruction_sets::<crate::integrators::Rk4>(&set, gravity, h);
-            by_instruction_sets::<crate::integrators::EngineNewton>(&set, gravity, h);
+            for integrator in Integrator::ALL {
+                integrator.dispatch(ByInstructionSets { set: &set, gravity, h });
+            }
         }
 
         /// Every integrator, any number of bodies, zeros of both signs, turns beyond the kernels' range,

@@ -4,11 +4,12 @@ use glam::DVec3;
 
 use super::split::split_step;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
+use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose, free_rotation_strang, renormalize};
 use crate::state::BodyState;
 
@@ -56,13 +57,17 @@ impl Integrate for Dmv6 {
         },
     };
 
+    const BRANCHES: bool = true;
+    type Memory = ();
+
     #[inline]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
         let mut fallbacks = 0;
         let evaluations = split_step(body, state, force, h, |body, state, h| {
@@ -203,6 +208,7 @@ fn newton_correction(b: DVec3, e: DVec3, c: DVec3, f: DVec3) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces, Gravity};
     use crate::free_motion::FreeRotation;

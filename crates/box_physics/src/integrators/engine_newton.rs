@@ -2,14 +2,13 @@
 
 use glam::{DMat3, DVec3};
 
-use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Gravity, Wrench};
-use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
@@ -51,69 +50,38 @@ impl Integrate for EngineNewton {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
+        let (d, speed) = (force.dissipation(), state.velocity.length());
+        let w = if force.has_wrench() {
+            force.wrench(body, state)
+        } else {
+            Wrench::ZERO
+        };
+        if d != Dissipation::NONE {
+            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
+            state.velocity /= 1.0 + h * c;
+            state.angular_momentum /= 1.0 + h * gamma;
         }
-        whole_step(body, state, force, h, &mut AnyArgument);
+        state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
+        state.position += h * state.velocity;
+        state.angular_momentum += h * w.torque;
+        state.angular_momentum -= newton_correction(body, state, h);
+        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+        state.rotation = compose(state.rotation, turn);
+        state.renormalize();
         StepOutcome::plain(1)
     }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for EngineNewton {
-    const OUTCOME: StepOutcome = StepOutcome::plain(1);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    ) {
-        whole_step(body, state, gravity, h, trigonometry);
-    }
-}
-
-/// The step with a given sine and cosine.
-#[inline(always)]
-fn whole_step<F: ForceModel>(
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    trigonometry: &mut impl Trigonometry,
-) {
-    let (d, speed) = (force.dissipation(), state.velocity.length());
-    let w = if force.has_wrench() {
-        force.wrench(body, state)
-    } else {
-        Wrench::ZERO
-    };
-    if d != Dissipation::NONE {
-        let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-        let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-        state.velocity /= 1.0 + h * c;
-        state.angular_momentum /= 1.0 + h * gamma;
-    }
-    state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
-    state.position += h * state.velocity;
-    state.angular_momentum += h * w.torque;
-    state.angular_momentum -= newton_correction(body, state, h);
-    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-    state.rotation = compose(state.rotation, turn);
-    state.renormalize();
 }
 
 /// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for
@@ -138,6 +106,7 @@ fn newton_correction(body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::super::testing::{Case, brick, drag, run};
     use super::*;
     use crate::force::{Forces, Gravity};

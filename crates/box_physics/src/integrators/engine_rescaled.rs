@@ -2,14 +2,13 @@
 
 use glam::DVec3;
 
-use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Gravity, Wrench};
-use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
@@ -48,68 +47,37 @@ impl Integrate for EngineRescaled {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
+        let (d, speed) = (force.dissipation(), state.velocity.length());
+        let w = if force.has_wrench() {
+            force.wrench(body, state)
+        } else {
+            Wrench::ZERO
+        };
+        state.angular_momentum = rescaled_gyroscopic_step(body, state, h) + h * w.torque;
+        state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
+        if d != Dissipation::NONE {
+            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
+            state.velocity *= (1.0 - h * c).max(0.0);
+            state.angular_momentum *= (1.0 - h * gamma).max(DVec3::ZERO);
         }
-        whole_step(body, state, force, h, &mut AnyArgument);
+        state.position += h * state.velocity;
+        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+        state.rotation = compose(state.rotation, turn);
+        state.renormalize();
         StepOutcome::plain(1)
     }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for EngineRescaled {
-    const OUTCOME: StepOutcome = StepOutcome::plain(1);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    ) {
-        whole_step(body, state, gravity, h, trigonometry);
-    }
-}
-
-/// The step with a given sine and cosine.
-#[inline(always)]
-fn whole_step<F: ForceModel>(
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    trigonometry: &mut impl Trigonometry,
-) {
-    let (d, speed) = (force.dissipation(), state.velocity.length());
-    let w = if force.has_wrench() {
-        force.wrench(body, state)
-    } else {
-        Wrench::ZERO
-    };
-    state.angular_momentum = rescaled_gyroscopic_step(body, state, h) + h * w.torque;
-    state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
-    if d != Dissipation::NONE {
-        let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-        let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-        state.velocity *= (1.0 - h * c).max(0.0);
-        state.angular_momentum *= (1.0 - h * gamma).max(DVec3::ZERO);
-    }
-    state.position += h * state.velocity;
-    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-    state.rotation = compose(state.rotation, turn);
-    state.renormalize();
 }
 
 /// (L − hω×L) scaled back to |L|.
@@ -127,6 +95,7 @@ fn rescaled_gyroscopic_step(body: &RigidBox, state: &BodyState, h: f64) -> DVec3
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::super::testing::{Case, brick, drag, run};
     use super::*;
     use crate::force::{Forces, Gravity};

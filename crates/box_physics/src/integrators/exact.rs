@@ -1,13 +1,14 @@
 //! `exact`: the closed-form motion from the last event, so that nothing accumulates.
 
 use super::split::split_step;
-use super::trajectory::{Law, Trajectory};
+use super::trajectory::{FreeFlight, Trajectory};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
+use crate::math::Trigonometry;
 use crate::rotation::free_rotation_strang;
 use crate::state::BodyState;
 
@@ -56,17 +57,18 @@ impl Integrate for Exact {
         },
     };
 
+    const BRANCHES: bool = true;
+    type Memory = Trajectory;
+
     #[inline]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        memory: &mut IntegratorMemory,
+        memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         let d = force.dissipation();
         if force.has_wrench() || d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
             let evaluations = split_step(body, state, force, h, free_rotation_strang);
@@ -76,24 +78,22 @@ impl Integrate for Exact {
                 unconverged: 0,
             };
         }
-        let law = Law::new(body, force.acceleration(), &d);
-        let trajectory = match &mut memory.trajectory {
-            Some(trajectory) => {
-                if !trajectory.continues(&law, state) {
-                    **trajectory = Trajectory::new(law, state);
-                }
-                trajectory
+        let law = FreeFlight::new(body, force.acceleration(), &d);
+        match memory.recall() {
+            Some(trajectory) => trajectory.advance(&law, state, h),
+            None => {
+                let mut trajectory = Trajectory::new(body, state);
+                trajectory.advance(&law, state, h);
+                memory.store(trajectory);
             }
-            none => none.insert(Box::new(Trajectory::new(law, state))),
-        };
-        trajectory.advance(h);
-        *state = trajectory.last;
+        }
         StepOutcome::plain(1)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces};
     use glam::{DQuat, DVec3};
@@ -229,20 +229,28 @@ mod tests {
             Exact::step(&body, &mut tried, &law, 0.01, &mut tried_memory);
             assert_eq!(plain, tried);
         }
-        // A change of step keeps the event, a change of anything else does not.
-        let event = |m: &IntegratorMemory| m.trajectory.as_ref().map(|t| t.event);
-        Exact::step(&body, &mut plain, &law, 0.003, &mut memory);
+    }
+
+    /// A change of step keeps the event, a change of anything else does not.
+    #[test]
+    fn an_event_is_a_change() {
+        let (body, start) = tumbling();
+        let law = damped();
+        let (mut state, mut memory) = (start, IntegratorMemory::default());
+        let event = |memory: &IntegratorMemory| memory.peek::<Exact>().map(|t| t.event);
+        Exact::step(&body, &mut state, &law, 0.01, &mut memory);
+        Exact::step(&body, &mut state, &law, 0.003, &mut memory);
         assert_eq!(event(&memory), Some(start));
-        let here = plain;
-        Exact::step(&body, &mut plain, &Forces::default(), 0.003, &mut memory);
+        let here = state;
+        Exact::step(&body, &mut state, &Forces::default(), 0.003, &mut memory);
         assert_eq!(event(&memory), Some(here));
-        plain.velocity.x += 1e-12;
-        let here = plain;
-        Exact::step(&body, &mut plain, &Forces::default(), 0.003, &mut memory);
+        state.velocity.x += 1e-12;
+        let here = state;
+        Exact::step(&body, &mut state, &Forces::default(), 0.003, &mut memory);
         assert_eq!(event(&memory), Some(here));
         let heavier = body.with_inertia(body.inertia() * 2.0).expect("valid");
-        let here = plain;
-        Exact::step(&heavier, &mut plain, &Forces::default(), 0.003, &mut memory);
+        let here = state;
+        Exact::step(&heavier, &mut state, &Forces::default(), 0.003, &mut memory);
         assert_eq!(event(&memory), Some(here));
     }
 

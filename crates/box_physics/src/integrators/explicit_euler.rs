@@ -1,14 +1,13 @@
 //! `explicit-euler`: the first method anyone writes, for teaching.
 
-use super::batch::{Group, Lanes};
-use super::rk4::Slope;
+use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Gravity};
-use crate::math::SmallArguments;
+use crate::force::ForceModel;
+use crate::math::Trigonometry;
 use crate::state::BodyState;
 
 /// y += h f(y) for position, attitude, velocity and angular momentum; q normalized.
@@ -35,45 +34,28 @@ impl Integrate for ExplicitEuler {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         *state = Slope::at(body, state, force).from(state, h);
         state.rotation = state.rotation * (1.0 / state.rotation.length());
         StepOutcome::plain(1)
-    }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for ExplicitEuler {
-    const OUTCOME: StepOutcome = StepOutcome::plain(1);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        _trigonometry: &mut SmallArguments,
-    ) {
-        Self::step(body, state, gravity, h, &mut IntegratorMemory::default());
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::*;
+    use crate::force::Gravity;
     use glam::DVec3;
 
     /// x_n = x₀ + n h v₀ + ½ g h² n(n−1): the parabola minus exactly ½ g h t.

@@ -2,11 +2,12 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
+use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose};
 use crate::state::BodyState;
 
@@ -58,17 +59,18 @@ impl Integrate for ImplicitMidpoint {
         },
     };
 
+    const BRANCHES: bool = true;
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         shortened(body, state, force, h, Self::one)
     }
 }
@@ -107,6 +109,7 @@ impl ImplicitMidpoint {
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::super::testing::{Case, brick, drag, run, run_counted};
     use super::*;
     use crate::energy::total_energy;

@@ -1,14 +1,13 @@
 //! `midpoint`: the explicit midpoint rule, the simplest Runge–Kutta method of order 2.
 
-use super::batch::{Group, Lanes};
-use super::rk4::Slope;
+use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Gravity};
-use crate::math::SmallArguments;
+use crate::force::ForceModel;
+use crate::math::Trigonometry;
 use crate::state::BodyState;
 
 /// k₁ = f(y), k₂ = f(y + h/2 k₁), y += h k₂ on (x, q, v, L), the quaternion normalized after the step.
@@ -41,48 +40,31 @@ impl Integrate for Midpoint {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         let k1 = Slope::at(body, state, force);
         let k2 = Slope::at(body, &k1.from(state, 0.5 * h), force);
         *state = k2.from(state, h);
         state.rotation = state.rotation * (1.0 / state.rotation.length());
         StepOutcome::plain(2)
     }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for Midpoint {
-    const OUTCOME: StepOutcome = StepOutcome::plain(2);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        _trigonometry: &mut SmallArguments,
-    ) {
-        Self::step(body, state, gravity, h, &mut IntegratorMemory::default());
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::super::testing::{Case, drag, run};
     use super::*;
+    use crate::force::Gravity;
     use glam::DVec3;
 
     /// R(z) = 1 + z + z²/2 on the velocity; the parabola to rounding.

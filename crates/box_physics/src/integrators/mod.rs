@@ -10,6 +10,7 @@ mod implicit_stage;
 mod info;
 mod memory;
 mod newton;
+mod slope;
 mod stage_equations;
 #[cfg(test)]
 mod testing;
@@ -19,7 +20,7 @@ pub use batch::{GravityField, Group};
 pub use info::{
     Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, Order, Orders, Stability,
 };
-pub use memory::IntegratorMemory;
+pub use memory::{IntegratorMemory, MemorySlot, Remember};
 
 #[cfg(test)]
 pub(crate) use split::split_step;
@@ -31,31 +32,75 @@ use core::str::FromStr;
 
 use crate::body::RigidBox;
 use crate::force::ForceModel;
+use crate::math::{AnyArgument, Trigonometry};
 use crate::state::BodyState;
 
 /// A numerical integrator for translation and rotation.
-pub trait Integrate {
-    /// What it says of itself.
+///
+/// An integrator writes one function, [`advance`](Self::advance), once for a single body and for SIMD lanes.
+pub trait Integrate: Sized + 'static {
+    /// Name, order, cost and properties.
     const INFO: IntegratorInfo;
 
-    /// Advances `state` by `h` \[s\] under `force`. `h` = 0 is the identity, bit for bit; a negative `h`
-    /// runs a reversible integrator backwards and is otherwise merely another step.
+    /// Whether a step in free flight branches: on a number, by iterating, or on a memory. An integrator that does
+    /// not is stepped two or four bodies at a time. A choice between two numbers is not a branch, and neither is a
+    /// question that [`Gravity`](crate::force::Gravity) answers when the code is compiled, as
+    /// [`ForceModel::has_wrench`] is.
+    const BRANCHES: bool = false;
+
+    /// What it remembers of a body from one step to the next; `()` for nothing.
+    type Memory: Remember;
+
+    /// Advances `state` by `h` ≠ 0 \[s\] under `force`. A negative `h` runs a reversible integrator backwards and
+    /// is otherwise merely another step.
+    ///
+    /// Sines and cosines come from `trigonometry`, which has a branch for one body and none for many. Mark the
+    /// function `#[inline(always)]`, and what it calls: a loop with a call in it is not vectorized.
+    fn advance<F: ForceModel>(
+        body: &RigidBox,
+        state: &mut BodyState,
+        force: &F,
+        h: f64,
+        memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
+    ) -> StepOutcome;
+
+    /// Advances `state` by `h` \[s\] under `force`. `h` = 0 is the identity, bit for bit.
+    #[inline(always)]
     fn step<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
         memory: &mut IntegratorMemory,
-    ) -> StepOutcome;
+    ) -> StepOutcome {
+        if h == 0.0 {
+            return StepOutcome::default();
+        }
+        if size_of::<Self::Memory>() == 0 {
+            let mut none = MemorySlot::none();
+            return Self::advance(body, state, force, h, &mut none, &mut AnyArgument);
+        }
+        memory.during(body, state, force, |state, slot| {
+            Self::advance(body, state, force, h, slot, &mut AnyArgument)
+        })
+    }
 
     /// Steps the bodies of `group` in free flight, each bit for bit as [`Integrate::step`] under
-    /// [`Gravity`](crate::force::Gravity). By default one by one; an integrator whose step has no branch
-    /// steps several at a time: see `Lanes` in `batch.rs`, and `split`.
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome
-    where
-        Self: Sized,
-    {
-        group.one_by_one::<Self>(h)
+    /// [`Gravity`](crate::force::Gravity): several at a time unless the integrator branches.
+    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
+        const {
+            let plain = size_of::<Self::Memory>() == 0 && !Self::INFO.evaluations.per_iteration;
+            assert!(
+                Self::BRANCHES || plain,
+                "an integrator that iterates or remembers has branches: add `const BRANCHES: bool = true;`"
+            );
+        }
+        if Self::BRANCHES {
+            group.one_by_one::<Self>(h)
+        } else {
+            group.in_lanes::<Self>(h)
+        }
     }
 }
 
@@ -142,6 +187,33 @@ macro_rules! integrators {
         #[cfg_attr(feature = "bevy", derive(Reflect, VariantDefaults), reflect(Default, Clone, PartialEq, Hash))]
         pub enum Integrator {
             $($(#[$attribute])* #[doc = concat!("[`", stringify!($name), "`](struct@", stringify!($name), ")")] $name,)+
+        }
+
+        /// The memory of one integrator.
+        #[derive(Clone, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        enum Content {
+            $($name(<$name as Integrate>::Memory),)+
+        }
+
+        impl Content {
+            /// What `S` remembers, if it is `S` whose memory this is.
+            #[inline(always)]
+            fn of<S: Integrate>(&mut self) -> Option<&mut S::Memory> {
+                match self {
+                    $(Self::$name(memory) => memory::same::<S, $name, _>(memory),)+
+                }
+            }
+
+            /// `None` if `S` is not on the list.
+            #[inline(always)]
+            fn new<S: Integrate>(memory: S::Memory) -> Option<Self> {
+                let mut memory = Some(memory);
+                $(if let Some(memory) = memory::same::<S, $name, Option<_>>(&mut memory) {
+                    return memory.take().map(Self::$name);
+                })+
+                None
+            }
         }
 
         impl Integrator {

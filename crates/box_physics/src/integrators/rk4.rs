@@ -1,16 +1,13 @@
 //! `rk4`: the classical Runge–Kutta method.
 
-use glam::{DQuat, DVec3};
-
-use super::batch::{Group, Lanes};
+use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Gravity, rates};
-use crate::math::SmallArguments;
-use crate::rotation::quaternion_rate;
+use crate::force::ForceModel;
+use crate::math::Trigonometry;
 use crate::state::BodyState;
 
 /// Classical Runge–Kutta on (x, q, v, L), the quaternion normalized after the step.
@@ -43,17 +40,17 @@ impl Integrate for Rk4 {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         let k1 = Slope::at(body, state, force);
         let k2 = Slope::at(body, &k1.from(state, 0.5 * h), force);
         let k3 = Slope::at(body, &k2.from(state, 0.5 * h), force);
@@ -68,66 +65,14 @@ impl Integrate for Rk4 {
         state.rotation = state.rotation * (1.0 / state.rotation.length());
         StepOutcome::plain(4)
     }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for Rk4 {
-    const OUTCOME: StepOutcome = StepOutcome::plain(4);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        _trigonometry: &mut SmallArguments,
-    ) {
-        Self::step(body, state, gravity, h, &mut IntegratorMemory::default());
-    }
-}
-
-/// The time derivative of the whole state: what the explicit Runge–Kutta integrators add up.
-#[derive(Clone, Copy)]
-pub(crate) struct Slope {
-    pub(crate) position: DVec3,
-    pub(crate) rotation: DQuat,
-    pub(crate) velocity: DVec3,
-    pub(crate) momentum: DVec3,
-}
-
-impl Slope {
-    /// The slope at `state`: one force evaluation.
-    #[inline(always)]
-    pub(crate) fn at<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Self {
-        let (velocity, momentum) = rates(body, state, force);
-        Self {
-            position: state.velocity,
-            rotation: quaternion_rate(state.rotation, state.body_angular_velocity(body)),
-            velocity,
-            momentum,
-        }
-    }
-
-    /// `state` + `h` × this slope. The quaternion is not normalized: inside a step it differs from a
-    /// unit one by O(h²) alone, and every order condition holds for the extended field.
-    #[inline(always)]
-    pub(crate) fn from(&self, state: &BodyState, h: f64) -> BodyState {
-        BodyState {
-            position: state.position + h * self.position,
-            rotation: state.rotation + self.rotation * h,
-            velocity: state.velocity + h * self.velocity,
-            angular_momentum: state.angular_momentum + h * self.momentum,
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces, Gravity};
+    use glam::DVec3;
 
     /// Its own discrete answer: with linear drag a step multiplies v by R(z) = Σ zᵏ/k!, k ≤ 4.
     #[test]

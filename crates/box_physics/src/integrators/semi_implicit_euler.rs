@@ -1,13 +1,12 @@
 //! `semi-implicit-euler`: velocities first, then the pose with the new ones; gyroscopic term explicit.
 
-use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Orders,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
     Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Gravity, rates};
-use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::force::{ForceModel, rates};
+use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
@@ -38,62 +37,33 @@ impl Integrate for SemiImplicitEuler {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
-        whole_step(body, state, force, h, &mut AnyArgument);
+        let (dv, dl) = rates(body, state, force);
+        state.velocity += h * dv;
+        state.position += h * state.velocity;
+        state.angular_momentum += h * dl;
+        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+        state.rotation = compose(state.rotation, turn);
+        state.renormalize();
         StepOutcome::plain(1)
     }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for SemiImplicitEuler {
-    const OUTCOME: StepOutcome = StepOutcome::plain(1);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    ) {
-        whole_step(body, state, gravity, h, trigonometry);
-    }
-}
-
-/// The step with a given sine and cosine.
-#[inline(always)]
-fn whole_step<F: ForceModel>(
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    trigonometry: &mut impl Trigonometry,
-) {
-    let (dv, dl) = rates(body, state, force);
-    state.velocity += h * dv;
-    state.position += h * state.velocity;
-    state.angular_momentum += h * dl;
-    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-    state.rotation = compose(state.rotation, turn);
-    state.renormalize();
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::*;
+    use crate::force::Gravity;
     use crate::rotation::exponential_map;
     use glam::DVec3;
 

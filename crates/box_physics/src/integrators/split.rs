@@ -2,15 +2,14 @@
 
 use glam::DVec3;
 
-use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Gravity};
-use crate::math::{Exponential, SmallArguments, exp};
-use crate::rotation::{free_rotation_strang, free_rotation_strang_by};
+use crate::force::{Dissipation, ForceModel};
+use crate::math::{Exponential, Trigonometry, exp};
+use crate::rotation::free_rotation_strang_by;
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
@@ -53,36 +52,21 @@ impl Integrate for Split {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let evaluations = split_step(body, state, force, h, free_rotation_strang);
+        let evaluations = split_step(body, state, force, h, |body, state, h| {
+            free_rotation_strang_by(body, state, h, trigonometry);
+        });
         StepOutcome::plain(evaluations)
-    }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for Split {
-    const OUTCOME: StepOutcome = StepOutcome::plain(1);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    ) {
-        exponential_step(state, gravity.0, 0.0, h);
-        free_rotation_strang_by(body, state, h, trigonometry);
     }
 }
 
@@ -96,9 +80,6 @@ pub(crate) fn split_step<F: ForceModel>(
     h: f64,
     free_rotation: impl FnOnce(&RigidBox, &mut BodyState, f64),
 ) -> u32 {
-    if h == 0.0 {
-        return 0;
-    }
     if !force.has_wrench() {
         drift(body, state, force, h, free_rotation);
         return 1;
@@ -172,6 +153,7 @@ pub(crate) fn half_dissipation(body: &RigidBox, state: &mut BodyState, d: &Dissi
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::*;
     use crate::force::Forces;
 

@@ -1,17 +1,15 @@
 //! `split4`: fourth order under torque too, by a composition of kicks and exact drifts.
 
-use super::batch::{Group, Lanes};
 use super::split::{drift, exact_drift, half_dissipation, kick, split_step};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Gravity};
-use crate::math::SmallArguments;
-use crate::rotation::{free_rotation_order4, free_rotation_order4_by, free_rotation_strang};
+use crate::force::{Dissipation, ForceModel};
+use crate::math::Trigonometry;
+use crate::rotation::{free_rotation_order4_by, free_rotation_strang_by};
 use crate::state::BodyState;
-use crate::translation::exponential_step;
 
 /// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b` with kick K = wrench and drift
 /// D = gravity + linear drag (exponential), free rotation + angular damping (order 4, rescaled time).
@@ -60,24 +58,28 @@ impl Integrate for Split4 {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
         if !force.has_wrench() {
-            drift(body, state, force, h, free_rotation_order4);
+            drift(body, state, force, h, |body, state, h| {
+                free_rotation_order4_by(body, state, h, trigonometry);
+            });
             return StepOutcome::plain(1);
         }
         let d = force.dissipation();
         if stiffness(body, &d) * h.abs() > STIFFEST {
-            let evaluations = split_step(body, state, force, h, free_rotation_strang);
+            let evaluations = split_step(body, state, force, h, |body, state, h| {
+                free_rotation_strang_by(body, state, h, trigonometry);
+            });
             return StepOutcome {
                 fallbacks: 1,
                 ..StepOutcome::plain(evaluations)
@@ -91,32 +93,14 @@ impl Integrate for Split4 {
         let a = force.acceleration();
         for (k, s) in [(k1, d1), (k2, d2), (k3, d3), (k4, d3), (k3, d2), (k2, d1)] {
             kick(body, state, force, k * h);
-            exact_drift(body, state, a, &d, s * h, free_rotation_order4);
+            exact_drift(body, state, a, &d, s * h, |body, state, h| {
+                free_rotation_order4_by(body, state, h, trigonometry);
+            });
         }
         kick(body, state, force, k1 * h);
         half_dissipation(body, state, &d, 0.5 * h);
         force.damp(body, state, 0.5 * h);
         StepOutcome::plain(7)
-    }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for Split4 {
-    const OUTCOME: StepOutcome = StepOutcome::plain(1);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    ) {
-        exponential_step(state, gravity.0, 0.0, h);
-        free_rotation_order4_by(body, state, h, trigonometry);
     }
 }
 

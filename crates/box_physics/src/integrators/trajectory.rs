@@ -8,12 +8,9 @@ use crate::free_motion::FreeRotation;
 use crate::math::Exponential;
 use crate::state::BodyState;
 
-/// All that the motion depends on besides the state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Law {
-    /// \[kg m²\]
-    inertia: DVec3,
+/// What the motion of the center and the damping of the spin depend on besides the state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeFlight {
     /// [m/s²]
     acceleration: DVec3,
     /// c₁/m [1/s]
@@ -22,11 +19,10 @@ pub(super) struct Law {
     damping_rate: f64,
 }
 
-impl Law {
+impl FreeFlight {
     #[inline(always)]
     pub(super) fn new(body: &RigidBox, acceleration: DVec3, d: &Dissipation) -> Self {
         Self {
-            inertia: body.inertia(),
             acceleration,
             drag_rate: d.linear_drag * body.inverse_mass(),
             damping_rate: d.angular_damping,
@@ -36,21 +32,20 @@ impl Law {
 
 /// The motion since the last event, and how far it has been followed.
 ///
-/// The motion has no clock of its own: it may be taken up again whenever the state is `last`, however
-/// it came to be so.
+/// The motion has no clock of its own: it may be taken up again whenever body, state and forces are what its
+/// last step left, however they came to be so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
     serde(from = "serialized::Fields", into = "serialized::Fields")
 )]
-pub(super) struct Trajectory {
-    law: Law,
+pub struct Trajectory {
+    /// \[kg m²\]
+    inertia: DVec3,
     /// The state at the event.
     pub(super) event: BodyState,
     rotation: FreeRotation,
-    /// The state left by the last step.
-    pub(super) last: BodyState,
     /// Time since the event \[s\]: `origin` + `steps` × `step`, so that the time after n equal steps is
     /// n h to rounding; a sum of n terms would be off by n/2 roundings.
     origin: f64,
@@ -59,28 +54,24 @@ pub(super) struct Trajectory {
 }
 
 impl Trajectory {
-    pub(super) fn new(law: Law, event: &BodyState) -> Self {
+    pub(super) fn new(body: &RigidBox, event: &BodyState) -> Self {
+        Self::from_event(body.inertia(), event)
+    }
+
+    fn from_event(inertia: DVec3, event: &BodyState) -> Self {
         Self {
-            law,
+            inertia,
             event: *event,
-            rotation: FreeRotation::new(law.inertia, event.rotation, event.angular_momentum),
-            last: *event,
+            rotation: FreeRotation::new(inertia, event.rotation, event.angular_momentum),
             origin: 0.0,
             steps: 0.0,
             step: 0.0,
         }
     }
 
-    /// Whether it leads on from `state` under `law`: both as they were left, to the last bit (but for
-    /// the sign of a zero).
-    #[inline(always)]
-    pub(super) fn continues(&self, law: &Law, state: &BodyState) -> bool {
-        self.last == *state && self.law == *law
-    }
-
-    /// Moves `last` on by `h` \[s\].
+    /// Moves `state`, where the last step ended, on by `h` \[s\].
     #[inline]
-    pub(super) fn advance(&mut self, h: f64) {
+    pub(super) fn advance(&mut self, law: &FreeFlight, state: &mut BodyState, h: f64) {
         if h != self.step {
             self.origin += self.steps * self.step;
             self.step = h;
@@ -88,23 +79,22 @@ impl Trajectory {
         }
         self.steps += 1.0;
         let t = self.origin + self.steps * h;
-        let before = self.last.rotation;
-        self.last = self.at(t);
+        let before = state.rotation;
+        *state = self.at(law, t);
         // Of q and −q the one that continues the motion, for those who interpolate.
-        if self.last.rotation.dot(before) < 0.0 {
-            self.last.rotation = -self.last.rotation;
+        if state.rotation.dot(before) < 0.0 {
+            state.rotation = -state.rotation;
         }
     }
 
     /// The state at time `t` \[s\] since the event.
     #[inline]
-    fn at(&self, t: f64) -> BodyState {
-        let Law {
+    fn at(&self, law: &FreeFlight, t: f64) -> BodyState {
+        let FreeFlight {
             acceleration,
             drag_rate,
             damping_rate,
-            ..
-        } = self.law;
+        } = *law;
         let (position, velocity) = (self.event.position, self.event.velocity);
         let drag = Exponential::new(drag_rate * t);
         let damping = Exponential::new(damping_rate * t);
@@ -120,17 +110,15 @@ impl Trajectory {
 
 #[cfg(feature = "serde")]
 mod serialized {
-    //! What of a trajectory is saved. The rotation follows from the event, to the last bit; whether a
-    //! loaded one fits its body is checked like any other, by [`Trajectory::continues`].
+    //! What of a trajectory is saved. The rotation follows from the event, to the last bit.
 
-    use super::{BodyState, Law, Trajectory};
+    use super::{BodyState, DVec3, Trajectory};
 
     #[derive(serde::Serialize, serde::Deserialize)]
     #[serde(rename = "Trajectory")]
     pub(super) struct Fields {
-        law: Law,
+        inertia: DVec3,
         event: BodyState,
-        last: BodyState,
         origin: f64,
         steps: f64,
         step: f64,
@@ -139,9 +127,8 @@ mod serialized {
     impl From<Trajectory> for Fields {
         fn from(t: Trajectory) -> Self {
             Self {
-                law: t.law,
+                inertia: t.inertia,
                 event: t.event,
-                last: t.last,
                 origin: t.origin,
                 steps: t.steps,
                 step: t.step,
@@ -152,11 +139,10 @@ mod serialized {
     impl From<Fields> for Trajectory {
         fn from(f: Fields) -> Self {
             Self {
-                last: f.last,
                 origin: f.origin,
                 steps: f.steps,
                 step: f.step,
-                ..Self::new(f.law, &f.event)
+                ..Self::from_event(f.inertia, &f.event)
             }
         }
     }

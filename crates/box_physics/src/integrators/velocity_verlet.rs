@@ -1,13 +1,12 @@
 //! `velocity-verlet`: kick–drift–kick as textbooks write it, drag lagging by half a step.
 
-use super::batch::{Group, Lanes};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, IntegratorMemory, Keeps, Limit, Order,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Gravity, applied_rates};
-use crate::math::{AnyArgument, SmallArguments, Trigonometry};
+use crate::force::{ForceModel, applied_rates};
+use crate::math::Trigonometry;
 use crate::rotation::free_rotation_three_axes_by;
 use crate::state::BodyState;
 
@@ -49,54 +48,23 @@ impl Integrate for VelocityVerlet {
         },
     };
 
+    type Memory = ();
+
     #[inline(always)]
-    fn step<F: ForceModel>(
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        if h == 0.0 {
-            return StepOutcome::default();
-        }
-        whole_step(body, state, force, h, &mut AnyArgument);
+        half_kick(body, state, force, 0.5 * h);
+        state.position += h * state.velocity;
+        free_rotation_three_axes_by(body, state, h, trigonometry);
+        half_kick(body, state, force, 0.5 * h);
         StepOutcome::plain(2)
     }
-
-    fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
-        group.in_lanes::<Self>(h)
-    }
-}
-
-impl Lanes for VelocityVerlet {
-    const OUTCOME: StepOutcome = StepOutcome::plain(2);
-
-    #[inline(always)]
-    fn step_lane(
-        body: &RigidBox,
-        state: &mut BodyState,
-        gravity: &Gravity,
-        h: f64,
-        trigonometry: &mut SmallArguments,
-    ) {
-        whole_step(body, state, gravity, h, trigonometry);
-    }
-}
-
-/// The step with a given sine and cosine.
-#[inline(always)]
-fn whole_step<F: ForceModel>(
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    trigonometry: &mut impl Trigonometry,
-) {
-    half_kick(body, state, force, 0.5 * h);
-    state.position += h * state.velocity;
-    free_rotation_three_axes_by(body, state, h, trigonometry);
-    half_kick(body, state, force, 0.5 * h);
 }
 
 /// Everything but the gyroscopic term at the state as it is: one evaluation.
@@ -109,6 +77,7 @@ fn half_kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, t
 
 #[cfg(test)]
 mod tests {
+    use super::super::IntegratorMemory;
     use super::super::testing::{Case, drag, run};
     use super::*;
     use crate::force::{Forces, Gravity, Spring};

@@ -11,6 +11,6 @@ mod trigonometry;
 mod vectors;
 
 pub use exponential::{Exponential, exp};
-pub(crate) use trigonometry::{AnyArgument, SmallArguments, Trigonometry};
-pub use trigonometry::{sin_cos, sinc_cos};
+pub(crate) use trigonometry::SmallArguments;
+pub use trigonometry::{AnyArgument, Trigonometry, sin_cos, sinc_cos};
 pub(crate) use vectors::{VectorLoop, vectorized};

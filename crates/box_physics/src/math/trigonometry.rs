@@ -62,15 +62,15 @@ pub fn sinc_cos(z: f64) -> (f64, f64) {
 }
 
 /// Sine and cosine for code that is written once and used twice: for one body, and for many in lanes.
-pub(crate) trait Trigonometry {
+pub trait Trigonometry {
     /// As [`sin_cos`].
     fn sin_cos(&mut self, x: f64) -> (f64, f64);
     /// As [`sinc_cos`].
     fn sinc_cos(&mut self, z: f64) -> (f64, f64);
 }
 
-/// Any argument.
-pub(crate) struct AnyArgument;
+/// Sine and cosine of any argument, for one body.
+pub struct AnyArgument;
 
 impl Trigonometry for AnyArgument {
     #[inline(always)]

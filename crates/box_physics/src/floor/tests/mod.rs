@@ -14,8 +14,8 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, split_step};
-use crate::math::sin_cos;
+use crate::integrators::{Integrate, IntegratorMemory, MemorySlot, StepOutcome, split_step};
+use crate::math::{Trigonometry, sin_cos};
 use crate::rotation::free_rotation_order4;
 use crate::state::BodyState;
 
@@ -114,12 +114,16 @@ pub(super) struct Fine;
 impl Integrate for Fine {
     const INFO: crate::integrators::IntegratorInfo = crate::integrators::Split::INFO;
 
-    fn step<F: ForceModel>(
+    const BRANCHES: bool = true;
+    type Memory = ();
+
+    fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
         force: &F,
         h: f64,
-        _memory: &mut IntegratorMemory,
+        _memory: &mut MemorySlot<'_, Self>,
+        _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
         let n = (h * state.body_angular_velocity(body).length() / 0.02)
             .ceil()

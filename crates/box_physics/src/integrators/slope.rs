@@ -1,0 +1,43 @@
+//! The time derivative of a whole state: what the integrators of one formula for everything add up.
+
+use glam::{DQuat, DVec3};
+
+use crate::body::RigidBox;
+use crate::force::{ForceModel, rates};
+use crate::rotation::quaternion_rate;
+use crate::state::BodyState;
+
+/// The time derivative of the whole state: (x', q', v', L').
+#[derive(Clone, Copy)]
+pub(crate) struct Slope {
+    pub(crate) position: DVec3,
+    pub(crate) rotation: DQuat,
+    pub(crate) velocity: DVec3,
+    pub(crate) momentum: DVec3,
+}
+
+impl Slope {
+    /// The slope at `state`: one force evaluation.
+    #[inline(always)]
+    pub(crate) fn at<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Self {
+        let (velocity, momentum) = rates(body, state, force);
+        Self {
+            position: state.velocity,
+            rotation: quaternion_rate(state.rotation, state.body_angular_velocity(body)),
+            velocity,
+            momentum,
+        }
+    }
+
+    /// `state` + `h` × this slope. The quaternion is not normalized: inside a step it differs from a
+    /// unit one by O(h²) alone, and every order condition holds for the extended field.
+    #[inline(always)]
+    pub(crate) fn from(&self, state: &BodyState, h: f64) -> BodyState {
+        BodyState {
+            position: state.position + h * self.position,
+            rotation: state.rotation + self.rotation * h,
+            velocity: state.velocity + h * self.velocity,
+            angular_momentum: state.angular_momentum + h * self.momentum,
+        }
+    }
+}
