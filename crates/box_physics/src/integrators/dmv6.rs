@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::split::split_step;
+use super::split::{FreeRotationFlow, Strang, split_step};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
@@ -10,7 +10,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
-use crate::rotation::{cayley_map, compose, free_rotation_strang, renormalize};
+use crate::rotation::{cayley_map, compose, renormalize};
 use crate::state::BodyState;
 
 /// The discrete Moser–Veselov algorithm on modified moments of inertia.
@@ -67,19 +67,33 @@ impl Integrate for Dmv6 {
         force: &F,
         h: f64,
         _memory: &mut MemorySlot<'_, Self>,
-        _trigonometry: &mut impl Trigonometry,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let mut fallbacks = 0;
-        let evaluations = split_step(body, state, force, h, |body, state, h| {
-            if !free_rotation_dmv6(body, state, h) {
-                free_rotation_strang(body, state, h);
-                fallbacks = 1;
-            }
-        });
+        let mut flow = MoserVeselov {
+            trigonometry,
+            fallbacks: 0,
+        };
+        let evaluations = split_step(body, state, force, h, &mut flow);
         StepOutcome {
             evaluations,
-            fallbacks,
+            fallbacks: flow.fallbacks,
             unconverged: 0,
+        }
+    }
+}
+
+/// The algorithm, or `split`'s flow where it does not apply, counted.
+struct MoserVeselov<'a, T> {
+    trigonometry: &'a mut T,
+    fallbacks: u32,
+}
+
+impl<T: Trigonometry> FreeRotationFlow for MoserVeselov<'_, T> {
+    #[inline(always)]
+    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        if !free_rotation_dmv6(body, state, h) {
+            Strang(self.trigonometry).flow(body, state, h);
+            self.fallbacks += 1;
         }
     }
 }
@@ -212,6 +226,7 @@ mod tests {
     use super::*;
     use crate::force::{Dissipation, Forces, Gravity};
     use crate::free_motion::FreeRotation;
+    use crate::math::AnyArgument;
     use proptest::prelude::*;
 
     const FREE: Gravity = Gravity(DVec3::ZERO);
@@ -321,7 +336,7 @@ mod tests {
             for _ in 0..100 {
                 let outcome = Dmv6::step(&body, &mut a, &FREE, h, &mut IntegratorMemory::default());
                 assert_eq!((outcome.fallbacks, outcome.unconverged), (1, 0));
-                free_rotation_strang(&body, &mut b, h);
+                Strang(&mut AnyArgument).flow(&body, &mut b, h);
             }
             assert_eq!(
                 (a.rotation, a.angular_momentum),

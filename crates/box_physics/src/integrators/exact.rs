@@ -1,6 +1,6 @@
 //! `exact`: the closed-form motion from the last event, so that nothing accumulates.
 
-use super::split::split_step;
+use super::split::{Strang, split_step};
 use super::trajectory::{FreeFlight, Trajectory};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
@@ -9,7 +9,6 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
-use crate::rotation::free_rotation_strang;
 use crate::state::BodyState;
 
 /// The exact solution under gravity, linear drag −c₁v and angular damping −γL.
@@ -67,11 +66,11 @@ impl Integrate for Exact {
         force: &F,
         h: f64,
         memory: &mut MemorySlot<'_, Self>,
-        _trigonometry: &mut impl Trigonometry,
+        trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
         let d = force.dissipation();
         if force.has_wrench() || d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
-            let evaluations = split_step(body, state, force, h, free_rotation_strang);
+            let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
             return StepOutcome {
                 evaluations,
                 fallbacks: 1,
@@ -96,6 +95,7 @@ mod tests {
     use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces};
+    use crate::math::AnyArgument;
     use glam::{DQuat, DVec3};
 
     fn tumbling() -> (RigidBox, BodyState) {
@@ -164,7 +164,7 @@ mod tests {
                     &mut state,
                     &law,
                     1.0 / n as f64,
-                    free_rotation_strang,
+                    &mut Strang(&mut AnyArgument),
                 );
             }
             distance(&exact, &state)
@@ -280,7 +280,7 @@ mod tests {
         for law in terms {
             let (mut a, mut b) = (start, start);
             let outcome = Exact::step(&body, &mut a, &law, 0.01, &mut IntegratorMemory::default());
-            split_step(&body, &mut b, &law, 0.01, free_rotation_strang);
+            split_step(&body, &mut b, &law, 0.01, &mut Strang(&mut AnyArgument));
             assert_eq!((a, outcome.fallbacks), (b, 1));
         }
     }

@@ -13,11 +13,11 @@ use glam::DVec3;
 
 use super::StepOutcome;
 use super::newton::{Scales, Six, fixed_point};
-use super::split::split_step;
+use super::split::{Strang, split_step};
 use super::stage_equations::{Equations, Stage};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
-use crate::rotation::free_rotation_strang;
+use crate::math::AnyArgument;
 use crate::state::BodyState;
 
 /// Shortest part of a step that is tried: a 1024th.
@@ -87,7 +87,7 @@ fn in_parts<F: ForceModel>(
         }
     }
     *state = start;
-    outcome.evaluations += split_step(body, state, force, h, free_rotation_strang);
+    outcome.evaluations += split_step(body, state, force, h, &mut Strang(&mut AnyArgument));
     outcome.fallbacks = 1;
     outcome
 }

@@ -23,7 +23,7 @@ pub use info::{
 pub use memory::{IntegratorMemory, MemorySlot, Remember};
 
 #[cfg(test)]
-pub(crate) use split::split_step;
+pub(crate) use split::{FreeRotationFlow, split_step};
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -192,6 +192,7 @@ macro_rules! integrators {
         /// The memory of one integrator.
         #[derive(Clone, Debug, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[expect(clippy::large_enum_variant, reason = "it is only ever stored in a box")]
         enum Content {
             $($name(<$name as Integrate>::Memory),)+
         }

@@ -1,6 +1,8 @@
 //! `split4`: fourth order under torque too, by a composition of kicks and exact drifts.
 
-use super::split::{drift, exact_drift, half_dissipation, kick, split_step};
+use super::split::{
+    FreeRotationFlow, Strang, drift, exact_drift, half_dissipation, kick, split_step,
+};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
     Orders, Stability, StepOutcome,
@@ -8,7 +10,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
 use crate::math::Trigonometry;
-use crate::rotation::{free_rotation_order4_by, free_rotation_strang_by};
+use crate::rotation::free_rotation_order4_by;
 use crate::state::BodyState;
 
 /// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b` with kick K = wrench and drift
@@ -70,21 +72,18 @@ impl Integrate for Split4 {
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
         if !force.has_wrench() {
-            drift(body, state, force, h, |body, state, h| {
-                free_rotation_order4_by(body, state, h, trigonometry);
-            });
+            drift(body, state, force, h, &mut Order4(trigonometry));
             return StepOutcome::plain(1);
         }
         let d = force.dissipation();
         if stiffness(body, &d) * h.abs() > STIFFEST {
-            let evaluations = split_step(body, state, force, h, |body, state, h| {
-                free_rotation_strang_by(body, state, h, trigonometry);
-            });
+            let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
             return StepOutcome {
                 fallbacks: 1,
                 ..StepOutcome::plain(evaluations)
             };
         }
+        let mut order4 = Order4(trigonometry);
         force.damp(body, state, 0.5 * h);
         half_dissipation(body, state, &d, 0.5 * h);
         let [k1, k2, k3] = KICKS;
@@ -93,14 +92,22 @@ impl Integrate for Split4 {
         let a = force.acceleration();
         for (k, s) in [(k1, d1), (k2, d2), (k3, d3), (k4, d3), (k3, d2), (k2, d1)] {
             kick(body, state, force, k * h);
-            exact_drift(body, state, a, &d, s * h, |body, state, h| {
-                free_rotation_order4_by(body, state, h, trigonometry);
-            });
+            exact_drift(body, state, a, &d, s * h, &mut order4);
         }
         kick(body, state, force, k1 * h);
         half_dissipation(body, state, &d, 0.5 * h);
         force.damp(body, state, 0.5 * h);
         StepOutcome::plain(7)
+    }
+}
+
+/// The composition of order 4, with this sine and cosine.
+struct Order4<'a, T>(&'a mut T);
+
+impl<T: Trigonometry> FreeRotationFlow for Order4<'_, T> {
+    #[inline(always)]
+    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        free_rotation_order4_by(body, state, h, self.0);
     }
 }
 

@@ -14,7 +14,9 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{Integrate, IntegratorMemory, MemorySlot, StepOutcome, split_step};
+use crate::integrators::{
+    FreeRotationFlow, Integrate, IntegratorMemory, MemorySlot, StepOutcome, split_step,
+};
 use crate::math::{Trigonometry, sin_cos};
 use crate::rotation::free_rotation_order4;
 use crate::state::BodyState;
@@ -129,9 +131,18 @@ impl Integrate for Fine {
             .ceil()
             .max(1.0);
         for _ in 0..n as u32 {
-            split_step(body, state, force, h / n, free_rotation_order4);
+            split_step(body, state, force, h / n, &mut Order4);
         }
         StepOutcome::plain(n as u32)
+    }
+}
+
+/// Blanes and Moan's composition of order 4.
+struct Order4;
+
+impl FreeRotationFlow for Order4 {
+    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        free_rotation_order4(body, state, h);
     }
 }
 
