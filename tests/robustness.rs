@@ -3,7 +3,7 @@
 use box_physics::integrators::Limit;
 use box_physics::prelude::*;
 use box_scenarios::hard_cases::{HardCase, Verdict};
-use box_scenarios::{ForceSet, Setup, StateError, advance, hard_cases};
+use box_scenarios::{Driver, ForceSet, Model, Setup, StateError, hard_cases};
 
 const H: f64 = 1.0 / 60.0;
 
@@ -14,10 +14,9 @@ fn tumbling(half: DVec3, mass: f64, omega: DVec3) -> Setup {
 }
 
 fn run(setup: &Setup, i: Integrator, h: f64, n: u64) -> BodyState {
-    let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
-    let forces = setup.forces.forces(&setup.body);
-    advance(i, &setup.body, &mut state, &forces, h, n, &mut memory);
-    state
+    let mut driver = Driver::new(setup.initial, i);
+    driver.run(&Model::of(setup), h, n, u64::MAX);
+    driver.state
 }
 
 const BRICK: DVec3 = DVec3::new(0.5, 0.25, 0.125);

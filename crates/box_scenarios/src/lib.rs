@@ -5,7 +5,8 @@
 //! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
-//! - [`run`]: advancing a setup by any integrator; [`mod@simulate`]: against its truth; [`metrics`]: the errors of what comes out.
+//! - [`driver`]: one box stepped as the plugin steps it; [`run`]: a whole setup, from sample to sample;
+//!   [`mod@simulate`]: against its reference; [`metrics`]: the errors.
 //! - [`families`]: the motions over which the report compares integrators.
 //! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
 //! - [`mod@contact_cases`]: what breaks contact.
@@ -27,6 +28,7 @@
 
 pub mod contact_cases;
 pub mod dissertation;
+pub mod driver;
 pub mod families;
 pub mod forces;
 pub mod hard_cases;
@@ -45,14 +47,15 @@ pub mod truth;
 pub mod view;
 
 pub use contact_cases::{ContactCase, contact_cases};
+pub use driver::{Driver, Model, Totals};
 pub use families::{Family, FamilyRun, Metric, Reference};
 pub use forces::ForceSet;
 pub use hard_cases::{HardCase, hard_cases};
 pub use metrics::{Errors, StateError};
-pub use run::{Plan, Totals, advance, run_plan};
+pub use run::{End, Plan, run_plan};
 pub use scenario::{Scenario, UnknownScenario};
 pub use setup::{FloorSpec, Setup, TimedImpulse};
-pub use simulate::{SimulationResult, simulate};
+pub use simulate::{Compared, Comparison, Expected, compare, simulate};
 pub use step_size::parse_step;
 pub use style::{Style, style};
 pub use truth::{Truth, TruthKind};

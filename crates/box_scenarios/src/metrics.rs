@@ -1,6 +1,9 @@
-//! How far a computed state is from the trusted one.
+//! How far a computed state is from the reference.
 
 use box_physics::state::BodyState;
+use glam::DVec3;
+
+use crate::setup::Setup;
 
 /// The difference of two states at one instant. All are ≥ 0, in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,8 +92,8 @@ pub fn momentum_scale(initial: f64, last: f64) -> f64 {
         .unwrap_or(1.0)
 }
 
-/// When a run counts as diverged: a state that is not finite, or faster by `TOO_FAST` than anything
-/// the reference does.
+/// Tells a run that diverged from one that is merely inaccurate: its state is not finite, or more than
+/// a thousand times faster than anything the reference has done so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sanity {
     speed: f64,
@@ -102,21 +105,26 @@ pub struct Sanity {
 const TOO_FAST: f64 = 1e3;
 
 impl Sanity {
-    /// From the trusted states of the run; motions slower than 1e-3 of `scale_speed` [m/s] and
-    /// `scale_momentum` [kg m²/s] are judged by those.
-    pub fn new<'a>(
-        reference: impl IntoIterator<Item = &'a BodyState>,
-        scale_speed: f64,
-        scale_momentum: f64,
-    ) -> Self {
-        let start = Self {
-            speed: TOO_FAST * 1e-3 * scale_speed,
-            momentum: TOO_FAST * 1e-3 * scale_momentum,
+    /// The limits for a run of `setup` before its reference is known. Where nothing moves, the size of
+    /// the box and what gravity does in a second set the scale.
+    pub fn of(setup: &Setup) -> Self {
+        let (body, start) = (&setup.body, &setup.initial);
+        let speed = setup.forces.acceleration(body).length() + body.radius();
+        let momentum = body.inertia().dot(DVec3::ONE) + start.angular_momentum.length();
+        let mut limits = Self {
+            speed: speed + start.velocity.length(),
+            momentum,
         };
-        reference.into_iter().fold(start, |s, r| Self {
-            speed: s.speed.max(TOO_FAST * r.velocity.length()),
-            momentum: s.momentum.max(TOO_FAST * r.angular_momentum.length()),
-        })
+        limits.see(start);
+        limits
+    }
+
+    /// Takes a state of the reference into account.
+    pub fn see(&mut self, reference: &BodyState) {
+        self.speed = self.speed.max(TOO_FAST * reference.velocity.length());
+        self.momentum = self
+            .momentum
+            .max(TOO_FAST * reference.angular_momentum.length());
     }
 
     /// Whether `state` is beyond what an inaccurate but stable run can be.
@@ -130,7 +138,7 @@ impl Sanity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use crate::scenario::Scenario;
 
     #[test]
     fn nothing_is_lost_in_a_maximum() {
@@ -144,8 +152,10 @@ mod tests {
         errors.see_energy(1.0, 1.0);
         assert_eq!(errors.position, f64::INFINITY);
         assert_eq!(errors.energy, f64::INFINITY);
-        assert!(Sanity::new([&reference], 1.0, 1.0).is_diverged(&bad));
-        assert!(!Sanity::new([&reference], 1.0, 1.0).is_diverged(&reference));
+        let limits = Sanity::of(&Scenario::default().setup);
+        assert!(limits.is_diverged(&bad) && !limits.is_diverged(&reference));
+        bad.velocity.x = 1e5;
+        assert!(limits.is_diverged(&bad));
     }
 
     #[test]

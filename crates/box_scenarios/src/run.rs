@@ -1,136 +1,10 @@
-//! Advancing a setup by any integrator: from sample to sample, through its impulses, in equal steps.
+//! Running a setup: from sample to sample, through its impulses, in equal steps.
 
-use box_physics::body::RigidBox;
-use box_physics::floor::{ContactSettings, ContactState, Floor, FloorContext, step_on_floor};
-use box_physics::force::{Dissipation, ForceModel, Gravity};
-use box_physics::integrators::{
-    Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome,
-};
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
-use crate::setup::{FloorSpec, Setup, TimedImpulse};
-
-/// What a run cost and how often an integrator gave way.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Totals {
-    /// Steps taken.
-    pub steps: u64,
-    /// Force evaluations.
-    pub evaluations: u64,
-    /// Steps handed to `split`.
-    pub fallbacks: u64,
-    /// Iterations that ended at their cap.
-    pub unconverged: u64,
-}
-
-impl Totals {
-    /// Adds one step.
-    #[inline(always)]
-    pub fn count(&mut self, outcome: StepOutcome) {
-        self.steps += 1;
-        self.evaluations += u64::from(outcome.evaluations);
-        self.fallbacks += u64::from(outcome.fallbacks);
-        self.unconverged += u64::from(outcome.unconverged);
-    }
-}
-
-impl core::ops::AddAssign for Totals {
-    fn add_assign(&mut self, other: Self) {
-        self.steps += other.steps;
-        self.evaluations += other.evaluations;
-        self.fallbacks += other.fallbacks;
-        self.unconverged += other.unconverged;
-    }
-}
-
-/// `n` steps of `h` \[s\] by `integrator`, compiled for the integrator: one match, then a tight loop.
-pub fn advance<F: ForceModel>(
-    integrator: Integrator,
-    body: &RigidBox,
-    state: &mut BodyState,
-    force: &F,
-    h: f64,
-    n: u64,
-    memory: &mut IntegratorMemory,
-) -> Totals {
-    integrator.dispatch(Steps {
-        body,
-        state,
-        force,
-        h,
-        n,
-        memory,
-        floor: None,
-    })
-}
-
-struct Steps<'a, F> {
-    body: &'a RigidBox,
-    state: &'a mut BodyState,
-    force: &'a F,
-    h: f64,
-    n: u64,
-    memory: &'a mut IntegratorMemory,
-    floor: Option<&'a mut OnFloor>,
-}
-
-impl<F: ForceModel> IntegratorVisitor for Steps<'_, F> {
-    type Output = Totals;
-
-    fn visit<S: Integrate>(self) -> Totals {
-        let mut totals = Totals::default();
-        let (body, force, h) = (self.body, self.force, self.h);
-        let (state, memory) = (self.state, self.memory);
-        match self.floor {
-            None => {
-                for _ in 0..self.n {
-                    totals.count(S::step(body, state, force, h, memory));
-                }
-            }
-            Some(f) => {
-                for _ in 0..self.n {
-                    let (floor, settings, contact) = (&f.floor, &f.settings, &mut f.contact);
-                    let outcome = step_on_floor::<S, F>(
-                        &FloorContext {
-                            floor,
-                            settings,
-                            body,
-                            force,
-                        },
-                        state,
-                        h,
-                        memory,
-                        contact,
-                        None,
-                    );
-                    totals.count(outcome.step);
-                }
-            }
-        }
-        totals
-    }
-}
-
-/// The floor, and what the contact solver remembers of the body on it.
-struct OnFloor {
-    floor: Floor,
-    settings: ContactSettings,
-    contact: ContactState,
-}
-
-impl OnFloor {
-    fn new(spec: &FloorSpec) -> Self {
-        Self {
-            floor: Floor {
-                height: spec.height,
-                restitution: spec.restitution,
-                friction: spec.friction,
-            },
-            settings: ContactSettings::default(),
-            contact: ContactState::default(),
-        }
-    }
-}
+use crate::driver::{Driver, Model, Totals};
+use crate::setup::{Setup, TimedImpulse};
 
 /// How many equal steps of at most `dt` \[s\] fill `interval` \[s\]: the ceiling of their ratio, where a
 /// ratio within 1e-9 of a whole number counts as that number (30.000000000000004 steps are 30).
@@ -157,41 +31,12 @@ struct Leg {
     impulses: Vec<TimedImpulse>,
 }
 
-/// Steps between two looks at the budget.
-const BLOCK: u64 = 4096;
-
-impl Leg {
-    /// Stops after a block of steps in which `budget` evaluations were exceeded.
-    fn run<F: ForceModel>(
-        &self,
-        integrator: Integrator,
-        body: &RigidBox,
-        state: &mut BodyState,
-        force: &F,
-        memory: &mut IntegratorMemory,
-        mut floor: Option<&mut OnFloor>,
-        budget: u64,
-    ) -> Totals {
-        let mut totals = Totals::default();
-        while totals.steps < self.steps && totals.evaluations <= budget {
-            totals += integrator.dispatch(Steps {
-                body,
-                state,
-                force,
-                h: self.h,
-                n: (self.steps - totals.steps).min(BLOCK),
-                memory,
-                floor: floor.as_deref_mut(),
-            });
-        }
-        totals
-    }
-}
-
 /// The steps of a run: each interval between samples and impulses in equal steps of at most dt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     legs: Vec<Leg>,
+    /// Force evaluations allowed.
+    budget: u64,
 }
 
 impl Plan {
@@ -230,7 +75,10 @@ impl Plan {
             }
             legs.push(leg_to(t, true));
         }
-        Self { legs }
+        Self {
+            legs,
+            budget: u64::MAX,
+        }
     }
 
     /// `samples` samples, one after every `stride` steps of exactly `h` \[s\]: the clock of a game. Every
@@ -245,6 +93,17 @@ impl Plan {
         };
         Self {
             legs: (1..=samples).map(leg).collect(),
+            budget: u64::MAX,
+        }
+    }
+
+    /// The same, ended soon after more than `evaluations` force evaluations: for setups from files, which
+    /// may ask for anything.
+    #[must_use]
+    pub fn within(self, evaluations: u64) -> Self {
+        Self {
+            budget: evaluations,
+            ..self
         }
     }
 
@@ -257,60 +116,59 @@ impl Plan {
     }
 }
 
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// It reached the end of its plan.
+    Complete,
+    /// It was stopped at a sample.
+    Stopped,
+    /// A step led to an invalid state.
+    Failed {
+        /// Time at the end of that step \[s\].
+        at: f64,
+    },
+    /// It needed more force evaluations than it was allowed.
+    OutOfBudget,
+}
+
 /// Runs `setup` by `integrator` along `plan`, and shows time \[s\] and state at every sample to `look`,
 /// which returns whether to go on.
 pub fn run_plan(
     setup: &Setup,
     integrator: Integrator,
     plan: &Plan,
-    look: impl FnMut(f64, &BodyState) -> bool,
-) -> Totals {
-    run_plan_within(setup, integrator, plan, u64::MAX, look)
-}
-
-/// [`run_plan`], given up soon after more than `budget` force evaluations: for setups that come from a file, which may
-/// ask for anything.
-pub fn run_plan_within(
-    setup: &Setup,
-    integrator: Integrator,
-    plan: &Plan,
-    budget: u64,
     mut look: impl FnMut(f64, &BodyState) -> bool,
-) -> Totals {
-    let body = &setup.body;
-    let forces = setup.forces.forces(body);
-    // Most scenes have no more than gravity: the smaller law compiles to a smaller loop.
-    let gravity = Gravity(forces.acceleration);
-    let only_gravity = !forces.has_wrench() && forces.dissipation == Dissipation::NONE;
-    let mut floor = setup.floor.as_ref().map(OnFloor::new);
-    let mut state = setup.initial;
-    let mut memory = IntegratorMemory::default();
-    let mut totals = Totals::default();
-    for leg in &plan.legs {
-        let left = budget - totals.evaluations;
-        let (state, memory, floor) = (&mut state, &mut memory, floor.as_mut());
-        totals += if only_gravity {
-            leg.run(integrator, body, state, &gravity, memory, floor, left)
-        } else {
-            leg.run(integrator, body, state, &forces, memory, floor, left)
-        };
-        if totals.evaluations > budget {
-            break;
+) -> (Totals, End) {
+    let model = Model::of(setup);
+    let mut driver = Driver::new(setup.initial, integrator);
+    let end = 'run: {
+        for leg in &plan.legs {
+            if !driver.run(&model, leg.h, leg.steps, plan.budget) {
+                break 'run End::Failed { at: driver.time };
+            }
+            if driver.totals.evaluations > plan.budget {
+                break 'run End::OutOfBudget;
+            }
+            // Not a sum of steps.
+            driver.time = leg.end;
+            if leg.sample && !look(leg.end, &driver.state) {
+                break 'run End::Stopped;
+            }
+            for i in &leg.impulses {
+                driver.apply(&model, i);
+            }
         }
-        if leg.sample && !look(leg.end, state) {
-            break;
-        }
-        for i in &leg.impulses {
-            state.apply_impulse_at_body_point(body, i.impulse, i.body_point);
-        }
-    }
-    totals
+        End::Complete
+    };
+    (driver.totals, end)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::forces::ForceSet;
+    use box_physics::body::RigidBox;
     use glam::DVec3;
 
     #[test]
@@ -339,12 +197,12 @@ mod tests {
         .with_impulses(vec![kick(0.0), kick(0.95), kick(1.0), kick(5.0)]);
         let plan = Plan::new(&[0.0, 1.0, 2.0], &setup.impulses, 0.1);
         let mut seen = Vec::new();
-        let totals = run_plan(&setup, Integrator::Split, &plan, |t, s| {
+        let (totals, end) = run_plan(&setup, Integrator::Split, &plan, |t, s| {
             seen.push((t, s.velocity.x));
             true
         });
         assert_eq!(seen, [(0.0, 0.0), (1.0, 2.0), (2.0, 3.0)]);
         // 0.95 in 10 steps, 0.05 in 1, 1 in 10.
-        assert_eq!((totals.steps, plan.steps()), (21, 21));
+        assert_eq!((totals.steps, plan.steps(), end), (21, 21, End::Complete));
     }
 }

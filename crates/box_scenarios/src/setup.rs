@@ -138,6 +138,11 @@ impl Setup {
                 .is_none_or(|f| f.restitution >= 1.0 && f.friction <= 0.0)
     }
 
+    /// The energy at every time \[J\], where it is constant.
+    pub fn conserved_energy(&self) -> Option<f64> {
+        self.conserves_energy().then(|| self.energy(&self.initial))
+    }
+
     /// Whether the angular momentum about the center is constant in the world: nothing turns the body.
     pub fn conserves_angular_momentum(&self) -> bool {
         let d = self.forces.dissipation();

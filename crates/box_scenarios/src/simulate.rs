@@ -1,69 +1,107 @@
-//! A setup against its truth: the errors of every step.
+//! The one runner of a setup against a reference.
 
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
-use glam::DVec3;
 
+use crate::driver::Totals;
 use crate::metrics::{Errors, Sanity, StateError};
-use crate::run::{Plan, Totals, run_plan, steps_in};
+use crate::run::{End, Plan, run_plan, steps_in};
 use crate::setup::Setup;
 use crate::truth::Truth;
 
-/// The result of [`simulate`].
+/// What a run should have reached at a sample, as far as it is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Expected {
+    /// The state.
+    pub state: Option<BodyState>,
+    /// The energy \[J\], in the zero of [`Setup::energy`].
+    pub energy: Option<f64>,
+}
+
+/// A sample of a run beside its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SimulationResult {
-    /// The largest errors against the truth over all steps; 0 in what the truth does not know.
+pub struct Compared<'a> {
+    /// Time \[s\].
+    pub t: f64,
+    /// The state computed.
+    pub state: &'a BodyState,
+    /// Its error, where the reference is known.
+    pub error: Option<StateError>,
+}
+
+/// The result of a run against a reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// The largest errors over the samples; 0 in what the reference does not know.
     pub errors: Errors,
     /// Cost.
     pub totals: Totals,
-    /// When the run diverged \[s\], if it did; nothing after that counts.
+    /// How it ended.
+    pub end: End,
+    /// When it diverged \[s\], if it did; nothing after that counts.
     pub diverged_at: Option<f64>,
-    /// The last state.
+    /// The last state that did not diverge.
     pub last: BodyState,
 }
 
-/// Runs `setup` to its end in steps of `dt` \[s\] and compares every step with `truth`. Impulses between
-/// two steps split that step at their time.
-pub fn simulate(setup: &Setup, truth: &Truth, integrator: Integrator, dt: f64) -> SimulationResult {
-    let n = steps_in(setup.duration, dt);
-    let times: Vec<f64> = (0..=n).map(|k| k as f64 * dt).collect();
-    let references: Vec<_> = times.iter().map(|&t| truth.at(t)).collect();
-    let sanity = sanity(setup, references.iter().flatten());
-    let conserves = setup.conserves_energy();
-    let energy = setup.energy(&setup.initial);
-    let (mut errors, mut diverged_at) = (Errors::default(), None);
-    let mut last = setup.initial;
-    let mut expected = references.iter();
-    let plan = Plan::new(&times, &setup.impulses, dt);
-    let totals = run_plan(setup, integrator, &plan, |t, state| {
-        let reference = expected.next().copied().flatten();
-        if sanity.is_diverged(state) {
+/// Runs `setup` by `integrator` along `plan`. `expected` gives the
+/// reference at each sample, in order of time; `look` sees each sample and returns whether to go on.
+pub fn compare(
+    setup: &Setup,
+    integrator: Integrator,
+    plan: &Plan,
+    mut expected: impl FnMut(f64) -> Expected,
+    mut look: impl FnMut(&Compared) -> bool,
+) -> Comparison {
+    let mut limits = Sanity::of(setup);
+    let (mut errors, mut diverged_at, mut last) = (Errors::default(), None, setup.initial);
+    let (totals, end) = run_plan(setup, integrator, plan, |t, state| {
+        let Expected {
+            state: reference,
+            energy,
+        } = expected(t);
+        reference.iter().for_each(|r| limits.see(r));
+        if limits.is_diverged(state) {
             diverged_at = Some(t);
             return false;
         }
-        if let Some(reference) = reference {
-            errors.see(&StateError::between(state, &reference));
-        }
-        if conserves {
+        let error = reference.map(|r| StateError::between(state, &r));
+        error.iter().for_each(|e| errors.see(e));
+        if let Some(energy) = energy {
             errors.see_energy(setup.energy(state), energy);
         }
         last = *state;
-        true
+        look(&Compared { t, state, error })
     });
-    SimulationResult {
+    if let End::Failed { at } = end {
+        diverged_at = Some(at);
+    }
+    Comparison {
         errors,
         totals,
+        end,
         diverged_at,
         last,
     }
 }
 
-/// The limits of sanity for `setup` with these trusted states. Where nothing moves, what gravity and
-/// the box's size make of a second sets the scale.
+/// Runs `setup` to its end in steps of `dt` \[s\] and compares every step with `truth`. Impulses between
+/// two steps split that step at their time.
+pub fn simulate(setup: &Setup, truth: &Truth, integrator: Integrator, dt: f64) -> Comparison {
+    let n = steps_in(setup.duration, dt);
+    let times: Vec<f64> = (0..=n).map(|k| k as f64 * dt).collect();
+    let plan = Plan::new(&times, &setup.impulses, dt);
+    let energy = setup.conserved_energy();
+    let expected = |t| Expected {
+        state: truth.at(t),
+        energy,
+    };
+    compare(setup, integrator, &plan, expected, |_| true)
+}
+
+/// The limits of sanity for a run of `setup` beside these states of its reference.
 pub fn sanity<'a>(setup: &Setup, reference: impl IntoIterator<Item = &'a BodyState>) -> Sanity {
-    let body = &setup.body;
-    let speed =
-        setup.forces.acceleration(body).length() + body.radius() + setup.initial.velocity.length();
-    let momentum = body.inertia().dot(DVec3::ONE) + setup.initial.angular_momentum.length();
-    Sanity::new(reference, speed, momentum)
+    let mut limits = Sanity::of(setup);
+    reference.into_iter().for_each(|r| limits.see(r));
+    limits
 }

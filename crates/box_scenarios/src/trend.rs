@@ -1,38 +1,38 @@
 //! The slow change of the energy under a long run, separated from its oscillation.
 
-use box_physics::force::Gravity;
-use box_physics::integrators::{Integrator, IntegratorMemory};
-use glam::DVec3;
+use box_physics::integrators::Integrator;
 
-use crate::run::advance;
+use crate::driver::{Driver, Model};
+use crate::forces::ForceSet;
 use crate::setup::Setup;
 
 /// The change of the rotational energy of a freely spinning body over `steps` steps of `h` \[s\],
 /// relative to the start: the difference of the means over the last and the first tenth, weighted
 /// smoothly (Hann), so that an oscillation that begins and ends anywhere does not look like a trend.
-/// NaN if the motion is lost. Gravity and other forces of `setup` are left out.
-pub fn energy_trend(setup: &Setup, integrator: Integrator, h: f64, steps: u64) -> f64 {
-    let (body, free) = (&setup.body, Gravity(DVec3::ZERO));
-    let mut state = setup.initial;
-    let mut memory = IntegratorMemory::default();
-    let start = state.rotational_energy(body);
+/// `None` if the motion is lost. Gravity and other forces of `setup` are left out.
+pub fn energy_trend(setup: &Setup, integrator: Integrator, h: f64, steps: u64) -> Option<f64> {
+    let body = &setup.body;
+    let free = Model::without_floor(*body, ForceSet::none());
+    let mut driver = Driver::new(setup.initial, integrator);
+    let start = setup.initial.rotational_energy(body);
     let tenth = (steps / 10).max(1);
     let mut mean_over_a_tenth = || {
         let (mut sum, mut weights) = (0.0, 0.0);
         for k in 0..tenth {
-            advance(integrator, body, &mut state, &free, h, 1, &mut memory);
+            driver.step(&free, h)?;
             let weight = (core::f64::consts::PI * (k as f64 + 0.5) / tenth as f64)
                 .sin()
                 .powi(2);
             // Relative to the start before summing: the sum of a million energies would round.
-            sum += weight * (state.rotational_energy(body) - start);
+            sum += weight * (driver.state.rotational_energy(body) - start);
             weights += weight;
         }
-        sum / weights
+        Some(sum / weights)
     };
-    let first = mean_over_a_tenth();
+    let first = mean_over_a_tenth()?;
     for _ in 0..8 {
-        mean_over_a_tenth();
+        mean_over_a_tenth()?;
     }
-    (mean_over_a_tenth() - first) / start
+    let trend = (mean_over_a_tenth()? - first) / start;
+    trend.is_finite().then_some(trend)
 }

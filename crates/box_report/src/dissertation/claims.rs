@@ -6,7 +6,7 @@ use box_physics::force::Forces;
 use box_physics::integrators::{Integrator, IntegratorMemory};
 use box_physics::state::BodyState;
 use box_scenarios::dissertation::{Demo, State, Stepper};
-use box_scenarios::{Family, StateError};
+use box_scenarios::{Driver, Family, ForceSet, Model, StateError};
 use glam::DVec3;
 
 /// Gravity of the falls [m/s²].
@@ -41,13 +41,11 @@ pub(super) fn amplification_2012(stepper: Stepper, z: f64) -> f64 {
 
 /// How far `integrator` is from ½·g·t² after a second of free fall in steps of `h` \[m\].
 pub(super) fn fall_error(integrator: Integrator, h: f64) -> f64 {
-    let body = RigidBox::default();
-    let law = box_physics::force::Gravity(DVec3::NEG_Y * G);
-    let mut state = BodyState::at(DVec3::ZERO);
+    let model = Model::without_floor(RigidBox::default(), ForceSet::gravity(G));
+    let mut driver = Driver::new(BodyState::default(), integrator);
     let n = (1.0 / h).round() as u64;
-    let mut memory = IntegratorMemory::default();
-    box_scenarios::advance(integrator, &body, &mut state, &law, h, n, &mut memory);
-    (state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
+    driver.run(&model, h, n, u64::MAX);
+    (driver.state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
 }
 
 /// The same of its own stepper under the acceleration g: with its position rule, without its other faults.
@@ -86,13 +84,11 @@ pub(super) struct Tumble {
 /// The free tumble at steps of `h` by `integrator`.
 pub(super) fn tumble(integrator: Integrator, h: f64) -> Result<Tumble, String> {
     let family = &Family::all()[0];
-    let body = family.setup.body;
-    let mut state = family.setup.initial;
-    let mut memory = IntegratorMemory::default();
-    let law = box_physics::force::Gravity(DVec3::ZERO);
+    let model = Model::of(&family.setup);
+    let mut driver = Driver::new(family.setup.initial, integrator);
     follow(h, |_| {
-        box_scenarios::advance(integrator, &body, &mut state, &law, h, 1, &mut memory);
-        state
+        driver.step(&model, h);
+        driver.state
     })
 }
 

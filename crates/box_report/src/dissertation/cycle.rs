@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use box_bench::measure::Cost;
 use box_physics::body::RigidBox;
-use box_physics::floor::{ContactSettings, ContactState, Floor, FloorContext, step_on_floor};
-use box_physics::force::Gravity;
-use box_physics::integrators::{Integrate, IntegratorMemory, Rk4, Split};
+use box_physics::floor::Floor;
+use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::dissertation::{Demo, State, Stepper};
+use box_scenarios::{Driver, ForceSet, Model};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -89,56 +89,21 @@ impl Cycles {
     }
 }
 
-/// One box of ours over the floor, under one integrator.
-struct Ours {
-    body: RigidBox,
-    floor: Floor,
-    settings: ContactSettings,
-    state: BodyState,
-    memory: IntegratorMemory,
-    contact: ContactState,
-}
-
-impl Ours {
-    fn new(body: RigidBox, state: BodyState) -> Self {
-        Self {
-            body,
-            floor: Floor {
-                height: 0.0,
-                restitution: 0.5,
-                friction: 0.0,
-            },
-            settings: ContactSettings::default(),
-            state,
-            memory: IntegratorMemory::default(),
-            contact: ContactState::default(),
-        }
-    }
-
-    fn step<S: Integrate>(&mut self, h: f64) {
-        step_on_floor::<S, Gravity>(
-            &FloorContext {
-                floor: &self.floor,
-                settings: &self.settings,
-                body: &self.body,
-                force: &Gravity(DVec3::NEG_Y * 9.81),
-            },
-            &mut self.state,
-            h,
-            &mut self.memory,
-            &mut self.contact,
-            None,
-        );
-    }
-}
-
 /// Runs everything side by side, cycle by cycle, and times each cycle by itself, as it did.
 pub(super) fn run(h: f64, quick: bool) -> Cycles {
     let body = RigidBox::default();
     let start = BodyState::at(DVec3::Y * 4.5);
     let demo = Demo::of(&body, Some(0.0));
     let mut theirs = [State::new(&body, &start); 2];
-    let mut ours = [Ours::new(body, start), Ours::new(body, start)];
+    let model = Model {
+        floor: Some(Floor {
+            height: 0.0,
+            restitution: 0.5,
+            friction: 0.0,
+        }),
+        ..Model::without_floor(body, ForceSet::gravity(9.81))
+    };
+    let mut ours = [Integrator::Split, Integrator::Rk4].map(|i| Driver::new(start, i));
     let n = (if quick { RUN.1 } else { RUN.0 } / h).round() as usize;
     let every = (PUSH_EVERY / h).round() as usize;
     let mut times = vec![Vec::with_capacity(n); CONTENDERS.len()];
@@ -164,8 +129,12 @@ pub(super) fn run(h: f64, quick: bool) -> Cycles {
         times[0].push(timed(&mut || {}));
         times[1].push(timed(&mut || demo.cycle(Stepper::Heun, heun, h)));
         times[2].push(timed(&mut || demo.cycle(Stepper::Rk4, rk4, h)));
-        times[3].push(timed(&mut || split.step::<Split>(h)));
-        times[4].push(timed(&mut || proper.step::<Rk4>(h)));
+        times[3].push(timed(&mut || {
+            split.step(&model, h);
+        }));
+        times[4].push(timed(&mut || {
+            proper.step(&model, h);
+        }));
     }
     std::hint::black_box((theirs, &ours[0].state, &ours[1].state));
     Cycles { h, times }

@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use box_physics::integrators::{Integrator, IntegratorMemory, Limit};
+use box_physics::integrators::{Integrator, Limit};
 use box_physics::state::BodyState;
-use box_scenarios::{Family, ForceSet, Setup, advance};
+use box_scenarios::{Driver, Family, ForceSet, Model, Setup};
 use glam::DVec3;
 
 /// A dimensionless step.
@@ -137,11 +137,11 @@ fn stable(integrator: Integrator, number: Number, of: usize, x: f64, n: u64) -> 
             (Setup::new(*body, out, spring, 1.0), 1.0)
         }
     };
-    let forces = setup.forces.forces(body);
-    let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
-    advance(integrator, body, &mut state, &forces, h, n, &mut memory);
+    let mut driver = Driver::new(setup.initial, integrator);
+    let valid = driver.run(&Model::of(&setup), h, n, u64::MAX);
+    let state = driver.state;
     let long = n >= LONG_TRIAL;
-    state.is_valid()
+    valid
         && match number {
             // Growth of |L|: by 1 % over the long trial, to double in a short one.
             Number::Spin => {

@@ -8,10 +8,11 @@ use std::sync::OnceLock;
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
+use crate::driver::Totals;
 use crate::metrics::{Errors, StateError, energy_scale};
-use crate::run::{Plan, Totals, run_plan};
+use crate::run::{Plan, run_plan};
 use crate::setup::Setup;
-use crate::simulate::sanity;
+use crate::simulate::{Compared, Comparison, Expected, compare};
 use crate::truth::TruthKind;
 
 /// An error that can be plotted.
@@ -153,7 +154,7 @@ impl Family {
             let plan = Plan::clock(interval / stride as f64, stride, samples);
             run_plan(&self.setup, Integrator::Exact, &plan, |_, state| {
                 states.push(*state);
-                state.is_valid()
+                true
             });
             states
         };
@@ -184,35 +185,31 @@ impl Family {
 
     /// Runs `integrator` with `divisor` steps in each interval of `reference`, along all of it.
     pub fn run(&self, reference: &Reference, integrator: Integrator, divisor: u64) -> FamilyRun {
-        let setup = &self.setup;
-        let sanity = sanity(setup, &reference.states);
-        let conserves = setup.conserves_energy();
-        let start = setup.energy(&setup.initial);
-        let scale = energy_scale(start, setup.initial.kinetic_energy(&setup.body));
-        let (mut errors, mut failed) = (Errors::default(), false);
-        let mut expected = reference.states.iter();
-        let totals = run_plan(
-            setup,
-            integrator,
-            &reference.plan(divisor),
-            |_, state| match expected.next() {
-                Some(truth) if state.is_valid() && !sanity.is_diverged(state) => {
-                    errors.see(&StateError::between(state, truth));
-                    if conserves {
-                        errors.see_energy(setup.energy(state) / scale, start / scale);
-                    }
-                    true
-                }
-                _ => {
-                    failed = true;
-                    false
-                }
-            },
-        );
+        let (setup, start) = (&self.setup, &self.setup.initial);
+        let run = self.compare(reference, integrator, divisor, |_| true);
+        let mut errors = run.errors;
+        errors.energy /= energy_scale(setup.energy(start), start.kinetic_energy(&setup.body));
         FamilyRun {
-            errors: (!failed).then_some(errors),
-            totals,
+            errors: (run.diverged_at.is_none()).then_some(errors),
+            totals: run.totals,
         }
+    }
+
+    fn compare(
+        &self,
+        reference: &Reference,
+        integrator: Integrator,
+        divisor: u64,
+        look: impl FnMut(&Compared) -> bool,
+    ) -> Comparison {
+        let energy = self.setup.conserved_energy();
+        let mut states = reference.states.iter();
+        let expected = |_| Expected {
+            state: states.next().copied(),
+            energy,
+        };
+        let plan = reference.plan(divisor);
+        compare(&self.setup, integrator, &plan, expected, look)
     }
 
     /// When the error of `integrator` first passes `attitude` \[rad\] or `position` \[m\] \[s\], and
@@ -226,25 +223,18 @@ impl Family {
         attitude: f64,
         position: f64,
     ) -> Option<(f64, Metric)> {
-        let sanity = sanity(&self.setup, &reference.states);
         let mut found = None;
         // Every step is looked at: the reference must be as fine as the run.
-        let plan = reference.plan(divisor);
-        let mut expected = reference.states.iter();
-        run_plan(&self.setup, integrator, &plan, |t, state| {
-            let Some(truth) = expected.next() else {
-                return false;
-            };
-            let e = StateError::between(state, truth);
-            let failed = !state.is_valid() || sanity.is_diverged(state);
-            if failed || e.attitude > attitude {
-                found = Some((t, Metric::Attitude));
+        let run = self.compare(reference, integrator, divisor, |sample| {
+            let e = sample.error.unwrap_or_default();
+            if e.attitude > attitude {
+                found = Some((sample.t, Metric::Attitude));
             } else if e.position > position {
-                found = Some((t, Metric::Position));
+                found = Some((sample.t, Metric::Position));
             }
             found.is_none()
         });
-        found
+        found.or_else(|| run.diverged_at.map(|t| (t, Metric::Attitude)))
     }
 }
 

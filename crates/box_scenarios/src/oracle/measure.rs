@@ -3,9 +3,10 @@
 use box_physics::integrators::Integrator;
 
 use super::Case;
-use crate::metrics::{Errors, StateError, energy_scale, momentum_scale};
-use crate::run::{Plan, Totals, run_plan_within};
-use crate::simulate::sanity;
+use crate::driver::Totals;
+use crate::metrics::{energy_scale, momentum_scale};
+use crate::run::{End, Plan};
+use crate::simulate::{Expected, compare};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,24 +63,23 @@ impl Case {
             return Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
         }
         let setup = &self.setup;
-        let sanity = sanity(setup, self.samples.iter().map(|s| &s.state));
-        let mut errors = Errors::default();
-        let mut has_energy = false;
-        let mut diverged = false;
         let mut samples = self.samples.iter();
-        let plan = self.plan(dt);
-        let totals = run_plan_within(setup, integrator, &plan, MAX_EVALUATIONS, |_, state| {
-            diverged = sanity.is_diverged(state);
-            if let Some(sample) = samples.next().filter(|_| !diverged) {
-                errors.see(&StateError::between(state, &sample.state));
-                if let Some(expected) = self.expected_energy(sample) {
-                    errors.see_energy(setup.energy(state), expected);
-                    has_energy = true;
-                }
+        let expected = |_| {
+            let sample = samples.next();
+            Expected {
+                state: sample.map(|s| s.state),
+                energy: sample.and_then(|s| self.expected_energy(s)),
             }
-            !diverged
-        });
-        if totals.evaluations > MAX_EVALUATIONS {
+        };
+        let run = compare(
+            setup,
+            integrator,
+            &self.plan(dt).within(MAX_EVALUATIONS),
+            expected,
+            |_| true,
+        );
+        let (errors, totals) = (run.errors, run.totals);
+        if run.end == End::OutOfBudget {
             let reason = "more than 4e8 force evaluations";
             let unfinished = Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
             return Measurement {
@@ -94,8 +94,7 @@ impl Case {
             errors.angular_momentum,
             errors.energy,
         ];
-        diverged |= all.iter().any(|e| !e.is_finite());
-        if diverged {
+        if run.diverged_at.is_some() || all.iter().any(|e| !e.is_finite()) {
             let energy = self.knows_energy().then_some(f64::INFINITY);
             let failed = Measurement::without_run(Status::Diverged, f64::INFINITY, energy);
             return Measurement { totals, ..failed };
@@ -112,7 +111,7 @@ impl Case {
             velocity: errors.velocity,
             attitude: errors.attitude,
             angular_momentum: errors.angular_momentum / momentum,
-            energy: has_energy.then_some(errors.energy / energy),
+            energy: self.knows_energy().then_some(errors.energy / energy),
             totals,
             status: Status::Ok,
         }
@@ -143,30 +142,5 @@ impl Measurement {
             totals: Totals::default(),
             status,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::run::run_plan;
-    use crate::scenario::Scenario;
-
-    /// A run is ended soon after its budget, and what it did until then is what the whole run does.
-    #[test]
-    fn a_budget_ends_a_run() {
-        let setup = Scenario::default().setup;
-        let plan = Plan::new(&[100.0], &[], 1e-3);
-        let whole = run_plan(&setup, Integrator::Split, &plan, |_, _| true);
-        assert_eq!(whole.steps, 100_000);
-        let mut looks = 0;
-        let part = run_plan_within(&setup, Integrator::Split, &plan, 10_000, |_, _| {
-            looks += 1;
-            true
-        });
-        assert!(
-            (10_000..20_000).contains(&part.evaluations) && looks == 0,
-            "{part:?}"
-        );
     }
 }

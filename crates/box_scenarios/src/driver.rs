@@ -1,0 +1,340 @@
+//! One box stepped by one integrator outside the plugin, bit for bit as the plugin steps it.
+//!
+//! Headless runs, panel, sweep, comparisons, report and benchmarks all step through [`Driver`], so that the
+//! rules of contact and the path of execution are the same everywhere:
+//!
+//! - gravity alone runs through a loop compiled for it;
+//! - a box that cannot reach the floor in a step takes the integrator's plain step;
+//! - a box that may reach it, or that touched it, takes [`step_on_floor`];
+//! - an invalid state is not kept: the box stays where it was.
+
+use box_physics::body::RigidBox;
+use box_physics::floor::{
+    ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, may_touch, step_on_floor,
+};
+use box_physics::force::{Dissipation, ForceModel, Gravity};
+use box_physics::integrators::{
+    Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome,
+};
+use box_physics::state::BodyState;
+
+use crate::forces::ForceSet;
+use crate::setup::{FloorSpec, Setup, TimedImpulse};
+
+/// A box and everything that acts on it, without its state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// The box.
+    pub body: RigidBox,
+    /// The forces.
+    pub forces: ForceSet,
+    /// The floor, if there is one.
+    pub floor: Option<Floor>,
+    /// Limits of the contact solver.
+    pub settings: ContactSettings,
+}
+
+impl Model {
+    /// The model of `setup`. A floor out of range is left out: [`Setup::validate`] rejects it.
+    pub fn of(setup: &Setup) -> Self {
+        Self {
+            body: setup.body,
+            forces: setup.forces.clone(),
+            floor: setup
+                .floor
+                .and_then(|f| Floor::new(f.height, f.restitution, f.friction).ok()),
+            settings: ContactSettings::default(),
+        }
+    }
+
+    /// A model of `body` under `forces`, without a floor.
+    pub fn without_floor(body: RigidBox, forces: ForceSet) -> Self {
+        Self {
+            body,
+            forces,
+            floor: None,
+            settings: ContactSettings::default(),
+        }
+    }
+
+    /// The motion from `state` for `duration` \[s\], without impulses.
+    pub fn setup(&self, state: BodyState, duration: f64) -> Setup {
+        let setup = Setup::new(self.body, state, self.forces.clone(), duration);
+        match &self.floor {
+            Some(f) => setup.with_floor(FloorSpec {
+                height: f.height,
+                restitution: f.restitution,
+                friction: f.friction,
+            }),
+            None => setup,
+        }
+    }
+
+    /// Kinetic and potential energy \[J\].
+    pub fn energy(&self, state: &BodyState) -> f64 {
+        box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
+    }
+
+    /// Whether no force changes the energy (the floor apart).
+    pub fn is_conservative(&self) -> bool {
+        box_physics::energy::is_conservative(&self.forces.forces(&self.body))
+    }
+
+    /// Whether a box in this state may reach the floor within `h` \[s\].
+    pub fn may_touch(&self, state: &BodyState, h: f64) -> bool {
+        let forces = self.forces.forces(&self.body);
+        self.floor
+            .is_some_and(|floor| may_touch(&floor, &self.body, state, &forces, h))
+    }
+
+    /// Whether gravity is all that acts in flight.
+    pub fn only_gravity(&self) -> bool {
+        !self.forces.has_wrench() && self.forces.dissipation() == Dissipation::NONE
+    }
+}
+
+/// Cost of a run, and how often its steps ended in a substitute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Totals {
+    /// Steps taken.
+    pub steps: u64,
+    /// Force evaluations.
+    pub evaluations: u64,
+    /// Steps handed to `split`.
+    pub fallbacks: u64,
+    /// Iterations that ended at their cap.
+    pub unconverged: u64,
+    /// Impacts on the floor.
+    pub impacts: u64,
+}
+
+impl Totals {
+    /// Adds one step.
+    #[inline(always)]
+    fn count(&mut self, outcome: StepOutcome) {
+        self.steps += 1;
+        self.evaluations += u64::from(outcome.evaluations);
+        self.fallbacks += u64::from(outcome.fallbacks);
+        self.unconverged += u64::from(outcome.unconverged);
+    }
+
+    /// Force evaluations per step; 0 before the first step.
+    pub fn evaluations_per_step(&self) -> f64 {
+        self.evaluations as f64 / self.steps.max(1) as f64
+    }
+}
+
+impl core::ops::AddAssign for Totals {
+    fn add_assign(&mut self, other: Self) {
+        self.steps += other.steps;
+        self.evaluations += other.evaluations;
+        self.fallbacks += other.fallbacks;
+        self.unconverged += other.unconverged;
+        self.impacts += other.impacts;
+    }
+}
+
+/// Steps between two checks of the budget of evaluations.
+const BLOCK: u64 = 4096;
+
+/// A box under one integrator, with its own clock.
+#[derive(Clone, Debug)]
+pub struct Driver {
+    /// The integrator.
+    pub integrator: Integrator,
+    /// The present state: the last valid one.
+    pub state: BodyState,
+    /// Simulated time \[s\].
+    pub time: f64,
+    /// Cost so far.
+    pub totals: Totals,
+    memory: IntegratorMemory,
+    contact: ContactState,
+}
+
+impl Driver {
+    /// A box in `state` at time 0.
+    pub fn new(state: BodyState, integrator: Integrator) -> Self {
+        Self {
+            integrator,
+            state,
+            time: 0.0,
+            totals: Totals::default(),
+            memory: IntegratorMemory::default(),
+            contact: ContactState::default(),
+        }
+    }
+
+    /// The same at another time \[s\].
+    #[must_use]
+    pub fn at_time(mut self, time: f64) -> Self {
+        self.time = time;
+        self
+    }
+
+    /// Contact of the box with the floor at the end of the last step.
+    pub fn contact(&self) -> &ContactState {
+        &self.contact
+    }
+
+    /// Takes one step of `h` \[s\] and returns its outcome; `None` if it led to an invalid state, in which
+    /// case the box stays where it was.
+    pub fn step(&mut self, model: &Model, h: f64) -> Option<FloorOutcome> {
+        let mut last = FloorOutcome::default();
+        self.steps(model, h, 1, &mut last).then_some(last)
+    }
+
+    /// Takes `n` steps of `h` \[s\]; `false` if one of them led to an invalid state, which ends the run at the
+    /// last valid one. Also ends soon after more than `budget` evaluations in all.
+    pub fn run(&mut self, model: &Model, h: f64, n: u64, budget: u64) -> bool {
+        let mut left = n;
+        while left > 0 && self.totals.evaluations <= budget {
+            let block = left.min(BLOCK);
+            if !self.steps(model, h, block, &mut FloorOutcome::default()) {
+                return false;
+            }
+            left -= block;
+        }
+        true
+    }
+
+    /// Applies an impulse at a point of the box.
+    pub fn apply(&mut self, model: &Model, i: &TimedImpulse) {
+        self.state
+            .apply_impulse_at_body_point(&model.body, i.impulse, i.body_point);
+    }
+
+    fn steps(&mut self, model: &Model, h: f64, n: u64, last: &mut FloorOutcome) -> bool {
+        let forces = model.forces.forces(&model.body);
+        let integrator = self.integrator;
+        if model.only_gravity() {
+            let force = &Gravity(forces.acceleration);
+            integrator.dispatch(Steps {
+                driver: self,
+                model,
+                force,
+                h,
+                n,
+                last,
+            })
+        } else {
+            let force = &forces;
+            integrator.dispatch(Steps {
+                driver: self,
+                model,
+                force,
+                h,
+                n,
+                last,
+            })
+        }
+    }
+}
+
+/// `n` steps compiled for one integrator and force model.
+struct Steps<'a, F> {
+    driver: &'a mut Driver,
+    model: &'a Model,
+    force: &'a F,
+    h: f64,
+    n: u64,
+    last: &'a mut FloorOutcome,
+}
+
+impl<F: ForceModel> IntegratorVisitor for Steps<'_, F> {
+    type Output = bool;
+
+    fn visit<S: Integrate>(self) -> bool {
+        let Driver {
+            state,
+            time,
+            totals,
+            memory,
+            contact,
+            ..
+        } = self.driver;
+        let (body, force, h) = (&self.model.body, self.force, self.h);
+        for _ in 0..self.n {
+            let before = *state;
+            let outcome = match &self.model.floor {
+                Some(floor)
+                    if contact.touching() != 0 || may_touch(floor, body, state, force, h) =>
+                {
+                    let settings = &self.model.settings;
+                    let context = FloorContext {
+                        floor,
+                        settings,
+                        body,
+                        force,
+                    };
+                    step_on_floor::<S, _>(&context, state, h, memory, contact, None)
+                }
+                _ => FloorOutcome {
+                    step: S::step(body, state, force, h, memory),
+                    ..FloorOutcome::default()
+                },
+            };
+            totals.count(outcome.step);
+            totals.impacts += u64::from(outcome.impacts);
+            *self.last = outcome;
+            *time += h;
+            if !state.is_valid() {
+                *state = before;
+                return false;
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+    use glam::DVec3;
+
+    #[test]
+    fn a_block_of_steps_is_the_same_as_single_steps() {
+        for id in ["contact", "heavy-top", "throw"] {
+            let setup = Scenario::find(id).expect("a scene").setup;
+            let model = Model::of(&setup);
+            for &i in Integrator::ALL {
+                let (mut whole, mut single) =
+                    (Driver::new(setup.initial, i), Driver::new(setup.initial, i));
+                let valid = whole.run(&model, 1.0 / 60.0, 120, u64::MAX);
+                let each = (0..120).all(|_| single.step(&model, 1.0 / 60.0).is_some());
+                assert_eq!(valid, each, "{i} on {id}");
+                assert_eq!(whole.state, single.state, "{i} on {id}");
+                assert_eq!(whole.totals, single.totals, "{i} on {id}");
+            }
+        }
+    }
+
+    /// Explicit Euler at c·h/m = 10 multiplies the velocity by −9 in each step, up to the limit of a valid
+    /// state, 1e38.
+    #[test]
+    fn an_invalid_state_is_not_kept() {
+        let drag = ForceSet {
+            linear_drag: 10.0,
+            ..ForceSet::none()
+        };
+        let body = RigidBox::cube(1.0, 1.0).expect("valid");
+        let model = Model::without_floor(body, drag);
+        let start = BodyState::default().with_velocity(DVec3::X);
+        let mut driver = Driver::new(start, Integrator::ExplicitEuler);
+        assert!(!driver.run(&model, 1.0, 1000, u64::MAX));
+        // 9^39 = 1.6e37, 9^40 = 1.5e38.
+        assert_eq!(driver.totals.steps, 40);
+        assert!(driver.state.is_valid() && driver.state.velocity.length() > 1e37);
+        assert!(driver.step(&model, 1.0).is_none());
+    }
+
+    #[test]
+    fn a_budget_ends_a_run() {
+        let setup = Scenario::default().setup;
+        let mut driver = Driver::new(setup.initial, Integrator::Split);
+        assert!(driver.run(&Model::of(&setup), 1e-3, 100_000, 10_000));
+        let evaluations = driver.totals.evaluations;
+        assert!((10_000..20_000).contains(&evaluations), "{evaluations}");
+    }
+}
