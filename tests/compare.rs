@@ -375,7 +375,7 @@ fn lanes_follow_the_clock_back() {
         .expect("a scene")
         .setup;
     let h = 1.0 / 60.0;
-    let mut run = Run::new(&setup, Some(setup.truth()), Integrator::Split, h);
+    let mut run = Run::new(&setup, Some(setup.reference()), Integrator::Split, h);
     run.choose([Integrator::Rk4, Integrator::ExplicitEuler]);
     let law = box_game::compare::lane::Law::of(&setup);
     let mut body = box_game::compare::lane::Lane::new(setup.initial, Integrator::Split);

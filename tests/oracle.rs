@@ -1,11 +1,11 @@
 //! The reference trajectories: how far each integrator is from them at 60 Hz, that the order shows, that our
-//! own trusted answers are theirs, and that a bad file is refused by name.
+//! own references are theirs, and that a bad file is refused by name.
 
 use std::path::{Path, PathBuf};
 
 use box_physics::integrators::{Channel, Integrator, Order};
 use box_scenarios::oracle::{Case, Measurement, Status};
-use box_scenarios::{StateError, Truth, TruthKind};
+use box_scenarios::{ReferenceKind, ReferenceSolution, StateError};
 use serde_json::{Value, json};
 
 fn folder() -> PathBuf {
@@ -186,17 +186,17 @@ fn errors_at_60_hz_and_the_order_behind_them() {
 /// Formulas and numerical references of our own against the files. Two independent derivations, so
 /// rounding is all that may be between them; pub02 multiplies it by 6e3 (`attitude_sensitivity`).
 #[test]
-fn our_trusted_answers_are_theirs() {
+fn our_references_are_theirs() {
     let mut kinds = (0, 0);
     for case in cases() {
-        let truth = Truth::of(&case.setup);
-        match truth.kind() {
-            TruthKind::None => continue,
-            TruthKind::ClosedForm => kinds.0 += 1,
-            TruthKind::Numerical { .. } => kinds.1 += 1,
+        let reference = ReferenceSolution::of(&case.setup);
+        match reference.kind() {
+            ReferenceKind::None => continue,
+            ReferenceKind::ClosedForm => kinds.0 += 1,
+            ReferenceKind::Numerical { .. } => kinds.1 += 1,
         }
         for s in &case.samples {
-            let e = StateError::between(&truth.at(s.t).expect("in time"), &s.state);
+            let e = StateError::between(&reference.at(s.t).expect("in time"), &s.state);
             let size = s.state.position.length().max(1.0);
             let l = s.state.angular_momentum.length().max(1e-3);
             let worst = (e.position / size)
@@ -313,10 +313,12 @@ fn every_key_of_the_law_acts() {
         "zero_length_spring": { "k": 20, "body_point": [0.5, 0.1, 0], "anchor": [0, 1, 0] }
     });
     let mut case = parse(&v).expect("good");
-    let truth = Truth::of(&case.setup);
-    assert!(matches!(truth.kind(), TruthKind::Numerical { agreement } if agreement < 1e-11));
+    let reference = ReferenceSolution::of(&case.setup);
+    assert!(
+        matches!(reference.kind(), ReferenceKind::Numerical { agreement } if agreement < 1e-11)
+    );
     for s in &mut case.samples {
-        s.state = truth.at(s.t).expect("in time");
+        s.state = reference.at(s.t).expect("in time");
     }
     for &i in Integrator::ALL {
         let coarse = case.measure(i, 1.0 / 480.0);
@@ -345,10 +347,10 @@ fn every_key_of_the_law_acts() {
             .as_object_mut()
             .expect("an object")
             .remove(key);
-        let other = Truth::of(&parse(&without).expect("good").setup);
+        let other = ReferenceSolution::of(&parse(&without).expect("good").setup);
         let e = StateError::between(
             &other.at(2.0).expect("in time"),
-            &truth.at(2.0).expect("in time"),
+            &reference.at(2.0).expect("in time"),
         );
         assert!(e.position + e.attitude > 1e-4, "{key}");
     }

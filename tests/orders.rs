@@ -5,7 +5,7 @@ use box_physics::integrators::{Channel, Order};
 use box_physics::prelude::*;
 use box_scenarios::{ForceSet, Plan, Setup, StateError, run_plan};
 
-/// Comparisons with the truth along the way; every number of steps is a multiple of it.
+/// Comparisons with the reference along the way; every number of steps is a multiple of it.
 const SAMPLES: u32 = 8;
 /// The coarsest run has this many steps, then twice as many, and so on.
 const COARSEST: u32 = 8;
@@ -79,10 +79,10 @@ fn errors(setup: &Setup, channel: Channel, i: Integrator) -> Vec<f64> {
     let times: Vec<f64> = (0..=SAMPLES)
         .map(|k| setup.duration * f64::from(k) / f64::from(SAMPLES))
         .collect();
-    let truth = setup.truth();
+    let reference = setup.reference();
     let references: Vec<_> = times
         .iter()
-        .map(|&t| truth.at(t).expect("trusted"))
+        .map(|&t| reference.at(t).expect("known"))
         .collect();
     let run = |level| {
         let plan = Plan::new(&times, &[], setup.duration / f64::from(COARSEST << level));

@@ -1,4 +1,4 @@
-//! Speed against error, offline: every integrator measured against trusted references.
+//! Speed against error, offline: every integrator measured against references.
 
 mod check;
 mod context;
@@ -31,7 +31,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use context::Stop;
 use report::Part;
 
-/// Measures every integrator against references that can be trusted, speed against error, and writes a
+/// Measures every integrator against references, speed against error, and writes a
 /// report. Without a command: everything, in less than five minutes on a quiet machine.
 #[derive(Parser)]
 #[command(name = "box_report", version, args_conflicts_with_subcommands = true)]

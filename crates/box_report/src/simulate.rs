@@ -42,7 +42,7 @@ fn seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("a duration is a number of seconds above 0, but this is '{text}'"))
 }
 
-/// The columns; the errors are empty where there is no trusted answer.
+/// The columns; the errors are empty where there is no reference.
 const COLUMNS: [&str; 20] = [
     "t_s",
     "x_m",
@@ -136,7 +136,7 @@ fn write(
     steps: u64,
     out: &mut impl Write,
 ) -> Result<(), std::io::Error> {
-    let truth = setup.truth();
+    let reference = setup.reference();
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record(COLUMNS)?;
     let mut line = |t: f64, state: &BodyState| -> Result<(), csv::Error> {
@@ -163,7 +163,7 @@ fn write(
             l.z,
             setup.energy(state),
         ];
-        let error = truth.at(t).map(|r| StateError::between(state, &r));
+        let error = reference.at(t).map(|r| StateError::between(state, &r));
         let errors = [error.map(|e| e.position), error.map(|e| e.attitude)];
         let text = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
         let cells = numbers.into_iter().map(Some).chain(errors);

@@ -112,7 +112,7 @@ pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
         "When a player can see it",
         "Time until the attitude is wrong by more than 1° or the position by more than 1 % of the box's longest \
          edge, whichever comes first, over a minute of each scene (the corner drop: its second). Compared at every step \
-         with the trusted answer.",
+         with the reference.",
     );
     let rows: Vec<Row> = data
         .seen

@@ -1,10 +1,10 @@
-//! Named rigid-body scenes with trusted answers, shared by the tests, the report and the game. No
+//! Named rigid-body scenes with reference solutions, shared by the tests, the report and the game. No
 //! rendering, no clock.
 //!
 //! - [`scenario`]: the registry; [`scenes`]: one function a scene, **where a new scene goes**.
 //! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
 //! - [`setup`] and [`forces`]: what a scene consists of.
-//! - [`truth`]: the trusted answer: a closed form where there is one, else a fine numerical reference.
+//! - [`reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
 //! - [`driver`]: one box stepped as the plugin steps it; [`run`]: a whole setup, from sample to sample;
 //!   [`mod@simulate`]: against its reference; [`metrics`]: the errors.
 //! - [`families`]: the motions over which the report compares integrators.
@@ -18,8 +18,8 @@
 //! use box_physics::prelude::Integrator;
 //! use box_scenarios::Scenario;
 //! let scene = Scenario::find("ballistic")?;
-//! let truth = scene.truth();
-//! let run = box_scenarios::simulate(&scene.setup, &truth, Integrator::Split, 1.0 / 60.0);
+//! let reference = scene.reference();
+//! let run = box_scenarios::simulate(&scene.setup, &reference, Integrator::Split, 1.0 / 60.0);
 //! assert!(run.errors.position < 1e-9);
 //! # Ok::<(), box_scenarios::UnknownScenario>(())
 //! ```
@@ -34,6 +34,7 @@ pub mod forces;
 pub mod hard_cases;
 pub mod metrics;
 pub mod oracle;
+pub mod reference;
 pub mod run;
 pub mod scenario;
 pub mod scene_file;
@@ -43,20 +44,19 @@ pub mod simulate;
 pub mod step_size;
 pub mod style;
 pub mod trend;
-pub mod truth;
 pub mod view;
 
 pub use contact_cases::{ContactCase, contact_cases};
 pub use driver::{Driver, Model, Totals};
-pub use families::{Family, FamilyRun, Metric, Reference};
+pub use families::{Family, FamilyRun, Metric, ReferenceTable};
 pub use forces::ForceSet;
 pub use hard_cases::{HardCase, hard_cases};
 pub use metrics::{Errors, StateError};
+pub use reference::{ReferenceKind, ReferenceSolution};
 pub use run::{End, Plan, run_plan};
 pub use scenario::{Scenario, UnknownScenario};
 pub use setup::{FloorSpec, Setup, TimedImpulse};
 pub use simulate::{Compared, Comparison, Expected, compare, simulate};
 pub use step_size::parse_step;
 pub use style::{Style, style};
-pub use truth::{Truth, TruthKind};
 pub use view::{PlotPreset, SceneView};

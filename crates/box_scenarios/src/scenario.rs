@@ -2,9 +2,9 @@
 
 use box_physics::integrators::Integrator;
 
+use crate::reference::ReferenceSolution;
 use crate::scenes;
 use crate::setup::Setup;
-use crate::truth::Truth;
 use crate::view::SceneView;
 
 /// A named scene: what happens in it, what it teaches, and what to try.
@@ -75,10 +75,10 @@ impl Scenario {
             })
     }
 
-    /// The trusted answer. Computing it may take some milliseconds; looking it up afterwards,
+    /// The reference solution. Computing it may take some milliseconds; looking it up afterwards,
     /// microseconds.
-    pub fn truth(&self) -> Truth {
-        self.setup.truth()
+    pub fn reference(&self) -> ReferenceSolution {
+        self.setup.reference()
     }
 
     /// The integrators worth comparing here.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::forces::{ForceSet, coefficient};
-use crate::truth::Truth;
+use crate::reference::ReferenceSolution;
 
 /// The floor of a scene: the plane y = `height`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -118,9 +118,9 @@ impl Setup {
         self
     }
 
-    /// The trusted answer; see [`Truth`].
-    pub fn truth(&self) -> Truth {
-        Truth::of(self)
+    /// The reference solution; see [`ReferenceSolution`].
+    pub fn reference(&self) -> ReferenceSolution {
+        ReferenceSolution::of(self)
     }
 
     /// Kinetic and potential energy of `state` under this law \[J\].

@@ -5,9 +5,9 @@ use box_physics::state::BodyState;
 
 use crate::driver::Totals;
 use crate::metrics::{Errors, Sanity, StateError};
+use crate::reference::ReferenceSolution;
 use crate::run::{End, Plan, run_plan, steps_in};
 use crate::setup::Setup;
-use crate::truth::Truth;
 
 /// What a run should have reached at a sample, as far as it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,15 +85,20 @@ pub fn compare(
     }
 }
 
-/// Runs `setup` to its end in steps of `dt` \[s\] and compares every step with `truth`. Impulses between
+/// Runs `setup` to its end in steps of `dt` \[s\] and compares every step with `reference`. Impulses between
 /// two steps split that step at their time.
-pub fn simulate(setup: &Setup, truth: &Truth, integrator: Integrator, dt: f64) -> Comparison {
+pub fn simulate(
+    setup: &Setup,
+    reference: &ReferenceSolution,
+    integrator: Integrator,
+    dt: f64,
+) -> Comparison {
     let n = steps_in(setup.duration, dt);
     let times: Vec<f64> = (0..=n).map(|k| k as f64 * dt).collect();
     let plan = Plan::new(&times, &setup.impulses, dt);
     let energy = setup.conserved_energy();
     let expected = |t| Expected {
-        state: truth.at(t),
+        state: reference.at(t),
         energy,
     };
     compare(setup, integrator, &plan, expected, |_| true)

@@ -63,7 +63,7 @@ impl SceneView {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlotPreset {
-    /// Position and attitude error against the trusted answer.
+    /// Position and attitude error against the reference.
     Error,
     /// Energy and angular momentum.
     #[default]

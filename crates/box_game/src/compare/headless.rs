@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use box_physics::prelude::{ContactSettings, Floor, Integrator};
 use box_scenarios::simulate::sanity;
-use box_scenarios::{Scenario, Truth};
+use box_scenarios::{ReferenceSolution, Scenario};
 
 use crate::compare::lane::{Lane, Law};
 use crate::compare::sampling;
@@ -62,7 +62,7 @@ pub struct IntegratorResult {
 pub fn compare(comparison: &Comparison) -> io::Result<Vec<IntegratorResult>> {
     let setup = &comparison.scenario.setup;
     let mut log = CsvLog::create(&comparison.log, comparison.scenario.id, comparison.seed)?;
-    let truth = Truth::of(setup);
+    let truth = ReferenceSolution::of(setup);
     let costs = costs(comparison, Law::of(setup).floor.as_ref());
     let mut results = Vec::new();
     for (k, &integrator) in comparison.integrators.iter().enumerate() {
@@ -105,7 +105,7 @@ fn run(
     comparison: &Comparison,
     integrator: Integrator,
     number: u32,
-    truth: &Truth,
+    truth: &ReferenceSolution,
     (ns_min, ns_median): (f64, f64),
     log: &mut CsvLog,
 ) -> io::Result<IntegratorResult> {
@@ -222,7 +222,7 @@ pub fn report(comparison: &Comparison, results: &[IntegratorResult]) -> String {
         } else {
             String::new()
         },
-        Truth::of(setup).description(),
+        ReferenceSolution::of(setup).description(),
         "integrator",
         "position [m]",
         "attitude [°]",

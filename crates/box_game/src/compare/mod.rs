@@ -37,7 +37,7 @@ use std::time::{Duration, Instant};
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
-use box_scenarios::{Setup, Truth};
+use box_scenarios::{ReferenceSolution, Setup};
 
 pub use action::{CompareAction, Fairness, Layout, Window};
 pub use plugin::{ComparePlugin, apply, make_hero};
@@ -116,7 +116,7 @@ impl Comparison {
         &mut self,
         scene: Option<(&str, Vec<Integrator>)>,
         setup: &Setup,
-        truth: Option<Truth>,
+        truth: Option<ReferenceSolution>,
         hero: Integrator,
         step: f64,
     ) {

@@ -12,7 +12,7 @@ use box_physics::prelude::{
     IntegratorMemory, LinearDrag, PhysicsClock, PhysicsSchedule, PhysicsSystems, PointForces,
     QuadraticDrag, RigidBox, Springs, WorldGravity,
 };
-use box_scenarios::{ForceSet, Truth};
+use box_scenarios::{ForceSet, ReferenceSolution};
 
 use super::input::Change;
 use super::{CompareAction, Comparison, Layout, RuleKind};
@@ -141,7 +141,7 @@ impl Scene<'_, '_> {
             }
             None => {
                 let setup = law.setup(state, 3600.0);
-                let truth = Truth::closed_form(&setup);
+                let truth = ReferenceSolution::closed_form(&setup);
                 comparison.begin(None, &setup, truth, integrator, step);
             }
         }

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, Integrator};
-use box_scenarios::{TimedImpulse, Truth, TruthKind};
+use box_scenarios::{ReferenceKind, ReferenceSolution, TimedImpulse};
 
 use super::input::Change;
 use crate::compare::lane::{Lane, Law};
@@ -56,7 +56,7 @@ struct Piece {
 
 #[derive(Clone, Debug)]
 enum Source {
-    Trusted(Arc<Truth>),
+    Trusted(Arc<ReferenceSolution>),
     Fine(Box<Fine>),
 }
 
@@ -114,7 +114,7 @@ impl Reference {
         law: &Arc<Law>,
         start: BodyState,
         impulses: &[TimedImpulse],
-        truth: Option<Truth>,
+        truth: Option<ReferenceSolution>,
         step: f64,
     ) -> Self {
         let mut reference = Self {
@@ -125,7 +125,7 @@ impl Reference {
             last: (0.0, start),
         };
         reference.set_clock_step(step);
-        let source = match truth.filter(|t| t.kind() != TruthKind::None) {
+        let source = match truth.filter(|t| t.kind() != ReferenceKind::None) {
             Some(truth) => Source::Trusted(Arc::new(truth)),
             None => Source::Fine(Box::new(Fine::new(start, 0.0, law, reference.waiting(0.0)))),
         };
@@ -195,7 +195,7 @@ impl Reference {
             let mut setup = self.law.setup(state, LONG);
             setup.impulses = waiting.iter().copied().collect();
             setup.impulses.iter_mut().for_each(|i| i.t -= t);
-            Truth::closed_form(&setup)
+            ReferenceSolution::closed_form(&setup)
         });
         let source = match closed.flatten() {
             Some(truth) => Source::Trusted(Arc::new(truth)),
@@ -244,7 +244,7 @@ mod tests {
     fn of(id: &str) -> (Reference, Arc<Law>) {
         let s = Scenario::find(id).expect("a scene");
         let law = Arc::new(Law::of(&s.setup));
-        let truth = s.truth();
+        let truth = s.reference();
         (
             Reference::new(&law, s.setup.initial, &[], Some(truth), 1.0 / 60.0),
             law,
@@ -274,7 +274,7 @@ mod tests {
             assert!(reference.is_trusted());
         }
         let truth = s.setup.clone().with_impulses(vec![kick(0.4), kick(0.7)]);
-        let truth = truth.truth();
+        let truth = truth.reference();
         for t in [0.2, 0.55, 1.3] {
             let (a, b) = (reference.at(t), truth.at(t));
             let e = StateError::between(&a.expect("kept"), &b.expect("closed"));

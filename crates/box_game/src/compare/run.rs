@@ -11,7 +11,7 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::metrics::Sanity;
 use box_scenarios::simulate::sanity;
-use box_scenarios::{Setup, StateError, TimedImpulse, Truth};
+use box_scenarios::{ReferenceSolution, Setup, StateError, TimedImpulse};
 
 use super::input::{Change, Input, Inputs};
 use super::reference::Reference;
@@ -95,7 +95,12 @@ pub struct Run {
 
 impl Run {
     /// From the start of `setup`, whose trusted answer is `truth` if that is known.
-    pub fn new(setup: &Setup, truth: Option<Truth>, hero: Integrator, step: f64) -> Self {
+    pub fn new(
+        setup: &Setup,
+        truth: Option<ReferenceSolution>,
+        hero: Integrator,
+        step: f64,
+    ) -> Self {
         let law = Arc::new(Law::of(setup));
         let state = setup.initial;
         let impulses: Arc<[TimedImpulse]> = setup.impulses.as_slice().into();

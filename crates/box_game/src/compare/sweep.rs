@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use box_physics::prelude::Integrator;
 use box_scenarios::simulate::sanity;
-use box_scenarios::{Setup, StateError, Truth};
+use box_scenarios::{ReferenceSolution, Setup, StateError};
 
 use super::reference::Reference;
 use crate::compare::lane::{Lane, Law};
@@ -128,7 +128,7 @@ impl Drop for Sweep {
 
 fn run(setup: &Setup, integrators: &[Integrator], shared: &Shared) {
     let law = Arc::new(Law::of(setup));
-    let truth = Truth::of(setup);
+    let truth = ReferenceSolution::of(setup);
     // Fine enough for the finest step: 1/30720 s.
     let mut reference = Reference::new(
         &law,

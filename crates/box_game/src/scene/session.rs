@@ -8,7 +8,7 @@ use box_physics::prelude::{
     PhysicsClock, PointForces, ReportContacts, RigidBox, Springs, WorldGravity,
 };
 use box_physics::prelude::{AngularDrag, BodyState, BodyTorque, ExternalForce, QuadraticDrag};
-use box_scenarios::{ForceSet, Scenario, Setup, Truth};
+use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt as _, SeedableRng as _};
 
@@ -51,7 +51,7 @@ pub struct Session {
     /// Which of the scene's timed impulses comes next.
     pub next_impulse: usize,
     /// The trusted answer, where there is one and nothing was changed or pushed since the start.
-    pub truth: Option<Truth>,
+    pub truth: Option<ReferenceSolution>,
     /// Target speed.
     pub speed: f64,
     /// Seed of the load boxes' attitudes.
@@ -197,7 +197,7 @@ pub fn start_scene(world: &mut World) {
     let mut session = world.resource_mut::<Session>();
     let setup = session.setup();
     let (boxes, seed) = (session.parameters.boxes, session.seed);
-    session.truth = Some(Truth::of(&setup));
+    session.truth = Some(ReferenceSolution::of(&setup));
     session.run += 1;
     session.next_impulse = 0;
     session.dropped = 0.0;

@@ -114,9 +114,9 @@ fn follow(h: f64, mut next: impl FnMut(u64) -> BodyState) -> Result<Tumble, Stri
     let body = &family.setup.body;
     let reference = family.reference(h, family.setup.duration)?;
     let start = family.setup.initial.rotational_energy(body);
-    let points = reference.states().iter().enumerate().map(|(k, truth)| {
+    let points = reference.states().iter().enumerate().map(|(k, reference)| {
         let state = next(k as u64);
-        let error = StateError::between(&state, truth).attitude;
+        let error = StateError::between(&state, reference).attitude;
         let t = (k + 1) as f64 * h;
         (t, error, state.rotational_energy(body) / start)
     });

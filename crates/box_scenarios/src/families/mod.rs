@@ -1,5 +1,5 @@
-//! The twelve families of motion over which the report compares integrators: one setup each, with an answer
-//! that can be trusted, and the errors that tell integrators apart there.
+//! The twelve families of motion over which the report compares integrators: one setup each, with a reference
+//! and the errors that tell integrators apart there.
 
 mod list;
 
@@ -10,10 +10,10 @@ use box_physics::state::BodyState;
 
 use crate::driver::Totals;
 use crate::metrics::{Errors, StateError, energy_scale};
+use crate::reference::ReferenceKind;
 use crate::run::{Plan, run_plan};
 use crate::setup::Setup;
 use crate::simulate::{Compared, Comparison, Expected, compare};
-use crate::truth::TruthKind;
 
 /// An error that can be plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,9 +72,9 @@ pub struct Family {
     pub watch: f64,
 }
 
-/// The trusted states at a clock's ticks.
+/// The reference states at a clock's ticks.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub struct ReferenceTable {
     /// Between two states \[s\].
     interval: f64,
     /// After 1, 2, … intervals.
@@ -114,32 +114,32 @@ impl Family {
         ALL.get_or_init(list::families)
     }
 
-    /// The trusted states at 1, 2, … times `interval` \[s\] up to `duration` \[s\].
+    /// The reference states at 1, 2, … times `interval` \[s\] up to `duration` \[s\].
     ///
     /// # Errors
-    /// A sentence, if there is no answer that can be trusted.
-    pub fn reference(&self, interval: f64, duration: f64) -> Result<Reference, String> {
+    /// A sentence, if there is no reference.
+    pub fn reference(&self, interval: f64, duration: f64) -> Result<ReferenceTable, String> {
         let samples = (duration / interval).round() as u64;
         let setup = Setup {
             duration: samples as f64 * interval,
             ..self.setup.clone()
         };
-        let truth = setup.truth();
-        if truth.kind() == TruthKind::None {
+        let reference = setup.reference();
+        if reference.kind() == ReferenceKind::None {
             return self.fine(interval, samples);
         }
-        let at = |k: u64| truth.at(k as f64 * interval);
+        let at = |k: u64| reference.at(k as f64 * interval);
         let states: Option<Vec<_>> = (1..=samples).map(at).collect();
-        let source = match truth.kind() {
-            TruthKind::Numerical { agreement } => {
+        let source = match reference.kind() {
+            ReferenceKind::Numerical { agreement } => {
                 format!(
                     "Dormand–Prince order 8; two tolerances agree to {}",
                     short(agreement)
                 )
             }
-            _ => truth.description().to_owned(),
+            _ => reference.description().to_owned(),
         };
-        Ok(Reference {
+        Ok(ReferenceTable {
             interval,
             states: states.ok_or_else(|| format!("{}: the reference ends too early", self.id))?,
             source,
@@ -148,7 +148,7 @@ impl Family {
 
     /// The integrator that is exact between events, at a step 64 times smaller than the finest in use;
     /// halving it again must not matter.
-    fn fine(&self, interval: f64, samples: u64) -> Result<Reference, String> {
+    fn fine(&self, interval: f64, samples: u64) -> Result<ReferenceTable, String> {
         let run = |stride: u64| {
             let mut states = Vec::new();
             let plan = Plan::clock(interval / stride as f64, stride, samples);
@@ -173,7 +173,7 @@ impl Family {
                 self.id
             ));
         }
-        Ok(Reference {
+        Ok(ReferenceTable {
             interval,
             states,
             source: format!(
@@ -184,7 +184,12 @@ impl Family {
     }
 
     /// Runs `integrator` with `divisor` steps in each interval of `reference`, along all of it.
-    pub fn run(&self, reference: &Reference, integrator: Integrator, divisor: u64) -> FamilyRun {
+    pub fn run(
+        &self,
+        reference: &ReferenceTable,
+        integrator: Integrator,
+        divisor: u64,
+    ) -> FamilyRun {
         let (setup, start) = (&self.setup, &self.setup.initial);
         let run = self.compare(reference, integrator, divisor, |_| true);
         let mut errors = run.errors;
@@ -197,7 +202,7 @@ impl Family {
 
     fn compare(
         &self,
-        reference: &Reference,
+        reference: &ReferenceTable,
         integrator: Integrator,
         divisor: u64,
         look: impl FnMut(&Compared) -> bool,
@@ -217,7 +222,7 @@ impl Family {
     /// passes both.
     pub fn first_passing(
         &self,
-        reference: &Reference,
+        reference: &ReferenceTable,
         integrator: Integrator,
         divisor: u64,
         attitude: f64,
@@ -238,7 +243,7 @@ impl Family {
     }
 }
 
-impl Reference {
+impl ReferenceTable {
     fn plan(&self, divisor: u64) -> Plan {
         let samples = self.states.len() as u64;
         Plan::clock(self.interval / divisor as f64, divisor, samples)

@@ -6,17 +6,22 @@ use box_physics::state::BodyState;
 use super::{Check, Finding, HardCase};
 use crate::driver::{Driver, Model};
 use crate::metrics::{Sanity, energy_scale};
+use crate::reference::ReferenceSolution;
 use crate::setup::Setup;
 use crate::simulate::simulate;
 use crate::trend::energy_trend;
-use crate::truth::Truth;
 
-pub(super) fn examine(case: &HardCase, truth: &Truth, integrator: Integrator, h: f64) -> Finding {
+pub(super) fn examine(
+    case: &HardCase,
+    reference: &ReferenceSolution,
+    integrator: Integrator,
+    h: f64,
+) -> Finding {
     let setup = &case.setup;
     let mut run = Run::new(setup, integrator);
     let (quantity, bound, value) = match case.check {
         Check::Position(bound) | Check::Attitude(bound) | Check::Energy(bound) => {
-            let result = simulate(setup, truth, integrator, h);
+            let result = simulate(setup, reference, integrator, h);
             run.sane = result.diverged_at.is_none();
             let errors = result.errors;
             let (start, body) = (&setup.initial, &setup.body);

@@ -34,9 +34,9 @@ pub struct HardCase {
 /// What a case measures, and up to where that is ok.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Check {
-    /// Largest position error \[m\] against the truth.
+    /// Largest position error \[m\] against the reference.
     Position(f64),
-    /// Largest attitude error \[rad\] against the truth.
+    /// Largest attitude error \[rad\] against the reference.
     Attitude(f64),
     /// Largest relative energy error.
     Energy(f64),
@@ -131,11 +131,11 @@ impl fmt::Display for Verdict {
 impl HardCase {
     /// One finding for each step size.
     pub fn examine(&self, integrator: Integrator) -> Vec<Finding> {
-        let truth = match self.check {
-            Check::Position(_) | Check::Attitude(_) | Check::Energy(_) => self.setup.truth(),
-            _ => crate::Truth::none(),
+        let reference = match self.check {
+            Check::Position(_) | Check::Attitude(_) | Check::Energy(_) => self.setup.reference(),
+            _ => crate::ReferenceSolution::none(),
         };
-        let one = |&h| checks::examine(self, &truth, integrator, h);
+        let one = |&h| checks::examine(self, &reference, integrator, h);
         self.steps.iter().map(one).collect()
     }
 }

@@ -12,7 +12,7 @@ use crate::view::SceneView;
 /// The longest scene \[s\].
 pub const LONGEST: f64 = 600.0;
 
-/// The most radians that the fastest motion of a scene may take in its duration: a trusted answer costs
+/// The most radians that the fastest motion of a scene may take in its duration: a reference solution costs
 /// some microseconds a radian, and is computed when the scene starts.
 pub const MOST_TURNS: f64 = 2e4;
 

@@ -141,8 +141,8 @@ fn complaints_name_file_line_column_and_field() {
 
 /// A scene that the reader lets through can be played: it has its answer soon, and steps stay finite.
 fn plays(scene: &Scenario) {
-    let truth = scene.truth();
-    let start = truth.at(0.0);
+    let reference = scene.reference();
+    let start = reference.at(0.0);
     assert!(start.is_none_or(|s| s.is_finite()));
     assert!(scene.setup.initial.is_valid());
     // Ten steps with whatever there is: forces, floor, impulses. (What a file asks for may lead beyond f64, where the

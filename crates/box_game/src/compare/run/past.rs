@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, Integrator};
-use box_scenarios::Truth;
+use box_scenarios::ReferenceSolution;
 
 use super::Run;
 use crate::compare::Quantity;
@@ -67,7 +67,7 @@ impl Run {
                 &self.start.0,
                 self.start.1,
                 &self.impulses,
-                Truth::closed_form(&{
+                ReferenceSolution::closed_form(&{
                     let mut setup = self.start.0.setup(self.start.1, 3600.0);
                     setup.impulses = self.impulses.to_vec();
                     setup

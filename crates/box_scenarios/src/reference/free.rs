@@ -225,8 +225,8 @@ impl General {
 mod tests {
     use super::*;
     use crate::forces::ForceSet;
+    use crate::reference::numerical::Numerical;
     use crate::setup::Setup;
-    use crate::truth::numerical::Numerical;
 
     fn check(half: DVec3, spin: DVec3, bound: f64) {
         let body = RigidBox::new(half, 3.0).expect("valid");

@@ -1,4 +1,4 @@
-//! The trusted answer of a setup: a closed form where there is one, else a fine numerical reference.
+//! The reference solution of a setup: a closed form where there is one, else a fine numerical reference.
 //!
 //! | motion | answer |
 //! |---|---|
@@ -27,9 +27,9 @@ pub use free::FreeMotion;
 use numerical::Numerical;
 use translation::Translation;
 
-/// Where a trusted answer comes from.
+/// Where a reference solution comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TruthKind {
+pub enum ReferenceKind {
     /// Formulas, good to rounding.
     ClosedForm,
     /// An adaptive integrator of order 8; `agreement` is the largest difference (position \[m\], velocity
@@ -42,11 +42,11 @@ pub enum TruthKind {
     None,
 }
 
-/// The trusted answer of a setup.
+/// The reference solution of a setup.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct ReferenceSolution {
     segments: Vec<(f64, Segment)>,
-    kind: TruthKind,
+    kind: ReferenceKind,
     description: &'static str,
 }
 
@@ -86,22 +86,22 @@ impl Rotation {
     }
 }
 
-impl Truth {
-    /// The trusted answer of `setup`, through all its impulses.
+impl ReferenceSolution {
+    /// The reference solution of `setup`, through all its impulses.
     pub fn of(setup: &Setup) -> Self {
         Self::through(setup, true)
     }
 
     /// The closed form of `setup`, if there is one: what can be had at once, without an integration.
     pub fn closed_form(setup: &Setup) -> Option<Self> {
-        let truth = Self::through(setup, false);
-        (truth.kind == TruthKind::ClosedForm).then_some(truth)
+        let reference = Self::through(setup, false);
+        (reference.kind == ReferenceKind::ClosedForm).then_some(reference)
     }
 
     fn through(setup: &Setup, numerical: bool) -> Self {
-        let mut truth = Self {
+        let mut reference = Self {
             segments: Vec::new(),
-            kind: TruthKind::ClosedForm,
+            kind: ReferenceKind::ClosedForm,
             description: "closed form",
         };
         let (mut start, mut from) = (setup.initial, 0.0);
@@ -113,23 +113,23 @@ impl Truth {
             let until = impulses
                 .peek()
                 .map_or(setup.duration, |i| i.t.min(setup.duration));
-            let Some(segment) = truth.segment(setup, &start, until - from, numerical) else {
+            let Some(segment) = reference.segment(setup, &start, until - from, numerical) else {
                 return Self::none();
             };
             let Some(next) = segment.at(until - from) else {
                 return Self::none();
             };
-            truth.segments.push((from, segment));
+            reference.segments.push((from, segment));
             (start, from) = (next, until);
         }
-        truth
+        reference
     }
 
-    /// No trusted answer.
+    /// No reference solution.
     pub fn none() -> Self {
         Self {
             segments: Vec::new(),
-            kind: TruthKind::None,
+            kind: ReferenceKind::None,
             description: "none: contact with tumbling is chaotic, compare statistics and conserved quantities",
         }
     }
@@ -153,10 +153,10 @@ impl Truth {
         }
         let reference = Numerical::new(setup, start, duration)?;
         let before = match self.kind {
-            TruthKind::Numerical { agreement } => agreement,
+            ReferenceKind::Numerical { agreement } => agreement,
             _ => 0.0,
         };
-        self.kind = TruthKind::Numerical {
+        self.kind = ReferenceKind::Numerical {
             agreement: before.max(reference.agreement()),
         };
         self.description = "numerical reference: Dormand–Prince order 8, two tolerances compared";
@@ -164,7 +164,7 @@ impl Truth {
     }
 
     /// The state at time `t` \[s\] ≥ 0: just before an impulse at that very time. `None` where there is
-    /// no trusted answer: before 0, and for a numerical reference after the setup's duration.
+    /// no reference: before 0, and for a numerical reference after the setup's duration.
     pub fn at(&self, t: f64) -> Option<BodyState> {
         if !(t >= 0.0 && t.is_finite()) {
             return None;
@@ -175,7 +175,7 @@ impl Truth {
     }
 
     /// Where the answer comes from.
-    pub fn kind(&self) -> TruthKind {
+    pub fn kind(&self) -> ReferenceKind {
         self.kind
     }
 
@@ -218,26 +218,26 @@ mod tests {
     }
 
     #[test]
-    fn every_scene_without_floor_has_a_trusted_answer() {
+    fn every_scene_without_floor_has_a_reference() {
         for s in Scenario::ALL.iter().map(|build| build()) {
-            let truth = s.truth();
-            match truth.kind() {
-                TruthKind::Numerical { agreement } => {
+            let reference = s.reference();
+            match reference.kind() {
+                ReferenceKind::Numerical { agreement } => {
                     // It is the error of the coarser run, at ten times the tolerance. 240 rad of a
                     // stiff nonlinear oscillation multiply it.
                     let bound = if s.id == "stiff-spring" { 2e-10 } else { 1e-11 };
                     assert!(agreement < bound, "{}: {agreement:e}", s.id);
                 }
-                TruthKind::ClosedForm => {}
-                TruthKind::None => {
+                ReferenceKind::ClosedForm => {}
+                ReferenceKind::None => {
                     assert!(s.setup.floor.is_some(), "{}", s.id);
                     continue;
                 }
             }
-            let start = truth.at(0.0).expect("at the start");
+            let start = reference.at(0.0).expect("at the start");
             assert!(difference(&start, &s.setup.initial) < 1e-14, "{}", s.id);
-            assert!(truth.at(s.setup.duration).is_some(), "{}", s.id);
-            assert!(truth.at(-1.0).is_none() && truth.at(f64::NAN).is_none());
+            assert!(reference.at(s.setup.duration).is_some(), "{}", s.id);
+            assert!(reference.at(-1.0).is_none() && reference.at(f64::NAN).is_none());
         }
     }
 
@@ -246,9 +246,9 @@ mod tests {
     #[test]
     fn closed_forms_agree_with_the_numerical_reference() {
         for s in Scenario::ALL.iter().map(|build| build()) {
-            let truth = s.truth();
+            let reference = s.reference();
             let stiff = s.setup.forces.linear_drag > 100.0;
-            if s.setup.floor.is_some() || truth.kind() != TruthKind::ClosedForm || stiff {
+            if s.setup.floor.is_some() || reference.kind() != ReferenceKind::ClosedForm || stiff {
                 continue;
             }
             let duration = s.setup.duration.min(10.0);
@@ -261,7 +261,7 @@ mod tests {
             for k in 0..=40 {
                 let t = duration * f64::from(k) / 40.0;
                 let (a, b) = (
-                    truth.at(t).expect("closed"),
+                    reference.at(t).expect("closed"),
                     reference.at(t).expect("inside"),
                 );
                 let error = difference(&a, &b);
@@ -271,13 +271,13 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_form_is_the_trusted_answer_or_none() {
+    fn a_closed_form_is_the_reference_or_none() {
         for s in Scenario::ALL.iter().map(|build| build()) {
-            let (closed, truth) = (Truth::closed_form(&s.setup), s.truth());
-            let known = truth.kind() == TruthKind::ClosedForm;
+            let (closed, reference) = (ReferenceSolution::closed_form(&s.setup), s.reference());
+            let known = reference.kind() == ReferenceKind::ClosedForm;
             assert_eq!(closed.is_some(), known, "{}", s.id);
             if let Some(closed) = closed {
-                assert_eq!(closed.at(1.25), truth.at(1.25), "{}", s.id);
+                assert_eq!(closed.at(1.25), reference.at(1.25), "{}", s.id);
             }
         }
     }
@@ -286,7 +286,7 @@ mod tests {
     fn contact_answers() {
         let at = |id: &str, t: f64| {
             let s = Scenario::find(id).expect("known");
-            s.truth().at(t).expect("closed")
+            s.reference().at(t).expect("closed")
         };
         // 6 m/s against µg = 4.905 m/s²: stops after 36/9.81 m.
         assert!((at("slide", 3.0).position.x - (-4.0 + 36.0 / 9.81)).abs() < 1e-14);
@@ -315,10 +315,10 @@ mod tests {
             body_point: DVec3::new(0.5, 0.0, 0.125),
         };
         s.setup.impulses = vec![kick, TimedImpulse { t: 2.5, ..kick }];
-        let truth = s.truth();
-        assert_eq!(truth.kind(), TruthKind::ClosedForm);
-        let mut before = truth.at(1.0).expect("closed");
-        let after = truth.at(1.0 + 1e-12).expect("closed");
+        let reference = s.reference();
+        assert_eq!(reference.kind(), ReferenceKind::ClosedForm);
+        let mut before = reference.at(1.0).expect("closed");
+        let after = reference.at(1.0 + 1e-12).expect("closed");
         before.apply_impulse_at_body_point(&s.setup.body, kick.impulse, kick.body_point);
         assert!(difference(&before, &after) < 1e-10);
     }
