@@ -82,7 +82,7 @@ fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>
     if field.integer {
         slider = slider.integer();
     }
-    let slider = ui.add(slider).labeled_by(name.id);
+    let slider = ui.add(slider).labelled_by(name.id);
     slider.widget_info(|| WidgetInfo::slider(true, slid, field.slider_name()));
 
     let mut typed = shown;
@@ -106,7 +106,7 @@ fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>
         .custom_parser(parse);
     let value = ui
         .add_sized(vec2(VALUE.min(ui.available_width()), height), value)
-        .labeled_by(name.id);
+        .labelled_by(name.id);
     value.widget_info(|| WidgetInfo {
         label: Some(field.value_name()),
         value: Some(typed),
