@@ -1,8 +1,8 @@
-//! The look of each integrator in every plot and scene: color, dash and marker by its place in
-//! [`Integrator::ALL`], in this one table.
+//! The look of each integrator in every plot and scene, and its key in the game, by its id: in this one table.
+//! An integrator that has no row gets a spare look, chosen by its id alone, and no key.
 //!
 //! The colors are Okabe and Ito's (2008), distinguishable with every common color blindness; yellow
-//! is left out of the first round because it is faint on white. Dash and marker repeat what the color
+//! is spare because it is faint on white. Dash and marker repeat what the color
 //! says, so that nothing depends on color alone.
 
 use box_physics::integrators::Integrator;
@@ -16,6 +16,8 @@ pub enum Dash {
     Dashed,
     /// · · ·
     Dotted,
+    /// ── ──
+    Long,
 }
 
 /// A point's shape.
@@ -71,26 +73,52 @@ const SKY: [u8; 3] = [0x56, 0xB4, 0xE9];
 const PURPLE: [u8; 3] = [0xCC, 0x79, 0xA7];
 const YELLOW: [u8; 3] = [0xF0, 0xE4, 0x42];
 
-/// By place in the menu; every (color, dash) pair occurs once.
-const TABLE: [Style; 14] = {
+/// A row: id, key, look.
+type Row = (&'static str, Option<u8>, Style);
+
+/// By id. Every (color, dash) pair and every (color, marker) pair occurs once, here and in [`SPARE`].
+const TABLE: &[Row] = {
     use Dash::{Dashed, Dotted, Solid};
-    [
-        look(VERMILLION, Solid, Marker::Circle),
-        look(ORANGE, Solid, Marker::Asterisk),
-        look(PURPLE, Solid, Marker::Diamond),
-        look(SKY, Solid, Marker::Right),
-        look(GREEN, Solid, Marker::Square),
-        look(BLUE, Dashed, Marker::Cross),
-        look(SKY, Dashed, Marker::Plus),
-        look(PURPLE, Dotted, Marker::Down),
-        look(VERMILLION, Dashed, Marker::Diamond),
-        look(BLUE, Solid, Marker::Up),
-        look(GREEN, Dashed, Marker::Left),
-        look(GREEN, Dotted, Marker::Right),
-        look(ORANGE, Dashed, Marker::Square),
-        look(ORANGE, Dotted, Marker::Circle),
+    &[
+        row("split", 1, look(VERMILLION, Solid, Marker::Circle)),
+        row("exact", 2, look(ORANGE, Solid, Marker::Asterisk)),
+        row("split4", 3, look(PURPLE, Solid, Marker::Diamond)),
+        row("dmv6", 4, look(SKY, Solid, Marker::Right)),
+        row("rk4", 5, look(GREEN, Solid, Marker::Square)),
+        row("implicit-midpoint", 6, look(BLUE, Dashed, Marker::Cross)),
+        row("velocity-verlet", 7, look(SKY, Dashed, Marker::Plus)),
+        row("midpoint", 8, look(PURPLE, Dotted, Marker::Down)),
+        row(
+            "backward-euler",
+            9,
+            look(VERMILLION, Dashed, Marker::Diamond),
+        ),
+        row("semi-implicit-euler", 0, look(BLUE, Solid, Marker::Up)),
+        row("engine-rescaled", 0, look(GREEN, Dashed, Marker::Left)),
+        row("engine-newton", 0, look(GREEN, Dotted, Marker::Right)),
+        row("heun-2012", 0, look(ORANGE, Dashed, Marker::Square)),
+        row("explicit-euler", 0, look(ORANGE, Dotted, Marker::Circle)),
     ]
 };
+
+/// For integrators without a row.
+const SPARE: &[Style] = {
+    use Dash::{Dashed, Dotted, Long, Solid};
+    &[
+        look(YELLOW, Solid, Marker::Circle),
+        look(YELLOW, Dashed, Marker::Square),
+        look(YELLOW, Dotted, Marker::Up),
+        look(YELLOW, Long, Marker::Diamond),
+        look(VERMILLION, Long, Marker::Cross),
+        look(SKY, Long, Marker::Asterisk),
+        look(GREEN, Long, Marker::Plus),
+    ]
+};
+
+/// A row; key 0 is none.
+const fn row(id: &'static str, key: u8, style: Style) -> Row {
+    (id, if key == 0 { None } else { Some(key) }, style)
+}
 
 const fn look(color: [u8; 3], dash: Dash, marker: Marker) -> Style {
     Style {
@@ -100,20 +128,36 @@ const fn look(color: [u8; 3], dash: Dash, marker: Marker) -> Style {
     }
 }
 
-/// The look of `integrator`. A fifteenth and later integrator is yellow, then repeats the table.
-pub fn style(integrator: Integrator) -> Style {
-    by_place(integrator.index())
+fn listed(id: &str) -> Option<&'static Row> {
+    TABLE.iter().find(|row| row.0 == id)
 }
 
-fn by_place(place: usize) -> Style {
-    match place.checked_sub(TABLE.len()) {
-        None => TABLE[place],
-        Some(extra @ 0..3) => Style {
-            color: YELLOW,
-            ..TABLE[[0, 6, 7][extra]]
-        },
-        Some(extra) => TABLE[(extra - 3) % TABLE.len()],
-    }
+/// The look of `integrator`.
+pub fn style(integrator: Integrator) -> Style {
+    by_id(integrator.id())
+}
+
+fn by_id(id: &str) -> Style {
+    listed(id).map_or_else(|| spare(id), |row| row.2)
+}
+
+/// By FNV-1a of the id (Fowler, Noll, Vo), so that it does not depend on which others there are.
+fn spare(id: &str) -> Style {
+    let hash = id.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    });
+    SPARE[(hash % SPARE.len() as u64) as usize]
+}
+
+/// The digit key that chooses `integrator` in the game, 1 to 9.
+pub fn key(integrator: Integrator) -> Option<u8> {
+    listed(integrator.id())?.1
+}
+
+/// The integrator that the digit key `digit` chooses in the game.
+pub fn integrator_of_key(digit: u8) -> Option<Integrator> {
+    let all = Integrator::ALL.iter().copied();
+    all.into_iter().find(|&i| key(i) == Some(digit))
 }
 
 /// The look of the reference: black on light, white on dark, dashed.
@@ -128,12 +172,51 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
+    fn every_look_in_the_tables_occurs_once() {
+        let all: Vec<Style> = TABLE
+            .iter()
+            .map(|row| row.2)
+            .chain(SPARE.iter().copied())
+            .collect();
+        let lines: HashSet<_> = all.iter().map(|s| (s.color, s.dash)).collect();
+        let points: HashSet<_> = all.iter().map(|s| (s.color, s.marker)).collect();
+        assert_eq!((lines.len(), points.len()), (all.len(), all.len()));
+    }
+
+    #[test]
     fn no_two_integrators_look_alike() {
-        let lines: HashSet<_> = (0..17).map(by_place).map(|s| (s.color, s.dash)).collect();
-        assert_eq!(lines.len(), 17);
-        let points: HashSet<_> = (0..17).map(by_place).map(|s| (s.color, s.marker)).collect();
-        assert_eq!(points.len(), 17);
-        assert!(Integrator::ALL.len() <= 17, "extend the table");
-        assert_eq!(style(Integrator::default()), TABLE[0]);
+        for (k, &a) in Integrator::ALL.iter().enumerate() {
+            for &b in &Integrator::ALL[..k] {
+                assert!(
+                    style(a) != style(b),
+                    "{a} and {b} look alike, {:?}: give one of them a row in TABLE",
+                    style(a)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn rows_belong_to_integrators_and_keys_to_one() {
+        let ids: HashSet<_> = Integrator::ALL.iter().map(|i| i.id()).collect();
+        for (id, key, _) in TABLE {
+            assert!(ids.contains(id), "'{id}' has a row and is no integrator");
+            let same = TABLE.iter().filter(|row| row.0 == *id).count();
+            assert_eq!(same, 1, "'{id}' has {same} rows");
+            if let Some(key) = key {
+                let owner = integrator_of_key(*key).map(Integrator::id);
+                assert_eq!(owner, Some(*id), "key {key}");
+            }
+        }
+        assert_eq!(integrator_of_key(1), Some(Integrator::default()));
+        assert_eq!(integrator_of_key(0), None);
+    }
+
+    /// An insertion into the menu recolors nobody: what a look is made of is the id.
+    #[test]
+    fn looks_do_not_depend_on_the_place() {
+        assert_eq!(by_id("rk4").color, GREEN);
+        assert_eq!(by_id("not-on-the-list"), spare("not-on-the-list"));
+        assert!(SPARE.contains(&by_id("not-on-the-list")));
     }
 }

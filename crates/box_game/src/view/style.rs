@@ -49,6 +49,7 @@ fn translate(style: Style) -> IntegratorStyle {
         Dash::Solid => LineStyle::Solid,
         Dash::Dashed => DASHED,
         Dash::Dotted => DOTTED,
+        Dash::Long => LONG,
     };
     look(style.color, glyph, marker, dash)
 }
@@ -67,6 +68,7 @@ const SKY: [u8; 3] = [0x56, 0xB4, 0xE9];
 const VERMILION: [u8; 3] = [0xD5, 0x5E, 0x00];
 
 const DASHED: LineStyle = LineStyle::Dashed { length: 8.0 };
+const LONG: LineStyle = LineStyle::Dashed { length: 18.0 };
 const DOTTED: LineStyle = LineStyle::Dotted { spacing: 6.0 };
 
 const fn look(

@@ -2,8 +2,8 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -27,6 +27,7 @@ impl Integrate for BackwardEuler {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "backward-euler",
         name: "Backward Euler",
+        group: MenuGroup::Textbook,
         summary: "The true implicit Euler: stable at any step because it damps everything, spin and springs alike.",
         source: "Hairer, Wanner, Solving ODEs II, IV.3",
         orders: Orders::all(1),

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::split::{FreeRotationFlow, Strang, split_step};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -34,6 +34,7 @@ impl Integrate for Dmv6 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "dmv6",
         name: "DMV6",
+        group: MenuGroup::Ours,
         summary: "A discrete rigid body with the true energy and momentum, sixth order: superb while |ω|·dt stays below about 1.",
         source: "Moser, Veselov 1991; McLachlan, Zanna 2005; Hairer, Vilmart, J. Phys. A 39 (2006) 13225",
         orders: Orders {

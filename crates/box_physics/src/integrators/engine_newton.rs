@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -33,6 +33,7 @@ impl Integrate for EngineNewton {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "engine-newton",
         name: "Engine: one Newton step",
+        group: MenuGroup::Engines,
         summary: "What Bullet and box3d do: one Newton step of implicit Euler, so a tumbling body soon stops tumbling.",
         source: "E. Catto, Numerical Methods, GDC 2015; Bullet computeGyroscopicImpulseImplicit; box3d solver.c",
         orders: Orders::all(1),

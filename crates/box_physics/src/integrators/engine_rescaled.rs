@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -30,6 +30,7 @@ impl Integrate for EngineRescaled {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "engine-rescaled",
         name: "Engine: rescaled",
+        group: MenuGroup::Engines,
         summary: "What Jolt, Avian and Rapier do with gyroscopic forces on: never blows up, keeps |L|, but energy and axis wander.",
         source: "Jolt MotionProperties::ApplyGyroscopicForceInternal; avian PR #738, #745, #993",
         orders: Orders::all(1),

@@ -3,8 +3,8 @@
 use super::split::{Strang, split_step};
 use super::trajectory::{FreeFlight, Trajectory};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -33,6 +33,7 @@ impl Integrate for Exact {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "exact",
         name: "Exact",
+        group: MenuGroup::Ours,
         summary: "Free flight in closed form (elliptic functions): right to rounding at any step; under torque or contact it steps like Split.",
         source: "Jacobi 1849; van Zon, Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni et al., SIAM J. Sci. Comput. 30 (2008) 2084; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {

@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -17,6 +17,7 @@ impl Integrate for ExplicitEuler {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "explicit-euler",
         name: "Explicit Euler",
+        group: MenuGroup::Textbook,
         summary: "The first method anyone writes: every spin and every spring gains energy, however small the step.",
         source: "Euler 1768; Hairer, Nørsett, Wanner, Solving ODEs I, I.7",
         orders: Orders::all(1),

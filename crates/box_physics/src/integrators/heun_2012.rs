@@ -1,8 +1,8 @@
 //! `heun-2012`: what the 2012 dissertation called "implicit Euler", under its true name.
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
@@ -21,6 +21,7 @@ impl Integrate for Heun2012 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "heun-2012",
         name: "Heun (2012)",
+        group: MenuGroup::Dissertation2012,
         summary: "The dissertation's \"implicit Euler\", in truth an explicit Heun step whose position is only first order.",
         source: "Heun 1900; V. Stojanovic, dissertation 2012 (listing), extended to rotation",
         orders: Orders::all(1),

@@ -2,8 +2,8 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
@@ -39,6 +39,7 @@ impl Integrate for ImplicitMidpoint {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "implicit-midpoint",
         name: "Implicit midpoint",
+        group: MenuGroup::Textbook,
         summary: "The honest implicit method: stable at any step on springs, drag and spin, keeps E and L exactly, lags in phase.",
         source: "Austin, Krishnaprasad, Wang, J. Comput. Phys. 107 (1993) 105; Simo, Wong, IJNME 31 (1991) 19",
         orders: Orders {

@@ -237,6 +237,31 @@ impl fmt::Display for Evaluations {
     }
 }
 
+/// The part of the menu that an integrator is listed in. The menu has the groups in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MenuGroup {
+    /// Made for this library.
+    Ours,
+    /// Of the textbooks on ordinary differential equations and mechanics.
+    Textbook,
+    /// What game engines and simulators do.
+    Engines,
+    /// Of the dissertation of 2012.
+    Dissertation2012,
+}
+
+impl MenuGroup {
+    /// As a heading.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "Ours",
+            Self::Textbook => "Textbook",
+            Self::Engines => "What engines do",
+            Self::Dissertation2012 => "2012",
+        }
+    }
+}
+
 /// Everything an integrator says of itself.
 ///
 /// ```
@@ -256,6 +281,8 @@ pub struct IntegratorInfo {
     pub id: &'static str,
     /// As shown in a menu.
     pub name: &'static str,
+    /// Where in the menu.
+    pub group: MenuGroup,
     /// One plain sentence for a tooltip.
     pub summary: &'static str,
     /// Author, year, equation.

@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -20,6 +20,7 @@ impl Integrate for Midpoint {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "midpoint",
         name: "Midpoint (RK2)",
+        group: MenuGroup::Textbook,
         summary: "Half a step to look, one step to go: second order for two evaluations, slowly gains energy.",
         source: "Runge 1895; Hairer, Nørsett, Wanner, Solving ODEs I, II.1",
         orders: Orders {

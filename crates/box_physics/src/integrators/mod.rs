@@ -18,7 +18,8 @@ mod trajectory;
 
 pub use batch::{GravityField, Group};
 pub use info::{
-    Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, Order, Orders, Stability,
+    Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, MenuGroup, Order, Orders,
+    Stability,
 };
 pub use memory::{IntegratorMemory, MemorySlot, Remember};
 
@@ -265,11 +266,11 @@ integrators! {
     VelocityVerlet = velocity_verlet,
     Midpoint = midpoint,
     BackwardEuler = backward_euler,
+    ExplicitEuler = explicit_euler,
     SemiImplicitEuler = semi_implicit_euler,
     EngineRescaled = engine_rescaled,
     EngineNewton = engine_newton,
     Heun2012 = heun_2012,
-    ExplicitEuler = explicit_euler,
 }
 
 impl Integrator {
@@ -360,9 +361,19 @@ mod tests {
             assert!(
                 Integrator::ALL[..k]
                     .iter()
-                    .all(|j| j.id() != i.id() && j.name() != i.name())
+                    .all(|j| j.id() != i.id() && j.name() != i.name()),
+                "{i}: another integrator has its id or its name"
             );
             assert!(i.info().summary.ends_with('.') && !i.info().source.is_empty());
+        }
+        for pair in Integrator::ALL.windows(2) {
+            let [before, after] = [pair[0], pair[1]].map(|i| i.info().group);
+            assert!(
+                before <= after,
+                "{} is of the group {after:?}, but stands after {} of {before:?}: move its line in integrators!",
+                pair[1],
+                pair[0]
+            );
         }
         let error = "leapfrog".parse::<Integrator>().unwrap_err().to_string();
         assert!(error.contains("'leapfrog'") && error.contains("heun-2012"));

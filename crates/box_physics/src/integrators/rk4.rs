@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -20,6 +20,7 @@ impl Integrate for Rk4 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "rk4",
         name: "RK4",
+        group: MenuGroup::Textbook,
         summary: "The familiar yardstick: very accurate while |ω|·dt stays below about 0.3, loses energy beyond.",
         source: "Kutta 1901; Hairer, Nørsett, Wanner, Solving ODEs I, II.1",
         orders: Orders {

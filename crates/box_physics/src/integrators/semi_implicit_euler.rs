@@ -1,8 +1,8 @@
 //! `semi-implicit-euler`: velocities first, then the pose with the new ones; gyroscopic term explicit.
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Orders,
-    Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
@@ -20,6 +20,7 @@ impl Integrate for SemiImplicitEuler {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "semi-implicit-euler",
         name: "Semi-implicit Euler",
+        group: MenuGroup::Engines,
         summary: "What small engines do: cheap and steady on springs, but a tumbling body gains energy without end.",
         source: "de Vogelaere 1956; Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.2",
         orders: Orders::all(1),

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -30,6 +30,7 @@ impl Integrate for Split {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "split",
         name: "Split",
+        group: MenuGroup::Ours,
         summary: "The default: exact pieces composed symmetrically; never blows up, turns back exactly, spins right.",
         source: "Strang 1968; Fassò, J. Comput. Phys. 189 (2003) 527; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {

@@ -4,8 +4,8 @@ use super::split::{
     FreeRotationFlow, Strang, drift, exact_drift, half_dissipation, kick, split_step,
 };
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -36,6 +36,7 @@ impl Integrate for Split4 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "split4",
         name: "Split, order 4",
+        group: MenuGroup::Ours,
         summary: "Split's pieces in a fourth-order composition: errors near 1e-9 rad at 60 Hz, torque included; quadratic, angular and spring drag at order 2.",
         source: "Blanes, Moan, J. Comput. Appl. Math. 142 (2002) 313, SRKN6b and S6; Fassò 2003",
         orders: Orders {

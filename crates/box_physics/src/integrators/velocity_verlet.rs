@@ -1,8 +1,8 @@
 //! `velocity-verlet`: kick–drift–kick as textbooks write it, drag lagging by half a step.
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, Order,
-    Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, applied_rates};
@@ -24,6 +24,7 @@ impl Integrate for VelocityVerlet {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "velocity-verlet",
         name: "Velocity Verlet",
+        group: MenuGroup::Textbook,
         summary: "The molecular-dynamics classic: turns back exactly and keeps L, until there is drag, where it drops to first order.",
         source: "Swope, Andersen, Berens, Wilson 1982; McLachlan, PRL 71 (1993) 3043; Reich, Physica D 76 (1994) 375",
         orders: Orders {

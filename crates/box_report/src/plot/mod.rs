@@ -174,6 +174,7 @@ fn dashes(dash: Dash) -> Option<(i32, i32)> {
         Dash::Solid => None,
         Dash::Dashed => Some((9, 5)),
         Dash::Dotted => Some((2, 4)),
+        Dash::Long => Some((20, 6)),
     }
 }
 
