@@ -91,8 +91,8 @@
 //!
 //! # Integrators
 //!
-//! [`GlobalIntegrator`](plugin::GlobalIntegrator) and [`BodyIntegrator`](plugin::BodyIntegrator) choose among
-//! [`Integrator`](integrators::Integrator)'s fourteen, at any time. The default, `split`, never blows up on any
+//! [`GlobalIntegrator`](plugin::GlobalIntegrator) and [`BodyIntegrator`](plugin::BodyIntegrator) choose an
+//! [`Integrator`](integrators::Integrator) from the list, at any time. The default, `split`, never blows up on any
 //! spin or drag; `exact` is right to rounding in free flight. What each says of itself, order by order, is in
 //! its [`IntegratorInfo`](integrators::IntegratorInfo) and in the table of the README.
 //!

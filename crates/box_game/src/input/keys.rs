@@ -5,7 +5,8 @@
 
 use bevy::input::keyboard::{Key, KeyCode};
 use bevy::prelude::*;
-use box_physics::prelude::{DVec3, Integrator};
+use box_physics::prelude::DVec3;
+use box_scenarios::style::integrator_of_key;
 
 use crate::action::{Action, Push};
 use crate::apply::Asked;
@@ -128,8 +129,8 @@ pub fn read_keys(
             off_center: shift,
         }));
     }
-    for (k, key) in DIGITS.into_iter().enumerate() {
-        if let (true, Some(&i)) = (keys.just_pressed(key), Integrator::ALL.get(k)) {
+    for (key, digit) in DIGITS.into_iter().zip(1..) {
+        if let (true, Some(i)) = (keys.just_pressed(key), integrator_of_key(digit)) {
             asked.push(if shift {
                 Action::Compare(CompareAction::ToggleLane(i))
             } else {

@@ -17,12 +17,9 @@ pub const KEYS: &[(&str, &str)] = &[
     ),
     (
         "1 … 9",
-        "move the box by the first … ninth integrator of the list",
+        "move the box by the integrator with this key (its tooltip says it)",
     ),
-    (
-        "Shift + 1 … 9",
-        "simulate the first … ninth beside it, or no longer",
-    ),
+    ("Shift + 1 … 9", "simulate that one beside it, or no longer"),
     ("G · V", "ghosts on or off · next layout"),
     ("P or Space", "pause, resume"),
     (". or →", "one step while paused (with Shift: ten)"),

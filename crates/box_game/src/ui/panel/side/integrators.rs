@@ -11,7 +11,11 @@ use crate::compare::{CompareAction, Fairness, Layout};
 use crate::view::style;
 
 pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    let mut group = None;
     for &integrator in Integrator::ALL {
+        if group.replace(integrator.info().group) != Some(integrator.info().group) {
+            ui.weak(integrator.info().group.name());
+        }
         ui.horizontal(|ui| {
             if tick(ui, view, integrator) {
                 out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
@@ -181,6 +185,9 @@ fn describe(integrator: Integrator, timing: Option<&IntegratorTiming>) -> Vec<St
             number(median),
             number(p95)
         ));
+    }
+    if let Some(key) = box_scenarios::style::key(integrator) {
+        lines.push(format!("Key: {key}."));
     }
     lines.push(format!("Source: {}", info.source));
     lines
