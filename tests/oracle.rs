@@ -259,6 +259,26 @@ fn explosions_are_called_by_their_name() {
     }
 }
 
+/// A run that ends is not ok when its result says nothing: explicit Euler ends pub15 with ten times the energy
+/// and an attitude error of 3 rad.
+#[test]
+fn a_run_beyond_the_stated_errors_is_lost() {
+    let measure = |prefix, id| case(prefix).measure(integrator(id), 1.0 / 60.0);
+    let spun = measure("pub15", "explicit-euler");
+    assert_eq!(spun.status, Status::Lost("attitude"));
+    assert!(spun.energy.is_some_and(|e| e > 5.0) && spun.attitude.is_finite());
+    // A prescribed energy that is never reached, and a body that is elsewhere.
+    let mut wrong = case("pub01");
+    let lost = |c: &Case| c.measure(integrator("exact"), 1.0 / 60.0).status;
+    wrong.samples[3].state.position.x += wrong.setup.body.radius();
+    assert_eq!(lost(&wrong), Status::Lost("position"));
+    let mut wrong = case("pub01");
+    let first = wrong.samples[0].energy.expect("prescribed");
+    wrong.samples[3].energy = Some(6.6 * first);
+    assert_eq!(lost(&wrong), Status::Lost("energy"));
+    assert_eq!(lost(&case("pub01")), Status::Ok);
+}
+
 // ---- files that are not ours -------------------------------------------------------------------
 
 fn good() -> Value {

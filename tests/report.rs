@@ -242,7 +242,7 @@ fn what_makes_no_sense_is_2_and_says_what_is_allowed() {
             &["timing", "--quick", "--output", below_a_file],
             &[below_a_file],
         ),
-        (&["check", "--expected", below_a_file], &[below_a_file]),
+        (&["check", "--root", below_a_file], &[below_a_file]),
         (
             &["everything"],
             &["everything", "work-precision", "stability"],
@@ -314,39 +314,78 @@ fn a_trajectory_as_csv() {
     assert!(table.lines().nth(1).is_some_and(|l| l.ends_with(",,")));
 }
 
+/// A repository with the stored files alone.
+fn stored_files() -> tempfile::TempDir {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let copy = tempfile::tempdir().expect("a folder");
+    for file in [
+        "tests/expected/digests.csv",
+        "tests/expected/report.csv",
+        "README.md",
+        "docs/contact.md",
+    ] {
+        let to = copy.path().join(file);
+        std::fs::create_dir_all(to.parent().expect("a folder")).expect("created");
+        std::fs::copy(own.join(file), to).expect(file);
+    }
+    copy
+}
+
 #[test]
-fn check_passes_as_stored_and_fails_when_a_number_changes() {
-    let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/expected/report.csv");
+fn what_is_stored_is_what_the_program_makes() {
     let o = run(&["check"]);
     assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
-    let folder = tempfile::tempdir().expect("a folder");
-    let changed = folder.path().join("changed.csv");
-    let original = read(&stored);
-    let line = original
+}
+
+#[test]
+fn check_names_a_changed_number_and_bless_stores_it() {
+    let copy = stored_files();
+    let root = copy.path().to_str().expect("text");
+    // What bless would have stored for an integrator that is a hundred times worse, dearer and different.
+    let errors = copy.path().join("tests/expected/report.csv");
+    let before = read(&errors);
+    let exact = before
         .lines()
-        .find(|l| l.starts_with("flip,split,60,"))
-        .expect("a row of the flip");
-    let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-    let before: f64 = cells[4].parse().expect("an attitude error");
-    cells[4] = (1.01 * before).to_string();
-    std::fs::write(&changed, original.replace(line, &cells.join(","))).expect("written");
-    let path = changed.to_str().expect("text");
-    let o = run(&["check", "--expected", path]);
+        .find(|l| l.starts_with("free-tumble,exact,60,"))
+        .expect("a row");
+    let mut cells: Vec<String> = exact.split(',').map(str::to_owned).collect();
+    let error: f64 = cells[4].parse().expect("an attitude error");
+    assert!(error < 1e-12, "exact is exact: {error:e}");
+    cells[4] = (100.0 * error).to_string();
+    cells[6] += "0";
+    std::fs::write(&errors, before.replace(exact, &cells.join(","))).expect("written");
+    let digests = copy.path().join("tests/expected/digests.csv");
+    let right = read(&digests);
+    let line = right.lines().nth(1).expect("a digest");
+    let (id, _) = line.split_once(',').expect("two cells");
+    std::fs::write(
+        &digests,
+        right.replace(line, &format!("{id},0123456789abcdef")),
+    )
+    .expect("written");
+    let o = run(&["check", "--root", root]);
     assert_eq!(o.status.code(), Some(1));
     let message = text(&o.stderr);
+    for words in [
+        "report.csv: 2 differences",
+        "free-tumble exact 60 Hz: attitude_error_rad was",
+        "free-tumble exact 60 Hz: evaluations were",
+        "digests.csv: 1 differences",
+        "was 0123456789abcdef, is",
+        "box_report bless",
+    ] {
+        assert!(message.contains(words), "{words}: {message}");
+    }
+    let o = run(&["bless", "--without-game", "--root", root]);
+    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+    let printed = text(&o.stdout);
     assert!(
-        message.contains("1 differences")
-            && message.contains("flip split 60 Hz: attitude_error_rad"),
-        "{message}"
+        printed.contains("was 0123456789abcdef, is") && printed.contains("README.md: unchanged"),
+        "{printed}"
     );
-    // Storing makes it pass again.
-    assert_eq!(
-        run(&["check", "--update", "--expected", path])
-            .status
-            .code(),
-        Some(0)
-    );
-    assert_eq!(run(&["check", "--expected", path]).status.code(), Some(0));
+    assert_eq!(read(&digests), right);
+    let o = run(&["check", "--root", root]);
+    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
 }
 
 /// Ctrl-C in the middle: the first part is there and shown, the others are named as not reached.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::context::Stop;
 
@@ -45,4 +46,15 @@ pub(crate) fn csv_text<R: Serialize>(rows: &[R]) -> Result<String, std::io::Erro
     }
     let bytes = writer.into_inner().map_err(|e| e.into_error())?;
     String::from_utf8(bytes).map_err(std::io::Error::other)
+}
+
+/// The rows of a CSV text.
+///
+/// # Errors
+/// What the text has wrong, in words.
+pub(crate) fn parse_csv<R: DeserializeOwned>(text: &str) -> Result<Vec<R>, String> {
+    csv::Reader::from_reader(text.as_bytes())
+        .deserialize()
+        .collect::<Result<_, _>>()
+        .map_err(|e| e.to_string())
 }

@@ -1,6 +1,5 @@
 //! Speed against error, offline: every integrator measured against references.
 
-mod check;
 mod context;
 mod determinism;
 mod dissertation;
@@ -16,6 +15,7 @@ mod progress;
 mod report;
 mod simulate;
 mod stability;
+mod stored;
 mod summary;
 mod text;
 mod timing;
@@ -60,8 +60,10 @@ enum Command {
     Determinism(report::Options),
     /// The same boxes in Avian, Rapier and Box3D: builds and runs crates/box_peers
     Peers(report::Options),
-    /// Compare the errors of a short deterministic run with the stored ones
-    Check(check::Options),
+    /// Compare the stored digests, errors and tables with those of this build
+    Check(stored::Repository),
+    /// Store the digests, errors and tables of this build, and print what changed
+    Bless(stored::BlessOptions),
     /// One trajectory as CSV
     Simulate(simulate::Options),
     /// Run every reference trajectory of a folder under the integrators and print their errors
@@ -94,7 +96,8 @@ fn main() -> ExitCode {
         Command::Dissertation(options) => (options, Part::Dissertation),
         Command::Determinism(options) => (options, Part::Determinism),
         Command::Peers(options) => (options, Part::Peers),
-        Command::Check(options) => return end(check::run(options)),
+        Command::Check(repository) => return end(stored::check(repository)),
+        Command::Bless(options) => return end(stored::bless(options)),
         Command::Simulate(options) => return end(simulate::run(options)),
         Command::Verify(options) => return verify(options),
     };

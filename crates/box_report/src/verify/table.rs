@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use box_scenarios::oracle::Status;
+use box_scenarios::oracle::{LOST, Status};
 
 use super::Row;
 
@@ -132,6 +132,11 @@ pub(super) fn write_table<'a>(
         )?;
         writeln!(
             out,
+            "lost: x beyond {} of the reference's reach, attitude beyond {} rad, L beyond {} or E beyond {}, relative",
+            LOST.position, LOST.attitude, LOST.angular_momentum, LOST.energy
+        )?;
+        writeln!(
+            out,
             "steps whose iteration ended at its cap instead of its tolerance: {unconverged}"
         )?;
     }
@@ -141,6 +146,7 @@ pub(super) fn write_table<'a>(
 fn status(status: Status) -> String {
     match status {
         Status::Ok => "ok".to_owned(),
+        Status::Lost(quantity) => format!("lost ({quantity})"),
         Status::Diverged => "diverged".to_owned(),
         Status::Unsupported(reason) => format!("unsupported ({reason})"),
     }

@@ -11,8 +11,10 @@ use crate::simulate::{Expected, compare};
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It reached the last sample.
+    /// It reached the last sample within [`LOST`].
     Ok,
+    /// It reached the last sample, but with an error beyond [`LOST`] in this quantity.
+    Lost(&'static str),
     /// It left every sane range, or became non-finite; its errors are infinite.
     Diverged,
     /// It was not run, and why.
@@ -38,6 +40,28 @@ pub struct Measurement {
     pub totals: Totals,
     /// How it ended.
     pub status: Status,
+}
+
+/// Errors beyond which a run is lost: its result says nothing about the motion.
+pub const LOST: Limits = Limits {
+    position: 0.5,
+    attitude: 0.5,
+    angular_momentum: 0.5,
+    energy: 0.5,
+};
+
+/// Limits of errors; see [`LOST`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Position error over the largest distance of the reference from its start, or over the circumradius of
+    /// the box where that is larger.
+    pub position: f64,
+    /// Attitude error \[rad\].
+    pub attitude: f64,
+    /// Angular-momentum error over the largest of the reference.
+    pub angular_momentum: f64,
+    /// Energy error, relative.
+    pub energy: f64,
 }
 
 /// Longest run [steps], and its force evaluations: some ten seconds. (A step at the floor may take thousands.)
@@ -106,15 +130,46 @@ impl Case {
         let momentum = momentum_scale(setup.initial.angular_momentum.length(), last);
         let kinetic = setup.initial.kinetic_energy(&setup.body);
         let energy = energy_scale(self.initial_energy(), kinetic);
+        let energy = self.knows_energy().then_some(errors.energy / energy);
+        let lost = [
+            ("position", errors.position > LOST.position * self.reach()),
+            ("attitude", errors.attitude > LOST.attitude),
+            (
+                "angular momentum",
+                errors.angular_momentum > LOST.angular_momentum * self.largest_momentum(),
+            ),
+            ("energy", energy.is_some_and(|e| e > LOST.energy)),
+        ];
         Measurement {
             position: errors.position,
             velocity: errors.velocity,
             attitude: errors.attitude,
             angular_momentum: errors.angular_momentum / momentum,
-            energy: self.knows_energy().then_some(errors.energy / energy),
+            energy,
             totals,
-            status: Status::Ok,
+            status: (lost.iter().find(|(_, beyond)| *beyond))
+                .map_or(Status::Ok, |(what, _)| Status::Lost(what)),
         }
+    }
+
+    /// The largest distance of the reference from its start, or the circumradius of the box \[m\].
+    fn reach(&self) -> f64 {
+        let start = self.setup.initial.position;
+        let far = self
+            .samples
+            .iter()
+            .map(|s| (s.state.position - start).length());
+        far.fold(self.setup.body.radius(), f64::max)
+    }
+
+    /// The largest |L| of the reference, or what one radian per second is for the box [kg m²/s].
+    fn largest_momentum(&self) -> f64 {
+        let own = self.setup.body.inertia().max_element();
+        let all = self
+            .samples
+            .iter()
+            .map(|s| s.state.angular_momentum.length());
+        all.fold(own, f64::max)
     }
 
     fn knows_energy(&self) -> bool {

@@ -19,7 +19,7 @@ use glam::{DQuat, DVec3};
 
 pub use error::OracleError;
 use field::Field;
-pub use measure::{Measurement, Status};
+pub use measure::{LOST, Limits, Measurement, Status};
 
 use crate::setup::Setup;
 

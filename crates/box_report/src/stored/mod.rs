@@ -1,0 +1,193 @@
+//! `check` and `bless`: numbers and tables that are stored in the repository and made by the program.
+//!
+//! [`ITEMS`] lists them. `check` makes each again and compares; `bless` stores what it made and prints what
+//! changed. Times are never compared.
+
+mod digests;
+mod errors;
+mod tables;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use clap::Args;
+
+use crate::context::Stop;
+use crate::files;
+
+/// Which repository.
+#[derive(Args)]
+pub(crate) struct Repository {
+    /// The folder of the repository
+    #[arg(long, value_name = "DIR", default_value_os_t = own())]
+    root: PathBuf,
+}
+
+/// What to store.
+#[derive(Args)]
+pub(crate) struct BlessOptions {
+    #[command(flatten)]
+    repository: Repository,
+    /// Leave the README's table of keys, which needs a build of the game
+    #[arg(long)]
+    without_game: bool,
+}
+
+fn own() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A stored file, or a section of one.
+struct Item {
+    /// From the root of the repository.
+    file: &'static str,
+    /// The name of the section between `<!-- name -->` and `<!-- /name -->`; `None` is the whole file.
+    section: Option<&'static str>,
+    make: fn() -> Result<String, Stop>,
+    /// Every difference in words, from the stored text and the new one.
+    differences: fn(&str, &str) -> Result<Vec<String>, String>,
+}
+
+const ITEMS: [Item; 4] = [
+    Item {
+        file: "tests/expected/digests.csv",
+        section: None,
+        make: digests::make,
+        differences: digests::differences,
+    },
+    Item {
+        file: "tests/expected/report.csv",
+        section: None,
+        make: errors::make,
+        differences: errors::differences,
+    },
+    Item {
+        file: "README.md",
+        section: Some("integrators"),
+        make: tables::integrators,
+        differences: tables::differences,
+    },
+    Item {
+        file: "docs/contact.md",
+        section: Some("cases"),
+        make: tables::contact,
+        differences: tables::differences,
+    },
+];
+
+/// Differences shown at most, of an item.
+const SHOWN: usize = 40;
+
+impl Item {
+    fn path(&self, root: &Path) -> PathBuf {
+        root.join(self.file)
+    }
+
+    /// Where the item is in the text of its file.
+    fn place(&self, text: &str) -> Result<core::ops::Range<usize>, Stop> {
+        let Some(name) = self.section else {
+            return Ok(0..text.len());
+        };
+        let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
+        let place = text.find(&open).and_then(|at| {
+            let from = at + open.len();
+            Some(from..from + text.get(from..)?.find(&close)?)
+        });
+        place.ok_or_else(|| {
+            Stop::Usage(format!(
+                "{}: no section between '{}' and '{close}'",
+                self.file,
+                open.trim()
+            ))
+        })
+    }
+
+    /// What differs between `stored` and `new`, with the name of the item as heading; empty if nothing does.
+    fn compare(&self, stored: &str, new: &str) -> Result<String, Stop> {
+        let unreadable = |e| Stop::Usage(format!("{}: {e}", self.file));
+        let differences = (self.differences)(stored, new).map_err(unreadable)?;
+        if differences.is_empty() {
+            return Ok(String::new());
+        }
+        let mut text = format!("{}: {} differences", self.file, differences.len());
+        for d in differences.iter().take(SHOWN) {
+            text += &format!("\n  {d}");
+        }
+        if differences.len() > SHOWN {
+            text += &format!("\n  … and {} more", differences.len() - SHOWN);
+        }
+        Ok(text)
+    }
+}
+
+/// Makes every item again and compares it with the stored one.
+///
+/// # Errors
+/// The differences; a stored file that cannot be read.
+pub(crate) fn check(repository: &Repository) -> Result<(), Stop> {
+    let mut changed = Vec::new();
+    for item in &ITEMS {
+        let text = files::read(&item.path(&repository.root))?;
+        let stored = &text[item.place(&text)?];
+        let found = item.compare(stored, &(item.make)()?)?;
+        if found.is_empty() {
+            println!("{}: as stored", item.file);
+        } else {
+            changed.push(found);
+        }
+    }
+    if changed.is_empty() {
+        return Ok(());
+    }
+    Err(Stop::Changed(format!(
+        "{}\nif this is intended: box_report bless",
+        changed.join("\n")
+    )))
+}
+
+/// Makes every item again, stores it, and prints what changed.
+///
+/// # Errors
+/// A file that cannot be written; an item that cannot be made.
+pub(crate) fn bless(options: &BlessOptions) -> Result<(), Stop> {
+    let root = &options.repository.root;
+    for item in &ITEMS {
+        let path = item.path(root);
+        // A file that is a whole item need not exist yet.
+        let mut text = match item.section {
+            None if !path.exists() => String::new(),
+            _ => files::read(&path)?,
+        };
+        let place = item.place(&text)?;
+        let new = (item.make)()?;
+        let found = item.compare(&text[place.clone()], &new)?;
+        println!(
+            "{}",
+            if found.is_empty() {
+                format!("{}: unchanged", item.file)
+            } else {
+                found
+            }
+        );
+        if text[place.clone()] != new {
+            text.replace_range(place, &new);
+            files::write(&path, &text)?;
+        }
+    }
+    if options.without_game {
+        return Ok(());
+    }
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let done = Command::new(cargo)
+        .args(["test", "--release", "--locked", "--test", "readme"])
+        .env("UPDATE_README", "1")
+        .current_dir(root)
+        .status();
+    match done {
+        Ok(status) if status.success() => Ok(()),
+        _ => Err(Stop::Failed(
+            "the README's table of keys: cargo test --release --locked --test readme failed"
+                .to_owned(),
+        )),
+    }
+}

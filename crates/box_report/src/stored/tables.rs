@@ -1,0 +1,125 @@
+//! The tables of the README and of `docs/contact.md`.
+
+use std::fmt::Write as _;
+
+use box_physics::integrators::Integrator;
+use box_scenarios::contact_cases;
+
+use crate::context::Stop;
+use crate::text;
+
+/// What each integrator says of itself.
+pub(super) fn integrators() -> Result<String, Stop> {
+    let mut table = "| id | order: rotation · gravity · drag · torque | evaluations a step: free · forced | energy of a tumbling box | keeps L | \\|ω\\|dt | c·dt/m | √(k/m)·dt | in a sentence |\n|---|---|---|---|---|---|---|---|---|\n".to_owned();
+    for i in Integrator::ALL {
+        let info = i.info();
+        let (o, e, s) = (info.orders, info.evaluations, info.stability);
+        let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
+            (true, _) => "yes",
+            (false, true) => "its length",
+            _ => "no",
+        };
+        let row = [
+            text::code(info.id),
+            format!(
+                "{} · {} · {} · {}",
+                o.rotation, o.gravity, o.linear_drag, o.torque
+            ),
+            e.to_string(),
+            info.keeps.energy.to_string(),
+            conserves.to_owned(),
+            s.rotation.to_string(),
+            s.drag.to_string(),
+            s.oscillator.to_string(),
+            info.summary.replace('|', "\\|"),
+        ];
+        line(&mut table, &row);
+    }
+    Ok(table)
+}
+
+/// Integrators of the table of contact: those that a game would choose.
+const CHOSEN: [Integrator; 4] = [
+    Integrator::Split,
+    Integrator::Exact,
+    Integrator::Split4,
+    Integrator::Rk4,
+];
+
+/// The hard cases of contact, measured.
+pub(super) fn contact() -> Result<String, Stop> {
+    let mut heading = ["case", "what happens", "measured", "bound"]
+        .map(str::to_owned)
+        .to_vec();
+    heading.extend(CHOSEN.map(text::code));
+    let mut table = String::new();
+    line(&mut table, &heading);
+    table += "|";
+    table += &"---|".repeat(heading.len());
+    table += "\n";
+    for case in contact_cases() {
+        let mut row = vec![
+            case.number.to_string(),
+            case.title.to_owned(),
+            case.quantity.to_owned(),
+            figure(case.bound),
+        ];
+        row.extend(CHOSEN.map(|i| figure(case.measure(i))));
+        line(&mut table, &row);
+    }
+    Ok(table)
+}
+
+fn line(table: &mut String, cells: &[String]) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(table, "| {} |", cells.join(" | "));
+}
+
+/// Below this a figure is rounding, and its digits mean nothing.
+const ROUNDING: f64 = 1e-12;
+
+fn figure(value: f64) -> String {
+    match value {
+        0.0 => "0".to_owned(),
+        x if x.abs() < ROUNDING => "rounding".to_owned(),
+        x if (0.1..1000.0).contains(&x) => format!("{x:.2}"),
+        x => format!("{x:.0e}"),
+    }
+}
+
+/// The lines that are new, and those that are gone.
+pub(super) fn differences(stored: &str, new: &str) -> Result<Vec<String>, String> {
+    let missing = |from: &str, of: &str| -> Vec<String> {
+        let known: std::collections::HashSet<&str> = of.lines().collect();
+        let lines = from.lines().filter(|l| !known.contains(l));
+        lines.map(str::to_owned).collect()
+    };
+    let gone = missing(stored, new).into_iter().map(|l| format!("- {l}"));
+    let added = missing(new, stored).into_iter().map(|l| format!("+ {l}"));
+    let mut found: Vec<String> = gone.chain(added).collect();
+    if found.is_empty() && stored != new {
+        found.push("the same lines in another order".to_owned());
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_below_rounding_have_no_digits() {
+        assert_eq!(figure(0.0), "0");
+        assert_eq!(figure(7e-16), "rounding");
+        assert_eq!(figure(5.2e-9), "5e-9");
+        assert_eq!(figure(16.3), "16.30");
+    }
+
+    #[test]
+    fn lines_gone_and_added_are_shown() {
+        let found = differences("a\nb\n", "b\nc\n").expect("text");
+        assert_eq!(found, ["- a", "+ c"]);
+        assert_eq!(differences("a\nb\n", "b\na\n").expect("text").len(), 1);
+        assert!(differences("a\n", "a\n").expect("text").is_empty());
+    }
+}
