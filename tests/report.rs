@@ -383,7 +383,12 @@ fn check_names_a_changed_number_and_bless_stores_it() {
         printed.contains("was 0123456789abcdef, is") && printed.contains("README.md: unchanged"),
         "{printed}"
     );
-    assert_eq!(read(&digests), right);
+    let sorted = |text: &str| {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(sorted(&read(&digests)), sorted(&right));
     let o = run(&["check", "--root", root]);
     assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
 }
@@ -422,7 +427,7 @@ fn an_interruption_leaves_what_was_finished() {
         "{page}"
     );
     assert!(page.contains("## Work–precision diagrams"));
-    assert!(read(&path.join("report.html")).contains("Not reached"));
+    assert!(read(&path.join("report.html")).contains("<strong>Not reached</strong>"));
     assert!(!rows(&path.join("work-precision.csv")).is_empty());
     assert!(!path.join("dissertation-cycles.csv").exists());
 }

@@ -2,6 +2,7 @@
 
 use box_physics::floor::Floor;
 use box_physics::prelude::*;
+use box_scenarios::random::Random;
 
 /// What the bodies of a set are doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +74,7 @@ impl Situation {
 
     /// `n` boxes of many shapes in a grid 4 m apart, the same for the same `n`.
     pub fn bodies(self, n: usize) -> Vec<(RigidBox, BodyState)> {
-        let mut random = Random::new(7);
+        let mut random = Random::new(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(7));
         let side = (n as f64).sqrt().ceil().max(1.0) as usize;
         (0..n)
             .map(|i| {
@@ -89,7 +90,7 @@ impl Situation {
         let half = body.half_extents();
         let up = |y: f64| BodyState::at(place + DVec3::Y * y);
         let spin = random.vector(3.0);
-        let turned = random.attitude();
+        let turned = attitude(random);
         let tumbling = |y: f64, v: DVec3| {
             up(y)
                 .with_rotation(turned)
@@ -107,32 +108,11 @@ impl Situation {
     }
 }
 
-/// A small generator (Marsaglia's xorshift64*, 2003): every run has the same boxes.
-struct Random(u64);
-
-impl Random {
-    fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15))
-    }
-
-    fn range(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
-        low + (high - low) * (bits as f64 / (1_u64 << 53) as f64)
-    }
-
-    fn vector(&mut self, size: f64) -> DVec3 {
-        DVec3::from_array(core::array::from_fn(|_| self.range(-size, size)))
-    }
-
-    fn attitude(&mut self) -> DQuat {
-        let v = self.vector(1.0);
-        BodyState::default()
-            .with_rotation(DQuat::from_xyzw(v.x, v.y, v.z, self.range(0.1, 1.0)))
-            .rotation
-    }
+/// Any attitude within 90° or so of upright.
+fn attitude(random: &mut Random) -> DQuat {
+    let v = random.vector(1.0);
+    let turn = DQuat::from_xyzw(v.x, v.y, v.z, random.range(0.1, 1.0));
+    BodyState::default().with_rotation(turn).rotation
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 
 use std::time::{Duration, Instant};
 
+use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 
 /// Something to be timed.
@@ -60,13 +61,11 @@ pub struct Cost {
 impl Cost {
     /// Of samples [ns per unit], which must not be empty.
     pub fn of(samples: &[f64]) -> Self {
-        let mut sorted = samples.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let at = |q: f64| sorted[((sorted.len() - 1) as f64 * q).round() as usize];
+        let quantiles = Quantiles::of(samples.iter().copied());
         Self {
-            min: sorted[0],
-            median: at(0.5),
-            p95: at(0.95),
+            min: quantiles.min(),
+            median: quantiles.median(),
+            p95: quantiles.at(0.95),
         }
     }
 

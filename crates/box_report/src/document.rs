@@ -6,6 +6,7 @@ use std::path::Path;
 
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, Value, context};
+use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
 use serde::Serialize;
 
 use crate::context::Stop;
@@ -95,13 +96,14 @@ const DIGEST: &str = include_str!("../templates/results.md");
 impl Document<'_> {
     /// Writes `report.md` and `report.html` into `folder`.
     pub(crate) fn write(&self, folder: &Path) -> Result<(), Stop> {
-        files::write(
-            &folder.join("report.md"),
-            &self.render("report.md", MARKDOWN)?,
-        )?;
+        let markdown = self.render("report.md", MARKDOWN)?;
+        files::write(&folder.join("report.md"), &markdown)?;
+        let figures = self.sections.iter().flat_map(|s| &s.figures);
+        let figures = figures.map(|f| (format!("{}.svg", f.id), f.svg.trim()));
+        let body = html_body(&markdown, &figures.collect());
         files::write(
             &folder.join("report.html"),
-            &self.render("report.html", HTML)?,
+            &HTML.replace("{{ body }}", &body),
         )
     }
 
@@ -123,7 +125,6 @@ impl Document<'_> {
     fn render(&self, name: &str, template: &str) -> Result<String, Stop> {
         let mut environment = Environment::new();
         environment.add_filter("cell", |s: String| s.replace('|', "\\|"));
-        environment.add_filter("inline", inline_markup);
         let failed = |e: minijinja::Error| Stop::Internal(format!("template {name}: {e:#}"));
         let syntax = SyntaxConfig::builder()
             .trim_blocks(true)
@@ -133,12 +134,6 @@ impl Document<'_> {
             .map_err(failed)?;
         environment.set_syntax(syntax);
         environment.add_template(name, template).map_err(failed)?;
-        let svg: BTreeMap<_, _> = self
-            .sections
-            .iter()
-            .flat_map(|s| &s.figures)
-            .map(|f| (f.id.clone(), Value::from_safe_string(f.svg.clone())))
-            .collect();
         let page = environment.get_template(name).map_err(failed)?;
         page.render(context! {
             sections => plain(&self.sections)?,
@@ -146,7 +141,6 @@ impl Document<'_> {
             machine => plain(self.machine)?,
             seconds => self.seconds.round() as u64,
             quick => self.quick,
-            svg,
         })
         .map_err(failed)
     }
@@ -174,25 +168,29 @@ fn plain(data: &impl Serialize) -> Result<Value, Stop> {
         .map_err(|e| Stop::Internal(format!("data of the pages: {e}")))
 }
 
-/// `code` and **strong** as HTML; everything else escaped.
-fn inline_markup(text: &str) -> Value {
-    let escaped = text
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;");
-    let paired = |text: &str, mark: &str, tag: &str| {
-        let mut html = String::new();
-        for (k, part) in text.split(mark).enumerate() {
-            match k {
-                0 => {}
-                k if k % 2 == 1 => html += &format!("<{tag}>"),
-                _ => html += &format!("</{tag}>"),
+/// `markdown` as the body of an HTML page, each image of a figure replaced by the figure itself.
+fn html_body(markdown: &str, figures: &BTreeMap<String, &str>) -> String {
+    let mut in_figure = false;
+    let events =
+        Parser::new_ext(markdown, Options::ENABLE_TABLES).filter_map(|event| match event {
+            Event::Start(Tag::Image { ref dest_url, .. }) => match figures.get(dest_url.as_ref()) {
+                Some(svg) => {
+                    in_figure = true;
+                    Some(Event::InlineHtml((*svg).to_owned().into()))
+                }
+                None => Some(event),
+            },
+            Event::End(TagEnd::Image) if in_figure => {
+                in_figure = false;
+                None
             }
-            html += part;
-        }
-        html
-    };
-    Value::from_safe_string(paired(&paired(&escaped, "**", "strong"), "`", "code"))
+            // The description of an image, which its caption repeats.
+            _ if in_figure => None,
+            _ => Some(event),
+        });
+    let mut body = String::new();
+    html::push_html(&mut body, events);
+    body
 }
 
 #[cfg(test)]
@@ -200,11 +198,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn markup_is_translated_and_the_rest_escaped() {
-        let html = inline_markup("**a** `b` <c> & 1");
-        assert_eq!(
-            html.to_string(),
-            "<strong>a</strong> <code>b</code> &lt;c&gt; &amp; 1"
-        );
+    fn the_page_has_tables_escapes_and_its_figures_inside() {
+        let markdown =
+            "# **a** `b` <c> & 1\n\n| x |\n|---|\n| `y` |\n\n![what it shows](one.svg)\n";
+        let figures = BTreeMap::from([("one.svg".to_owned(), "<svg>1</svg>")]);
+        let html = html_body(markdown, &figures);
+        for part in [
+            "<strong>a</strong> <code>b</code>",
+            "&amp; 1",
+            "<td><code>y</code></td>",
+            "<p><svg>1</svg></p>",
+        ] {
+            assert!(html.contains(part), "{part}: {html}");
+        }
+        assert!(!html.contains("what it shows"));
     }
 }

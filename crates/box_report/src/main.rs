@@ -6,7 +6,6 @@ mod dissertation;
 mod document;
 mod efficiency;
 mod files;
-mod fit;
 mod herd;
 mod machine;
 mod peers;

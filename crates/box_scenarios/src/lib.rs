@@ -12,6 +12,7 @@
 //! - [`mod@contact_cases`]: what breaks contact.
 //! - [`dissertation`]: the demo of 2012 as it computed, wrongly.
 //! - [`oracle`]: reference trajectories from files.
+//! - [`statistics`]: quantiles and orders; [`random`]: a generator that repeats.
 //! - [`mod@style`]: color, dash and marker of each integrator.
 //!
 //! ```
@@ -34,6 +35,7 @@ pub mod forces;
 pub mod hard_cases;
 pub mod metrics;
 pub mod oracle;
+pub mod random;
 pub mod reference;
 pub mod run;
 pub mod scenario;
@@ -41,6 +43,7 @@ pub mod scene_file;
 pub mod scenes;
 pub mod setup;
 pub mod simulate;
+pub mod statistics;
 pub mod step_size;
 pub mod style;
 pub mod trend;

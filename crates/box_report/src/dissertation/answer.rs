@@ -3,6 +3,7 @@
 
 use box_physics::integrators::Integrator;
 use box_scenarios::Metric;
+use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
@@ -160,6 +161,5 @@ fn median_ratio(work: &WorkPrecision, integrator: Integrator, best: Integrator, 
             ratios.push(error(integrator) / error(best));
         }
     }
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN)
+    Quantiles::of(ratios).median()
 }

@@ -8,6 +8,7 @@ use box_physics::floor::Floor;
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::dissertation::{Demo, State, Stepper};
+use box_scenarios::statistics::Quantiles;
 use box_scenarios::{Driver, ForceSet, Model};
 use glam::DVec3;
 use serde::Serialize;
@@ -63,12 +64,9 @@ impl Cycles {
         (self.middle(contender) - self.middle(0)).max(0.0)
     }
 
-    /// The mean of the middle half: a clock that ticks in tens of nanoseconds has no finer median.
+    /// A clock that ticks in tens of nanoseconds has no finer median.
     fn middle(&self, contender: usize) -> f64 {
-        let mut sorted = self.times[contender].clone();
-        sorted.sort_by(f64::total_cmp);
-        let half = &sorted[sorted.len() / 4..(3 * sorted.len()).div_ceil(4)];
-        half.iter().sum::<f64>() / half.len().max(1) as f64
+        Quantiles::of(self.times[contender].iter().copied()).middle()
     }
 
     pub(super) fn rows(&self) -> Vec<Row> {

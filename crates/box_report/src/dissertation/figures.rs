@@ -2,6 +2,7 @@
 
 use box_physics::integrators::Integrator;
 use box_scenarios::dissertation::Stepper;
+use box_scenarios::statistics::Quantiles;
 use box_scenarios::style::{Dash, Marker};
 
 use super::claims::{self, Tumble};
@@ -44,10 +45,9 @@ pub(super) fn cycles(run: &Cycles) -> Result<Figure, Stop> {
         let times = &run.times[k];
         let bucket = times.len().div_ceil(BUCKETS).max(1);
         let points = times.chunks(bucket).enumerate().map(|(b, chunk)| {
-            let mut sorted = chunk.to_vec();
-            sorted.sort_by(f64::total_cmp);
+            let median = Quantiles::of(chunk.iter().copied()).median();
             let t = (b as f64 + 0.5) * bucket as f64 * run.h;
-            Some(Point::new(t, sorted[sorted.len() / 2]))
+            Some(Point::new(t, median))
         });
         let points: Vec<_> = points.collect();
         let label = CONTENDERS[k].to_owned();

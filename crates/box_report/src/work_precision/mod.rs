@@ -8,12 +8,13 @@ use std::time::Duration;
 use box_bench::measure::Cost;
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
+use box_scenarios::statistics::{self, Fitted, Quantiles};
 use box_scenarios::{Family, FamilyRun, Metric};
 use serde::Serialize;
 
 use crate::context::{Context, SAMPLES_IN_WORDS, Stop};
 use crate::document::{Section, Table};
-use crate::{files, fit, herd, text};
+use crate::{files, herd, text};
 
 /// The coarsest step, between two looks at the error \[s\].
 pub(crate) const INTERVAL: f64 = 1.0 / 15.0;
@@ -68,12 +69,12 @@ impl FamilyPoints {
     }
 
     /// The fitted order of `integrator` in `metric`.
-    pub(crate) fn order(&self, integrator: Integrator, metric: Metric) -> fit::Fitted {
+    pub(crate) fn order(&self, integrator: Integrator, metric: Metric) -> Fitted {
         let points: Vec<_> = self
             .of(integrator)
             .filter_map(|p| Some((p.dt, p.run.error(metric)?)))
             .collect();
-        fit::order(&points)
+        statistics::order(&points)
     }
 }
 
@@ -214,25 +215,18 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
 
 /// How quiet the machine was.
 fn spread(data: &WorkPrecision) -> String {
-    let mut spreads: Vec<f64> = data
+    let costs = data
         .families
         .iter()
-        .flat_map(|f| f.points.iter().filter_map(|p| p.cost))
-        .map(|c| 100.0 * c.spread())
-        .collect();
-    spreads.sort_by(f64::total_cmp);
-    let at = |q: f64| {
-        let last = spreads.len().saturating_sub(1);
-        spreads
-            .get((last as f64 * q).round() as usize)
-            .copied()
-            .unwrap_or(0.0)
-    };
+        .flat_map(|f| f.points.iter().filter_map(|p| p.cost));
+    let spreads: Vec<f64> = costs.map(|c| 100.0 * c.spread()).collect();
+    let count = spreads.len();
+    let spreads = Quantiles::of(spreads);
     format!(
         "How quiet the machine was: the median sample lies {:.0} % above the fastest for half of the {} measurements, {:.0} % for one in twenty.",
-        at(0.5),
-        spreads.len(),
-        at(0.95)
+        spreads.median(),
+        count,
+        spreads.at(0.95)
     )
 }
 
@@ -268,10 +262,10 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
 
 /// Fitted orders, beside what the figures show.
 fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
-    let short = |f: fit::Fitted| match f {
-        fit::Fitted::Order(p) => format!("{p:.1}"),
-        fit::Fitted::Rounding => "rounding".to_owned(),
-        fit::Fitted::Unknown => "–".to_owned(),
+    let short = |f: Fitted| match f {
+        Fitted::Order(p) => format!("{p:.1}"),
+        Fitted::Rounding => "rounding".to_owned(),
+        Fitted::Unknown => "–".to_owned(),
     };
     let mut columns = vec!["integrator".to_owned()];
     columns.extend(

@@ -4,6 +4,7 @@ use box_physics::integrators::Integrator;
 use glam::{DQuat, DVec3};
 
 use super::Trial;
+use crate::random::Random;
 
 /// Largest gain of energy in a step, relative to it.
 pub(super) fn gain(integrator: Integrator) -> f64 {
@@ -32,7 +33,7 @@ struct Worst {
 /// Cubes, whose free rotation every integrator but the Euler methods does exactly, so that what the energy
 /// does is the contact's doing.
 fn cubes(integrator: Integrator) -> Worst {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut worst = Worst {
         gain: 0.0,
         repaired_impacts: 0.0,
@@ -40,7 +41,7 @@ fn cubes(integrator: Integrator) -> Worst {
     };
     for _ in 0..1000 {
         let half = DVec3::splat(random.magnitude(0.005, 5.0));
-        let mut trial = random.drop(integrator, half, 300.0);
+        let mut trial = drop(&mut random, integrator, half, 300.0);
         let h = random.magnitude(1e-5, 0.5);
         let mut before = trial.energy();
         for _ in 0..30 {
@@ -64,11 +65,11 @@ fn cubes(integrator: Integrator) -> Worst {
 
 /// Thin plates.
 pub(super) fn depth(integrator: Integrator) -> f64 {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut worst = 0.0_f64;
     for _ in 0..1000 {
         let half = DVec3::new(random.range(0.1, 1.0), 0.0025, random.range(0.1, 1.0));
-        let mut trial = random.drop(integrator, half, 300.0);
+        let mut trial = drop(&mut random, integrator, half, 300.0);
         let h = random.magnitude(1e-5, 0.5);
         for _ in 0..30 {
             trial.run(h, 1);
@@ -78,44 +79,20 @@ pub(super) fn depth(integrator: Integrator) -> f64 {
     worst
 }
 
-/// A small generator (Marsaglia's xorshift64*, 2003), so that every run tries the same boxes.
-struct Random(u64);
-
-impl Random {
-    /// In [low, high).
-    fn range(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11;
-        low + (high - low) * (bits as f64 / (1_u64 << 53) as f64)
-    }
-
-    /// Log-uniform.
-    fn magnitude(&mut self, low: f64, high: f64) -> f64 {
-        box_physics::math::exp(self.range(low.ln(), high.ln()))
-    }
-
-    fn vector(&mut self, size: f64) -> DVec3 {
-        let mut component = || self.range(-size, size);
-        DVec3::new(component(), component(), component())
-    }
-
-    /// A box above the floor, at any attitude, falling and spinning, on any floor.
-    fn drop(&mut self, integrator: Integrator, half: DVec3, speed: f64) -> Trial {
-        let e = self.range(0.0, 1.0);
-        let mu = self.magnitude(0.01, 5.0);
-        let mut trial = Trial::new(integrator, half, e, mu);
-        let axis = self.vector(1.0);
-        let w = self.range(-1.0, 1.0);
-        let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.01);
-        trial.state = trial.state.with_rotation(turn);
-        trial.state.position.y = trial.body.radius() * self.range(1.0, 2.0);
-        let fast = self.magnitude(0.01, speed);
-        trial.state.velocity = self.vector(fast);
-        let spin = self.magnitude(0.01, 1000.0 / 3.0_f64.sqrt());
-        let omega = self.vector(spin);
-        trial.state.set_angular_velocity(&trial.body, omega);
-        trial
-    }
+/// A box above the floor, at any attitude, falling and spinning, on any floor.
+fn drop(random: &mut Random, integrator: Integrator, half: DVec3, speed: f64) -> Trial {
+    let e = random.range(0.0, 1.0);
+    let mu = random.magnitude(0.01, 5.0);
+    let mut trial = Trial::new(integrator, half, e, mu);
+    let axis = random.vector(1.0);
+    let w = random.range(-1.0, 1.0);
+    let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.01);
+    trial.state = trial.state.with_rotation(turn);
+    trial.state.position.y = trial.body.radius() * random.range(1.0, 2.0);
+    let fast = random.magnitude(0.01, speed);
+    trial.state.velocity = random.vector(fast);
+    let spin = random.magnitude(0.01, 1000.0 / 3.0_f64.sqrt());
+    let omega = random.vector(spin);
+    trial.state.set_angular_velocity(&trial.body, omega);
+    trial
 }

@@ -1,10 +1,47 @@
-//! The order of convergence that an integrator shows.
+//! Quantiles of samples, and the order of convergence of errors.
 
 use core::fmt;
 
+/// Samples in ascending order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Quantiles(Vec<f64>);
+
+impl Quantiles {
+    /// Of `samples`, in any order.
+    pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = samples.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        Self(sorted)
+    }
+
+    /// The sample nearest to the quantile `q`, 0 to 1; NaN if there are no samples.
+    pub fn at(&self, q: f64) -> f64 {
+        let last = self.0.len().saturating_sub(1);
+        let place = (last as f64 * q).round() as usize;
+        self.0.get(place).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The smallest sample.
+    pub fn min(&self) -> f64 {
+        self.at(0.0)
+    }
+
+    /// The median sample.
+    pub fn median(&self) -> f64 {
+        self.at(0.5)
+    }
+
+    /// The mean of the middle half: finer than the median of samples that a coarse clock has rounded.
+    pub fn middle(&self) -> f64 {
+        let n = self.0.len();
+        let half = &self.0[n / 4..(3 * n).div_ceil(4)];
+        half.iter().sum::<f64>() / half.len() as f64
+    }
+}
+
 /// What the errors at several steps say.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Fitted {
+pub enum Fitted {
     /// Error ∝ dtᵖ.
     Order(f64),
     /// Only rounding errors at every step.
@@ -33,7 +70,7 @@ const ABOVE_FLOOR: f64 = 20.0;
 /// Fits the order to (dt, error), in any order; a failed run is left out. The line is a least-squares fit
 /// of the logarithms over the errors that are neither lost nor near the smallest, the smaller half of
 /// the steps among them if they are many: order is what holds for small steps.
-pub(crate) fn order(points: &[(f64, f64)]) -> Fitted {
+pub fn order(points: &[(f64, f64)]) -> Fitted {
     let mut points: Vec<_> = points
         .iter()
         .copied()
@@ -93,6 +130,17 @@ mod tests {
             Fitted::Order(p) => p,
             other => panic!("{other:?}"),
         }
+    }
+
+    #[test]
+    fn quantiles_are_samples() {
+        let q = Quantiles::of([5.0, 1.0, 4.0, 2.0, 3.0]);
+        assert_eq!(
+            (q.min(), q.median(), q.at(0.95), q.at(0.7)),
+            (1.0, 3.0, 5.0, 4.0)
+        );
+        assert_eq!(q.middle(), 3.0);
+        assert!(Quantiles::default().median().is_nan() && Quantiles::default().middle().is_nan());
     }
 
     #[test]
