@@ -4,11 +4,12 @@
 use bevy::input::InputPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_game::action::{Action, Push};
-use box_game::app::{GamePlugin, open_log};
-use box_game::apply::Asked;
+use box_game::action::{Action, Actions, Push};
+use box_game::app::GamePlugin;
 use box_game::cli::Cli;
+use box_game::cli::start::open_files;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
+use box_game::parameters::Parameter;
 use box_game::scene::session::Hero;
 use box_physics::prelude::*;
 use clap::Parser;
@@ -20,12 +21,12 @@ fn game(arguments: &[&str]) -> App {
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     // The fixed clock does not run on the first update.
     app.update();
-    open_log(&mut app, &cli).expect("writable");
+    open_files(&mut app, &cli).expect("writable");
     app
 }
 
 fn ask(app: &mut App, action: Action) {
-    app.world_mut().resource_mut::<Asked>().0.push(action);
+    app.world_mut().resource_mut::<Actions>().0.push(action);
     app.update();
 }
 
@@ -111,9 +112,9 @@ fn the_hero_is_its_own_lane_bit_for_bit() {
                 if k == 20 {
                     for app in [&mut app, &mut twin] {
                         app.world_mut()
-                            .resource_mut::<Asked>()
+                            .resource_mut::<Actions>()
                             .0
-                            .push(Action::SetGravity(3.0));
+                            .push(Action::Set(Parameter::Gravity, 3.0));
                     }
                 }
                 app.update();
@@ -148,7 +149,7 @@ fn the_reference_takes_every_push() {
     assert!(euler.get(Quantity::Energy).abs() > 1e-4);
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Input));
     // A changed parameter, too.
-    ask(&mut app, Action::SetGravity(1.5));
+    ask(&mut app, Action::Set(Parameter::Gravity, 1.5));
     updates(&mut app, 30);
     assert!(now(&app).get(Quantity::Position) < 1e-9);
     assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
@@ -490,7 +491,7 @@ fn the_first_run_shows_something_in_five_seconds() {
     assert_eq!(run(&app).lanes.len(), 2);
     let session = app.world().resource::<box_game::scene::session::Session>();
     assert_eq!(session.scenario.id, "dzhanibekov");
-    assert!(session.show_plots && session.plot == box_game::action::Plot::Energy);
+    assert_eq!(session.plot, box_game::action::Plot::Energy);
     let comparison = app.world().resource::<Comparison>();
     assert_eq!(comparison.settings.layout, Layout::Ghosts);
     updates(&mut app, 300);
@@ -504,66 +505,6 @@ fn the_first_run_shows_something_in_five_seconds() {
             .iter()
             .any(|r| r.track.now.sample.get(Quantity::Energy).abs() > 0.1)
     );
-}
-
-/// The panel as a plugin of another app: with and without an `EguiPlugin` of the host's, and a hero that
-/// no session knows.
-#[test]
-fn the_panel_fits_into_other_apps() {
-    use bevy_egui::EguiPlugin;
-    for (host_has_egui, host_compares) in [(false, false), (true, true)] {
-        let mut app = App::new();
-        app.add_plugins((
-            MinimalPlugins,
-            AssetPlugin::default(),
-            ImagePlugin::default(),
-            WindowPlugin::default(),
-            InputPlugin,
-            PhysicsPlugins::default(),
-        ));
-        // What a renderer would bring.
-        app.init_asset::<Shader>();
-        if host_has_egui {
-            app.add_plugins(EguiPlugin::default());
-        }
-        if host_compares {
-            app.add_plugins(box_game::compare::ComparePlugin);
-        }
-        app.add_plugins(box_game::ui::panel_plugin::PanelPlugin)
-            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
-            .insert_resource(Floor::default());
-        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
-        let start = BodyState::at(DVec3::Y * 5.0)
-            .with_body_angular_velocity(&body, DVec3::new(1.0, 5.0, 0.5));
-        app.world_mut().spawn((body, start, LinearDrag(0.2), Hero));
-        app.world_mut()
-            .resource_mut::<Comparison>()
-            .choose([Integrator::Rk4, Integrator::ExplicitEuler]);
-        updates(&mut app, 40);
-        let run = run(&app);
-        assert_eq!(run.lanes.len(), 2);
-        assert!(app.is_plugin_added::<EguiPlugin>());
-        assert!(run.law.forces.linear_drag == 0.2 && run.law.floor.is_some());
-        assert!(run.clock > 0.6);
-        assert!(run.hero.track.now.sample.get(Quantity::Position) < 1e-6);
-        let euler = run.lanes[1].track.now.sample;
-        assert!(euler.get(Quantity::Position) > 1e-2);
-        let mut comparison = app.world_mut().resource_mut::<Comparison>();
-        comparison.settings.layout = Layout::Solo;
-        box_game::compare::apply(
-            app.world_mut(),
-            CompareAction::ToggleLane(Integrator::ExplicitEuler),
-        );
-        app.update();
-        let lanes = &app
-            .world()
-            .resource::<Comparison>()
-            .run
-            .as_ref()
-            .expect("a run")
-            .lanes;
-        assert_eq!(lanes.len(), 1);
-    }
 }
 
 /// Keys: Shift + digit ticks an integrator, V and G go through the layouts.

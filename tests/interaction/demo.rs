@@ -23,7 +23,7 @@ fn the_2012_scene_moves_as_its_own_steppers_have_it() {
                     off_center: false,
                 };
                 app.world_mut()
-                    .resource_mut::<Asked>()
+                    .resource_mut::<Actions>()
                     .0
                     .push(Action::Push(push));
                 let force = Demo::force_for(DVec3::X * session(&app).parameters.impulse);

@@ -92,14 +92,16 @@ fn the_command_line_brings_the_set_up_back() {
     let mut app = game(&["bounce"]);
     for action in [
         Action::SetIntegrator(Integrator::Dmv6),
-        Action::SetStep(1.0 / 240.0),
-        Action::SetSubsteps(2),
-        Action::SetGravity(3.7),
-        Action::SetRestitution(0.25),
-        Action::SetMass(1.5),
-        Action::SetHalfExtents(DVec3::new(0.25, 0.5, 0.75)),
-        Action::SetBoxes(9),
-        Action::SetImpulse(0.5),
+        Action::Set(Parameter::Step, 1.0 / 240.0),
+        Action::Set(Parameter::Substeps, 2.0),
+        Action::Set(Parameter::Gravity, 3.7),
+        Action::Set(Parameter::Restitution, 0.25),
+        Action::Set(Parameter::Mass, 1.5),
+        Action::Set(Parameter::HalfX, 0.25),
+        Action::Set(Parameter::HalfY, 0.5),
+        Action::Set(Parameter::HalfZ, 0.75),
+        Action::Set(Parameter::Boxes, 9.0),
+        Action::Set(Parameter::Impulse, 0.5),
         Action::SetSpeed(0.25),
     ] {
         ask(&mut app, action);
@@ -141,7 +143,7 @@ fn a_script_does_what_it_says_when_it_says() {
     );
     assert_eq!(hero(&mut app).velocity, DVec3::ZERO);
     run(&mut app, 24);
-    assert!(hero(&mut app).velocity.x > 0.0 && session(&app).show_aabb);
+    assert!(hero(&mut app).velocity.x > 0.0 && app.world().resource::<Preferences>().show_aabb);
     assert_eq!(app.should_exit(), None);
     let mut updates = 0;
     while app.should_exit().is_none() && updates < 60 {

@@ -15,9 +15,7 @@ fn settings_child() {
     let kept = *app.world().resource::<Preferences>();
     println!(
         "found {} {} {}",
-        kept.ui_scale,
-        kept.show_plots,
-        session(&app).show_aabb
+        kept.ui_scale, kept.show_plots, kept.show_aabb
     );
     ask(&mut app, Action::SetUiScale(1.25));
     ask(&mut app, Action::TogglePlots);

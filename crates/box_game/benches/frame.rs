@@ -9,10 +9,10 @@ use bevy::input::InputPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_egui::egui;
-use box_game::action::Plot;
+use box_game::action::compare::CompareAction;
+use box_game::action::{Action, Plot};
 use box_game::app::GamePlugin;
 use box_game::cli::Cli;
-use box_game::compare::CompareAction;
 use box_game::scene::session::Session;
 use box_game::ui::panel::{self, PanelMemory};
 use box_game::ui::panel_view::{self, Sources};
@@ -58,7 +58,9 @@ fn measure(arguments: &[&str], warm_up: u32, tabs: &[(&str, Plot)]) {
     let context = egui::Context::default();
     let mut memory = PanelMemory::default();
     let mut state = SystemState::<Sources>::new(app.world_mut());
-    box_game::compare::apply(app.world_mut(), CompareAction::StartSweep);
+    app.world_mut()
+        .trigger(Action::Compare(CompareAction::StartSweep));
+    app.world_mut().flush();
     for &(name, plot) in tabs {
         app.world_mut().resource_mut::<Session>().plot = plot;
         let mut times = Vec::with_capacity(FRAMES);

@@ -1,18 +1,18 @@
 //! Push a box about and compare numerical integrators live: speed against error.
 //!
-//! [`app::GamePlugin`] is the game without a window: scene, keys, actions, log, timing. What needs a
-//! renderer is [`view::picture::PicturePlugin`]. The panel is a pure function of plain data ([`ui::panel`]). The
-//! comparison without a display is [`compare::headless`].
+//! [`app::GamePlugin`] is the game without a window, [`app::build`] the game with its picture. The panel is a
+//! pure function of plain data ([`ui::panel`]). The comparison without a display is [`compare::headless`].
 
 pub mod action;
 pub mod app;
-pub mod apply;
 pub mod camera;
 pub mod cli;
 pub mod compare;
 pub mod demo_2012;
 pub mod input;
 pub mod interaction;
+pub mod parameters;
+pub mod preferences;
 pub mod record;
 pub mod scene;
 pub mod ui;

@@ -5,13 +5,12 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use bevy::app::AppExit;
-use box_game::apply::{Accepted, accept};
+use box_game::app;
 use box_game::cli::display::{self, Need};
 use box_game::cli::{self, Cli};
 use box_game::compare::headless::{self, Comparison};
 use box_game::scene::library;
 use box_game::scene::session::Session;
-use box_game::view::picture;
 use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;
@@ -49,7 +48,7 @@ fn main() -> ExitCode {
         eprintln!("\nRunning the comparison without a window instead (as with --headless):\n");
         return compare(&cli);
     }
-    match picture::build(&cli) {
+    match app::build(&cli) {
         Ok(mut app) => match app.run() {
             AppExit::Success => ExitCode::SUCCESS,
             AppExit::Error(code) => ExitCode::from(code.get()),
@@ -115,10 +114,8 @@ fn compare(cli: &Cli) -> ExitCode {
 /// The scene with the parameters of `--set`.
 fn wished(mut scenario: Scenario, cli: &Cli) -> Result<Scenario, String> {
     let mut session = Session::new(scenario.clone(), cli.seed);
-    for wish in &cli.set {
-        if accept(&mut session.parameters, wish) == Accepted::No {
-            return Err(format!("not possible in this scene: {wish:?}"));
-        }
+    for (parameter, value) in cli.parameters() {
+        session.parameters.set(parameter, value)?;
     }
     scenario.setup = session.setup();
     Ok(scenario)

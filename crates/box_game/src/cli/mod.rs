@@ -2,19 +2,20 @@
 
 pub mod command_line;
 pub mod display;
+mod ending;
+pub mod start;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use box_physics::prelude::{DVec3, Integrator};
+use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;
 
-use crate::action::{Action, Plot};
-use crate::compare::Layout;
+use crate::action::Plot;
+use crate::action::compare::Layout;
+use crate::parameters::{Parameter, SPEEDS, UI_SCALES};
 use crate::scene::library;
-use crate::scene::session::SPEEDS;
-use crate::ui::preferences::UI_SCALES;
 
 /// Push a box about and compare numerical integrators live: speed against error.
 ///
@@ -92,9 +93,9 @@ pub struct Cli {
     pub speed: f64,
 
     /// A parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
-    /// friction, linear-drag, angular-damping, mass, impulse, half-extents=X,Y,Z.
+    /// friction, linear-drag, angular-damping, half-x, half-y, half-z (or half-extents=X,Y,Z), mass, impulse.
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_setting)]
-    pub set: Vec<Action>,
+    pub set: Vec<Setting>,
 
     /// Play this script of actions (assets/scripts/tour.ron is one).
     #[arg(long, value_name = "FILE")]
@@ -122,7 +123,25 @@ pub struct Cli {
 
     /// Internal: find out in a process of its own whether a window and a GPU are to be had.
     #[arg(long, hide = true, value_name = "WHAT")]
-    pub probe: Option<crate::cli::display::Need>,
+    pub probe: Option<display::Need>,
+}
+
+/// Values for parameters, of one `--set`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting(pub Vec<(Parameter, f64)>);
+
+impl Cli {
+    /// Every parameter that the command line sets, in order.
+    pub fn parameters(&self) -> Vec<(Parameter, f64)> {
+        let own = [
+            (Parameter::Step, Some(self.dt)),
+            (Parameter::Substeps, Some(f64::from(self.substeps))),
+            (Parameter::Boxes, self.boxes.map(f64::from)),
+        ];
+        let own = own.into_iter().filter_map(|(p, value)| Some((p, value?)));
+        let set = self.set.iter().flat_map(|setting| setting.0.clone());
+        own.chain(set).collect()
+    }
 }
 
 /// Exit code 4: no display or GPU although a flag asks for one.
@@ -135,15 +154,11 @@ pub fn diverged() -> ExitCode {
     ExitCode::from(3)
 }
 
-/// Smallest and largest step \[s\].
-pub const STEP_LIMITS: (f64, f64) = (1.0 / 1920.0, 0.5);
-
 /// Reads a step size and checks its range.
 fn parse_step(text: &str) -> Result<f64, String> {
-    let (low, high) = STEP_LIMITS;
+    let (low, high) = Parameter::Step.info().range;
     let step = box_scenarios::parse_step(text)?;
-    // 1920hz is the limit, not a rounding unit above it.
-    if step >= low * (1.0 - 1e-9) && step <= high * (1.0 + 1e-9) {
+    if (low..=high).contains(&step) {
         Ok(step)
     } else {
         Err(format!(
@@ -210,7 +225,7 @@ fn parse_scale(text: &str) -> Result<f32, String> {
     }
 }
 
-fn parse_setting(text: &str) -> Result<Action, String> {
+fn parse_setting(text: &str) -> Result<Setting, String> {
     let (name, value) = text
         .split_once('=')
         .ok_or("allowed: NAME=VALUE, as in gravity=1.62")?;
@@ -218,27 +233,20 @@ fn parse_setting(text: &str) -> Result<Action, String> {
         let number = t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
         number.ok_or_else(|| format!("'{t}' is not a number"))
     };
-    Ok(match name.trim() {
-        "gravity" => Action::SetGravity(number(value)?),
-        "restitution" => Action::SetRestitution(number(value)?),
-        "friction" => Action::SetFriction(number(value)?),
-        "linear-drag" => Action::SetLinearDrag(number(value)?),
-        "angular-damping" => Action::SetAngularDamping(number(value)?),
-        "mass" => Action::SetMass(number(value)?),
-        "impulse" => Action::SetImpulse(number(value)?),
-        "half-extents" => {
-            let sizes: Vec<f64> = value.split(',').map(number).collect::<Result<_, _>>()?;
-            let [x, y, z] = sizes[..] else {
-                return Err("half-extents: three numbers, as in 0.5,0.25,0.125".to_owned());
-            };
-            Action::SetHalfExtents(DVec3::new(x, y, z))
+    if name.trim() == "half-extents" {
+        let sizes: Vec<f64> = value.split(',').map(number).collect::<Result<_, _>>()?;
+        if sizes.len() != 3 {
+            return Err("half-extents: three numbers, as in 0.5,0.25,0.125".to_owned());
         }
-        other => {
-            return Err(format!(
-                "unknown parameter '{other}'; allowed: gravity, restitution, friction, linear-drag, angular-damping, mass, impulse, half-extents"
-            ));
-        }
-    })
+        let axes = [Parameter::HalfX, Parameter::HalfY, Parameter::HalfZ];
+        return Ok(Setting(axes.into_iter().zip(sizes).collect()));
+    }
+    let ids = || Parameter::ALL.map(|p| p.info().id);
+    let parameter = Parameter::ALL
+        .into_iter()
+        .find(|p| p.info().id == name.trim())
+        .ok_or_else(|| format!("unknown parameter '{name}'; allowed: {}", ids().join(", ")))?;
+    Ok(Setting(vec![(parameter, number(value)?)]))
 }
 
 fn parse_png(text: &str) -> Result<PathBuf, String> {

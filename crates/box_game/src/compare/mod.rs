@@ -10,12 +10,11 @@
 //!
 //! - [`run`]: one run of a scene; [`runner`]: a lane with its clock; [`track`]: what is measured of it.
 //! - [`mod@reference`]: the trusted trajectory; [`ledger`]: the books; [`series`]: the past in fixed memory.
-//! - [`input`]: what is done to all alike; [`action`]: what can be asked.
+//! - [`input`]: what is done to all alike.
 //! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
 //!   [`Hero`](crate::scene::session::Hero) can use it.
 
-pub mod action;
 pub mod copy;
 pub mod fill;
 pub mod headless;
@@ -39,7 +38,7 @@ use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
 use box_scenarios::{ReferenceSolution, Setup};
 
-pub use action::{CompareAction, Fairness, Layout, Window};
+pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
 pub use plugin::{ComparePlugin, apply, make_hero};
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;

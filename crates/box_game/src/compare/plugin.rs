@@ -15,19 +15,20 @@ use box_physics::prelude::{
 use box_scenarios::{ForceSet, ReferenceSolution};
 
 use super::input::Change;
-use super::{CompareAction, Comparison, Layout, RuleKind};
+use super::{Comparison, RuleKind, copy};
+use crate::action::Action;
+use crate::action::compare::{CompareAction, Layout};
 use crate::compare::lane::Law;
 use crate::compare::sampling::IntegratorSamples;
 use crate::scene::session::{Hero, Session};
 
-/// Compares the hero, a body marked [`Hero`], with other integrators. Needs `PhysicsPlugins`. What is to be
-/// seen of it is up to others: [`PanelPlugin`](crate::ui::panel_plugin::PanelPlugin) shows figures and plots,
-/// [`GhostPlugin`](crate::view::ghosts::GhostPlugin) the boxes.
+/// Compares the hero, a body marked [`Hero`], with other integrators. Needs `PhysicsPlugins`.
 pub struct ComparePlugin;
 
 impl Plugin for ComparePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Comparison>()
+            .add_observer(on_action)
             .add_systems(FixedPostUpdate, collect_pushes.ambiguous_with_all())
             .add_systems(
                 PhysicsSchedule,
@@ -43,6 +44,21 @@ impl Plugin for ComparePlugin {
                 ),
             )
             .add_systems(Update, follow);
+    }
+}
+
+/// Observes the actions of the comparison.
+fn on_action(action: On<Action>, mut commands: Commands) {
+    match action.event().clone() {
+        Action::SetIntegrator(integrator) => commands.queue(move |world: &mut World| {
+            make_hero(world, integrator);
+            if let Some(mut session) = world.get_resource_mut::<Session>() {
+                session.events.push(format!("integrator {integrator}"));
+            }
+        }),
+        Action::Compare(CompareAction::Copy) => commands.queue(copy::copy_plot),
+        Action::Compare(action) => commands.queue(move |world: &mut World| apply(world, action)),
+        _ => {}
     }
 }
 

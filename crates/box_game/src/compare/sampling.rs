@@ -24,6 +24,16 @@ const BATCH: usize = 128;
 /// A sample lasts at least this long \[ns\].
 const SHORTEST: f64 = 100_000.0;
 
+/// Times every integrator live.
+pub struct SamplingPlugin;
+
+impl Plugin for SamplingPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<IntegratorSamples>()
+            .add_systems(Update, sample_integrators);
+    }
+}
+
 /// The samples of every integrator.
 #[derive(Resource)]
 pub struct IntegratorSamples {

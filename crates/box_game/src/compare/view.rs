@@ -2,10 +2,10 @@
 
 use box_physics::prelude::Integrator;
 
-use super::action::{Fairness, Layout, Window};
 use super::run::Rule;
 use super::series::Quantity;
 use super::sweep::SweepLine;
+use crate::action::compare::{Fairness, Layout, Window};
 
 /// What can be chosen about the comparison and its plots.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,10 +7,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bevy::prelude::*;
-use box_physics::prelude::{BodyState, DVec3, PhysicsClock, RigidBox, WorldAabb};
+use box_physics::prelude::{
+    BodyState, DVec3, PhysicsClock, PhysicsSchedule, PhysicsSystems, RigidBox, WorldAabb,
+};
 use box_scenarios::dissertation::{Demo, State, Stepper};
 
+use crate::action::Action;
 use crate::scene::session::{Hero, Session};
+use crate::scene::start::{SceneOpened, SceneStarted};
 
 /// The scene it belongs to.
 pub const SCENE: &str = "dissertation-2012";
@@ -23,6 +27,37 @@ pub const FAULTS: [&str; 5] = [
     "damping of 0.005 per millisecond stops it within a second",
     "contact lifts the bounding box out of the floor: no bounce, no friction, a tilted cube stands on its corner",
 ];
+
+/// Moves the hero by the demo in its scene.
+pub struct Demo2012Plugin;
+
+impl Plugin for Demo2012Plugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Demo2012>()
+            .add_observer(on_action)
+            .add_observer(|opened: On<SceneOpened>, mut demo: ResMut<Demo2012>| {
+                if opened.new {
+                    demo.stepper = Demo2012::default().stepper;
+                }
+            })
+            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| demo.state = None)
+            .add_systems(
+                PhysicsSchedule,
+                run_cycle
+                    .after(PhysicsSystems::Writeback)
+                    .before(PhysicsSystems::Last),
+            );
+    }
+}
+
+/// Observes the choice of a stepper and the switch of the log.
+fn on_action(action: On<Action>, mut commands: Commands) {
+    match *action {
+        Action::SetDemo(stepper) => commands.queue(move |world: &mut World| choose(world, stepper)),
+        Action::ToggleDemoLog => commands.queue(toggle_log),
+        _ => {}
+    }
+}
 
 /// Which stepper of 2012 moves the hero, and what it has measured.
 #[derive(Resource, Debug)]
@@ -99,7 +134,7 @@ impl CycleLog {
 
 /// Moves the hero by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
 /// Runs after *Writeback*: a system among the plugin's own would make it go over all bodies more than once.
-pub fn run_cycle(
+fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
     mut demo: ResMut<Demo2012>,
@@ -135,7 +170,7 @@ pub fn run_cycle(
 }
 
 /// Chooses a stepper of 2012, or ours. Each goes on from where the box is.
-pub fn choose(world: &mut World, stepper: Option<Stepper>) {
+fn choose(world: &mut World, stepper: Option<Stepper>) {
     let hero = hero(world);
     let mut demo = world.resource_mut::<Demo2012>();
     if demo.stepper.is_none() {
@@ -168,7 +203,7 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
 }
 
 /// Starts or ends the log of cycle times.
-pub fn toggle_log(world: &mut World) {
+fn toggle_log(world: &mut World) {
     let mut demo = world.resource_mut::<Demo2012>();
     let text = match demo.log.take() {
         Some(log) => format!(

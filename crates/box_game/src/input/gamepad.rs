@@ -1,18 +1,13 @@
 //! Gamepads (feature `gamepad`): the same actions as the keys.
 //!
-//! Directional pad and face buttons push, shoulders change the integrator, Start pauses, Select restarts,
-//! the right stick turns the camera.
+//! Directional pad and face buttons push, shoulders change the integrator, Start pauses, Select restarts. The
+//! right stick turns the camera.
 
 use bevy::input::gamepad::{Gamepad, GamepadButton};
 use bevy::prelude::*;
 use box_physics::prelude::{DVec3, GlobalIntegrator, Integrator};
 
-use crate::action::{Action, Push};
-use crate::apply::Asked;
-use crate::camera::OrbitCamera;
-
-/// Full deflection of the stick turns the camera this fast [rad/s].
-const TURN: f32 = 2.5;
+use crate::action::{Action, Actions, Push};
 
 const PUSHES: [(GamepadButton, DVec3); 6] = [
     (GamepadButton::DPadRight, DVec3::X),
@@ -27,12 +22,12 @@ const PUSHES: [(GamepadButton, DVec3); 6] = [
 pub fn read_buttons(
     pads: Query<&Gamepad>,
     integrator: Res<GlobalIntegrator>,
-    mut asked: ResMut<Asked>,
+    mut actions: ResMut<Actions>,
 ) {
     for pad in &pads {
         for (button, direction) in PUSHES {
             if pad.just_pressed(button) {
-                asked.0.push(Action::Push(Push {
+                actions.0.push(Action::Push(Push {
                     direction,
                     world: false,
                     off_center: pad.pressed(GamepadButton::West),
@@ -46,7 +41,7 @@ pub fn read_buttons(
         ] {
             if pad.just_pressed(button) {
                 let next = (integrator.0.index() + by) % count;
-                asked.0.push(Action::SetIntegrator(Integrator::ALL[next]));
+                actions.0.push(Action::SetIntegrator(Integrator::ALL[next]));
             }
         }
         for (button, action) in [
@@ -54,24 +49,8 @@ pub fn read_buttons(
             (GamepadButton::Select, Action::Restart),
         ] {
             if pad.just_pressed(button) {
-                asked.0.push(action);
+                actions.0.push(action);
             }
-        }
-    }
-}
-
-/// The right stick turns the camera.
-pub fn turn_camera(
-    pads: Query<&Gamepad>,
-    time: Res<Time<Real>>,
-    mut camera: Single<&mut OrbitCamera>,
-) {
-    for pad in &pads {
-        let stick = pad.right_stick();
-        if stick.length() > 0.1 {
-            let turn = stick * TURN * time.delta_secs();
-            camera.yaw -= turn.x;
-            camera.pitch = (camera.pitch - turn.y).clamp(-1.5, 1.5);
         }
     }
 }

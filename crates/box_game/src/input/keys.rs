@@ -8,23 +8,14 @@ use bevy::prelude::*;
 use box_physics::prelude::DVec3;
 use box_scenarios::style::integrator_of_key;
 
-use crate::action::{Action, Push};
-use crate::apply::Asked;
-use crate::compare::CompareAction;
-
-/// What the panel has of the keyboard and the mouse.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct UiFocus {
-    /// A text field is being typed into: letters belong to it.
-    pub text: bool,
-    /// Some widget has the focus: Space, Enter and arrows belong to it.
-    pub widget: bool,
-    /// The pointer is over the panel, or the panel holds it.
-    pub pointer: bool,
-}
+use super::focus::UiFocus;
+use crate::action::compare::CompareAction;
+use crate::action::{Action, Actions, Push};
+use crate::interaction::grab::Grip;
+use crate::scene::session::Session;
 
 /// How often a held push repeats \[s\].
-pub const REPEAT: f32 = 0.1;
+pub(super) const REPEAT: f32 = 0.1;
 
 /// The pushes: key and direction.
 const PUSHES: [(KeyCode, DVec3); 6] = [
@@ -49,17 +40,17 @@ const DIGITS: [KeyCode; 9] = [
 ];
 
 /// Reads the keyboard.
-pub fn read_keys(
+pub(super) fn read_keys(
     keys: Res<ButtonInput<KeyCode>>,
     characters: Res<ButtonInput<Key>>,
     focus: Res<UiFocus>,
     time: Res<Time<Real>>,
-    session: Res<crate::scene::session::Session>,
-    grip: Res<crate::interaction::grab::Grip>,
-    mut asked: ResMut<Asked>,
+    session: Res<Session>,
+    grip: Res<Grip>,
+    mut actions: ResMut<Actions>,
     mut held: Local<[f32; 6]>,
 ) {
-    let asked = &mut asked.0;
+    let actions = &mut actions.0;
     // A whole chord may begin and end within one slow frame.
     let held_down =
         |either: [KeyCode; 2]| keys.any_pressed(either) || keys.any_just_pressed(either);
@@ -76,35 +67,35 @@ pub fn read_keys(
     };
 
     if keys.just_pressed(KeyCode::F1) {
-        asked.push(Action::ToggleHelp);
+        actions.push(Action::ToggleHelp);
     }
     if keys.just_pressed(KeyCode::F12) {
-        asked.push(Action::Screenshot);
+        actions.push(Action::Screenshot);
     }
     if control {
         if keys.just_pressed(KeyCode::KeyQ) {
-            asked.push(Action::Quit);
+            actions.push(Action::Quit);
         }
         if keys.just_pressed(KeyCode::KeyO) {
-            asked.push(Action::TogglePicker);
+            actions.push(Action::TogglePicker);
         }
         // A text field has an undo of its own.
         if typed("z") && !focus.text {
-            asked.push(if shift { Action::Redo } else { Action::Undo });
+            actions.push(if shift { Action::Redo } else { Action::Undo });
         }
         if typed("y") && !focus.text {
-            asked.push(Action::Redo);
+            actions.push(Action::Redo);
         }
         return;
     }
     if keys.just_pressed(KeyCode::Escape) {
         // Peel: the topmost thing goes.
         if session.show_picker {
-            asked.push(Action::TogglePicker);
+            actions.push(Action::TogglePicker);
         } else if session.show_help {
-            asked.push(Action::ToggleHelp);
+            actions.push(Action::ToggleHelp);
         } else if grip.0.is_some() {
-            asked.push(Action::Grab(None));
+            actions.push(Action::Grab(None));
         }
     }
     if focus.text {
@@ -123,7 +114,7 @@ pub fn read_keys(
         } else {
             continue;
         }
-        asked.push(Action::Push(Push {
+        actions.push(Action::Push(Push {
             direction,
             world: alt,
             off_center: shift,
@@ -131,7 +122,7 @@ pub fn read_keys(
     }
     for (key, digit) in DIGITS.into_iter().zip(1..) {
         if let (true, Some(i)) = (keys.just_pressed(key), integrator_of_key(digit)) {
-            asked.push(if shift {
+            actions.push(if shift {
                 Action::Compare(CompareAction::ToggleLane(i))
             } else {
                 Action::SetIntegrator(i)
@@ -162,7 +153,7 @@ pub fn read_keys(
         ("?", Action::ToggleHelp),
     ] {
         if typed(characters) {
-            asked.push(action);
+            actions.push(action);
         }
     }
     for (key, action) in [
@@ -170,19 +161,19 @@ pub fn read_keys(
         (KeyCode::Home, Action::HomeCamera),
     ] {
         if keys.just_pressed(key) {
-            asked.push(action);
+            actions.push(action);
         }
     }
     // A focused widget keeps the keys that move within it.
     if !focus.widget {
         if keys.just_pressed(KeyCode::Space) {
-            asked.push(Action::TogglePause);
+            actions.push(Action::TogglePause);
         }
         if keys.just_pressed(KeyCode::ArrowRight) {
-            asked.push(Action::Step(steps));
+            actions.push(Action::Step(steps));
         }
         if keys.just_pressed(KeyCode::ArrowLeft) {
-            asked.push(Action::StepBack(steps));
+            actions.push(Action::StepBack(steps));
         }
     }
 }

@@ -9,18 +9,17 @@
 //! ]
 //! ```
 //!
-//! What follows a picture in a list happens in the frame after it. Times are seconds since the script began, of the program's clock: they go on while the scene is
-//! paused. Without a window a frame is one step of the physics, however long it takes to draw.
+//! Actions after a picture in a list wait for the next frame. Times are seconds of the program's clock since the
+//! script began; they go on while the scene is paused. Offscreen, a frame is one step of the physics.
 
 use std::collections::VecDeque;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bevy::prelude::*;
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
-use crate::action::Action;
-use crate::apply::Asked;
+use crate::action::{Action, Actions};
 
 /// The longest script that is read \[bytes\].
 const MAX_BYTES: u64 = 1024 * 1024;
@@ -35,62 +34,42 @@ pub struct Beat {
     pub actions: Vec<Action>,
 }
 
-/// A script that cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}{}: {message}", file.display(), place.map(|(l, c)| format!(":{l}:{c}")).unwrap_or_default())]
-pub struct ScriptError {
-    file: PathBuf,
-    place: Option<(usize, usize)>,
-    message: String,
-}
-
 /// Reads the script in `path`.
 ///
 /// # Errors
-/// [`ScriptError`] with file, line and column.
-pub fn load(path: &Path) -> Result<Vec<Beat>, ScriptError> {
-    let about = |message: String| ScriptError {
-        file: path.to_owned(),
-        place: None,
-        message,
+/// A sentence with file, line and column.
+pub fn load(path: &Path) -> Result<Vec<Beat>, String> {
+    let file = path.display();
+    let read = || {
+        if std::fs::metadata(path)?.len() > MAX_BYTES {
+            return Err(std::io::Error::other(format!(
+                "longer than {MAX_BYTES} bytes"
+            )));
+        }
+        std::fs::read_to_string(path)
     };
-    let size = std::fs::metadata(path)
-        .map_err(|e| about(e.to_string()))?
-        .len();
-    if size > MAX_BYTES {
-        return Err(about(format!("longer than {MAX_BYTES} bytes")));
-    }
-    let text = std::fs::read_to_string(path).map_err(|e| about(e.to_string()))?;
-    parse(path, &text)
+    let text = read().map_err(|error| format!("{file}: {error}"))?;
+    parse(&text).map_err(|error| format!("{file}:{error}"))
 }
 
-/// The script in `text`; `file` is only named in errors.
-///
-/// # Errors
-/// As [`load`].
-pub fn parse(file: &Path, text: &str) -> Result<Vec<Beat>, ScriptError> {
+/// The script in `text`; an error begins with line and column.
+fn parse(text: &str) -> Result<Vec<Beat>, String> {
     let beats: Vec<Beat> = ron::Options::default()
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .from_str(text)
-        .map_err(|error| ScriptError {
-            file: file.to_owned(),
-            place: Some((error.span.start.line, error.span.start.col)),
-            message: error.code.to_string(),
+        .map_err(|error| {
+            let place = error.span.start;
+            format!("{}:{}: {}", place.line, place.col, error.code)
         })?;
     let mut last = 0.0;
-    for (k, beat) in beats.iter().enumerate() {
-        if !(beat.at.is_finite() && beat.at >= last) {
-            return Err(ScriptError {
-                file: file.to_owned(),
-                place: None,
-                message: format!(
-                    "beat {}: at: must be finite and not before the beat above, but is {}",
-                    k + 1,
-                    beat.at
-                ),
-            });
+    for (beat, k) in beats.iter().zip(1..) {
+        let at = beat.at;
+        if !(at.is_finite() && at >= last) {
+            return Err(format!(
+                " beat {k}: at {at}: allowed: finite and not before the beat above"
+            ));
         }
-        last = beat.at;
+        last = at;
     }
     Ok(beats)
 }
@@ -126,7 +105,7 @@ pub fn play(
     script: Option<ResMut<Script>>,
     time: Res<Time<Real>>,
     pending: Res<PendingPictures>,
-    mut asked: ResMut<Asked>,
+    mut actions: ResMut<Actions>,
 ) {
     let Some(mut script) = script else {
         return;
@@ -149,7 +128,7 @@ pub fn play(
                 action,
                 Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
             );
-            asked.0.push(action);
+            actions.0.push(action);
             asking = true;
             // What follows must not be in it: it waits for the next frame.
             if picture {
@@ -167,7 +146,7 @@ mod tests {
     #[test]
     fn what_is_written_reads_back() {
         let text = r#"[
-            (at: 0, actions: [SelectScene("bounce"), SetIntegrator("rk4"), SetStep(0.01)]),
+            (at: 0, actions: [SelectScene("bounce"), SetIntegrator("rk4"), Set(Step, 0.01)]),
             (at: 1.5, actions: [
                 Push((direction: (0, 1, 0))),
                 Poke((body_point: (0.5, 0, 0), normal: (1, 0, 0), strength: 2)),
@@ -175,7 +154,7 @@ mod tests {
                 SelectPlot(Timing), SetDemo("2012-rk4"), SetDemo(None), Grab(None), Restart, Quit,
             ]),
         ]"#;
-        let beats = parse(Path::new("a.ron"), text).expect("a script");
+        let beats = parse(text).expect("a script");
         assert_eq!(beats.len(), 2);
         let written = ron::to_string(&beats).expect("plain data");
         let again: Vec<Beat> = ron::from_str(&written).expect("own text");
@@ -193,12 +172,12 @@ mod tests {
         let mut app = App::new();
         app.init_resource::<Time<Real>>()
             .init_resource::<PendingPictures>()
-            .init_resource::<Asked>()
+            .init_resource::<Actions>()
             .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
             .add_systems(Update, play);
         for expected in [2, 3, 4] {
             app.update();
-            assert_eq!(app.world().resource::<Asked>().0.len(), expected);
+            assert_eq!(app.world().resource::<Actions>().0.len(), expected);
         }
         app.update();
         assert!(app.world().resource::<Script>().is_over());
@@ -206,16 +185,9 @@ mod tests {
 
     #[test]
     fn mistakes_have_a_place() {
-        let error = |text: &str| {
-            parse(Path::new("a.ron"), text)
-                .expect_err("bad")
-                .to_string()
-        };
+        let error = |text: &str| parse(text).expect_err("bad");
         let said = error("[\n (at: 0, actions: [Fly]),\n]");
-        assert!(
-            said.starts_with("a.ron:2:") && said.contains("Fly"),
-            "{said}"
-        );
+        assert!(said.starts_with("2:") && said.contains("Fly"), "{said}");
         let said = error("[(at: 0, actions: [SetIntegrator(\"leapfrog\")])]");
         assert!(said.contains("leapfrog") && said.contains("rk4"), "{said}");
         assert!(error("[(at: 2, actions: []), (at: 1, actions: [])]").contains("beat 2: at"));

@@ -16,7 +16,9 @@ use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox};
 use glam::DMat3;
 
+use crate::action::{Action, Hold};
 use crate::scene::session::{Hero, Session};
+use crate::scene::start::SceneStarted;
 
 /// Undamped frequency of a box held at its center \[Hz\]: fast to follow, slow to jerk.
 pub const FREQUENCY: f64 = 7.5;
@@ -25,18 +27,25 @@ pub const DAMPING: f64 = 1.0;
 /// The largest force, in weights of the box at 9.81 m/s²: enough to whirl it, not to shoot it away.
 pub const FORCE_CAP: f64 = 100.0;
 
-/// Where the box is held and where to.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Hold {
-    /// The held point, body axes from the center \[m\].
-    pub body_point: DVec3,
-    /// Where the hand is \[m\].
-    pub anchor: DVec3,
-}
-
-/// Whether the hero is held.
+/// The grab in progress.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Grip(pub Option<Hold>);
+
+/// Observes grabs.
+pub fn on_action(action: On<Action>, mut grip: ResMut<Grip>, mut session: ResMut<Session>) {
+    if let Action::Grab(hold) = *action {
+        let hold = hold.filter(|h| h.body_point.is_finite() && h.anchor.is_finite());
+        if grip.0.is_none() && hold.is_some() {
+            session.perturb("grab".to_owned());
+        }
+        grip.0 = hold;
+    }
+}
+
+/// A new start releases the box.
+pub fn release(_: On<SceneStarted>, mut grip: ResMut<Grip>) {
+    grip.0 = None;
+}
 
 /// The impulse \[N s\] (world axes, at the held point) of a step of `h` \[s\].
 pub fn impulse(hold: &Hold, body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {

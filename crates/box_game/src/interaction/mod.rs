@@ -1,20 +1,18 @@
-//! What hands can do: poke a face, drag the box on a spring, go back in time, take back a change.
+//! Interaction with the box: pushes, pokes, grabs, steps back, undo.
 //!
-//! [`pick`]: where a ray meets the box; [`grab`]: the spring; [`rewind`]: the ring of past states;
-//! [`undo`]: parameters and resets; [`mouse`]: gestures to actions (needs a camera).
+//! [`push`]: impulses; [`grab`]: the spring; [`pick`]: where a ray meets the box; [`mouse`]: gestures to
+//! actions (needs a camera); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
 
 pub mod grab;
 pub mod mouse;
 pub mod pick;
+pub mod push;
 pub mod rewind;
 pub mod undo;
 
 use bevy::prelude::*;
-use box_physics::prelude::{ApplyImpulse, BodyState};
 
-use crate::action::Poke;
-use crate::demo_2012;
-use crate::scene::session::{Hero, Session};
+use crate::action::ActionSystems;
 
 /// Everything but the mouse: runs without a window.
 pub struct InteractionPlugin;
@@ -24,36 +22,32 @@ impl Plugin for InteractionPlugin {
         app.init_resource::<grab::Grip>()
             .init_resource::<rewind::Rewind>()
             .init_resource::<undo::UndoStack>()
+            .add_observer(push::on_action)
+            .add_observer(grab::on_action)
+            .add_observer(grab::release)
+            .add_observer(rewind::on_action)
+            .add_observer(rewind::forget)
+            .add_observer(undo::on_action)
+            .add_observer(undo::forget)
+            .add_systems(
+                PreUpdate,
+                (
+                    undo::remember
+                        .after(ActionSystems::Request)
+                        .before(ActionSystems::Trigger),
+                    undo::keep.after(ActionSystems::Trigger),
+                ),
+            )
             .add_systems(FixedUpdate, (rewind::record, grab::pull).chain());
     }
 }
 
-/// An impulse at a point of the hero's surface, against its normal.
-pub fn poke(world: &mut World, poke: Poke) {
-    let strength = world.resource::<Session>().parameters.impulse * poke.strength;
-    let hero = world
-        .query_filtered::<(Entity, &BodyState), With<Hero>>()
-        .iter(world)
-        .next()
-        .map(|(entity, state)| (entity, *state));
-    let Some((entity, state)) = hero else {
-        return;
-    };
-    let impulse = state.rotation * -poke.normal.normalize_or_zero() * strength;
-    if !(impulse.is_finite() && poke.normal.is_finite() && poke.body_point.is_finite()) {
-        world
-            .resource_mut::<Session>()
-            .notice(format!("not possible: {poke:?}"));
-        return;
+/// The mouse on the box, and what it shows. Needs a camera and gizmos.
+pub struct MousePlugin;
+
+impl Plugin for MousePlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<mouse::Hand>()
+            .add_systems(Update, (mouse::use_mouse, mouse::draw_hand).chain());
     }
-    world.write_message(ApplyImpulse::at_body_point(
-        entity,
-        impulse,
-        poke.body_point,
-    ));
-    demo_2012::push(world, impulse, poke.body_point);
-    world.resource_mut::<Session>().perturb(format!(
-        "poke {:.3} {:.3} {:.3} N s",
-        impulse.x, impulse.y, impulse.z
-    ));
 }

@@ -6,12 +6,11 @@ use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use box_physics::prelude::{BodyState, DVec3, RigidBox};
 
-use super::grab::{Grip, Hold};
+use super::grab::Grip;
 use super::pick::{Hit, hit};
-use crate::action::{Action, Poke};
-use crate::apply::Asked;
-use crate::camera::OrbitCamera;
-use crate::input::keys::UiFocus;
+use crate::action::{Action, Actions, Hold, Poke};
+use crate::camera::views::SplitView;
+use crate::input::focus::UiFocus;
 use crate::scene::session::{Hero, Session};
 
 /// A press that moves farther than this is a drag [logical pixels].
@@ -125,10 +124,10 @@ pub fn use_mouse(
     buttons: Res<ButtonInput<MouseButton>>,
     scroll: Res<AccumulatedMouseScroll>,
     window: Query<&Window, With<PrimaryWindow>>,
-    camera: Single<(&Camera, &GlobalTransform), With<OrbitCamera>>,
+    camera: Single<(&Camera, &GlobalTransform), (With<Camera3d>, Without<SplitView>)>,
     hero: Query<(&RigidBox, &BodyState), With<Hero>>,
     focus: Res<UiFocus>,
-    mut asked: ResMut<Asked>,
+    mut actions: ResMut<Actions>,
 ) {
     let (camera, view) = *camera;
     let cursor = window.iter().next().and_then(Window::cursor_position);
@@ -158,7 +157,7 @@ pub fn use_mouse(
             (slope > 1e-6).then(|| from + along * ((depth - (from - eye).dot(forward)) / slope))
         },
         |point| box_now.map_or(0.0, |(_, state)| (state.point(point) - eye).dot(forward)),
-        &mut asked.0,
+        &mut actions.0,
     );
     hand.set_if_neq(next);
 }

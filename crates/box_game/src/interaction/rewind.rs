@@ -3,16 +3,23 @@
 
 use std::collections::VecDeque;
 
+use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
-use box_physics::prelude::{BodyState, IntegratorMemory, PhysicsClock, RigidBox, WorldAabb};
+use box_physics::prelude::{
+    BodyState, IntegratorMemory, PhysicsClock, RigidBox, StepPhysics, WorldAabb,
+};
 use box_scenarios::dissertation;
 
+use crate::action::Action;
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{BoxNumber, Session};
+use crate::scene::start::SceneOpened;
 
 /// The most ticks that are kept: half a minute at 60 Hz.
 pub const LONGEST: usize = 2000;
+/// The most steps that one action takes.
+const MOST_STEPS: u32 = 10_000;
 /// The most bodies of a scene that can go back.
 pub const MOST_BODIES: usize = 1000;
 /// The most bodies in all that are kept, over every tick: some 50 MB.
@@ -113,11 +120,6 @@ impl Rewind {
         self.ring.is_empty()
     }
 
-    /// Forgets everything: another scene.
-    pub fn clear(&mut self) {
-        self.ring.clear();
-    }
-
     fn push(&mut self, moment: Moment) {
         // A restart or a step back: what was to come is no past.
         while self
@@ -135,11 +137,31 @@ impl Rewind {
     }
 }
 
+/// Observes steps forward and back.
+pub fn on_action(action: On<Action>, mut commands: Commands) {
+    match *action {
+        Action::Step(n) => commands.queue(move |world: &mut World| {
+            world.resource_mut::<PhysicsClock>().paused = true;
+            for _ in 0..n.min(MOST_STEPS) {
+                keep(world);
+                StepPhysics(1).apply(world);
+            }
+        }),
+        Action::StepBack(n) => commands.queue(move |world: &mut World| step_back(world, n)),
+        _ => {}
+    }
+}
+
+/// Forgets the past of the scene before.
+pub fn forget(_: On<SceneOpened>, mut rewind: ResMut<Rewind>) {
+    rewind.ring.clear();
+}
+
 /// Keeps the moment before a tick.
-pub fn keep(world: &mut World) {
+fn keep(world: &mut World) {
     match Moment::now(world) {
         Some(moment) => world.resource_mut::<Rewind>().push(moment),
-        None => world.resource_mut::<Rewind>().clear(),
+        None => world.resource_mut::<Rewind>().ring.clear(),
     }
 }
 
@@ -151,7 +173,7 @@ pub fn record(world: &mut World) {
 }
 
 /// Goes `ticks` back, or as far as there is a past, and pauses.
-pub fn step_back(world: &mut World, ticks: u32) {
+fn step_back(world: &mut World, ticks: u32) {
     world.resource_mut::<PhysicsClock>().paused = true;
     let steps = world.resource::<PhysicsClock>().steps();
     let mut rewind = world.resource_mut::<Rewind>();
@@ -176,6 +198,6 @@ pub fn step_back(world: &mut World, ticks: u32) {
         }
         None => world
             .resource_mut::<Session>()
-            .notice("nothing to go back to: the last 2000 steps are kept, of up to 1000 boxes"),
+            .notice("No earlier step is stored (limit: 2000 steps, 1000 boxes)."),
     }
 }

@@ -1,121 +1,154 @@
-//! Taking back a change of a parameter, or a reset.
+//! Undo and redo of parameters, integrators and restarts: one entry for what a frame changed.
 
-use core::mem::{Discriminant, discriminant};
 use core::time::Duration;
 
 use bevy::prelude::*;
-use box_physics::prelude::{GlobalIntegrator, Integrator, PhysicsClock};
+use box_physics::prelude::{GlobalIntegrator, Integrator};
 
 use super::rewind::Moment;
-use crate::action::Action;
-use crate::apply::{live_parameters, set_step};
-use crate::scene::session::{Session, start_scene};
-use crate::ui::panel::Parameters;
+use crate::action::{Action, Actions};
+use crate::parameters::{Effect, Parameter, Parameters};
+use crate::scene::session::Session;
+use crate::scene::start::{SceneOpened, take_effect};
 
 /// The most changes that are kept.
 const MOST: usize = 100;
 /// Changes of one thing closer than this are one: a slider being dragged.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
 
-/// What can be taken back.
+/// What undo restores.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Settings {
     parameters: Parameters,
     integrator: Integrator,
-    step: Duration,
-    substeps: u32,
+    /// Number of the scene's start.
+    run: u32,
 }
 
-/// How it was before a change.
+/// The settings before a change.
 #[derive(Clone, Debug)]
 struct Entry {
     settings: Settings,
-    /// Where the boxes were, if the change put them elsewhere.
+    /// The boxes, if the change restarts the scene.
     moment: Option<Moment>,
-    /// In words: "gravity".
+    /// Name of the change.
     what: &'static str,
 }
 
-/// Changes that can be taken back, and those that were.
+/// Changes to undo and to redo.
 #[derive(Resource, Debug, Default)]
 pub struct UndoStack {
     past: Vec<Entry>,
     future: Vec<Entry>,
-    last: Option<(Discriminant<Action>, Duration)>,
+    /// The change that this frame may make.
+    pending: Option<Entry>,
+    /// Name and time of the last change.
+    last: Option<(&'static str, Duration)>,
 }
 
 impl UndoStack {
-    /// What the next undo takes back.
+    /// Name of the next change to undo.
     pub fn undoes(&self) -> Option<&'static str> {
         self.past.last().map(|e| e.what)
     }
 
-    /// What the next redo does again.
+    /// Name of the next change to redo.
     pub fn redoes(&self) -> Option<&'static str> {
         self.future.last().map(|e| e.what)
     }
+}
 
-    /// Forgets everything: another scene.
-    pub fn clear(&mut self) {
-        *self = Self::default();
+/// Name of the change that an action makes, and whether it restarts the scene; `None` if it cannot be undone.
+fn change(action: &Action) -> Option<(&'static str, bool)> {
+    match action {
+        Action::SetIntegrator(_) => Some(("Integrator", false)),
+        Action::Restart => Some(("Restart", true)),
+        Action::ResetParameters => Some(("Reset", true)),
+        Action::Set(parameter, _) => {
+            let info = parameter.info();
+            Some((info.label, info.effect == Effect::Restart))
+        }
+        _ => None,
     }
 }
 
-/// What an action changes, in words, and whether it moves boxes; `None` if it cannot be taken back.
-fn kind(action: &Action) -> Option<(&'static str, bool)> {
-    Some(match action {
-        Action::SetIntegrator(_) => ("integrator", false),
-        Action::SetStep(_) => ("dt", false),
-        Action::SetSubsteps(_) => ("substeps", false),
-        Action::SetGravity(_) => ("gravity", false),
-        Action::SetRestitution(_) => ("restitution", false),
-        Action::SetFriction(_) => ("friction", false),
-        Action::SetLinearDrag(_) => ("linear drag", false),
-        Action::SetAngularDamping(_) => ("angular damping", false),
-        Action::SetImpulse(_) => ("strength", false),
-        Action::SetHalfExtents(_) => ("size", true),
-        Action::SetMass(_) => ("mass", true),
-        Action::SetBoxes(_) => ("boxes", true),
-        Action::Restart => ("restart", true),
-        Action::ResetParameters => ("reset", true),
-        _ => return None,
-    })
-}
+impl Entry {
+    fn now(world: &mut World, what: &'static str, restarts: bool) -> Self {
+        let session = world.resource::<Session>();
+        let settings = Settings {
+            parameters: session.parameters,
+            integrator: world.resource::<GlobalIntegrator>().0,
+            run: session.run,
+        };
+        let moment = restarts.then(|| Moment::now(world)).flatten();
+        Self {
+            settings,
+            moment,
+            what,
+        }
+    }
 
-fn settings(world: &World) -> Settings {
-    Settings {
-        parameters: world.resource::<Session>().parameters,
-        integrator: world.resource::<GlobalIntegrator>().0,
-        step: world.resource::<Time<Fixed>>().timestep(),
-        substeps: world.resource::<PhysicsClock>().substeps,
+    /// Restores the entry, and returns the settings before.
+    fn swap(self, world: &mut World) -> Self {
+        let before = Self::now(world, self.what, self.moment.is_some());
+        let (old, new) = (before.settings, self.settings);
+        let event = format!("undo {}", self.what);
+        world.resource_mut::<Session>().parameters = new.parameters;
+        let mut effects: Vec<Effect> = Parameter::ALL
+            .into_iter()
+            .filter(|&p| old.parameters.get(p) != new.parameters.get(p))
+            .map(|p| p.info().effect)
+            .collect();
+        if self.moment.is_some() {
+            effects.push(Effect::Restart);
+        }
+        for effect in [Effect::Clock, Effect::Live, Effect::Restart] {
+            if effects.contains(&effect) {
+                take_effect(world, effect, event.clone());
+            }
+        }
+        if old.integrator != new.integrator {
+            world.trigger(Action::SetIntegrator(new.integrator));
+        }
+        if let Some(moment) = &self.moment {
+            moment.restore(world);
+            // The scene's reference starts at its start, not at this moment.
+            world.resource_mut::<Session>().perturb(event);
+        }
+        before
     }
 }
 
-/// Carries out `action` by `apply`, and keeps what it changed.
-pub fn around(world: &mut World, action: Action, apply: fn(&mut World, Action)) {
-    let Some((what, moves)) = kind(&action) else {
-        apply(world, action);
+/// Remembers the settings before the actions of a frame, if one of them can be undone.
+pub fn remember(world: &mut World) {
+    let actions = &world.resource::<Actions>().0;
+    if actions.contains(&Action::Undo) || actions.contains(&Action::Redo) {
+        return;
+    }
+    let changes: Vec<_> = actions.iter().filter_map(change).collect();
+    if let Some(&(what, _)) = changes.first() {
+        let restarts = changes.iter().any(|change| change.1);
+        let entry = Entry::now(world, what, restarts);
+        world.resource_mut::<UndoStack>().pending = Some(entry);
+    }
+}
+
+/// Keeps what [`remember`] remembered, if the frame changed it.
+pub fn keep(world: &mut World) {
+    let Some(entry) = world.resource_mut::<UndoStack>().pending.take() else {
         return;
     };
-    let entry = Entry {
-        settings: settings(world),
-        moment: if moves { Moment::now(world) } else { None },
-        what,
-    };
-    let same = discriminant(&action);
-    apply(world, action);
-    let changed = settings(world) != entry.settings || what == "restart";
-    if !changed {
+    if Entry::now(world, entry.what, false).settings == entry.settings {
         return;
     }
     let now = world.resource::<Time<Real>>().elapsed();
     let mut stack = world.resource_mut::<UndoStack>();
     stack.future.clear();
-    let dragging = !moves
-        && stack
-            .last
-            .is_some_and(|(before, then)| before == same && now.saturating_sub(then) < ONE_GESTURE);
-    stack.last = Some((same, now));
+    let dragging = entry.moment.is_none()
+        && stack.last.is_some_and(|(what, then)| {
+            what == entry.what && now.saturating_sub(then) < ONE_GESTURE
+        });
+    stack.last = Some((entry.what, now));
     if !dragging {
         stack.past.push(entry);
         if stack.past.len() > MOST {
@@ -124,55 +157,33 @@ pub fn around(world: &mut World, action: Action, apply: fn(&mut World, Action)) 
     }
 }
 
-/// Takes back the last change.
-pub fn undo(world: &mut World) {
-    let entry = world.resource_mut::<UndoStack>().past.pop();
-    if let Some(entry) = entry {
-        let now = swap(world, entry);
-        world.resource_mut::<UndoStack>().future.push(now);
-    }
-}
-
-/// Does the last change again that was taken back.
-pub fn redo(world: &mut World) {
-    let entry = world.resource_mut::<UndoStack>().future.pop();
-    if let Some(entry) = entry {
-        let now = swap(world, entry);
-        world.resource_mut::<UndoStack>().past.push(now);
-    }
-}
-
-/// Puts `entry` into place and returns what was there.
-fn swap(world: &mut World, entry: Entry) -> Entry {
-    let moves = entry.moment.is_some();
-    let before = Entry {
-        settings: settings(world),
-        moment: if moves { Moment::now(world) } else { None },
-        what: entry.what,
+/// Observes undo and redo.
+pub fn on_action(action: On<Action>, mut stack: ResMut<UndoStack>, mut commands: Commands) {
+    let undo = match *action {
+        Action::Undo => true,
+        Action::Redo => false,
+        _ => return,
     };
-    let wanted = entry.settings;
-    world.resource_mut::<Session>().parameters = wanted.parameters;
-    world.insert_resource(GlobalIntegrator(wanted.integrator));
-    world.resource_mut::<PhysicsClock>().substeps = wanted.substeps;
-    if wanted.step != before.settings.step {
-        set_step(world, wanted.step.as_secs_f64());
-        world
-            .resource_mut::<Time<Fixed>>()
-            .set_timestep(wanted.step);
-    }
-    if moves {
-        start_scene(world);
-    } else if wanted.parameters != before.settings.parameters {
-        live_parameters(world, format!("undo {}", entry.what));
-    }
-    if let Some(moment) = &entry.moment {
-        moment.restore(world);
-        // The boxes go on from where they were, not from the start that the trusted answer knows.
-        world
-            .resource_mut::<Session>()
-            .perturb(format!("undo {}", entry.what));
-    }
-    let mut stack = world.resource_mut::<UndoStack>();
     stack.last = None;
-    before
+    let entry = if undo {
+        stack.past.pop()
+    } else {
+        stack.future.pop()
+    };
+    commands.queue(move |world: &mut World| {
+        let Some(before) = entry.map(|entry| entry.swap(world)) else {
+            return;
+        };
+        let mut stack = world.resource_mut::<UndoStack>();
+        if undo {
+            stack.future.push(before);
+        } else {
+            stack.past.push(before);
+        }
+    });
+}
+
+/// Forgets the changes of the scene before.
+pub fn forget(_: On<SceneOpened>, mut stack: ResMut<UndoStack>) {
+    *stack = UndoStack::default();
 }

@@ -8,8 +8,6 @@ use std::path::{Path, PathBuf};
 use bevy::prelude::Resource;
 use serde::Serialize;
 
-use crate::scene::session::Session;
-
 /// One row. Columns without a figure are empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Row {
@@ -116,18 +114,6 @@ impl CsvLog {
             writer: csv::Writer::from_writer(CountingFile { file, bytes }),
             rows: 0,
         })
-    }
-
-    /// Creates the next free `run-NN.csv` in the current directory.
-    ///
-    /// # Errors
-    /// As [`CsvLog::create`].
-    pub fn open_next(session: &Session) -> io::Result<Self> {
-        let free = (1..10_000)
-            .map(|n| PathBuf::from(format!("run-{n:02}.csv")))
-            .find(|p| !p.exists())
-            .ok_or_else(|| io::Error::other("run-01.csv to run-9999.csv are all taken"))?;
-        Self::create(&free, session.scenario.id, session.seed)
     }
 
     /// Full path.

@@ -9,8 +9,6 @@ use bevy::diagnostic::{
 use bevy::prelude::*;
 use box_physics::prelude::PhysicsClock;
 
-use crate::scene::session::Session;
-
 /// Points kept per curve: 15 minutes of CPU at 4 a second.
 const LENGTH: usize = 3600;
 
@@ -72,17 +70,4 @@ pub fn frame_time(store: Option<&DiagnosticsStore>) -> Option<f64> {
     store?
         .get(&FrameTimeDiagnosticsPlugin::FRAME_TIME)?
         .smoothed()
-}
-
-/// Counts the simulated time that a hitch dropped: frames longer than the clock's limit.
-pub fn count_dropped(
-    real: Res<Time<Real>>,
-    time: Res<Time<Virtual>>,
-    clock: Res<PhysicsClock>,
-    mut session: ResMut<Session>,
-) {
-    let over = real.delta().saturating_sub(time.max_delta());
-    if !over.is_zero() && !clock.paused {
-        session.dropped += over.as_secs_f64() * session.speed;
-    }
 }

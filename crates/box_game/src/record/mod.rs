@@ -1,9 +1,40 @@
-//! Records of a run: CSV log, time series for the plots, pictures, films, application log.
+//! Records of a run: CSV log, time series for the plots, pictures, application log.
 
-pub mod apng;
 pub mod application_log;
 pub mod csv_log;
-pub mod film;
 pub mod history;
-pub mod rows;
+mod rows;
 pub mod screenshot;
+
+use bevy::prelude::*;
+use box_physics::prelude::{PhysicsSchedule, PhysicsSystems};
+
+use crate::compare::plugin::after_step;
+
+/// The CSV log and the time series of the plots.
+pub struct RecordPlugin;
+
+impl Plugin for RecordPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<history::History>()
+            .add_observer(rows::on_action)
+            .add_systems(
+                PhysicsSchedule,
+                rows::write_rows
+                    .in_set(PhysicsSystems::Last)
+                    .after(after_step),
+            )
+            .add_systems(Update, history::record);
+    }
+}
+
+/// Pictures. Needs a renderer.
+pub struct PicturesPlugin;
+
+impl Plugin for PicturesPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<screenshot::PlotArea>()
+            .add_observer(screenshot::on_action)
+            .add_systems(Update, (screenshot::take_screenshot, screenshot::film));
+    }
+}

@@ -8,17 +8,50 @@ use box_physics::prelude::{
     PhysicsTimings, Quarantined,
 };
 
+use super::csv_log::{CsvLog, Row};
+use super::history::{History, frame_time};
+use super::screenshot::next_free;
+use crate::action::Action;
 use crate::compare::lane::Law;
 use crate::compare::runner::Runner;
 use crate::compare::sampling::IntegratorSamples;
 use crate::compare::track::Track;
 use crate::compare::{Comparison, Quantity};
-use crate::record::csv_log::{CsvLog, Row};
-use crate::record::history::{History, frame_time};
 use crate::scene::session::{Hero, Session};
 
+/// Observes the switch of the log.
+pub(super) fn on_action(
+    action: On<Action>,
+    log: Option<Res<CsvLog>>,
+    mut session: ResMut<Session>,
+    mut commands: Commands,
+) {
+    if *action != Action::ToggleLog {
+        return;
+    }
+    if let Some(log) = log {
+        session.notice(format!(
+            "log closed: {} ({} rows)",
+            log.path().display(),
+            log.rows()
+        ));
+        commands.remove_resource::<CsvLog>();
+        return;
+    }
+    let opened = next_free("run", "csv")
+        .ok_or_else(|| std::io::Error::other("run-01.csv to run-9999.csv exist"))
+        .and_then(|path| CsvLog::create(&path, session.scenario.id, session.seed));
+    match opened {
+        Ok(log) => {
+            session.notice(format!("logging to {}", log.path().display()));
+            commands.insert_resource(log);
+        }
+        Err(error) => session.notice(format!("log: {error}")),
+    }
+}
+
 /// Writes the rows of the step that just ended. Runs in `PhysicsSystems::Last`, after the comparison.
-pub fn write_rows(
+pub(super) fn write_rows(
     log: Option<ResMut<CsvLog>>,
     (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
     hero: Query<(&BodyState, Has<Quarantined>), With<Hero>>,

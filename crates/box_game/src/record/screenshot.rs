@@ -1,57 +1,65 @@
-//! Pictures of the window or of the image rendered instead of it.
+//! Pictures of the window, or of the image rendered instead of it: one by one, or a numbered series.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::window::WindowRef;
 
+use crate::action::{Action, Film};
 use crate::input::script::PendingPictures;
 use crate::scene::session::Session;
+use crate::view::renderer::PictureTarget;
 
-/// Asks for a picture of the next frame.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct ScreenshotRequest {
-    /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
-    pub path: Option<PathBuf>,
-    /// How much of the window.
-    pub part: Part,
-}
-
-impl ScreenshotRequest {
-    /// Of the whole window.
-    pub const fn of(path: Option<PathBuf>) -> Self {
-        Self {
-            path,
-            part: Part::Window,
-        }
-    }
-}
-
-/// How much of the window is in a picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Part {
-    /// All of it.
-    #[default]
-    Window,
-    /// The open plot or table.
-    Plot,
-}
-
-/// Where the open plot or table is \[pixels\]; empty while the drawer is shut.
+/// The open plot or table \[pixels\]; empty while the drawer is shut.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PlotArea(pub URect);
 
-/// The image that is rendered instead of a window.
+/// A picture of the next frame.
 #[derive(Resource, Clone, Debug)]
-pub struct OffscreenTarget(pub Handle<Image>);
+pub struct ScreenshotRequest {
+    /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
+    pub path: Option<PathBuf>,
+    /// The open plot or table alone.
+    pub plot: bool,
+}
 
-/// Takes the picture that was asked for.
+/// A series of pictures being taken.
+#[derive(Resource, Debug)]
+pub struct Filming {
+    film: Film,
+    taken: u32,
+    /// Time of the first picture \[s\].
+    began: Option<f64>,
+}
+
+/// Observes requests for pictures.
+pub fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
+    let (path, plot) = match &*action {
+        Action::Screenshot => (None, false),
+        Action::ScreenshotTo(path) => (Some(path.clone()), false),
+        Action::SavePlot(path) => (path.clone(), true),
+        Action::Record(film) => {
+            if !(film.rate > 0.0 && film.rate.is_finite()) {
+                session.notice(format!("film: rate {}: allowed: above 0", film.rate));
+                return;
+            }
+            commands.insert_resource(Filming {
+                film: film.clone(),
+                taken: 0,
+                began: None,
+            });
+            return;
+        }
+        _ => return,
+    };
+    commands.insert_resource(ScreenshotRequest { path, plot });
+}
+
+/// Takes the requested picture.
 pub fn take_screenshot(
     request: Option<Res<ScreenshotRequest>>,
-    offscreen: Option<Res<OffscreenTarget>>,
+    target: Res<PictureTarget>,
     plot: Res<PlotArea>,
     mut session: ResMut<Session>,
     mut pending: ResMut<PendingPictures>,
@@ -60,80 +68,106 @@ pub fn take_screenshot(
     let Some(request) = request else {
         return;
     };
-    let (name, area) = match request.part {
-        Part::Window => ("box_game", None),
-        Part::Plot => ("plot", Some(plot.0)),
-    };
-    let path = request.path.clone().or_else(|| {
-        (1..10_000)
-            .map(|n| PathBuf::from(format!("{name}-{n:02}.png")))
-            .find(|p| !p.exists())
-    });
-    // Who named the file knows of it; a strip about it would be in the next picture.
-    let named = request.path.is_some();
     commands.remove_resource::<ScreenshotRequest>();
-    let Some(path) = path else {
-        session.notice(format!(
-            "no free name for a picture: {name}-01.png to -9999.png are taken"
-        ));
+    let name = if request.plot { "plot" } else { "box_game" };
+    // A file that was named needs no notice, which would be in the next picture.
+    let named = request.path.is_some();
+    let Some(path) = request.path.clone().or_else(|| next_free(name, "png")) else {
+        session.notice(format!("{name}-01.png to {name}-9999.png exist"));
         return;
     };
-    if area.is_some_and(|area| area.is_empty()) {
-        session.notice("no plot is open: M opens them");
+    if request.plot && plot.0.is_empty() {
+        session.notice("no plot is open; M opens the plots");
         return;
     }
-    pending.0 += 1;
-    commands
-        .spawn(Screenshot(source(offscreen.as_deref())))
-        .observe(
-            move |captured: On<ScreenshotCaptured>,
-                  mut session: ResMut<Session>,
-                  mut pending: ResMut<PendingPictures>| {
-                pending.0 = pending.0.saturating_sub(1);
-                match save(&captured.image, area, &path) {
-                    Ok(()) if named => info!("picture: {}", path.display()),
-                    Ok(()) => session.notice(format!("picture: {}", path.display())),
-                    Err(error) => session.notice(format!("picture {}: {error}", path.display())),
-                }
-            },
-        );
+    let area = request.plot.then_some(plot.0);
+    capture(&target, area, path, named, &mut pending, &mut commands);
 }
 
-/// What is drawn into: the window, or the image instead of it.
-pub fn source(offscreen: Option<&OffscreenTarget>) -> RenderTarget {
-    match offscreen {
-        Some(target) => RenderTarget::Image(target.0.clone().into()),
-        None => RenderTarget::Window(WindowRef::Primary),
+/// Takes the pictures of a series that are due.
+pub fn film(
+    filming: Option<ResMut<Filming>>,
+    time: Res<Time<Real>>,
+    target: Res<PictureTarget>,
+    mut session: ResMut<Session>,
+    mut pending: ResMut<PendingPictures>,
+    mut commands: Commands,
+) {
+    let Some(mut filming) = filming else {
+        return;
+    };
+    let now = time.elapsed_secs_f64();
+    let began = *filming.began.get_or_insert(now);
+    if now < began + f64::from(filming.taken) / filming.film.rate - 1e-6 {
+        return;
+    }
+    if filming.taken == 0
+        && let Err(error) = std::fs::create_dir_all(&filming.film.folder)
+    {
+        session.notice(format!("{}: {error}", filming.film.folder.display()));
+        commands.remove_resource::<Filming>();
+        return;
+    }
+    filming.taken += 1;
+    let path = filming
+        .film
+        .folder
+        .join(format!("{:04}.png", filming.taken));
+    capture(&target, None, path, true, &mut pending, &mut commands);
+    if filming.taken >= filming.film.pictures {
+        commands.remove_resource::<Filming>();
     }
 }
 
-/// Writes a PNG beside its place and moves it there, so that nobody sees half a picture.
+/// The first of `name-01`, `name-02`, … with this extension that does not exist.
+pub fn next_free(name: &str, extension: &str) -> Option<PathBuf> {
+    (1..10_000)
+        .map(|n| PathBuf::from(format!("{name}-{n:02}.{extension}")))
+        .find(|path| !path.exists())
+}
+
+fn capture(
+    target: &PictureTarget,
+    area: Option<URect>,
+    path: PathBuf,
+    named: bool,
+    pending: &mut PendingPictures,
+    commands: &mut Commands,
+) {
+    pending.0 += 1;
+    commands.spawn(Screenshot(target.0.clone())).observe(
+        move |captured: On<ScreenshotCaptured>,
+              mut session: ResMut<Session>,
+              mut pending: ResMut<PendingPictures>| {
+            pending.0 = pending.0.saturating_sub(1);
+            match save(&captured.image, area, &path) {
+                Ok(()) if named => info!("picture: {}", path.display()),
+                Ok(()) => session.notice(format!("picture: {}", path.display())),
+                Err(error) => session.notice(format!("picture {}: {error}", path.display())),
+            }
+        },
+    );
+}
+
+/// Writes a PNG beside its place and moves it there, so that no half-written picture is ever seen.
 fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
     let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
     if let Some(URect { min, max }) = area {
         picture = picture.crop_imm(min.x, min.y, max.x - min.x, max.y - min.y);
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    let file = tempfile::Builder::new()
+    let mut builder = tempfile::Builder::new();
+    // A temporary file is private by default.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    let file = builder
         .suffix(".png")
         .tempfile_in(folder.unwrap_or(Path::new(".")))?;
-    // The window's alpha says nothing.
+    // The alpha of a window has no meaning.
     picture
         .to_rgb8()
         .save(file.path())
         .map_err(io::Error::other)?;
-    readable(file.path())?;
     file.persist(path)?;
-    Ok(())
-}
-
-/// Lets everybody read what a temporary file kept to its owner.
-pub(crate) fn readable(path: &Path) -> io::Result<()> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o644))?;
-    }
-    let _ = path;
     Ok(())
 }

@@ -6,8 +6,9 @@ use std::time::SystemTime;
 use bevy::prelude::*;
 use box_scenarios::{Scenario, scene_file};
 
-use crate::scene::opening::open_scene;
-use crate::scene::session::Session;
+use super::session::Session;
+use super::start::open_scene;
+use crate::action::Action;
 
 /// How often the files are looked at [s of real time].
 const INTERVAL: f64 = 0.5;
@@ -193,6 +194,32 @@ pub fn file_path(text: &str) -> Option<PathBuf> {
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("ron"));
     ron.then_some(path)
+}
+
+/// Observes the choice of a scene.
+pub fn on_action(
+    action: On<Action>,
+    library: Res<SceneLibrary>,
+    session: Res<Session>,
+    mut commands: Commands,
+) {
+    let neighbor = |by: isize| {
+        let scenes = library.scenes();
+        let playing = session.scenario.id;
+        let at = scenes.iter().position(|(id, _)| id == playing).unwrap_or(0);
+        let next = (at as isize + by).rem_euclid(scenes.len() as isize);
+        library.find(&scenes[next as usize].0)
+    };
+    let scene = match &*action {
+        Action::SelectScene(id) => library.find(id),
+        Action::NextScene => neighbor(1),
+        Action::PreviousScene => neighbor(-1),
+        _ => return,
+    };
+    commands.queue(move |world: &mut World| match scene {
+        Ok(scene) => open_scene(world, scene, true),
+        Err(error) => world.resource_mut::<Session>().notice(error),
+    });
 }
 
 /// Looks at the files now and then; a scene that is being played and has changed starts anew.

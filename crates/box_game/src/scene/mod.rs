@@ -1,5 +1,26 @@
-//! The scene: which one is played, with which parameters, and the files that it comes from.
+//! The scene being played: its parameters, its start, its clock, and the files that scenes come from.
 
+mod boxes;
+pub mod clock;
 pub mod library;
-pub mod opening;
 pub mod session;
+pub mod start;
+
+use bevy::prelude::*;
+use box_physics::prelude::{PhysicsSchedule, PhysicsSystems};
+
+/// Opens and starts scenes, sets their parameters, and runs their clock.
+pub struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_observer(start::on_action)
+            .add_observer(clock::on_action)
+            .add_observer(library::on_action)
+            .add_systems(
+                PhysicsSchedule,
+                start::apply_timed_impulses.in_set(PhysicsSystems::First),
+            )
+            .add_systems(Update, (library::watch_scenes, clock::count_dropped));
+    }
+}

@@ -1,6 +1,50 @@
 //! The panel and the preferences.
 
 pub mod panel;
-pub mod panel_plugin;
 pub mod panel_view;
-pub mod preferences;
+mod show;
+
+use bevy::prelude::*;
+use bevy_egui::EguiPrimaryContextPass;
+
+use crate::action::Action;
+use crate::camera::views::arrange_views;
+use crate::preferences::{self, Preferences};
+use crate::scene::session::Session;
+
+/// The switches of the panel. Runs without a window.
+pub struct SwitchesPlugin;
+
+impl Plugin for SwitchesPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Preferences>()
+            .add_observer(switch)
+            .add_observer(preferences::on_action)
+            .add_systems(PreStartup, preferences::clamp_scale);
+    }
+}
+
+/// The panel. Needs a renderer and egui.
+pub struct PanelPlugin;
+
+impl Plugin for PanelPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<show::PanelState>()
+            .add_systems(Startup, show::spawn_camera)
+            .add_systems(
+                EguiPrimaryContextPass,
+                show::show_panel.before(arrange_views),
+            );
+    }
+}
+
+/// Observes the switches.
+fn switch(action: On<Action>, mut session: ResMut<Session>) {
+    match *action {
+        Action::ToggleHelp => session.show_help ^= true,
+        Action::TogglePicker => session.show_picker ^= true,
+        Action::TogglePanel => session.hidden ^= true,
+        Action::SelectPlot(plot) => session.plot = plot,
+        _ => {}
+    }
+}

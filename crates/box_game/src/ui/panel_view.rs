@@ -15,16 +15,13 @@ use crate::compare::Comparison;
 use crate::compare::fill::compare_view;
 use crate::compare::sampling::IntegratorSamples;
 use crate::demo_2012::Demo2012;
-use crate::interaction::rewind::Rewind;
 use crate::interaction::undo::UndoStack;
+use crate::preferences::Preferences;
 use crate::record::csv_log::CsvLog;
 use crate::record::history::{History, frame_time};
 use crate::scene::library::SceneLibrary;
 use crate::scene::session::{Hero, Session};
-use crate::ui::panel::{
-    DemoView, HeroView, HistoryView, IntegratorTiming, InteractionView, LogView, PanelView,
-};
-use crate::ui::preferences::Preferences;
+use crate::ui::panel::{DemoView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView};
 
 /// What the view is made from.
 #[derive(SystemParam)]
@@ -33,7 +30,6 @@ pub struct Sources<'w, 's> {
     integrator: Res<'w, GlobalIntegrator>,
     comparison: Res<'w, Comparison>,
     clock: Res<'w, PhysicsClock>,
-    fixed: Res<'w, Time<Fixed>>,
     history: Res<'w, History>,
     samples: Res<'w, IntegratorSamples>,
     timings: Option<Res<'w, PhysicsTimings>>,
@@ -42,11 +38,10 @@ pub struct Sources<'w, 's> {
     floor: Option<Res<'w, Floor>>,
     adapter: Option<Res<'w, RenderAdapterInfo>>,
     library: Res<'w, SceneLibrary>,
-    rewind: Res<'w, Rewind>,
     undo: Res<'w, UndoStack>,
     demo: Res<'w, Demo2012>,
-    /// Settings: the panel follows their scale and may change it.
-    pub(crate) kept: ResMut<'w, Preferences>,
+    /// The panel follows their scale and may change it.
+    pub(crate) preferences: ResMut<'w, Preferences>,
     hero: Query<
         'w,
         's,
@@ -64,7 +59,7 @@ pub struct Sources<'w, 's> {
 pub fn view(s: &Sources) -> PanelView {
     let session = &*s.session;
     let scenes = s.library.scenes();
-    let open = session.show_plots && !session.hidden;
+    let open = s.preferences.show_plots && !session.hidden;
     PanelView {
         scene: scenes
             .iter()
@@ -76,10 +71,6 @@ pub fn view(s: &Sources) -> PanelView {
         paused: s.clock.paused,
         time: s.clock.elapsed().as_secs_f64(),
         steps: s.clock.steps(),
-        step: s.fixed.timestep().as_secs_f64(),
-        substeps: s.clock.substeps,
-        default_step: 1.0 / 60.0,
-        default_substeps: 1,
         speed: session.speed,
         actual_speed: s.history.actual_speed(),
         dropped: session.dropped,
@@ -107,14 +98,10 @@ pub fn view(s: &Sources) -> PanelView {
             &s.comparison,
             &s.samples,
             open.then_some(session.plot),
-            session.parameters.boxes,
+            session.parameters.boxes(),
         ),
-        show_aabb: session.show_aabb,
-        show_contacts: session.show_contacts,
-        show_axes: session.show_axes,
         show_help: session.show_help,
         hidden: session.hidden,
-        show_plots: session.show_plots,
         plot: session.plot,
         log: s.log.as_ref().map(|log| LogView {
             path: log.path().display().to_string(),
@@ -126,7 +113,13 @@ pub fn view(s: &Sources) -> PanelView {
             .as_ref()
             .is_some_and(|a| a.device_type == wgpu::DeviceType::Cpu),
         notices: session.notices.iter().cloned().collect(),
-        interaction: interaction(s),
+        preferences: *s.preferences,
+        hints: session.scenario.hints.map(str::to_owned),
+        scene_errors: s.library.errors(),
+        undoes: s.undo.undoes(),
+        redoes: s.undo.redoes(),
+        show_picker: session.show_picker,
+        demo: (session.scenario.id == crate::demo_2012::SCENE).then(|| demo(&s.demo)),
     }
 }
 
@@ -171,23 +164,12 @@ fn history(s: &Sources) -> HistoryView {
     }
 }
 
-fn interaction(s: &Sources) -> InteractionView {
-    let session = &*s.session;
-    let demo = &s.demo;
-    InteractionView {
-        hints: session.scenario.hints.map(str::to_owned),
-        scene_errors: s.library.errors(),
-        past: s.rewind.len(),
-        undoes: s.undo.undoes().map(str::to_owned),
-        redoes: s.undo.redoes().map(str::to_owned),
-        show_picker: session.show_picker,
-        ui_scale: f64::from(s.kept.ui_scale),
-        demo: (session.scenario.id == crate::demo_2012::SCENE).then(|| DemoView {
-            stepper: demo.stepper,
-            cycle_us: demo.cycle_ns as f64 * 1e-3,
-            log: demo
-                .log()
-                .map(|(path, cycles)| (path.display().to_string(), cycles)),
-        }),
+fn demo(demo: &Demo2012) -> DemoView {
+    DemoView {
+        stepper: demo.stepper,
+        cycle_us: demo.cycle_ns as f64 * 1e-3,
+        log: demo
+            .log()
+            .map(|(path, cycles)| (path.display().to_string(), cycles)),
     }
 }

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use box_physics::prelude::Floor;
 
-use crate::camera::OrbitCamera;
-use crate::view::ghosts::views::Everywhere;
+use crate::camera::orbit::OrbitCamera;
+use crate::camera::views::Everywhere;
 
 /// Crosses along each axis, on either side of the middle.
 const REACH: i32 = 3;
@@ -31,7 +31,7 @@ fn lattice(target: Vec3, spacing: f32) -> impl Iterator<Item = Vec3> {
 }
 
 /// Draws the lattice, fainter toward its edge.
-pub fn draw_lattice(
+pub(super) fn draw_lattice(
     floor: Option<Res<Floor>>,
     camera: Single<&OrbitCamera>,
     mut gizmos: Gizmos<Everywhere>,

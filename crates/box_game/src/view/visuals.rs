@@ -8,27 +8,27 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, Integrator, RigidBox};
 
+use crate::camera::views::everywhere;
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{Hero, Session};
-use crate::view::ghosts::views::everywhere;
 
 /// Edge of the drawn floor \[m\].
 const FLOOR_SIZE: f32 = 200.0;
 
 /// The drawn floor.
 #[derive(Component)]
-pub struct FloorSurface;
+pub(super) struct FloorSurface;
 
 /// What boxes are drawn with.
 #[derive(Resource)]
-pub struct BoxLook {
+pub(super) struct BoxLook {
     hero: Handle<StandardMaterial>,
     load: Handle<StandardMaterial>,
     mesh: Option<(Vec3, Handle<Mesh>)>,
 }
 
 /// Light, floor and materials.
-pub fn set_up(
+pub(super) fn set_up(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -172,7 +172,7 @@ pub(crate) fn box_color(integrator: Integrator) -> Color {
 }
 
 /// Paints the hero in the color of the integrator that moves it; white where that is none of ours.
-pub fn tint_hero(
+pub(super) fn tint_hero(
     hero: Query<Option<&BodyIntegrator>, With<Hero>>,
     global: Res<GlobalIntegrator>,
     demo: Res<Demo2012>,
@@ -195,7 +195,7 @@ pub fn tint_hero(
 }
 
 /// Gives new boxes a mesh: one mesh and two materials for all, so that they are drawn in few calls.
-pub fn dress_boxes(
+pub(super) fn dress_boxes(
     new: Query<(Entity, &RigidBox, Has<Hero>), Added<RigidBox>>,
     mut look: ResMut<BoxLook>,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -223,7 +223,7 @@ pub fn dress_boxes(
 }
 
 /// Shows the floor where the physics has one.
-pub fn place_floor(
+pub(super) fn place_floor(
     floor: Option<Res<Floor>>,
     mut surface: Single<(&mut Transform, &mut Visibility), With<FloorSurface>>,
 ) {

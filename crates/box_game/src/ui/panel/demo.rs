@@ -5,12 +5,13 @@ use box_scenarios::dissertation::Stepper;
 
 use super::format::number;
 use super::view::{DemoView, PanelView};
+use super::widgets::button;
 use crate::action::Action;
 use crate::demo_2012::FAULTS;
 
 /// Across the top of the picture, in that scene alone.
 pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let Some(demo) = &view.interaction.demo else {
+    let Some(demo) = &view.demo else {
         return;
     };
     Panel::top("2012").show(ui, |ui| {
@@ -37,17 +38,17 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
 
 fn choices(ui: &mut Ui, demo: &DemoView, out: &mut Vec<Action>) {
     let of_2012 = Stepper::ALL.map(Some);
-    for choice in of_2012.into_iter().chain([None]) {
-        let chosen = demo.stepper == choice;
-        let name = choice.map_or("Ours", Stepper::name);
+    for stepper in of_2012.into_iter().chain([None]) {
+        let chosen = demo.stepper == stepper;
+        let name = stepper.map_or("Ours", Stepper::name);
         let button = ui.add(Button::selectable(chosen, name).frame_when_inactive(true));
         button.widget_info(|| WidgetInfo::selected(WidgetType::RadioButton, true, chosen, name));
-        let hint = choice.map_or(
+        let hint = stepper.map_or(
             "The plugin, with the integrator chosen on the right.",
             Stepper::fault,
         );
         if button.on_hover_text(hint).clicked() && !chosen {
-            out.push(Action::SetDemo(choice));
+            out.push(Action::SetDemo(stepper));
         }
     }
 }
@@ -59,7 +60,7 @@ fn log(ui: &mut Ui, demo: &DemoView, out: &mut Vec<Action>) {
         "Start its log"
     };
     let hint = "As in 2012: the time of every integration cycle, a line each, to a text file.";
-    if ui.small_button(name).on_hover_text(hint).clicked() {
+    if button(ui, name, hint) {
         out.push(Action::ToggleDemoLog);
     }
     let cycle = number((demo.cycle_us * 100.0).round() / 100.0);

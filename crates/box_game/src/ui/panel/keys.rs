@@ -1,58 +1,43 @@
 //! The keys and the mouse: one list for the help overlay and the README.
 
-/// (what to press, what it does).
+/// What to press, and what it does.
 pub const KEYS: &[(&str, &str)] = &[
     (
         "W S · A D · E Q",
-        "push the box along its own z · x · y axis; hold to repeat",
+        "push along the box's z · x · y axis (hold to repeat)",
     ),
-    (
-        "Shift + those",
-        "push at the edge of the face, so that the box spins",
-    ),
+    ("Shift + those", "push off-center, so that the box spins"),
     ("Alt + those", "push along the world's axes"),
     (
         "Click the box · drag it",
-        "poke it there (wheel while held: strength) · hold it on a spring",
+        "poke (scroll while holding to set the strength) · grab",
     ),
-    (
-        "1 … 9",
-        "move the box by the integrator with this key (its tooltip says it)",
-    ),
-    ("Shift + 1 … 9", "simulate that one beside it, or no longer"),
-    ("G · V", "ghosts on or off · next layout"),
-    ("P or Space", "pause, resume"),
-    (". or →", "one step while paused (with Shift: ten)"),
-    (", or ←", "one step back (with Shift: ten)"),
+    ("1 … 9", "switch to the integrator with this key"),
+    ("Shift + 1 … 9", "compare with that integrator, or stop"),
+    ("G · V", "show or hide the comparisons · next layout"),
+    ("P or Space", "pause or resume"),
+    (". or →", "step once (with Shift: ten times)"),
+    (", or ←", "step back (with Shift: ten times)"),
     ("R or Backspace", "restart the scene"),
     ("- and =", "slower, faster"),
     ("0", "real time"),
     ("[ and ]", "previous scene, next scene"),
-    ("Ctrl + O", "search for a scene"),
-    (
-        "Ctrl + Z · Ctrl + Shift + Z",
-        "take back a change of a parameter or a reset · do it again",
-    ),
-    ("Ctrl + plus · Ctrl + minus", "size of the panel"),
+    ("Ctrl + O", "search scenes"),
+    ("Ctrl + Z · Ctrl + Shift + Z", "undo · redo"),
+    ("Ctrl + plus · Ctrl + minus", "scale the panel"),
     (
         "B · C · X",
-        "show the bounding box · the contacts · axes and velocity",
+        "show the bounding box · contacts · axes and velocity",
     ),
-    ("F", "put the box in the middle of the picture"),
-    ("Home", "the scene's own camera"),
-    (
-        "Left drag beside it · right drag · wheel",
-        "orbit · pan · zoom",
-    ),
+    ("F", "center the view on the box"),
+    ("Home", "reset the view"),
+    ("Drag elsewhere · right drag · scroll", "orbit · pan · zoom"),
     ("L", "start or stop the CSV log"),
-    (
-        "F12",
-        "save a picture of the window (of a plot: its PNG button)",
-    ),
+    ("F12", "save a screenshot"),
     ("M", "show or hide the plots"),
     ("` (backtick)", "show or hide the panel"),
     ("F1 or ?", "show or hide this list"),
-    ("Esc", "close a list, let go of the box"),
+    ("Esc", "close a list, release the box"),
     ("Ctrl + Q", "quit"),
 ];
 

@@ -3,6 +3,7 @@
 use super::view::HistoryView;
 use crate::action::Plot;
 use crate::compare::CompareView;
+use crate::parameters::Parameter;
 
 /// Folded sections, dismissed texts, and a value in the middle of being dragged.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,8 +26,8 @@ pub struct PanelMemory {
     pub(super) picked: usize,
     /// "Reset everything" was pressed once.
     pub(super) sure: bool,
-    /// A value that restarts the scene, while it is dragged: its label and the value so far.
-    pub(super) draft: Option<(&'static str, f64)>,
+    /// A value that restarts the scene, while it is dragged.
+    pub(super) draft: Option<(Parameter, f64)>,
     /// Work–precision shows the position error or the attitude's; what says more, if `None`.
     pub sweep_position: Option<bool>,
     /// The plots as they stood when the pointer came over them.

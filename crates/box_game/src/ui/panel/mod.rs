@@ -15,7 +15,6 @@
 pub(crate) mod decimate;
 mod demo;
 mod drawer;
-mod fields;
 mod format;
 mod keys;
 mod linear_axis;
@@ -30,35 +29,19 @@ mod side;
 mod tests;
 mod top_bar;
 mod view;
+mod widgets;
 
-pub use fields::SPEEDS;
 pub use format::number;
 pub use keys::KEYS;
 pub use memory::{PanelMemory, Section};
 #[doc(hidden)]
 pub use sample::sample_view;
-pub use view::{
-    DemoView, HeroView, HistoryView, IntegratorTiming, InteractionView, LogView, PanelView,
-    Parameters,
-};
+pub use view::{DemoView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView};
 
 use bevy_egui::egui::{Panel, Rect, Ui};
 
-use crate::action::{Action, Plot};
-use crate::compare::CompareView;
+use crate::action::Action;
 use crate::view::style;
-
-/// Draws the comparison alone: tabs, integrators to tick, and the open tab. For a window in another app.
-pub fn comparison_window(
-    ui: &mut Ui,
-    view: &CompareView,
-    plot: Plot,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) {
-    style::install_symbols(ui.ctx());
-    drawer::comparison(ui, view, plot, memory, out);
-}
 
 /// Where the panel left room.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,7 +82,7 @@ pub fn show(
         .size_range(SIDE_LEAST..=(width * 0.6).max(SIDE_LEAST))
         .show(ui, |ui| side::show(ui, view, memory, out));
 
-    let plot = view.show_plots.then(|| {
+    let plot = view.preferences.show_plots.then(|| {
         let height = ui.available_height();
         Panel::bottom("drawer")
             .resizable(true)

@@ -26,7 +26,7 @@ pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
     if lesson && ui.available_height() > LESSON_ROOM && self::lesson(ui, view) {
         memory.dismissed_lesson = scene.cloned();
     }
-    for error in &view.interaction.scene_errors {
+    for error in &view.scene_errors {
         let text = RichText::new(format!("⚠ {error}")).color(ui.visuals().error_fg_color);
         Panel::top(Id::new(("scene error", error))).show(ui, |ui| ui.add(Label::new(text).wrap()));
     }
@@ -55,7 +55,7 @@ pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
 /// What the scene teaches and what to try, across the top of the picture; returns whether it was
 /// dismissed.
 fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
-    let hints: Vec<&str> = (view.interaction.hints.iter())
+    let hints: Vec<&str> = (view.hints.iter())
         .map(String::as_str)
         .filter(|hint| !hint.is_empty())
         .collect();
@@ -155,7 +155,7 @@ const SCALES: [f64; 5] = [0.75, 1.0, 1.25, 1.5, 2.0];
 fn scale(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     ui.label("Size of the panel:");
     for scale in SCALES {
-        let chosen = (view.interaction.ui_scale - scale).abs() < 1e-3;
+        let chosen = (f64::from(view.preferences.ui_scale) - scale).abs() < 1e-3;
         let text = format!("{:.0} %", scale * 100.0);
         if ui.selectable_label(chosen, text).clicked() && !chosen {
             out.push(Action::SetUiScale(scale));

@@ -1,4 +1,4 @@
-//! Finding a scene by a few of its letters.
+//! The list of scenes with a search field.
 
 use bevy_egui::egui::{Id, Key, Modal, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType};
 
@@ -8,7 +8,7 @@ use crate::action::Action;
 
 /// The list over everything, if it is open. Arrows go through it, Enter takes one; Esc is left to the game's own keys.
 pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
-    if !view.interaction.show_picker {
+    if !view.show_picker {
         memory.search.clear();
         memory.picked = 0;
         return;
@@ -17,7 +17,7 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
     let modal = Modal::new(Id::new("picker")).show(ui.ctx(), |ui| {
         ui.set_width(420.0_f32.min(screen.width() - 60.0).max(0.0));
         let field = TextEdit::singleline(&mut memory.search)
-            .hint_text("Type some letters of a scene…")
+            .hint_text("Search scenes…")
             .desired_width(f32::INFINITY);
         let field = ui.add(field);
         field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Search scenes"));
@@ -60,7 +60,7 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
                     }
                 }
                 if found.is_empty() {
-                    ui.label("No scene has these letters in this order.");
+                    ui.label("No scene matches.");
                 }
             });
         chosen
@@ -72,35 +72,14 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
     }
 }
 
-/// Indices of the scenes that have the letters of `pattern` in this order, the best first.
-fn search(pattern: &str, scenes: &[(String, String)]) -> Vec<usize> {
-    let mut found: Vec<(u32, usize)> = scenes
-        .iter()
-        .enumerate()
-        .filter_map(|(k, (id, title))| {
-            let best = score(pattern, id).max(score(pattern, title))?;
-            Some((u32::MAX - best, k))
-        })
-        .collect();
-    found.sort_unstable();
-    found.into_iter().map(|(_, k)| k).collect()
-}
-
-/// How well the letters of `pattern` are found in `text`, in their order: `None` if they are not. Letters
-/// that follow each other and letters that begin a word count more.
-fn score(pattern: &str, text: &str) -> Option<u32> {
-    let text: Vec<char> = text.chars().flat_map(char::to_lowercase).collect();
-    let (mut at, mut points, mut run) = (0, 1, 0);
-    for wanted in pattern.chars().filter(|c| !c.is_whitespace()) {
-        let wanted = wanted.to_lowercase().next().unwrap_or(wanted);
-        let skipped = text[at..].iter().position(|&c| c == wanted)?;
-        let place = at + skipped;
-        let begins = place == 0 || !text[place - 1].is_alphanumeric();
-        run = if skipped == 0 && at > 0 { run + 1 } else { 0 };
-        points += 1 + 3 * run + if begins { 5 } else { 0 };
-        at = place + 1;
-    }
-    Some(points)
+/// Indices of the scenes whose id or title contains every word of `text`.
+fn search(text: &str, scenes: &[(String, String)]) -> Vec<usize> {
+    let text = text.to_lowercase();
+    let matches = |(id, title): &(String, String)| {
+        let name = format!("{id} {title}").to_lowercase();
+        text.split_whitespace().all(|word| name.contains(word))
+    };
+    (0..scenes.len()).filter(|&k| matches(&scenes[k])).collect()
 }
 
 #[cfg(test)]
@@ -108,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn letters_in_order_find_a_scene() {
+    fn words_find_a_scene() {
         let scenes: Vec<_> = box_scenarios::Scenario::ALL
             .iter()
             .map(|build| build())
@@ -118,11 +97,9 @@ mod tests {
             let found = search(pattern, &scenes);
             found.first().map(|&k| scenes[k].0.as_str())
         };
-        assert_eq!(first("dz"), Some("dzhanibekov"));
+        assert_eq!(first("dzha"), Some("dzhanibekov"));
         assert_eq!(first("2012"), Some("dissertation-2012"));
-        assert_eq!(first("STIFF SP"), Some("stiff-spring"));
-        assert_eq!(first("ht"), Some("heavy-top"));
-        assert_eq!(first("qd"), Some("quadratic-drag"));
+        assert_eq!(first("SPRING stiff"), Some("stiff-spring"));
         assert_eq!(first("xyzzy"), None);
         assert_eq!(search("", &scenes).len(), scenes.len());
     }

@@ -5,52 +5,52 @@ use bevy_egui::egui::{
     vec2,
 };
 
-use super::fields::Field;
 use super::format::{number, parse};
 use super::memory::PanelMemory;
+use crate::action::Action;
+use crate::parameters::{Effect, Info, Parameter, Parameters};
 
 /// Widths of the name and of the typed value; the slider takes the rest [points].
 const NAME: f32 = 88.0;
 const VALUE: f32 = 104.0;
 
-/// Draws the row and returns a new value: allowed, and other than `value`.
+/// Draws the row and returns a new value: allowed, and other than the present one. A parameter that the
+/// scene does not have has no row.
 pub(super) fn row(
     ui: &mut Ui,
-    field: &Field,
-    value: f64,
-    default: f64,
+    parameter: Parameter,
+    now: &Parameters,
+    scene: &Parameters,
     memory: &mut PanelMemory,
-) -> Option<f64> {
-    let shown = memory
-        .draft
-        .filter(|(label, _)| *label == field.label)
-        .map_or(value, |(_, draft)| draft);
-    // A slider cannot stand at NaN; it stays put until touched.
-    let shown = if shown.is_finite() {
-        shown
-    } else {
-        field.allowed(default)?
-    };
-    let (edited, dragging, reset) = ui.horizontal(|ui| widgets(ui, field, shown, default)).inner;
-
+) -> Option<Action> {
+    let value = now.get(parameter)?;
+    let default = scene.get(parameter).unwrap_or(value);
+    let draft = memory.draft.filter(|(p, _)| *p == parameter);
+    let shown = draft.map_or(value, |(_, draft)| draft);
+    // A slider cannot stand at NaN; it stands at the default until moved.
+    let shown = if shown.is_finite() { shown } else { default };
+    let info = parameter.info();
+    let (edited, dragging, reset) = ui.horizontal(|ui| widgets(ui, &info, shown, default)).inner;
+    let new = |value: f64| parameter.nearest(value);
+    let set = |new: f64| (new != value).then_some(Action::Set(parameter, new));
     if reset {
         memory.draft = None;
-        return field.allowed(default).filter(|new| *new != value);
+        return new(default).and_then(set);
     }
-    if field.restarts && dragging {
-        memory.draft = Some((field.label, edited.unwrap_or(shown)));
+    if info.effect == Effect::Restart && dragging {
+        memory.draft = Some((parameter, edited.unwrap_or(shown)));
         return None;
     }
-    let dropped = memory.draft.take_if(|(label, _)| *label == field.label);
+    let dropped = memory.draft.take_if(|(p, _)| *p == parameter);
     let wanted = edited.or(dropped.map(|(_, draft)| draft))?;
-    field.allowed(wanted).filter(|new| *new != value)
+    new(wanted).and_then(set)
 }
 
 /// Returns (a value other than `shown`, whether one is being dragged, whether to reset).
-fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>, bool, bool) {
+fn widgets(ui: &mut Ui, field: &Info, shown: f64, default: f64) -> (Option<f64>, bool, bool) {
     let height = ui.spacing().interact_size.y;
     let gap = ui.spacing().item_spacing.x;
-    let name = if field.restarts {
+    let name = if field.effect == Effect::Restart {
         format!("{} ↻", field.label)
     } else {
         field.label.to_owned()
@@ -83,7 +83,7 @@ fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>
         slider = slider.integer();
     }
     let slider = ui.add(slider).labelled_by(name.id);
-    slider.widget_info(|| WidgetInfo::slider(true, slid, field.slider_name()));
+    slider.widget_info(|| WidgetInfo::slider(true, slid, named(field.label, field.unit)));
 
     let mut typed = shown;
     let speed = if field.logarithmic {
@@ -97,7 +97,7 @@ fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>
         format!(" {}", field.unit)
     };
     let value = DragValue::new(&mut typed)
-        .range(field.hard.0..=field.hard.1)
+        .range(field.range.0..=field.range.1)
         .clamp_existing_to_range(false)
         .speed(if field.integer { speed.max(0.1) } else { speed })
         .update_while_editing(false)
@@ -108,7 +108,7 @@ fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>
         .add_sized(vec2(VALUE.min(ui.available_width()), height), value)
         .labelled_by(name.id);
     value.widget_info(|| WidgetInfo {
-        label: Some(field.value_name()),
+        label: Some(named(&format!("{} value", field.label), field.unit)),
         value: Some(typed),
         ..WidgetInfo::new(WidgetType::DragValue)
     });
@@ -134,8 +134,17 @@ fn widgets(ui: &mut Ui, field: &Field, shown: f64, default: f64) -> (Option<f64>
     )
 }
 
+/// As screen readers and tests call a widget: `Gravity [m/s²]`.
+fn named(label: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        label.to_owned()
+    } else {
+        format!("{label} [{unit}]")
+    }
+}
+
 /// The tooltip: what it is, value and default with units, range, and how to reset.
-fn explain(response: &Response, field: &Field, shown: f64, default: f64) {
+fn explain(response: &Response, field: &Info, shown: f64, default: f64) {
     response.clone().on_hover_ui(|ui| {
         ui.set_max_width(ui.spacing().tooltip_width);
         let with_unit = |value: f64| {
@@ -154,10 +163,10 @@ fn explain(response: &Response, field: &Field, shown: f64, default: f64) {
         ui.label(field.hint);
         ui.label(format!(
             "Allowed: {} to {}.",
-            number(field.hard.0),
-            with_unit(field.hard.1)
+            number(field.range.0),
+            with_unit(field.range.1)
         ));
-        if field.restarts {
+        if field.effect == Effect::Restart {
             ui.label("↻ A change restarts the scene.");
         }
     });

@@ -2,16 +2,19 @@
 
 use box_physics::prelude::{DVec3, Integrator};
 
-use super::view::{
-    HeroView, HistoryView, IntegratorTiming, InteractionView, PanelView, Parameters,
-};
+use super::view::{HeroView, HistoryView, IntegratorTiming, PanelView};
+
 use crate::action::Plot;
 use crate::compare::{CompareView, LaneView, Quantity};
+use crate::parameters::Parameters;
+use crate::preferences::Preferences;
 
 /// A plausible moment of a game: everything filled, nothing extreme.
 #[doc(hidden)]
 pub fn sample_view() -> PanelView {
     let parameters = Parameters {
+        step: 1.0 / 60.0,
+        substeps: 1.0,
         gravity: 9.81,
         restitution: Some(0.5),
         friction: Some(0.6),
@@ -20,7 +23,7 @@ pub fn sample_view() -> PanelView {
         half_extents: DVec3::new(0.5, 0.25, 0.125),
         mass: 2.0,
         impulse: 1.0,
-        boxes: 1,
+        boxes: 1.0,
     };
     PanelView {
         scenes: [
@@ -36,10 +39,6 @@ pub fn sample_view() -> PanelView {
         paused: false,
         time: 12.35,
         steps: 741,
-        step: 1.0 / 60.0,
-        substeps: 1,
-        default_step: 1.0 / 60.0,
-        default_substeps: 1,
         speed: 1.0,
         actual_speed: Some(1.0),
         dropped: 0.0,
@@ -82,17 +81,19 @@ pub fn sample_view() -> PanelView {
             cpu: (0..30).map(|k| (f64::from(k), 12.0, 30.0)).collect(),
         },
         compare: sample_comparison(),
-        show_aabb: false,
-        show_contacts: false,
-        show_axes: false,
         show_help: false,
         hidden: false,
-        show_plots: true,
         plot: Plot::Energy,
         log: None,
         software_rendering: false,
         notices: Vec::new(),
-        interaction: InteractionView::default(),
+        preferences: Preferences::default(),
+        hints: Default::default(),
+        scene_errors: Vec::new(),
+        undoes: None,
+        redoes: None,
+        show_picker: false,
+        demo: None,
     }
 }
 

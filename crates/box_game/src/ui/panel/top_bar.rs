@@ -1,11 +1,12 @@
 //! The bar along the top: which scene, how fast, where in time.
 
-use bevy_egui::egui::{Button, ComboBox, Label, Response, RichText, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Button, ComboBox, Label, RichText, Ui, WidgetInfo, WidgetType};
 
-use super::fields::SPEEDS;
 use super::format::{grouped, number, step_size};
 use super::view::PanelView;
+use super::widgets::{named_button, toggle};
 use crate::action::Action;
+use crate::parameters::SPEEDS;
 
 /// Below this share of its target the clock is called behind.
 const BEHIND: f64 = 0.95;
@@ -25,13 +26,6 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         ui.spacing_mut().item_spacing.x = 20.0;
         readouts(ui, view);
     });
-}
-
-/// A button with its key in the tooltip.
-fn button(ui: &mut Ui, text: &str, name: &str, hint: &str) -> Response {
-    let response = ui.add(Button::new(text).wrap_mode(bevy_egui::egui::TextWrapMode::Extend));
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
-    response.on_hover_text(hint)
 }
 
 /// Starts a new row where a group would not fit: a combo box does not wrap by itself.
@@ -64,10 +58,10 @@ fn scene(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
     combo.on_hover_text("Scene; [ and ] go through the list, Ctrl+O searches in it.");
-    if button(ui, "◂", "Previous scene", "Previous scene ([)").clicked() {
+    if named_button(ui, "◂", "Previous scene", "Previous scene ([)") {
         out.push(Action::PreviousScene);
     }
-    if button(ui, "▸", "Next scene", "Next scene (])").clicked() {
+    if named_button(ui, "▸", "Next scene", "Next scene (])") {
         out.push(Action::NextScene);
     }
 }
@@ -78,19 +72,19 @@ fn clock(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     } else {
         ("⏸ Pause", "Pause")
     };
-    if button(ui, text, name, "Stop or resume the clock (P or Space).").clicked() {
+    if named_button(ui, text, name, "Stop or resume the clock (P or Space).") {
         out.push(Action::TogglePause);
     }
     let hint = "One step back, the clock standing (,). With Shift: ten.";
-    if button(ui, "⏮ Back", "Step back", hint).clicked() {
+    if named_button(ui, "⏮ Back", "Step back", hint) {
         out.push(Action::StepBack(ten(ui)));
     }
     let hint = "One step, the clock standing (.). With Shift: ten.";
-    if button(ui, "⏭ Step", "Step", hint).clicked() {
+    if named_button(ui, "⏭ Step", "Step", hint) {
         out.push(Action::Step(ten(ui)));
     }
     let hint = "The scene from its start, with the present parameters (R).";
-    if button(ui, "⟲ Restart", "Restart", hint).clicked() {
+    if named_button(ui, "⟲ Restart", "Restart", hint) {
         out.push(Action::Restart);
     }
 }
@@ -106,7 +100,7 @@ fn ten(ui: &Ui) -> u32 {
 
 fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     room(ui, 290.0);
-    if button(ui, "−", "Slower", "Slower (-)").clicked() {
+    if named_button(ui, "−", "Slower", "Slower (-)") {
         out.push(Action::Slower);
     }
     let target = format!("{}×", number(view.speed));
@@ -132,7 +126,7 @@ fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
     combo.on_hover_text("Target: simulated seconds per second (default 1× · key 0).");
-    if button(ui, "+", "Faster", "Faster (=)").clicked() {
+    if named_button(ui, "+", "Faster", "Faster (=)") {
         out.push(Action::Faster);
     }
     let actual = match view.actual_speed {
@@ -150,25 +144,13 @@ fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
 
 fn windows(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     for (text, name, what, key, action) in [
-        (
-            "↶",
-            "Undo",
-            &view.interaction.undoes,
-            "Ctrl+Z",
-            Action::Undo,
-        ),
-        (
-            "↷",
-            "Redo",
-            &view.interaction.redoes,
-            "Ctrl+Shift+Z",
-            Action::Redo,
-        ),
+        ("↶", "Undo", view.undoes, "Ctrl+Z", Action::Undo),
+        ("↷", "Redo", view.redoes, "Ctrl+Shift+Z", Action::Redo),
     ] {
         let response = ui.add_enabled(what.is_some(), Button::new(text));
         let enabled = what.is_some();
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, enabled, name));
-        let hint = what.as_deref().unwrap_or("nothing");
+        let hint = what.unwrap_or("nothing");
         if response
             .on_hover_text(format!("{name}: {hint} ({key})."))
             .clicked()
@@ -176,24 +158,29 @@ fn windows(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             out.push(action);
         }
     }
-    let toggle = |ui: &mut Ui, on: bool, text: &str, hint: &str| {
-        let response = ui.add(Button::selectable(on, text).frame_when_inactive(true));
-        response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, text));
-        response.on_hover_text(hint).clicked()
-    };
-    if toggle(ui, view.show_plots, "Plots", "Show or hide the plots (M).") {
-        out.push(Action::TogglePlots);
-    }
-    if toggle(
-        ui,
-        false,
-        "Hide panel",
-        "Leave one line; the same key (`) brings the panel back.",
-    ) {
-        out.push(Action::TogglePanel);
-    }
-    if toggle(ui, view.show_help, "Help", "All keys (F1 or ?).") {
-        out.push(Action::ToggleHelp);
+    for (on, text, hint, action) in [
+        (
+            view.preferences.show_plots,
+            "Plots",
+            "Show or hide the plots (M).",
+            Action::TogglePlots,
+        ),
+        (
+            false,
+            "Hide panel",
+            "Hide all but one line; the backtick key (`) shows the panel again.",
+            Action::TogglePanel,
+        ),
+        (
+            view.show_help,
+            "Help",
+            "List all keys (F1 or ?).",
+            Action::ToggleHelp,
+        ),
+    ] {
+        if toggle(ui, on, text, hint) {
+            out.push(action);
+        }
     }
 }
 
@@ -208,14 +195,14 @@ fn readouts(ui: &mut Ui, view: &PanelView) {
         format!("step {}", grouped(view.steps)),
         "Steps since the start of the scene.",
     );
-    let substeps = if view.substeps > 1 {
-        format!(" in {} parts", view.substeps)
+    let substeps = if view.parameters.substeps > 1.0 {
+        format!(" in {} parts", view.parameters.substeps)
     } else {
         String::new()
     };
     read(
         ui,
-        format!("dt = {}{substeps}", step_size(view.step)),
+        format!("dt = {}{substeps}", step_size(view.parameters.step)),
         "Step size.",
     );
     match &view.log {

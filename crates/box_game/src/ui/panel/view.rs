@@ -6,6 +6,8 @@ use box_scenarios::dissertation::Stepper;
 
 use crate::action::Plot;
 use crate::compare::CompareView;
+use crate::parameters::Parameters;
+use crate::preferences::Preferences;
 
 /// Everything the panel shows in one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,14 +26,6 @@ pub struct PanelView {
     pub time: f64,
     /// Steps taken since the start of the scene.
     pub steps: u64,
-    /// dt \[s\].
-    pub step: f64,
-    /// Substeps per step.
-    pub substeps: u32,
-    /// The scene's own dt \[s\], for "reset" and tooltips.
-    pub default_step: f64,
-    /// The scene's own substeps, for "reset" and tooltips.
-    pub default_substeps: u32,
     /// Target speed, 1 = real time.
     pub speed: f64,
     /// Measured speed over the last second; `None` until there is one.
@@ -58,18 +52,12 @@ pub struct PanelView {
     pub history: HistoryView,
     /// The comparison of integrators.
     pub compare: CompareView,
-    /// What is drawn besides the boxes.
-    pub show_aabb: bool,
-    /// See `show_aabb`.
-    pub show_contacts: bool,
-    /// See `show_aabb`.
-    pub show_axes: bool,
+    /// Scale and switches.
+    pub preferences: Preferences,
     /// Whether the key list is open.
     pub show_help: bool,
     /// Whether the panel is hidden.
     pub hidden: bool,
-    /// Whether the drawer is open.
-    pub show_plots: bool,
     /// Which plot the drawer shows.
     pub plot: Plot,
     /// The log being written: path, rows, bytes.
@@ -78,44 +66,18 @@ pub struct PanelView {
     pub software_rendering: bool,
     /// Messages for the person: the last error or file written, newest last.
     pub notices: Vec<String>,
-    /// What hands can do and see besides.
-    pub interaction: InteractionView,
-}
-
-/// Hints, scene files, the past, the 2012 demo.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InteractionView {
     /// What to try in this scene.
     pub hints: [String; 2],
-    /// What is wrong with scene files, a line each.
+    /// Errors of scene files, a line each.
     pub scene_errors: Vec<String>,
-    /// Ticks that one can go back.
-    pub past: usize,
-    /// What undo would take back.
-    pub undoes: Option<String>,
-    /// What redo would do again.
-    pub redoes: Option<String>,
-    /// Whether the list of scenes to search in is open.
+    /// Name of the next change to undo.
+    pub undoes: Option<&'static str>,
+    /// Name of the next change to redo.
+    pub redoes: Option<&'static str>,
+    /// Whether the list of scenes is open.
     pub show_picker: bool,
-    /// Scale of the panel.
-    pub ui_scale: f64,
     /// The demo of 2012, in its scene.
     pub demo: Option<DemoView>,
-}
-
-impl Default for InteractionView {
-    fn default() -> Self {
-        Self {
-            hints: Default::default(),
-            scene_errors: Vec::new(),
-            past: 0,
-            undoes: None,
-            redoes: None,
-            show_picker: false,
-            ui_scale: 1.0,
-            demo: None,
-        }
-    }
 }
 
 /// The demo of 2012.
@@ -127,29 +89,6 @@ pub struct DemoView {
     pub cycle_us: f64,
     /// The file of its cycle times and their number.
     pub log: Option<(String, u64)>,
-}
-
-/// What can be set live.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
-    /// Gravity, downwards [m/s²].
-    pub gravity: f64,
-    /// Restitution of the floor; `None` without a floor.
-    pub restitution: Option<f64>,
-    /// Friction of the floor; `None` without a floor.
-    pub friction: Option<f64>,
-    /// Linear drag c₁ [N s/m].
-    pub linear_drag: f64,
-    /// Angular damping γ [1/s].
-    pub angular_damping: f64,
-    /// Half-extents of the box \[m\].
-    pub half_extents: DVec3,
-    /// Mass \[kg\].
-    pub mass: f64,
-    /// Strength of a push \[N s\].
-    pub impulse: f64,
-    /// Number of boxes.
-    pub boxes: u32,
 }
 
 /// The hero box now.

@@ -5,9 +5,10 @@ use std::collections::VecDeque;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Integrator, RigidBox};
 
-use super::views::{Fourth, PictureArea, Second, Third};
-use super::{Shown, color, drawn, shown, tip};
-use crate::compare::{Comparison, Layout};
+use super::shown::{Shown, color, drawn, shown, tip};
+use crate::action::compare::Layout;
+use crate::camera::views::{Fourth, PictureArea, Second, Third};
+use crate::compare::Comparison;
 
 /// How much of the past a trail shows \[s\], and how many points it has at most.
 const TRAIL: f64 = 1.5;

@@ -3,9 +3,10 @@
 use bevy::prelude::*;
 use box_physics::prelude::Integrator;
 
-use super::{color, shown, sideways};
-use crate::camera::OrbitCamera;
-use crate::compare::{Comparison, Layout};
+use super::shown::{color, shown, sideways};
+use crate::action::compare::Layout;
+use crate::camera::orbit::OrbitCamera;
+use crate::compare::Comparison;
 use crate::scene::session::Session;
 
 /// Width of a strip in radii of the box.
@@ -19,7 +20,7 @@ const LIFT: f32 = 0.5;
 
 /// The ground under a lane.
 #[derive(Component, Clone, Copy, Debug)]
-pub struct Strip(pub Integrator);
+pub(super) struct Strip(pub Integrator);
 
 /// The ground under every lane: along the motion over a floor, else a plate under a box that stays.
 pub(super) fn place_strips(

@@ -3,10 +3,11 @@
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
-use super::views::{PictureArea, SplitView, cells};
-use super::{drawn, shown, tip};
+use super::shown::{drawn, shown, tip};
+use crate::action::compare::Layout;
+use crate::camera::views::{PictureArea, SplitView, cells};
 use crate::compare::track::Track;
-use crate::compare::{Comparison, Layout, Quantity};
+use crate::compare::{Comparison, Quantity};
 use crate::demo_2012::Demo2012;
 use crate::scene::session::Session;
 use crate::view::style;

@@ -5,88 +5,47 @@ mod plots;
 mod table;
 mod work_precision;
 
-use bevy_egui::egui::{Button, Checkbox, Rect, RichText, Ui, WidgetInfo, WidgetType};
-use box_physics::prelude::Integrator;
+use bevy_egui::egui::{Button, Rect, RichText, Ui, WidgetInfo, WidgetType};
 
 use super::memory::{Frozen, PanelMemory};
 use super::view::PanelView;
+use super::widgets::{button, named_button, toggle};
+use crate::action::compare::{CompareAction, Window};
 use crate::action::{Action, Plot};
-use crate::compare::{CompareAction, CompareView, Window};
+use crate::compare::CompareView;
 
+/// Name and tooltip of every tab.
 const TABS: [(Plot, &str, &str); 6] = [
     (
         Plot::Error,
         "Error",
-        "Distance and angle to the reference over simulated time.",
+        "Position and attitude error over simulated time.",
     ),
     (
         Plot::Energy,
         "Energy",
-        "Energy and angular momentum that nothing accounts for, over simulated time.",
+        "Unexplained energy and angular momentum over simulated time.",
     ),
     (
         Plot::Timing,
         "Timing",
-        "What a body-step costs under every integrator, over time.",
+        "Cost of a body-step under every integrator over time.",
     ),
-    (Plot::Cpu, "CPU", "Use of the processor over time."),
+    (Plot::Cpu, "CPU", "CPU use over time."),
     (
         Plot::WorkPrecision,
         "Work–precision",
-        "Error against cost of every lane, and over step sizes.",
+        "Error against cost, now and over step sizes.",
     ),
     (
         Plot::Table,
         "Table",
-        "The figures of every integrator side by side.",
+        "Figures of every integrator side by side.",
     ),
 ];
 
 /// How long the plots stay frozen after the pointer has left them \[s\].
 const THAW: f64 = 0.3;
-
-/// The tabs of the comparison alone, for a window in another app.
-pub(super) fn comparison(
-    ui: &mut Ui,
-    view: &CompareView,
-    plot: Plot,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) {
-    ui.horizontal_wrapped(|ui| {
-        for (tab, name, hint) in TABS {
-            if !matches!(tab, Plot::Timing | Plot::Cpu) && select(ui, tab == plot, name, hint) {
-                out.push(Action::SelectPlot(tab));
-            }
-        }
-        ui.separator();
-        let mut asked = Vec::new();
-        tools(ui, view, plot, &mut asked);
-        out.extend(asked.into_iter().map(Action::Compare));
-    });
-    ui.horizontal_wrapped(|ui| {
-        for &integrator in Integrator::ALL {
-            let lane = view.lanes.iter().find(|l| l.integrator == integrator);
-            let mut on = lane.is_some();
-            let hero = lane.is_some_and(|l| l.hero);
-            let tick = ui.add_enabled(
-                !hero,
-                Checkbox::new(&mut on, crate::view::style::tagged(integrator)),
-            );
-            if tick.changed() {
-                out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
-            }
-        }
-    });
-    let mut asked = Vec::new();
-    match plot {
-        Plot::Error => compare::error(ui, view),
-        Plot::WorkPrecision => work_precision::show(ui, view, memory, &mut asked),
-        Plot::Table => table::show(ui, view, &[], &mut asked),
-        Plot::Energy | Plot::Timing | Plot::Cpu => compare::energy(ui, view),
-    }
-    out.extend(asked.into_iter().map(Action::Compare));
-}
 
 /// A tab; returns whether it is to be opened.
 fn select(ui: &mut Ui, chosen: bool, name: &str, hint: &str) -> bool {
@@ -118,19 +77,11 @@ pub(super) fn show(
         let mut asked = Vec::new();
         tools(ui, &view.compare, view.plot, &mut asked);
         out.extend(asked.into_iter().map(Action::Compare));
-        let picture = ui.button("PNG");
-        picture.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, "Save plot"));
-        if picture
-            .on_hover_text("Save this plot or table as plot-NN.png in the present folder.")
-            .clicked()
-        {
+        let hint = "Save this plot or table as plot-NN.png in the current folder.";
+        if named_button(ui, "PNG", "Save plot", hint) {
             out.push(Action::SavePlot(None));
         }
-        if ui
-            .button("Close plots")
-            .on_hover_text("Hide the drawer (M).")
-            .clicked()
-        {
+        if button(ui, "Close plots", "Hide the drawer (M).") {
             out.push(Action::TogglePlots);
         }
         if memory.frozen.is_some() {
@@ -189,20 +140,23 @@ pub(super) fn show(
 fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareAction>) {
     let settings = &view.settings;
     let over_time = matches!(plot, Plot::Error | Plot::Energy);
-    let mut toggle = |ui: &mut Ui, on: bool, name: &str, hint: &str, action: CompareAction| {
-        let button = ui.add(Button::selectable(on, name).frame_when_inactive(true));
-        button.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
-        if button.on_hover_text(hint).clicked() {
+    let mut choice = |ui: &mut Ui, on: bool, name: &str, hint: &str, action: CompareAction| {
+        if toggle(ui, on, name, hint) {
             out.push(action);
         }
     };
     match plot {
         Plot::Error => {
-            let hint = "Logarithmic instead of linear.";
-            let action = CompareAction::ToggleLogarithmic;
-            toggle(ui, settings.logarithmic, "log", hint, action);
-            let hint = "The error of each step alone, from the reference's state, instead of that since the start: it says something even after chaos.";
-            toggle(
+            let hint = "Logarithmic axis.";
+            choice(
+                ui,
+                settings.logarithmic,
+                "log",
+                hint,
+                CompareAction::ToggleLogarithmic,
+            );
+            let hint = "Error of each step alone, from the reference's state; meaningful even after chaos sets in.";
+            choice(
                 ui,
                 settings.local,
                 "per step",
@@ -211,32 +165,32 @@ fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareActio
             );
         }
         Plot::Energy => {
-            let hint = "The size on a logarithmic axis instead of the value on a linear one.";
+            let hint = "Magnitude on a logarithmic axis.";
             let action = CompareAction::ToggleLogarithmicEnergy;
-            toggle(ui, settings.logarithmic_energy, "log", hint, action);
+            choice(ui, settings.logarithmic_energy, "log", hint, action);
         }
         _ => {}
     }
     if over_time {
         for window in Window::ALL {
-            let on = settings.window == window;
-            let hint = "How much of the past is shown.";
-            toggle(
+            let action = CompareAction::SetWindow(window);
+            choice(
                 ui,
-                on,
+                settings.window == window,
                 window.name(),
-                hint,
-                CompareAction::SetWindow(window),
+                "Time span shown.",
+                action,
             );
         }
     }
-    if plot != Plot::Cpu && plot != Plot::Timing {
-        let copy = ui.button("Copy CSV");
-        if copy
-            .on_hover_text("What is shown, as CSV, to the clipboard.")
-            .clicked()
-        {
-            out.push(CompareAction::Copy);
-        }
+    let copies = plot != Plot::Cpu && plot != Plot::Timing;
+    if copies
+        && button(
+            ui,
+            "Copy CSV",
+            "Copy the data shown to the clipboard, as CSV.",
+        )
+    {
+        out.push(CompareAction::Copy);
     }
 }

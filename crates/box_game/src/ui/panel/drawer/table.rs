@@ -8,8 +8,9 @@ use box_physics::prelude::Integrator;
 use super::super::format::{number, quantity, step_size};
 use super::super::view::IntegratorTiming;
 use super::compare::state;
+use crate::action::compare::CompareAction;
 use crate::compare::view::verdict;
-use crate::compare::{CompareAction, CompareView, LaneView, Quantity};
+use crate::compare::{CompareView, LaneView, Quantity};
 use crate::view::style;
 
 const HEADINGS: [(&str, &str); 12] = [

@@ -1,18 +1,18 @@
 //! Error against cost, both logarithmic: down and left is better. The dots are the lanes as they run;
 //! the lines are the sweep over step sizes.
 
-use bevy_egui::egui::{
-    Button, Label, ProgressBar, Rect, RichText, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
-};
+use bevy_egui::egui::{Label, ProgressBar, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 use egui_plot::{HoverPosition, Line, PlotPoints, Points};
 
 use super::super::decimate::segments;
 use super::super::format::number;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::super::memory::PanelMemory;
+use super::super::widgets::{button, named_toggle};
 use super::plots::{describe, frame, scrolled};
+use crate::action::compare::CompareAction;
 use crate::compare::sweep::{SweepLine, SweepPoint};
-use crate::compare::{CompareAction, CompareView, LaneView};
+use crate::compare::{CompareView, LaneView};
 use crate::view::style;
 
 /// Width of the legend beside the plot, and what the plot keeps beside it [points].
@@ -61,11 +61,7 @@ fn controls(
 ) {
     let sweep = &view.sweep;
     if sweep.running {
-        if ui
-            .button("Cancel sweep")
-            .on_hover_text("Keeps the lines that are done.")
-            .clicked()
-        {
+        if button(ui, "Cancel sweep", "Stop, and keep the finished lines.") {
             out.push(CompareAction::CancelSweep);
         }
         let (done, total) = sweep.progress;
@@ -73,26 +69,20 @@ fn controls(
             .desired_width(140.0)
             .text(format!("{done} of {total}"));
         ui.add(bar);
-    } else if ui
-        .button("Sweep")
-        .on_hover_text(
-            "Run this scene from its start under every ticked integrator with dt from 1/15 to 1/1920 s, in a thread of its own.",
-        )
-        .clicked()
-    {
+    } else if button(
+        ui,
+        "Sweep",
+        "Run this scene under every selected integrator with dt from 1/15 to 1/1920 s, in the background.",
+    ) {
         out.push(CompareAction::StartSweep);
     }
-    for (on, name, hint) in [
+    for (position, name, hint) in [
         (false, "attitude", "Largest angle to the reference."),
         (true, "position", "Largest distance from the reference."),
     ] {
-        let chosen = memory.sweep_position.unwrap_or(!view.attitude) == on;
-        let button = ui.add(Button::selectable(chosen, name).frame_when_inactive(true));
-        button.widget_info(|| {
-            WidgetInfo::selected(WidgetType::Button, true, chosen, format!("{name} error"))
-        });
-        if button.on_hover_text(hint).clicked() {
-            memory.sweep_position = Some(on);
+        let chosen = memory.sweep_position.unwrap_or(!view.attitude) == position;
+        if named_toggle(ui, chosen, name, &format!("{name} error"), hint) {
+            memory.sweep_position = Some(position);
         }
     }
     ui.add(

@@ -6,8 +6,9 @@ use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity};
 use super::super::view::{IntegratorTiming, PanelView};
+use super::super::widgets::{button, toggle};
 use crate::action::Action;
-use crate::compare::{CompareAction, Fairness, Layout};
+use crate::action::compare::{CompareAction, Fairness, Layout};
 use crate::view::style;
 
 pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
@@ -37,7 +38,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
 
 /// The integrator that moves the box; none while a stepper of 2012 does.
 fn active(view: &PanelView) -> Option<Integrator> {
-    let demo = view.interaction.demo.as_ref().and_then(|demo| demo.stepper);
+    let demo = view.demo.as_ref().and_then(|demo| demo.stepper);
     demo.is_none().then_some(view.integrator)
 }
 
@@ -60,11 +61,6 @@ fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
 fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     let settings = &view.compare.settings;
     let mut ask = |action| out.push(Action::Compare(action));
-    let choice = |ui: &mut Ui, on: bool, name: &str, hint: &str| {
-        let button = ui.add(Button::selectable(on, name).frame_when_inactive(true));
-        button.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
-        button.on_hover_text(hint).clicked() && !on
-    };
     ui.horizontal_wrapped(|ui| {
         ui.label("Layout");
         for layout in Layout::ALL {
@@ -74,7 +70,8 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 Layout::Lanes => "Side by side; only the picture is shifted (V).",
                 Layout::Views => "The box and the first three others, a view each (V).",
             };
-            if choice(ui, settings.layout == layout, layout.name(), hint) {
+            let chosen = settings.layout == layout;
+            if toggle(ui, chosen, layout.name(), hint) && !chosen {
                 ask(CompareAction::SetLayout(layout));
             }
         }
@@ -86,7 +83,8 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 Fairness::Evaluations => "An integrator with four force evaluations a step takes steps four times as long.",
                 Fairness::Cost => "An integrator that costs twice as much takes steps twice as long, as measured when chosen.",
             };
-            if choice(ui, settings.fairness == fairness, fairness.name(), hint) {
+            let chosen = settings.fairness == fairness;
+            if toggle(ui, chosen, fairness.name(), hint) && !chosen {
                 ask(CompareAction::SetFairness(fairness));
             }
         }
@@ -105,7 +103,7 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 CompareAction::Resync,
             ),
         ] {
-            if ui.button(name).on_hover_text(hint).clicked() {
+            if button(ui, name, hint) {
                 ask(action);
             }
         }
@@ -138,11 +136,11 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     } else {
         integrator.name().into()
     };
-    let button = Button::selectable(active, (mark, name))
+    let row = Button::selectable(active, (mark, name))
         .right_text(RichText::new(cost.clone()).monospace())
         .min_size(size)
         .truncate();
-    let response = ui.add(button);
+    let response = ui.add(row);
     response.widget_info(|| WidgetInfo {
         current_text_value: Some(format!("{}{cost}", if active { "active, " } else { "" })),
         ..WidgetInfo::selected(WidgetType::RadioButton, true, active, integrator.name())

@@ -9,6 +9,7 @@ use bevy_egui::egui::{CollapsingHeader, ScrollArea, Ui, style::ScrollStyle};
 use super::memory::{PanelMemory, Section};
 use super::view::PanelView;
 use crate::action::Action;
+use parameters::{BOX, WORLD};
 
 /// Draws every section.
 pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
@@ -40,8 +41,8 @@ fn body(
     match section {
         Section::Integrator => integrators::show(ui, view, out),
         Section::Step => parameters::step(ui, view, memory, out),
-        Section::World => parameters::world(ui, view, memory, out),
-        Section::Box => parameters::size_and_mass(ui, view, memory, out),
+        Section::World => parameters::plain(ui, view, "world", WORLD, memory, out),
+        Section::Box => parameters::plain(ui, view, "box", BOX, memory, out),
         Section::Push => parameters::push(ui, view, memory, out),
         Section::View => readouts::drawn(ui, view, out),
         Section::Load => parameters::load(ui, view, memory, out),

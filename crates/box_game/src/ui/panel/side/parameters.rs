@@ -3,107 +3,96 @@
 use bevy_egui::egui::{Button, Response, Ui, WidgetInfo, WidgetType, vec2};
 use box_physics::prelude::DVec3;
 
-use super::super::fields::{
-    ANGULAR_DAMPING, BOXES, FRICTION, Field, GRAVITY, HALF_EXTENTS, IMPULSE, LINEAR_DRAG, MASS,
-    RATES, RESTITUTION, STEP, SUBSTEPS,
-};
 use super::super::format::{number, step_size};
 use super::super::memory::PanelMemory;
 use super::super::row::row;
-use super::super::view::{PanelView, Parameters};
+use super::super::view::PanelView;
+use super::super::widgets::{button, toggle};
 use crate::action::{Action, Push};
+use crate::parameters::Parameter;
+
+/// Step sizes by one click \[Hz\].
+const RATES: [u32; 4] = [30, 60, 120, 240];
+
+/// Gravity, floor and drag.
+pub(super) const WORLD: &[Parameter] = &[
+    Parameter::Gravity,
+    Parameter::Restitution,
+    Parameter::Friction,
+    Parameter::LinearDrag,
+    Parameter::AngularDamping,
+];
+/// Size and mass.
+pub(super) const BOX: &[Parameter] = &[
+    Parameter::HalfX,
+    Parameter::HalfY,
+    Parameter::HalfZ,
+    Parameter::Mass,
+];
+
+fn rows(
+    ui: &mut Ui,
+    view: &PanelView,
+    parameters: &[Parameter],
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) {
+    for &parameter in parameters {
+        out.extend(row(ui, parameter, &view.parameters, &view.defaults, memory));
+    }
+}
+
+/// A button that sets these parameters to the scene's own.
+fn reset(
+    ui: &mut Ui,
+    view: &PanelView,
+    what: &str,
+    parameters: &[Parameter],
+    out: &mut Vec<Action>,
+) {
+    let hint = "Restore the scene's own values.";
+    if button(ui, &format!("Reset {what}"), hint) {
+        // A scene without a floor has no restitution to reset.
+        let present = parameters
+            .iter()
+            .filter(|&&p| view.parameters.get(p).is_some());
+        out.extend(present.filter_map(|&p| Some(Action::Set(p, view.defaults.get(p)?))));
+    }
+}
+
+/// A section of rows and nothing else.
+pub(super) fn plain(
+    ui: &mut Ui,
+    view: &PanelView,
+    what: &str,
+    parameters: &[Parameter],
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) {
+    rows(ui, view, parameters, memory, out);
+    reset(ui, view, what, parameters, out);
+}
 
 pub(super) fn step(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
-    if let Some(dt) = row(ui, &STEP, view.step, view.default_step, memory) {
-        out.push(Action::SetStep(dt));
-    }
+    rows(ui, view, &[Parameter::Step], memory, out);
     ui.horizontal(|ui| {
         for hertz in RATES {
             let dt = 1.0 / f64::from(hertz);
-            let name = format!("{hertz} Hz");
-            let button =
-                ui.add(Button::selectable(view.step == dt, &name).frame_when_inactive(true));
-            if button
-                .on_hover_text(format!("dt = {}", step_size(dt)))
-                .clicked()
-                && view.step != dt
-            {
-                out.push(Action::SetStep(dt));
+            let chosen = view.parameters.step == dt;
+            let hint = format!("dt = {}", step_size(dt));
+            if toggle(ui, chosen, &format!("{hertz} Hz"), &hint) && !chosen {
+                out.push(Action::Set(Parameter::Step, dt));
             }
         }
     });
-    let (now, scene) = (f64::from(view.substeps), f64::from(view.default_substeps));
-    if let Some(substeps) = row(ui, &SUBSTEPS, now, scene, memory) {
-        out.push(Action::SetSubsteps(count(substeps)));
-    }
-    if reset(ui, "step") {
-        out.push(Action::SetStep(view.default_step));
-        out.push(Action::SetSubsteps(view.default_substeps));
-    }
-}
-
-/// A plain parameter: where it is found and what sets it.
-type Plain = (
-    &'static Field,
-    fn(&Parameters) -> Option<f64>,
-    fn(f64) -> Action,
-);
-
-/// Gravity, floor, drag; the floor's own are absent without a floor.
-const WORLD: [Plain; 5] = [
-    (&GRAVITY, |p| Some(p.gravity), Action::SetGravity),
-    (&RESTITUTION, |p| p.restitution, Action::SetRestitution),
-    (&FRICTION, |p| p.friction, Action::SetFriction),
-    (&LINEAR_DRAG, |p| Some(p.linear_drag), Action::SetLinearDrag),
-    (
-        &ANGULAR_DAMPING,
-        |p| Some(p.angular_damping),
-        Action::SetAngularDamping,
-    ),
-];
-
-pub(super) fn world(
-    ui: &mut Ui,
-    view: &PanelView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) {
-    for (field, get, set) in WORLD {
-        let Some(value) = get(&view.parameters) else {
-            continue;
-        };
-        let default = get(&view.defaults).unwrap_or(value);
-        out.extend(row(ui, field, value, default, memory).map(set));
-    }
-    if reset(ui, "world") {
-        for (_, get, set) in WORLD {
-            if get(&view.parameters).is_some() {
-                out.extend(get(&view.defaults).map(set));
-            }
-        }
-    }
-}
-
-pub(super) fn size_and_mass(
-    ui: &mut Ui,
-    view: &PanelView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) {
-    let (now, scene) = (view.parameters, view.defaults);
-    for (axis, field) in HALF_EXTENTS.iter().enumerate() {
-        let (size, default) = (now.half_extents[axis], scene.half_extents[axis]);
-        if let Some(new) = row(ui, field, size, default, memory) {
-            let mut half_extents = now.half_extents;
-            half_extents[axis] = new;
-            out.push(Action::SetHalfExtents(half_extents));
-        }
-    }
-    out.extend(row(ui, &MASS, now.mass, scene.mass, memory).map(Action::SetMass));
-    if reset(ui, "box") {
-        out.push(Action::SetHalfExtents(scene.half_extents));
-        out.push(Action::SetMass(scene.mass));
-    }
+    rows(ui, view, &[Parameter::Substeps], memory, out);
+    reset(
+        ui,
+        view,
+        "step",
+        &[Parameter::Step, Parameter::Substeps],
+        out,
+    );
 }
 
 /// The six buttons: name and direction.
@@ -117,8 +106,8 @@ const PUSHES: [(&str, DVec3); 6] = [
 ];
 
 pub(super) fn push(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
-    let (now, scene) = (view.parameters.impulse, view.defaults.impulse);
-    out.extend(row(ui, &IMPULSE, now, scene, memory).map(Action::SetImpulse));
+    rows(ui, view, &[Parameter::Impulse], memory, out);
+    let now = view.parameters.impulse;
     let (shift, alt) = ui.input(|i| (i.modifiers.shift, i.modifiers.alt));
     let (off_center, world) = (memory.push_off_center || shift, memory.push_world || alt);
     for half in PUSHES.chunks(3) {
@@ -140,9 +129,7 @@ pub(super) fn push(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         ui.checkbox(&mut memory.push_world, "world axes (Alt)")
             .on_hover_text("Push along the world's axes instead of the box's own.");
     });
-    if reset(ui, "push") {
-        out.push(Action::SetImpulse(scene));
-    }
+    reset(ui, view, "push", &[Parameter::Impulse], out);
 }
 
 fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_center: bool, world: bool) -> Response {
@@ -163,40 +150,13 @@ fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_center: bool, world: b
 }
 
 pub(super) fn load(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
-    let (now, scene) = (
-        f64::from(view.parameters.boxes),
-        f64::from(view.defaults.boxes),
-    );
-    if let Some(boxes) = row(ui, &BOXES, now, scene, memory) {
-        out.push(Action::SetBoxes(count(boxes)));
+    rows(ui, view, &[Parameter::Boxes], memory, out);
+    for text in [
+        format!("one step, all boxes: {} µs", number(view.step_time_us)),
+        format!("one frame: {} ms", number(view.frame_time_ms)),
+        format!("dropped by slow frames: {} s", number(view.dropped)),
+    ] {
+        ui.label(text);
     }
-    ui.label(format!(
-        "one step, all boxes: {} µs",
-        number(view.step_time_us)
-    ));
-    ui.label(format!("one frame: {} ms", number(view.frame_time_ms)));
-    let hitch = ui.button("Frame hitch").on_hover_text(
-        "One frame of three quarters of a second: of it a quarter is simulated, the rest is dropped and counted.",
-    );
-    if hitch.clicked() {
-        out.push(Action::Hitch);
-    }
-    ui.label(format!(
-        "dropped by slow frames: {} s",
-        number(view.dropped)
-    ));
-    if reset(ui, "load") {
-        out.push(Action::SetBoxes(view.defaults.boxes));
-    }
-}
-
-fn reset(ui: &mut Ui, what: &str) -> bool {
-    ui.small_button(format!("Reset {what}"))
-        .on_hover_text("Back to the scene's own values.")
-        .clicked()
-}
-
-/// A count from its slider, which allows whole numbers from 1 to 10 000 alone.
-fn count(value: f64) -> u32 {
-    value as u32
+    reset(ui, view, "load", &[Parameter::Boxes], out);
 }

@@ -4,24 +4,25 @@ use bevy_egui::egui::{Grid, Label, RichText, Ui};
 
 use super::super::format::{bytes, grouped, quantity};
 use super::super::view::PanelView;
+use super::super::widgets::button;
 use crate::action::Action;
 
 pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     for (on, name, hint, action) in [
         (
-            view.show_aabb,
+            view.preferences.show_aabb,
             "Bounding box (B)",
             "The axis-aligned box, re-fitted every step.",
             Action::ToggleAabb,
         ),
         (
-            view.show_contacts,
+            view.preferences.show_contacts,
             "Contacts (C)",
             "Contact points, normals and impulses.",
             Action::ToggleContacts,
         ),
         (
-            view.show_axes,
+            view.preferences.show_axes,
             "Axes and velocity (X)",
             "The box's own axes and its velocity.",
             Action::ToggleAxes,
@@ -46,7 +47,7 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 Action::Screenshot,
             ),
         ] {
-            if ui.button(name).on_hover_text(hint).clicked() {
+            if button(ui, name, hint) {
                 out.push(action);
             }
         }
@@ -105,18 +106,11 @@ pub(super) fn log(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     } else {
         "Start log"
     };
-    if ui
-        .button(name)
-        .on_hover_text("Write every step to a CSV file (L).")
-        .clicked()
-    {
+    if button(ui, name, "Write every step to a CSV file (L).") {
         out.push(Action::ToggleLog);
     }
-    if ui
-        .button("Copy command line")
-        .on_hover_text("The command line that brings this set-up back, to the clipboard.")
-        .clicked()
-    {
+    let hint = "Copy the command line that restores this session to the clipboard.";
+    if button(ui, "Copy command line", hint) {
         out.push(Action::CopyCommandLine);
     }
     match &view.log {
@@ -125,7 +119,7 @@ pub(super) fn log(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             ui.label(format!("{} rows · {}", grouped(log.rows), bytes(log.bytes)));
         }
         None => {
-            ui.label("Nothing is written.");
+            ui.label("No log.");
         }
     }
 }

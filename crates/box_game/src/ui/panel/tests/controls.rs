@@ -5,8 +5,9 @@ use box_physics::prelude::{DVec3, Integrator};
 use egui_kittest::kittest::NodeT;
 
 use super::{Person, TALL, sample_view};
+use crate::action::compare::{CompareAction, Fairness, Layout, Window};
 use crate::action::{Action, Plot, Push};
-use crate::compare::{CompareAction, Fairness, Layout, Window};
+use crate::parameters::Parameter;
 
 #[test]
 fn every_button_asks_for_its_action() {
@@ -30,9 +31,9 @@ fn every_button_asks_for_its_action() {
         ("Home", Action::HomeCamera),
         ("Screenshot", Action::Screenshot),
         ("Start log", Action::ToggleLog),
-        ("30 Hz", Action::SetStep(1.0 / 30.0)),
-        ("120 Hz", Action::SetStep(1.0 / 120.0)),
-        ("240 Hz", Action::SetStep(1.0 / 240.0)),
+        ("30 Hz", Action::Set(Parameter::Step, 1.0 / 30.0)),
+        ("120 Hz", Action::Set(Parameter::Step, 1.0 / 120.0)),
+        ("240 Hz", Action::Set(Parameter::Step, 1.0 / 240.0)),
         ("Error tab", Action::SelectPlot(Plot::Error)),
         ("Timing tab", Action::SelectPlot(Plot::Timing)),
         ("CPU tab", Action::SelectPlot(Plot::Cpu)),

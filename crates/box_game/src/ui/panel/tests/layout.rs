@@ -6,8 +6,9 @@ use box_physics::prelude::DVec3;
 
 use super::super::{HistoryView, LogView, PanelMemory, PanelView};
 use super::{Person, TALL, sample_view};
-use crate::action::Plot;
+use crate::action::{Action, Plot};
 use crate::compare::CompareView;
+use crate::parameters::Parameter;
 
 /// In a narrow drawer these scroll.
 const SCROLLED: [Plot; 3] = [Plot::Error, Plot::Energy, Plot::WorkPrecision];
@@ -36,7 +37,8 @@ fn long() -> PanelView {
     view.scenes[0].1 = "A scene with a title far longer than any list has room for".into();
     view.lesson =
         "A lesson of some length that must wrap onto a second line in a narrow window. ".repeat(2);
-    (view.time, view.steps, view.step, view.substeps) = (12_345.678, 9_999_999_999, 0.012_345, 64);
+    (view.time, view.steps) = (12_345.678, 9_999_999_999);
+    (view.parameters.step, view.parameters.substeps) = (0.012_345, 64.0);
     (view.speed, view.actual_speed) = (0.25, Some(0.12));
     view.log = Some(LogView {
         path: format!(
@@ -120,7 +122,7 @@ fn nothing_lies_outside_the_window() {
 fn nothing_lies_over_anything_else() {
     for width in [1280.0, 1920.0, 640.0] {
         let mut view = long();
-        view.show_plots = false;
+        view.preferences.show_plots = false;
         let person = Person::before(view, vec2(width, TALL.y));
         let leaves = leaves(&person);
         assert!(leaves.len() > 90);
@@ -200,7 +202,8 @@ fn no_character_is_a_hollow_box() {
 fn nothing_a_view_may_hold_makes_it_panic() {
     let nan = f64::NAN;
     let mut broken = long();
-    (broken.time, broken.step, broken.speed, broken.actual_speed) = (nan, nan, nan, Some(nan));
+    (broken.time, broken.speed, broken.actual_speed) = (nan, nan, Some(nan));
+    broken.parameters.step = nan;
     (broken.step_time_us, broken.frame_time_ms, broken.dropped) = (nan, f64::INFINITY, nan);
     broken.scene = 77;
     broken.parameters.gravity = nan;
@@ -276,7 +279,7 @@ fn a_broken_value_can_be_mended() {
     view.parameters.gravity = f64::NAN;
     let mut person = Person::before(view, TALL);
     person.find("Gravity [m/s²]").click_secondary();
-    assert_eq!(person.asked(), [crate::action::Action::SetGravity(9.81)]);
+    assert_eq!(person.asked(), [Action::Set(Parameter::Gravity, 9.81)]);
 }
 
 #[test]

@@ -6,103 +6,89 @@ use box_physics::prelude::DVec3;
 use super::super::{PanelMemory, PanelView};
 use super::{Person, TALL, along, sample_view};
 use crate::action::Action;
+use crate::parameters::Parameter;
 
-/// The number an action carries, and its kind.
-fn number_of(action: &Action) -> (&'static str, f64) {
-    match action {
-        Action::SetStep(v) => ("dt", *v),
-        Action::SetSubsteps(v) => ("Substeps", f64::from(*v)),
-        Action::SetGravity(v) => ("Gravity", *v),
-        Action::SetRestitution(v) => ("Restitution", *v),
-        Action::SetFriction(v) => ("Friction", *v),
-        Action::SetLinearDrag(v) => ("Linear drag", *v),
-        Action::SetAngularDamping(v) => ("Ang. damping", *v),
-        Action::SetMass(v) => ("Mass", *v),
-        Action::SetImpulse(v) => ("Strength", *v),
-        Action::SetBoxes(v) => ("Boxes", f64::from(*v)),
-        Action::SetHalfExtents(v) => ("Half-size x", v.x),
-        other => panic!("not a number: {other:?}"),
+/// The parameter that an action sets, and its value.
+fn number_of(action: &Action) -> (Parameter, f64) {
+    match *action {
+        Action::Set(parameter, value) => (parameter, value),
+        ref other => panic!("not a number: {other:?}"),
     }
 }
 
-/// (name, unit, ends of the slider, limits of what may be typed).
-const ROWS: [(&str, &str, (f64, f64), (f64, f64)); 11] = [
-    ("dt", " [s]", (1.0 / 1920.0, 0.5), (1.0 / 1920.0, 0.5)),
-    ("Substeps", "", (1.0, 64.0), (1.0, 64.0)),
-    ("Gravity", " [m/s²]", (0.0, 30.0), (-1e4, 1e4)),
-    ("Restitution", "", (0.0, 1.0), (0.0, 1.0)),
-    ("Friction", "", (0.0, 2.0), (0.0, 1e3)),
-    ("Linear drag", " [N s/m]", (0.0, 100.0), (0.0, 1e6)),
-    ("Ang. damping", " [1/s]", (0.0, 10.0), (0.0, 1e6)),
-    ("Half-size x", " [m]", (0.05, 5.0), (1e-3, 1e3)),
-    ("Mass", " [kg]", (0.1, 100.0), (1e-6, 1e6)),
-    ("Strength", " [N s]", (0.01, 100.0), (0.0, 1e6)),
-    ("Boxes", "", (1.0, 10_000.0), (1.0, 10_000.0)),
-];
+/// The accessible names of a parameter's slider and typed value.
+fn names(parameter: Parameter) -> [String; 2] {
+    let info = parameter.info();
+    let unit = match info.unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    };
+    ["", " value"].map(|what| format!("{}{what}{unit}", info.label))
+}
 
 /// A view in which nothing stands at an end or its default.
 fn off_default() -> PanelView {
     let mut view = sample_view();
-    view.step = 0.02;
-    view.substeps = 3;
     let p = &mut view.parameters;
+    (p.step, p.substeps) = (0.02, 3.0);
     (p.gravity, p.restitution, p.friction, p.mass) = (5.0, Some(0.3), Some(0.2), 7.0);
-    (p.linear_drag, p.angular_damping, p.impulse, p.boxes) = (0.4, 0.7, 3.0, 9);
+    (p.linear_drag, p.angular_damping, p.impulse, p.boxes) = (0.4, 0.7, 3.0, 9.0);
     p.half_extents = DVec3::new(0.7, 0.8, 0.9);
     view
 }
 
 #[test]
 fn sliders_reach_their_ends() {
-    for (label, unit, ends, _) in ROWS {
+    for parameter in Parameter::ALL {
+        let ends = parameter.info().slider;
         let mut person = Person::before(off_default(), TALL);
-        let rect = person.find(&format!("{label}{unit}")).rect();
+        let [slider, _] = names(parameter);
+        let rect = person.find(&slider).rect();
         for (share, end) in [(0.0, ends.0), (1.0, ends.1)] {
             let at = along(rect, share);
             let mut asked = person.drag(at, at);
             asked.extend(person.release(at));
-            let asked: Vec<_> = asked.iter().map(number_of).collect();
-            assert!(
-                !asked.is_empty() && asked.iter().all(|(kind, _)| *kind == label),
-                "{label}: {asked:?}"
-            );
-            assert!(
-                asked.iter().all(|(_, value)| (value - end).abs() < 1e-9),
-                "{label}: {asked:?}"
-            );
+            assert!(!asked.is_empty());
+            for (set, value) in asked.iter().map(number_of) {
+                assert!(
+                    set == parameter && (value - end).abs() < 1e-9,
+                    "{slider}: {value}"
+                );
+            }
         }
     }
 }
 
 #[test]
 fn typed_values_may_leave_the_slider_but_not_the_limits() {
-    for (label, unit, _, hard) in ROWS {
-        let name = format!("{label} value{unit}");
-        for (text, expected) in [("1e300", hard.1), ("-1e300", hard.0)] {
+    for parameter in Parameter::ALL {
+        let [_, name] = names(parameter);
+        let (low, high) = parameter.info().range;
+        for (text, expected) in [("1e300", high), ("-1e300", low)] {
             let mut person = Person::before(off_default(), TALL);
             let asked: Vec<_> = person
                 .type_into(&name, text)
                 .iter()
                 .map(number_of)
                 .collect();
-            assert_eq!(asked, [(label, expected)], "{text}");
+            assert_eq!(asked, [(parameter, expected)], "{text}");
         }
         for text in ["NaN", "inf", "", "box", "1/0"] {
             let mut person = Person::before(off_default(), TALL);
-            assert_eq!(person.type_into(&name, text), [], "{label} {text}");
+            assert_eq!(person.type_into(&name, text), [], "{name} {text}");
         }
     }
     let mut person = Person::before(off_default(), TALL);
     assert_eq!(
         person.type_into("Gravity value [m/s²]", "274"),
-        [Action::SetGravity(274.0)]
+        [Action::Set(Parameter::Gravity, 274.0)]
     );
     assert_eq!(person.type_into("dt value [s]", "50 Hz"), [], "as it is");
     assert_eq!(
         person.type_into("dt value [s]", "1/64"),
-        [Action::SetStep(1.0 / 64.0)]
+        [Action::Set(Parameter::Step, 1.0 / 64.0)]
     );
-    let grown = Action::SetHalfExtents(DVec3::new(0.7, 0.8, 0.25));
+    let grown = Action::Set(Parameter::HalfZ, 0.25);
     assert_eq!(person.type_into("Half-size z value [m]", "0,25"), [grown]);
 }
 
@@ -110,24 +96,25 @@ fn typed_values_may_leave_the_slider_but_not_the_limits() {
 #[test]
 fn looking_is_not_touching() {
     let mut person = Person::before(sample_view(), TALL);
-    for (label, unit, ..) in ROWS {
-        assert_eq!(person.click(&format!("{label} value{unit}")), []);
+    for parameter in Parameter::ALL {
+        let [_, name] = names(parameter);
+        assert_eq!(person.click(&name), []);
         person.harness.key_press(Key::Enter);
-        assert_eq!(person.asked(), [], "{label}");
+        assert_eq!(person.asked(), [], "{name}");
     }
 }
 
 #[test]
 fn a_right_click_resets_one_and_moves_nothing_on_its_way() {
-    for (label, unit, ..) in ROWS {
-        for name in [format!("{label}{unit}"), format!("{label} value{unit}")] {
+    for parameter in Parameter::ALL {
+        for name in names(parameter) {
             let mut person = Person::before(off_default(), TALL);
             person.find(&name).click_secondary();
             let asked: Vec<_> = person.asked().iter().map(number_of).collect();
             let defaults = Person::before(sample_view(), TALL);
             let default = defaults.find(&name);
             assert_eq!(asked.len(), 1, "{name}: {asked:?}");
-            assert_eq!(asked[0].0, label);
+            assert_eq!(asked[0].0, parameter);
             let shown = egui_kittest::kittest::NodeT::accesskit_node(&default).numeric_value();
             assert!(
                 shown.is_some_and(|v| (v - asked[0].1).abs() < 1e-12),
@@ -147,27 +134,32 @@ fn sections_reset_to_the_scene() {
     for (name, actions) in [
         (
             "Reset step",
-            vec![Action::SetStep(1.0 / 60.0), Action::SetSubsteps(1)],
+            vec![
+                Action::Set(Parameter::Step, 1.0 / 60.0),
+                Action::Set(Parameter::Substeps, 1.0),
+            ],
         ),
         (
             "Reset world",
             vec![
-                Action::SetGravity(9.81),
-                Action::SetRestitution(0.5),
-                Action::SetFriction(0.6),
-                Action::SetLinearDrag(0.0),
-                Action::SetAngularDamping(0.0),
+                Action::Set(Parameter::Gravity, 9.81),
+                Action::Set(Parameter::Restitution, 0.5),
+                Action::Set(Parameter::Friction, 0.6),
+                Action::Set(Parameter::LinearDrag, 0.0),
+                Action::Set(Parameter::AngularDamping, 0.0),
             ],
         ),
         (
             "Reset box",
             vec![
-                Action::SetHalfExtents(DVec3::new(0.5, 0.25, 0.125)),
-                Action::SetMass(2.0),
+                Action::Set(Parameter::HalfX, 0.5),
+                Action::Set(Parameter::HalfY, 0.25),
+                Action::Set(Parameter::HalfZ, 0.125),
+                Action::Set(Parameter::Mass, 2.0),
             ],
         ),
-        ("Reset push", vec![Action::SetImpulse(1.0)]),
-        ("Reset load", vec![Action::SetBoxes(1)]),
+        ("Reset push", vec![Action::Set(Parameter::Impulse, 1.0)]),
+        ("Reset load", vec![Action::Set(Parameter::Boxes, 1.0)]),
     ] {
         assert_eq!(person.click(name), actions, "{name}");
     }
@@ -204,18 +196,18 @@ fn dragging_a_number_moves_it() {
     );
     let asked = person.drag(from, to);
     assert!(
-        matches!(asked.last(), Some(Action::SetGravity(g)) if *g > 5.0),
+        matches!(asked.last(), Some(Action::Set(Parameter::Gravity, g)) if *g > 5.0),
         "{asked:?}"
     );
 }
 
 #[test]
 fn tooltips_give_unit_default_and_range() {
-    for (label, unit, ..) in ROWS {
+    for parameter in Parameter::ALL {
+        let (label, unit) = (parameter.info().label, parameter.info().unit);
         let mut person = Person::before(off_default(), TALL);
-        person.find(&format!("{label}{unit}")).hover();
+        person.find(&names(parameter)[0]).hover();
         person.look();
-        let unit = unit.trim_matches([' ', '[', ']']);
         assert!(
             person.sees_part("right-click resets)") && person.sees_part("Allowed: "),
             "{label}"
@@ -243,11 +235,10 @@ fn without_a_floor_its_rows_are_absent() {
     let mut person = Person::before(view, TALL);
     assert!(!person.sees_part("Restitution") && !person.sees_part("Friction"));
     let asked = person.click("Reset world");
-    assert!(
-        !asked
-            .iter()
-            .any(|a| matches!(a, Action::SetRestitution(_) | Action::SetFriction(_)))
-    );
+    assert!(!asked.iter().any(|a| matches!(
+        a,
+        Action::Set(Parameter::Restitution, _) | Action::Set(Parameter::Friction, _)
+    )));
 }
 
 /// A slider or number without a unit is a pure number, and known as such.

@@ -1,4 +1,4 @@
-//! What a person has set and wants to find again: kept in the settings file of the user.
+//! Preferences: scale of the panel and switches of the view, kept in the settings file of the user.
 
 use bevy::app::AppExit;
 use bevy::prelude::*;
@@ -6,15 +6,13 @@ use bevy::settings::{
     ReflectSettingsGroup, SaveSettingsDeferred, SaveSettingsSync, SettingsGroup, SettingsPlugin,
 };
 
-use crate::scene::session::Session;
+use crate::action::Action;
+use crate::parameters::UI_SCALES;
 
 /// The folder of the settings, below the user's own.
 const APPLICATION: &str = "io.github.box_physics.box_game";
 
-/// Smallest and largest scale of the panel.
-pub const UI_SCALES: (f32, f32) = (0.75, 2.0);
-
-/// What is kept. In `settings.toml`, section `box_game`.
+/// The preferences; section `box_game` of `settings.toml`.
 #[derive(Resource, SettingsGroup, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, SettingsGroup, Default)]
 #[settings_group(group = "box_game")]
@@ -43,7 +41,7 @@ impl Default for Preferences {
     }
 }
 
-/// Loads the settings at once and saves them when they change. Add it before the game.
+/// Loads the preferences and saves them when they change. Add it before the game.
 pub struct PreferencesPlugin;
 
 impl Plugin for PreferencesPlugin {
@@ -54,30 +52,34 @@ impl Plugin for PreferencesPlugin {
     }
 }
 
-/// Gives the session what was kept.
-pub fn restore(session: &mut Session, kept: &mut Preferences) {
-    // A file can say anything.
-    kept.ui_scale = if kept.ui_scale.is_finite() {
-        kept.ui_scale.clamp(UI_SCALES.0, UI_SCALES.1)
-    } else {
+/// Clamps the scale, which a settings file may set to anything.
+pub fn clamp_scale(mut preferences: ResMut<Preferences>) {
+    let (low, high) = UI_SCALES;
+    let scale = preferences.ui_scale;
+    let allowed = if scale.is_nan() {
         1.0
+    } else {
+        scale.clamp(low, high)
     };
-    session.show_plots = kept.show_plots;
-    session.show_aabb = kept.show_aabb;
-    session.show_contacts = kept.show_contacts;
-    session.show_axes = kept.show_axes;
+    if allowed != scale {
+        preferences.ui_scale = allowed;
+    }
 }
 
-/// Takes over what was switched.
-pub fn follow(session: Res<Session>, mut kept: ResMut<Preferences>) {
-    let now = Preferences {
-        ui_scale: kept.ui_scale,
-        show_plots: session.show_plots,
-        show_aabb: session.show_aabb,
-        show_contacts: session.show_contacts,
-        show_axes: session.show_axes,
-    };
-    kept.set_if_neq(now);
+/// Observes the switches that are kept.
+pub fn on_action(action: On<Action>, mut preferences: ResMut<Preferences>) {
+    match *action {
+        Action::ToggleAabb => preferences.show_aabb ^= true,
+        Action::ToggleContacts => preferences.show_contacts ^= true,
+        Action::ToggleAxes => preferences.show_axes ^= true,
+        Action::TogglePlots => preferences.show_plots ^= true,
+        Action::SelectPlot(_) => preferences.show_plots = true,
+        Action::SetUiScale(scale) if scale.is_finite() => {
+            preferences.ui_scale = (scale as f32).clamp(UI_SCALES.0, UI_SCALES.1);
+        }
+        Action::ResetEverything => *preferences = Preferences::default(),
+        _ => {}
+    }
 }
 
 /// Saves a second after the last change, and at the end.

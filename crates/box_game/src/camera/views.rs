@@ -2,12 +2,13 @@
 //! each lane alone in one of the others; floor, light and lattice are in all.
 
 use bevy::camera::visibility::RenderLayers;
-use bevy::camera::{ClearColorConfig, RenderTarget, Viewport};
+use bevy::camera::{ClearColorConfig, Viewport};
 use bevy::prelude::*;
 
-use super::shown;
-use crate::camera::OrbitCamera;
-use crate::compare::{Comparison, Layout};
+use super::orbit::OrbitCamera;
+use crate::action::compare::Layout;
+use crate::compare::Comparison;
+use crate::view::renderer::PictureTarget;
 
 /// Views at most.
 pub const MOST: usize = 4;
@@ -31,7 +32,7 @@ pub fn everywhere() -> RenderLayers {
 }
 
 /// For what is seen in view `k` alone; 0 is also all that is said nothing of.
-pub(super) fn only(k: usize) -> RenderLayers {
+pub fn only(k: usize) -> RenderLayers {
     RenderLayers::layer(k)
 }
 
@@ -41,18 +42,18 @@ pub struct Everywhere;
 
 /// Lines in the second view.
 #[derive(Default, Reflect, GizmoConfigGroup)]
-pub(super) struct Second;
+pub struct Second;
 
 /// Lines in the third view.
 #[derive(Default, Reflect, GizmoConfigGroup)]
-pub(super) struct Third;
+pub struct Third;
 
 /// Lines in the fourth view.
 #[derive(Default, Reflect, GizmoConfigGroup)]
-pub(super) struct Fourth;
+pub struct Fourth;
 
 /// The lines of one view each, and of all.
-pub(super) fn add_gizmos(app: &mut App) {
+pub fn add_gizmos(app: &mut App) {
     let group = |layers: RenderLayers| GizmoConfig {
         render_layers: layers,
         ..default()
@@ -91,15 +92,15 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
 }
 
 /// How many views there are.
-pub(super) fn count(comparison: &Comparison) -> usize {
+pub fn count(comparison: &Comparison) -> usize {
     match &comparison.run {
-        Some(run) if comparison.settings.layout == Layout::Views => shown(run, Layout::Views).len(),
+        Some(run) if comparison.settings.layout == Layout::Views => (run.lanes.len() + 1).min(MOST),
         _ => 1,
     }
 }
 
-/// The cameras of the further views, which look as `main` does. They cost nothing while they are off.
-pub fn spawn_views(commands: &mut Commands, target: &RenderTarget) {
+/// The cameras of the further views, which look as the main one does. They cost nothing while they are off.
+pub fn spawn_views(target: Res<PictureTarget>, mut commands: Commands) {
     for k in 1..MOST {
         commands.spawn((
             SplitView(k),
@@ -112,7 +113,7 @@ pub fn spawn_views(commands: &mut Commands, target: &RenderTarget) {
                 ..default()
             },
             RenderLayers::from_layers(&[k, COMMON]),
-            target.clone(),
+            target.0.clone(),
             Msaa::Sample4,
         ));
     }

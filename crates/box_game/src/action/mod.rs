@@ -1,23 +1,69 @@
-//! Everything a person can ask of the game. Keys, the panel, the command line and scripts all emit
-//! these; one system applies them, so a test of an action is a test of every way to trigger it.
+//! Everything a person can request. Keys, panel, mouse, command line and scripts all request these; each
+//! feature observes those that are its own, so a test of an action is a test of every way to trigger it.
+
+pub mod compare;
 
 use std::path::PathBuf;
 
+use bevy::input::InputSystems;
+use bevy::prelude::*;
 use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::SceneView;
 use box_scenarios::dissertation::Stepper;
 use serde::{Deserialize, Serialize};
 
-use crate::interaction::grab::Hold;
-use crate::record::film::Film;
+use crate::parameters::Parameter;
+use compare::{CompareAction, integrator_id};
 
-use crate::compare::CompareAction;
+/// The actions requested since the last frame, in order.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Actions(pub Vec<Action>);
+
+/// The two stages of actions, in `PreUpdate`.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ActionSystems {
+    /// Keys, gamepads and scripts add to [`Actions`].
+    Request,
+    /// Each action is triggered as an event.
+    Trigger,
+}
+
+/// Triggers the requested actions, one after the other.
+pub struct ActionPlugin;
+
+impl Plugin for ActionPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Actions>()
+            .configure_sets(
+                PreUpdate,
+                (ActionSystems::Request, ActionSystems::Trigger)
+                    .chain()
+                    .after(InputSystems),
+            )
+            .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger))
+            .add_observer(quit);
+    }
+}
+
+/// Triggers the requested actions.
+pub fn trigger_actions(world: &mut World) {
+    for action in core::mem::take(&mut world.resource_mut::<Actions>().0) {
+        world.trigger(action);
+        world.flush();
+    }
+}
+
+fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
+    if *action == Action::Quit {
+        exit.write(AppExit::Success);
+    }
+}
 
 /// One request.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
     /// Simulate every box with this integrator from the next step on; the state is carried over.
-    SetIntegrator(#[serde(with = "by_id")] Integrator),
+    SetIntegrator(#[serde(with = "integrator_id")] Integrator),
     /// Stop or resume the clock.
     TogglePause,
     /// This many steps while paused (pauses first).
@@ -32,28 +78,8 @@ pub enum Action {
     Slower,
     /// One notch up the speed ladder.
     Faster,
-    /// Step size dt \[s\], 1/1920 to 0.5.
-    SetStep(f64),
-    /// Substeps per step, 1 to 64.
-    SetSubsteps(u32),
-    /// Gravity, downwards [m/s²].
-    SetGravity(f64),
-    /// Restitution of the floor, 0 to 1.
-    SetRestitution(f64),
-    /// Friction of the floor, ≥ 0.
-    SetFriction(f64),
-    /// Linear drag c₁ [N s/m].
-    SetLinearDrag(f64),
-    /// Angular damping γ [1/s].
-    SetAngularDamping(f64),
-    /// Size of the box: half-extents \[m\]. Restarts the scene.
-    SetHalfExtents(DVec3),
-    /// Mass of the box \[kg\]. Restarts the scene.
-    SetMass(f64),
-    /// Strength of a push \[N s\].
-    SetImpulse(f64),
-    /// Number of boxes. Restarts the scene.
-    SetBoxes(u32),
+    /// Sets a parameter.
+    Set(Parameter, f64),
     /// Every parameter back to the scene's own.
     ResetParameters,
     /// The game as it opens: first scene, its parameters, default integrator, step, speed, switches.
@@ -74,8 +100,6 @@ pub enum Action {
     Poke(Poke),
     /// Hold the hero box at a point, or let go.
     Grab(Option<Hold>),
-    /// One frame that takes much longer than it may: time is dropped, counted and shown.
-    Hitch,
     /// In the 2012 scene: this stepper of the dissertation's, or ours.
     SetDemo(#[serde(with = "stepper")] Option<Stepper>),
     /// Start or stop the dissertation's log of cycle times, a text file.
@@ -148,6 +172,28 @@ pub struct Poke {
     pub strength: f64,
 }
 
+/// Where the box is held and where to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hold {
+    /// The held point, body axes from the center \[m\].
+    pub body_point: DVec3,
+    /// The target of that point \[m\].
+    pub anchor: DVec3,
+}
+
+/// A series of numbered pictures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Film {
+    /// The folder of the pictures `0001.png`, `0002.png`, …; created where it is missing.
+    pub folder: PathBuf,
+    /// Number of pictures.
+    pub pictures: u32,
+    /// Pictures per second of the program's clock.
+    pub rate: f64,
+}
+
 impl Plot {
     /// Every tab with its name on the command line.
     pub const ALL: [(Self, &str); 6] = [
@@ -176,20 +222,6 @@ pub enum Plot {
     WorkPrecision,
     /// The figures of every integrator.
     Table,
-}
-
-/// An integrator in a file: by its id.
-mod by_id {
-    use super::Integrator;
-    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
-
-    pub(super) fn serialize<S: Serializer>(i: &Integrator, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(i.id())
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
-        String::deserialize(from)?.parse().map_err(D::Error::custom)
-    }
 }
 
 /// A stepper of the dissertation's in a file: by its id.

@@ -1,0 +1,326 @@
+//! An orbit camera: drag on empty space to turn, right or middle drag to shift, wheel to come nearer.
+//!
+//! A gesture belongs to whoever it began on, the panel or the view, until the button is released,
+//! wherever that happens.
+
+use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
+use bevy::prelude::*;
+use bevy::window::PrimaryWindow;
+use box_physics::prelude::{BodyState, Floor};
+use box_scenarios::SceneView;
+
+use crate::action::Action;
+use crate::input::focus::UiFocus;
+use crate::interaction::mouse::Hand;
+use crate::scene::session::{Hero, Session};
+use crate::scene::start::SceneOpened;
+use crate::view::renderer::PictureTarget;
+
+/// Where the camera looks from.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct OrbitCamera {
+    /// What it looks at \[m\].
+    pub target: Vec3,
+    /// Angle about the vertical \[rad\].
+    pub yaw: f32,
+    /// Angle above the horizon \[rad\], −1.5 to 1.5.
+    pub pitch: f32,
+    /// Distance from the target \[m\].
+    pub distance: f32,
+}
+
+impl OrbitCamera {
+    /// The scene's own view: the hero in the middle, five radii away, farther with many boxes.
+    pub fn home(session: &Session) -> Self {
+        let setup = &session.scenario.setup;
+        let boxes = session.parameters.boxes() as f32;
+        let radius = setup.body.radius() as f32;
+        let mut target = setup.initial.position.as_vec3();
+        let mut distance = (5.0 * radius).max(1.5) * (1.0 + 0.35 * (boxes.sqrt() - 1.0));
+        if let Some(floor) = setup.floor {
+            // See the floor, too.
+            let height = target.y - floor.height as f32;
+            target.y -= 0.5 * height;
+            distance = distance.max(1.6 * height + 5.0 * radius);
+        }
+        let home = Self {
+            target,
+            yaw: 0.0,
+            pitch: 0.0,
+            distance,
+        };
+        home.seen_as(&session.scenario.view)
+    }
+
+    /// The same as `view` wants it; target and distance stay where it has no wish.
+    #[must_use]
+    pub fn seen_as(self, view: &SceneView) -> Self {
+        let limit = 85.0_f32.to_radians();
+        Self {
+            target: view.target.map_or(self.target, |t| t.as_vec3()),
+            yaw: (view.yaw as f32).to_radians(),
+            pitch: (view.pitch as f32).to_radians().clamp(-limit, limit),
+            distance: view
+                .distance
+                .map_or(self.distance, |d| (d as f32).clamp(0.01, 1e5)),
+        }
+    }
+
+    /// Nearer by this factor, farther above 1, without moving `fixed`, a point of the plane through the
+    /// target across the view, in the picture.
+    #[must_use]
+    pub fn zoomed(self, factor: f32, fixed: Option<Vec3>) -> Self {
+        let distance = (self.distance * factor).clamp(0.01, 1e5);
+        let factor = distance / self.distance;
+        let target = fixed.map_or(self.target, |fixed| fixed + (self.target - fixed) * factor);
+        Self {
+            target,
+            distance,
+            ..self
+        }
+    }
+
+    /// As Bevy wants it.
+    pub fn transform(&self) -> Transform {
+        let rotation = Quat::from_euler(EulerRot::YXZ, self.yaw, -self.pitch, 0.0);
+        let position = self.target + rotation * Vec3::Z * self.distance;
+        Transform::from_translation(position).with_rotation(rotation)
+    }
+}
+
+/// Asks the camera to go somewhere.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub enum CameraRequest {
+    /// The hero in the middle.
+    Frame,
+    /// The scene's own view.
+    Home,
+    /// From here.
+    Look(SceneView),
+}
+
+/// Observes what moves the camera.
+pub fn on_action(action: On<Action>, mut commands: Commands) {
+    commands.insert_resource(match *action {
+        Action::FrameCamera => CameraRequest::Frame,
+        Action::HomeCamera => CameraRequest::Home,
+        Action::SetCamera(view) => CameraRequest::Look(view),
+        _ => return,
+    });
+}
+
+/// A new scene comes with its own view.
+pub fn go_home(opened: On<SceneOpened>, mut commands: Commands) {
+    if opened.new {
+        commands.insert_resource(CameraRequest::Home);
+    }
+}
+
+/// Who the drag in progress belongs to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gesture {
+    /// No button is down.
+    #[default]
+    None,
+    /// It began on the panel.
+    Panel,
+    /// It began on the box: the hand's.
+    Hand,
+    /// It began on the view: turn.
+    Orbit,
+    /// It began on the view: shift.
+    Pan,
+}
+
+impl Gesture {
+    /// Who the drag belongs to after this frame's button events.
+    pub fn next(
+        self,
+        left: bool,
+        other: bool,
+        just_pressed: bool,
+        over_panel: bool,
+        on_box: bool,
+    ) -> Self {
+        if !(left || other) {
+            return Self::None;
+        }
+        if self == Self::None && just_pressed {
+            return match (over_panel, on_box, other) {
+                (true, ..) => Self::Panel,
+                (false, true, _) => Self::Hand,
+                (false, false, true) => Self::Pan,
+                (false, false, false) => Self::Orbit,
+            };
+        }
+        self
+    }
+}
+
+/// Spawns the camera with the scene's own view.
+pub fn spawn_camera(session: Res<Session>, target: Res<PictureTarget>, mut commands: Commands) {
+    let orbit = OrbitCamera::home(&session);
+    commands.spawn((
+        Camera3d::default(),
+        orbit,
+        orbit.transform(),
+        target.0.clone(),
+        Msaa::Sample4,
+    ));
+}
+
+/// Moves the camera by the mouse.
+pub fn move_camera(
+    mut camera: Single<(&mut OrbitCamera, &mut Transform, &Camera)>,
+    window: Query<&Window, With<PrimaryWindow>>,
+    buttons: Res<ButtonInput<MouseButton>>,
+    motion: Res<AccumulatedMouseMotion>,
+    scroll: Res<AccumulatedMouseScroll>,
+    focus: Res<UiFocus>,
+    session: Res<Session>,
+    (request, hand): (Option<Res<CameraRequest>>, Res<Hand>),
+    hero: Query<&BodyState, With<Hero>>,
+    floor: Option<Res<Floor>>,
+    mut gesture: Local<Gesture>,
+    mut seen: Local<Option<Vec3>>,
+    mut commands: Commands,
+) {
+    let (orbit, transform, lens) = &mut *camera;
+    let window = window.iter().next();
+    let left = buttons.pressed(MouseButton::Left);
+    let others = [MouseButton::Right, MouseButton::Middle];
+    let other = buttons.any_pressed(others);
+    let pressed = buttons.just_pressed(MouseButton::Left) || buttons.any_just_pressed(others);
+    let on_box = *hand != Hand::Idle;
+    *gesture = gesture.next(left, other, pressed, focus.pointer, on_box);
+    match *gesture {
+        Gesture::Orbit => {
+            orbit.yaw -= motion.delta.x * 0.006;
+            orbit.pitch = (orbit.pitch + motion.delta.y * 0.006).clamp(-1.5, 1.5);
+        }
+        Gesture::Pan => {
+            let scale = orbit.distance * 0.0015;
+            let shift = transform.rotation * Vec3::new(-motion.delta.x, motion.delta.y, 0.0);
+            orbit.target += shift * scale;
+        }
+        Gesture::None | Gesture::Panel | Gesture::Hand => {}
+    }
+    if !focus.pointer && !on_box && scroll.delta.y != 0.0 {
+        let notches = match scroll.unit {
+            bevy::input::mouse::MouseScrollUnit::Line => scroll.delta.y,
+            bevy::input::mouse::MouseScrollUnit::Pixel => scroll.delta.y / 40.0,
+        };
+        **orbit = orbit.zoomed(0.9_f32.powf(notches), under_cursor(orbit, lens, window));
+    }
+    // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
+    // with the hero.
+    let stays = floor.is_some() || session.scenario.view.target.is_some();
+    let at = hero.iter().next().map(|state| state.position.as_vec3());
+    if let (false, Some(now), Some(before)) = (stays, at, *seen) {
+        orbit.target += now - before;
+    }
+    *seen = at;
+    if let Some(request) = request {
+        match *request {
+            CameraRequest::Home => {
+                **orbit = OrbitCamera::home(&session);
+                // The hero may have moved on since the start.
+                if let (false, Some(now)) = (stays, at) {
+                    let start = session.setup().initial.position.as_vec3();
+                    orbit.target += now - start;
+                }
+            }
+            CameraRequest::Look(view) => **orbit = orbit.seen_as(&view),
+            CameraRequest::Frame => {
+                if let Some(at) = at {
+                    orbit.target = at;
+                }
+            }
+        }
+        commands.remove_resource::<CameraRequest>();
+    }
+    **transform = orbit.transform();
+}
+
+/// The point under the mouse of the plane through the target across the view.
+fn under_cursor(orbit: &OrbitCamera, camera: &Camera, window: Option<&Window>) -> Option<Vec3> {
+    let eye = orbit.transform();
+    let cursor = window?.cursor_position()?;
+    // Not in another view.
+    camera
+        .logical_viewport_rect()
+        .filter(|rect| rect.contains(cursor))?;
+    let ray = camera.viewport_to_world(&eye.into(), cursor).ok()?;
+    let along = ray.direction.dot(*eye.forward());
+    (along > 0.1).then(|| ray.get_point(orbit.distance / along))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gesture_belongs_to_whoever_it_began_on() {
+        // Begins on the panel, moves over the view: still the panel's.
+        let g = Gesture::None.next(true, false, true, true, false);
+        assert_eq!(g, Gesture::Panel);
+        assert_eq!(g.next(true, false, false, false, false), Gesture::Panel);
+        assert_eq!(g.next(false, false, false, false, false), Gesture::None);
+        // Begins on the view, moves over the panel: still the view's.
+        let g = Gesture::None.next(true, false, true, false, false);
+        assert_eq!(g, Gesture::Orbit);
+        assert_eq!(g.next(true, false, false, true, false), Gesture::Orbit);
+        assert_eq!(
+            Gesture::None.next(false, true, true, false, false),
+            Gesture::Pan
+        );
+        // Begins on the box: the hand's, until released.
+        let hand = Gesture::None.next(true, false, true, false, true);
+        assert_eq!(hand, Gesture::Hand);
+        assert_eq!(hand.next(true, false, false, true, true), Gesture::Hand);
+        // A second button does not take it over.
+        assert_eq!(g.next(true, true, true, false, false), Gesture::Orbit);
+    }
+
+    /// What is under the mouse stays there: seen from the camera it keeps its direction.
+    #[test]
+    fn zooming_keeps_the_point_under_the_mouse() {
+        let before = OrbitCamera {
+            target: Vec3::new(1.0, 2.0, 3.0),
+            yaw: 0.4,
+            pitch: 0.3,
+            distance: 5.0,
+        };
+        let eye = before.transform();
+        let fixed = before.target + eye.right() * 1.5 + eye.up() * 0.5;
+        let after = before.zoomed(0.5, Some(fixed));
+        assert_eq!(after.distance, 2.5);
+        let seen = |camera: &OrbitCamera| {
+            let eye = camera.transform();
+            (eye.rotation.inverse() * (fixed - eye.translation)).normalize()
+        };
+        assert!((seen(&before) - seen(&after)).length() < 1e-5);
+        // Without a mouse the target stays in the middle.
+        assert_eq!(before.zoomed(0.5, None).target, before.target);
+        // At the limit nothing moves.
+        let near = OrbitCamera {
+            distance: 0.01,
+            ..before
+        };
+        assert_eq!(near.zoomed(0.5, Some(fixed)), near);
+    }
+
+    #[test]
+    fn the_camera_looks_at_its_target() {
+        let orbit = OrbitCamera {
+            target: Vec3::new(1.0, 2.0, 3.0),
+            yaw: 0.4,
+            pitch: 0.3,
+            distance: 5.0,
+        };
+        let t = orbit.transform();
+        let seen = t.translation + t.forward() * 5.0;
+        assert!((seen - orbit.target).length() < 1e-5);
+        assert!(t.translation.y > 2.0);
+    }
+}

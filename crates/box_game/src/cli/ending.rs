@@ -1,0 +1,90 @@
+//! The end of the program, as the command line sets it.
+
+use std::path::PathBuf;
+
+use bevy::app::AppExit;
+use bevy::prelude::*;
+use box_physics::prelude::{BodyQuarantined, PhysicsClock};
+
+use super::Cli;
+use crate::record::screenshot::ScreenshotRequest;
+
+/// When to end by itself.
+#[derive(Resource, Clone, Debug, Default)]
+pub(super) struct Ending {
+    /// After this much simulated time \[s\].
+    pub duration: Option<f64>,
+    /// After this many frames.
+    pub frames: Option<u32>,
+    /// With a picture of the last frame.
+    pub screenshot: Option<PathBuf>,
+    /// With exit code 3 if a body was quarantined.
+    pub fail_on_divergence: bool,
+}
+
+impl Ending {
+    /// Of the command line.
+    pub(super) fn of(cli: &Cli) -> Self {
+        Self {
+            duration: cli.duration,
+            frames: cli.frames,
+            screenshot: cli.screenshot.clone(),
+            fail_on_divergence: cli.fail_on_divergence,
+        }
+    }
+}
+
+/// Ends the program when it is time; with a picture, once that is on disk.
+pub(super) fn end(
+    ending: Res<Ending>,
+    clock: Res<PhysicsClock>,
+    mut quarantined: MessageReader<BodyQuarantined>,
+    mut frames: Local<u32>,
+    mut asked: Local<Option<u32>>,
+    mut diverged: Local<bool>,
+    mut commands: Commands,
+    mut exit: MessageWriter<AppExit>,
+) {
+    *frames += 1;
+    *diverged |= quarantined.read().next().is_some();
+    let code = if *diverged && ending.fail_on_divergence {
+        AppExit::from_code(3)
+    } else {
+        AppExit::Success
+    };
+    let timed_out = ending
+        .duration
+        .is_some_and(|d| clock.elapsed().as_secs_f64() >= d - 1e-9);
+    let frame_limit = match (&ending.screenshot, ending.frames, ending.duration) {
+        (_, Some(n), _) => Some(n),
+        (Some(_), None, None) => Some(60),
+        _ => None,
+    };
+    let done = timed_out || frame_limit.is_some_and(|n| *frames >= n);
+    if !done {
+        return;
+    }
+    let Some(path) = &ending.screenshot else {
+        exit.write(code);
+        return;
+    };
+    match *asked {
+        None => {
+            // A picture left from an earlier run must not pass for this one's.
+            let _ = std::fs::remove_file(path);
+            commands.insert_resource(ScreenshotRequest {
+                path: Some(path.clone()),
+                plot: false,
+            });
+            *asked = Some(*frames);
+        }
+        Some(_) if path.exists() => {
+            exit.write(code);
+        }
+        Some(since) if *frames > since + 600 => {
+            error!("the picture {} was not written", path.display());
+            exit.write(AppExit::from_code(1));
+        }
+        Some(_) => {}
+    }
+}

@@ -1,0 +1,111 @@
+//! Pushes along an axis and pokes at a point of the surface.
+
+use bevy::prelude::*;
+use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, RigidBox};
+
+use crate::action::{Action, Push};
+use crate::demo_2012;
+use crate::scene::session::{Hero, Session};
+
+/// Observes pushes and pokes.
+pub fn on_action(
+    action: On<Action>,
+    hero: Query<(Entity, &RigidBox, &BodyState), With<Hero>>,
+    mut session: ResMut<Session>,
+    mut commands: Commands,
+) {
+    let Some((entity, body, state)) = hero.iter().next() else {
+        return;
+    };
+    let strength = session.parameters.impulse;
+    let (what, impulse, point) = match *action {
+        Action::Push(push) => {
+            let (impulse, point) = push_impulse(push, body, state, strength);
+            ("push", impulse, push.off_center.then_some(point))
+        }
+        Action::Poke(poke) => {
+            let normal = poke.normal.normalize_or_zero();
+            let impulse = state.rotation * -normal * (strength * poke.strength);
+            ("poke", impulse, Some(poke.body_point))
+        }
+        _ => return,
+    };
+    if !(impulse.is_finite() && point.is_none_or(DVec3::is_finite)) {
+        session.notice(format!(
+            "{what}: point, direction and strength must be finite"
+        ));
+        return;
+    }
+    let DVec3 { x, y, z } = impulse;
+    session.perturb(format!("{what} {x:.3} {y:.3} {z:.3} N s"));
+    commands.write_message(match point {
+        Some(point) => ApplyImpulse::at_body_point(entity, impulse, point),
+        None => ApplyImpulse::center(entity, impulse),
+    });
+    commands.queue(move |world: &mut World| {
+        demo_2012::push(world, impulse, point.unwrap_or_default());
+    });
+}
+
+/// Impulse of a push \[N s\], world axes, and its point in body axes: the middle of the face that it comes
+/// from, or the edge of that face.
+fn push_impulse(push: Push, body: &RigidBox, state: &BodyState, strength: f64) -> (DVec3, DVec3) {
+    let local = if push.world {
+        state.rotation.inverse() * push.direction
+    } else {
+        push.direction
+    };
+    // The face whose outward normal is most against the push, in body axes.
+    let a = local.abs();
+    let axis = if a.x >= a.y && a.x >= a.z {
+        DVec3::X
+    } else if a.y >= a.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    };
+    let h = body.half_extents();
+    let face = axis * (h * axis) * -local.dot(axis).signum();
+    // The edge: off to the side along the next axis.
+    let side = DVec3::new(axis.z, axis.x, axis.y);
+    let point = if push.off_center {
+        face + side * h
+    } else {
+        face
+    };
+    (state.rotation * local * strength, point)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_physics::prelude::DQuat;
+
+    #[test]
+    fn a_push_acts_along_the_box_s_own_axes_or_the_world_s() {
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
+        let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt());
+        let state = BodyState::default().with_rotation(quarter);
+        let own = Push {
+            direction: DVec3::X,
+            world: false,
+            off_center: false,
+        };
+        let (j, point) = push_impulse(own, &body, &state, 2.0);
+        assert!((j - DVec3::Y * 2.0).length() < 1e-15);
+        assert_eq!(point, DVec3::NEG_X * 0.5);
+        let (j, _) = push_impulse(Push { world: true, ..own }, &body, &state, 2.0);
+        assert!((j - DVec3::X * 2.0).length() < 1e-15);
+        // Off-center: at the edge of the face, so there is a moment about it.
+        let (_, point) = push_impulse(
+            Push {
+                off_center: true,
+                ..own
+            },
+            &body,
+            &state,
+            2.0,
+        );
+        assert_eq!(point, DVec3::new(-0.5, 0.25, 0.0));
+    }
+}

@@ -1,0 +1,374 @@
+//! Every number that can be set, in one table: its names, unit, range and effect. Panel, undo, command line,
+//! scripts and the reproducing command read it.
+
+use box_physics::prelude::{DVec3, RigidBox};
+use box_scenarios::Scenario;
+use serde::{Deserialize, Serialize};
+
+/// Speeds of the ladder [simulated seconds per second]; 1 is real time.
+pub const SPEEDS: [f64; 9] = [0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// Smallest and largest scale of the panel.
+pub const UI_SCALES: (f32, f32) = (0.75, 2.0);
+
+/// A number that can be set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Parameter {
+    /// Step size dt \[s\].
+    Step,
+    /// Equal parts of a step.
+    Substeps,
+    /// Gravity, downwards [m/s²].
+    Gravity,
+    /// Restitution of the floor.
+    Restitution,
+    /// Friction of the floor.
+    Friction,
+    /// Linear drag c₁ [N s/m].
+    LinearDrag,
+    /// Angular damping γ [1/s].
+    AngularDamping,
+    /// Half-extent along x \[m\].
+    HalfX,
+    /// Half-extent along y \[m\].
+    HalfY,
+    /// Half-extent along z \[m\].
+    HalfZ,
+    /// Mass \[kg\].
+    Mass,
+    /// Strength of a push \[N s\].
+    Impulse,
+    /// Number of boxes.
+    Boxes,
+}
+
+/// When a new value acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// From the next step on; the motion up to then stays as it was.
+    Clock,
+    /// From the next step on; the scene's reference no longer applies.
+    Live,
+    /// The scene restarts.
+    Restart,
+    /// It changes no motion.
+    None,
+}
+
+/// The row of a parameter in the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Info {
+    /// Name on the command line and in logs.
+    pub id: &'static str,
+    /// Name on the panel.
+    pub label: &'static str,
+    /// Unit; empty for a pure number.
+    pub unit: &'static str,
+    /// Tooltip.
+    pub hint: &'static str,
+    /// Ends of the slider.
+    pub slider: (f64, f64),
+    /// Smallest and largest value allowed.
+    pub range: (f64, f64),
+    /// The slider is logarithmic.
+    pub logarithmic: bool,
+    /// The value is a whole number.
+    pub integer: bool,
+    /// When a new value acts.
+    pub effect: Effect,
+}
+
+impl Info {
+    /// A parameter from 0 to 1 that acts live; the methods below change what differs.
+    const fn new(
+        id: &'static str,
+        label: &'static str,
+        unit: &'static str,
+        hint: &'static str,
+    ) -> Self {
+        Self {
+            id,
+            label,
+            unit,
+            hint,
+            slider: (0.0, 1.0),
+            range: (0.0, 1.0),
+            logarithmic: false,
+            integer: false,
+            effect: Effect::Live,
+        }
+    }
+
+    const fn linear(self, slider: (f64, f64), range: (f64, f64)) -> Self {
+        Self {
+            slider,
+            range,
+            ..self
+        }
+    }
+
+    const fn logarithmic(self, slider: (f64, f64), range: (f64, f64)) -> Self {
+        Self {
+            logarithmic: true,
+            ..self.linear(slider, range)
+        }
+    }
+
+    const fn integer(self) -> Self {
+        Self {
+            integer: true,
+            ..self
+        }
+    }
+
+    const fn effect(self, effect: Effect) -> Self {
+        Self { effect, ..self }
+    }
+
+    const fn half_extent(id: &'static str, label: &'static str, hint: &'static str) -> Self {
+        Self::new(id, label, "m", hint)
+            .logarithmic((0.05, 5.0), (1e-3, 1e3))
+            .effect(Effect::Restart)
+    }
+}
+
+impl Parameter {
+    /// Every parameter, in the order of the panel.
+    pub const ALL: [Self; 13] = [
+        Self::Step,
+        Self::Substeps,
+        Self::Gravity,
+        Self::Restitution,
+        Self::Friction,
+        Self::LinearDrag,
+        Self::AngularDamping,
+        Self::HalfX,
+        Self::HalfY,
+        Self::HalfZ,
+        Self::Mass,
+        Self::Impulse,
+        Self::Boxes,
+    ];
+
+    /// The parameter's row.
+    #[rustfmt::skip]
+    pub const fn info(self) -> Info {
+        const STEP: (f64, f64) = (1.0 / 1920.0, 0.5);
+        const PARTS: (f64, f64) = (1.0, 64.0);
+        match self {
+            Self::Step => Info::new("dt", "dt", "s", "Step size. Type 0.01, 1/60 or 60 Hz.")
+                .logarithmic(STEP, STEP).effect(Effect::Clock),
+            Self::Substeps => Info::new("substeps", "Substeps", "", "Equal parts of each step.")
+                .logarithmic(PARTS, PARTS).integer().effect(Effect::Clock),
+            Self::Gravity => Info::new("gravity", "Gravity", "m/s²", "Downward acceleration.")
+                .linear((0.0, 30.0), (-1e4, 1e4)),
+            Self::Restitution => Info::new("restitution", "Restitution", "",
+                "Speed after a bounce over the speed before it: 0 stays down, 1 keeps bouncing."),
+            Self::Friction => Info::new("friction", "Friction", "", "Coulomb friction coefficient of the floor.")
+                .linear((0.0, 2.0), (0.0, 1e3)),
+            Self::LinearDrag => Info::new("linear-drag", "Linear drag", "N s/m", "Force against the velocity, c₁ v.")
+                .logarithmic((0.0, 100.0), (0.0, 1e6)),
+            Self::AngularDamping => Info::new("angular-damping", "Ang. damping", "1/s",
+                "Torque against the angular momentum, γ L.").logarithmic((0.0, 10.0), (0.0, 1e6)),
+            Self::HalfX => Info::half_extent("half-x", "Half-size x", "Half the size along the box's x axis."),
+            Self::HalfY => Info::half_extent("half-y", "Half-size y", "Half the size along the box's y axis."),
+            Self::HalfZ => Info::half_extent("half-z", "Half-size z", "Half the size along the box's z axis."),
+            Self::Mass => Info::new("mass", "Mass", "kg", "Mass of the box, uniformly distributed.")
+                .logarithmic((0.1, 100.0), (1e-6, 1e6)).effect(Effect::Restart),
+            Self::Impulse => Info::new("impulse", "Strength", "N s", "Impulse of one push.")
+                .logarithmic((0.01, 100.0), (0.0, 1e6)).effect(Effect::None),
+            Self::Boxes => Info::new("boxes", "Boxes", "", "Number of boxes. More boxes make the timing steadier.")
+                .logarithmic((1.0, 1e4), (1.0, 1e5)).integer().effect(Effect::Restart),
+        }
+    }
+
+    /// The nearest allowed value; `None` for NaN.
+    pub fn nearest(self, value: f64) -> Option<f64> {
+        let info = self.info();
+        let value = value.clamp(info.range.0, info.range.1);
+        let value = if info.integer { value.round() } else { value };
+        (!value.is_nan()).then_some(value)
+    }
+
+    /// A value with its name and unit: `gravity 1.62 m/s²`.
+    pub fn describe(self, value: f64) -> String {
+        let info = self.info();
+        format!("{} {value} {}", info.id, info.unit)
+            .trim_end()
+            .to_owned()
+    }
+}
+
+/// The value of every parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// Step size dt \[s\].
+    pub step: f64,
+    /// Equal parts of a step.
+    pub substeps: f64,
+    /// Gravity, downwards [m/s²].
+    pub gravity: f64,
+    /// Restitution of the floor; `None` without a floor.
+    pub restitution: Option<f64>,
+    /// Friction of the floor; `None` without a floor.
+    pub friction: Option<f64>,
+    /// Linear drag c₁ [N s/m].
+    pub linear_drag: f64,
+    /// Angular damping γ [1/s].
+    pub angular_damping: f64,
+    /// Half-extents of the box \[m\].
+    pub half_extents: DVec3,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Strength of a push \[N s\].
+    pub impulse: f64,
+    /// Number of boxes.
+    pub boxes: f64,
+}
+
+impl Parameters {
+    /// The values of a scene as it comes, at 60 steps a second.
+    pub fn of(scenario: &Scenario) -> Self {
+        let setup = &scenario.setup;
+        Self {
+            step: 1.0 / 60.0,
+            substeps: 1.0,
+            gravity: -setup.forces.gravity.y,
+            restitution: setup.floor.map(|f| f.restitution),
+            friction: setup.floor.map(|f| f.friction),
+            linear_drag: setup.forces.linear_drag,
+            angular_damping: setup.forces.angular_damping,
+            half_extents: setup.body.half_extents(),
+            mass: setup.body.mass(),
+            // A push changes the velocity by 1 m/s.
+            impulse: setup.body.mass(),
+            boxes: f64::from(scenario.boxes),
+        }
+    }
+
+    /// Number of boxes.
+    pub fn boxes(&self) -> u32 {
+        self.boxes as u32
+    }
+
+    /// Substeps per step.
+    pub fn substeps(&self) -> u32 {
+        self.substeps as u32
+    }
+
+    fn slot(&mut self, parameter: Parameter) -> Option<&mut f64> {
+        Some(match parameter {
+            Parameter::Step => &mut self.step,
+            Parameter::Substeps => &mut self.substeps,
+            Parameter::Gravity => &mut self.gravity,
+            Parameter::Restitution => self.restitution.as_mut()?,
+            Parameter::Friction => self.friction.as_mut()?,
+            Parameter::LinearDrag => &mut self.linear_drag,
+            Parameter::AngularDamping => &mut self.angular_damping,
+            Parameter::HalfX => &mut self.half_extents.x,
+            Parameter::HalfY => &mut self.half_extents.y,
+            Parameter::HalfZ => &mut self.half_extents.z,
+            Parameter::Mass => &mut self.mass,
+            Parameter::Impulse => &mut self.impulse,
+            Parameter::Boxes => &mut self.boxes,
+        })
+    }
+
+    /// The value of a parameter; `None` where the scene has no such thing.
+    pub fn get(mut self, parameter: Parameter) -> Option<f64> {
+        self.slot(parameter).copied()
+    }
+
+    /// Sets a parameter.
+    ///
+    /// # Errors
+    /// A sentence with the name, the value and what is allowed.
+    pub fn set(&mut self, parameter: Parameter, value: f64) -> Result<(), String> {
+        let info = parameter.info();
+        let mut new = *self;
+        let Some(slot) = new.slot(parameter) else {
+            return Err(format!("{}: this scene has no floor", info.id));
+        };
+        let (low, high) = info.range;
+        if parameter.nearest(value) != Some(value) {
+            let whole = if info.integer {
+                "whole numbers from "
+            } else {
+                ""
+            };
+            return Err(format!(
+                "{}: allowed: {whole}{low} to {high} {}",
+                parameter.describe(value),
+                info.unit
+            )
+            .trim_end()
+            .to_owned());
+        }
+        *slot = value;
+        RigidBox::new(new.half_extents, new.mass)
+            .map_err(|error| format!("{}: {error}", parameter.describe(value)))?;
+        *self = new;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_consistent() {
+        for (k, parameter) in Parameter::ALL.into_iter().enumerate() {
+            let info = parameter.info();
+            let (range, slider) = (info.range, info.slider);
+            assert!(range.0 <= slider.0 && slider.1 <= range.1, "{info:?}");
+            assert!(info.hint.ends_with('.'));
+            for other in &Parameter::ALL[..k] {
+                assert!(other.info().label != info.label && other.info().id != info.id);
+            }
+            for value in [f64::NEG_INFINITY, f64::INFINITY, -1e300, 1e300, 0.0] {
+                let nearest = parameter.nearest(value).expect("only NaN has none");
+                assert!(range.0 <= nearest && nearest <= range.1);
+            }
+            assert_eq!(parameter.nearest(f64::NAN), None);
+        }
+        assert_eq!(Parameter::Substeps.nearest(2.6), Some(3.0));
+        assert!(SPEEDS.is_sorted_by(|a, b| a < b) && SPEEDS.contains(&1.0));
+    }
+
+    #[test]
+    fn values_are_set_within_their_range_and_refused_in_words() {
+        let mut parameters = Parameters::of(&Scenario::find("bounce").expect("a scene"));
+        for parameter in Parameter::ALL {
+            let value = parameter.info().slider.0;
+            assert_eq!(parameters.set(parameter, value), Ok(()));
+            assert_eq!(parameters.get(parameter), Some(value));
+        }
+        let before = parameters;
+        for (parameter, value, words) in [
+            (
+                Parameter::Restitution,
+                1.5,
+                "restitution 1.5: allowed: 0 to 1",
+            ),
+            (
+                Parameter::Gravity,
+                f64::NAN,
+                "gravity NaN m/s²: allowed: -10000 to 10000 m/s²",
+            ),
+            (
+                Parameter::Boxes,
+                2.5,
+                "boxes 2.5: allowed: whole numbers from 1 to 100000",
+            ),
+        ] {
+            assert_eq!(parameters.set(parameter, value), Err(words.to_owned()));
+        }
+        assert_eq!(parameters, before);
+        let mut floating = Parameters::of(&Scenario::find("dzhanibekov").expect("a scene"));
+        let said = floating
+            .set(Parameter::Friction, 0.5)
+            .expect_err("no floor");
+        assert_eq!(said, "friction: this scene has no floor");
+    }
+}

@@ -1,0 +1,66 @@
+//! The clock: speed, pause, step size, and time lost to slow frames.
+
+use core::time::Duration;
+
+use bevy::prelude::*;
+use box_physics::prelude::PhysicsClock;
+
+use super::session::Session;
+use crate::action::Action;
+use crate::parameters::SPEEDS;
+
+/// The longest frame that is simulated \[s\]; the rest of a longer one is dropped, counted and shown. At
+/// 60 Hz and real time that is 15 ticks; at most it is 1920 (dt = 1/1920 s, speed 4).
+pub const LONGEST_FRAME: f64 = 0.25;
+
+/// Observes pause and speed.
+pub fn on_action(action: On<Action>, session: Res<Session>, mut commands: Commands) {
+    let now = session.speed;
+    let speed = match *action {
+        Action::TogglePause => {
+            commands.queue(|world: &mut World| world.resource_mut::<PhysicsClock>().paused ^= true);
+            None
+        }
+        Action::SetSpeed(speed) => Some(speed),
+        Action::Slower => SPEEDS.into_iter().rfind(|&s| s < now * 0.999),
+        Action::Faster => SPEEDS.into_iter().find(|&s| s > now * 1.001),
+        _ => None,
+    };
+    if let Some(speed) = speed {
+        commands.queue(move |world: &mut World| set_speed(world, speed));
+    }
+}
+
+/// Sets the target speed, within its ladder.
+pub fn set_speed(world: &mut World, speed: f64) {
+    if !speed.is_finite() {
+        return;
+    }
+    let speed = speed.clamp(SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
+    world.resource_mut::<Session>().speed = speed;
+    let mut time = world.resource_mut::<Time<Virtual>>();
+    time.set_relative_speed_f64(speed);
+    time.set_max_delta(Duration::from_secs_f64(LONGEST_FRAME));
+}
+
+/// Gives the clocks the session's step and substeps.
+pub fn set_step(world: &mut World) {
+    let parameters = world.resource::<Session>().parameters;
+    world
+        .resource_mut::<Time<Fixed>>()
+        .set_timestep(Duration::from_secs_f64(parameters.step));
+    world.resource_mut::<PhysicsClock>().substeps = parameters.substeps();
+}
+
+/// Counts the simulated time lost to frames longer than [`LONGEST_FRAME`].
+pub fn count_dropped(
+    real: Res<Time<Real>>,
+    time: Res<Time<Virtual>>,
+    clock: Res<PhysicsClock>,
+    mut session: ResMut<Session>,
+) {
+    let over = real.delta().saturating_sub(time.max_delta());
+    if !over.is_zero() && !clock.paused {
+        session.dropped += over.as_secs_f64() * session.speed;
+    }
+}

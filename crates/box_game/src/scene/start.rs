@@ -1,0 +1,233 @@
+//! Opening, starting and changing a scene.
+
+use bevy::prelude::*;
+use box_physics::prelude::{
+    AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, DVec3, ExternalForce,
+    Floor, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag, ReportContacts,
+    RigidBox, Springs, WorldGravity,
+};
+use box_scenarios::{ForceSet, PlotPreset, Scenario, Setup, ReferenceSolution};
+
+use super::boxes::place;
+use super::clock::{set_speed, set_step};
+use super::session::{BoxNumber, Hero, SceneEntity, Session};
+use crate::action::{Action, Plot};
+use crate::parameters::{Effect, Parameter, Parameters};
+
+/// A scene was opened, or read again from its file.
+#[derive(Event, Clone, Copy, Debug)]
+pub struct SceneOpened {
+    /// It is another scene than before.
+    pub new: bool,
+}
+
+/// A scene was started: its boxes are new and the clock is at zero.
+#[derive(Event, Clone, Copy, Debug)]
+pub struct SceneStarted;
+
+/// Observes the actions that start or change a scene.
+pub fn on_action(action: On<Action>, mut commands: Commands) {
+    match *action {
+        Action::Restart => commands.queue(start_scene),
+        Action::Set(parameter, value) => {
+            commands.queue(move |world: &mut World| set(world, parameter, value));
+        }
+        Action::ResetParameters => commands.queue(|world: &mut World| {
+            let mut session = world.resource_mut::<Session>();
+            session.parameters = session.own_parameters();
+            start_scene(world);
+        }),
+        Action::ResetEverything => commands.queue(reset_everything),
+        _ => {}
+    }
+}
+
+/// Opens `scenario` with its own parameters. A `new` scene comes with its plot; one that was read again
+/// leaves it.
+pub fn open_scene(world: &mut World, scenario: Scenario, new: bool) {
+    let mut session = world.resource_mut::<Session>();
+    session.defaults = Parameters::of(&scenario);
+    session.parameters = session.own_parameters();
+    if new {
+        session.plot = plot_of(scenario.view.plot);
+        session.show_picker = false;
+    }
+    session.scenario = scenario;
+    world.trigger(SceneOpened { new });
+    start_scene(world);
+}
+
+/// The plot that a scene asks for.
+pub fn plot_of(preset: PlotPreset) -> Plot {
+    match preset {
+        PlotPreset::Error => Plot::Error,
+        PlotPreset::Energy => Plot::Energy,
+        PlotPreset::Timing => Plot::Timing,
+        PlotPreset::WorkPrecision => Plot::WorkPrecision,
+        PlotPreset::Cpu => Plot::Cpu,
+        PlotPreset::Table => Plot::Table,
+    }
+}
+
+/// Starts the scene with the session's parameters: new boxes, clock at zero.
+pub fn start_scene(world: &mut World) {
+    let old: Vec<Entity> = world
+        .query_filtered::<Entity, With<SceneEntity>>()
+        .iter(world)
+        .collect();
+    for entity in old {
+        world.despawn(entity);
+    }
+    let mut session = world.resource_mut::<Session>();
+    let setup = session.setup();
+    let (boxes, seed) = (session.parameters.boxes(), session.seed);
+    session.truth = Some(ReferenceSolution::of(&setup));
+    session.run += 1;
+    session.next_impulse = 0;
+    session.dropped = 0.0;
+    (session.fallbacks, session.unconverged) = (0, 0);
+    session.events = vec!["start".to_owned()];
+    apply_world(world, &setup);
+    world.resource_mut::<PhysicsClock>().reset();
+    for k in 0..boxes {
+        let initial = place(&setup, k, seed);
+        let mut entity = world.spawn((SceneEntity, BoxNumber(k), setup.body, initial));
+        if k == 0 {
+            entity.insert((Hero, ReportContacts, Name::new("hero")));
+        }
+        insert_forces(&mut entity, &setup.forces);
+    }
+    world.trigger(SceneStarted);
+}
+
+/// Sets a parameter, or says why not.
+fn set(world: &mut World, parameter: Parameter, value: f64) {
+    let mut session = world.resource_mut::<Session>();
+    match session.parameters.set(parameter, value) {
+        Ok(()) => take_effect(world, parameter.info().effect, parameter.describe(value)),
+        Err(error) => session.notice(error),
+    }
+}
+
+/// Applies the session's parameters after a change with this effect; `event` is logged.
+pub fn take_effect(world: &mut World, effect: Effect, event: String) {
+    match effect {
+        Effect::Restart => start_scene(world),
+        Effect::Clock => {
+            set_step(world);
+            world.resource_mut::<Session>().events.push(event);
+        }
+        Effect::Live => {
+            let mut session = world.resource_mut::<Session>();
+            session.perturb(event);
+            let setup = session.setup();
+            apply_world(world, &setup);
+            let boxes: Vec<Entity> = world
+                .query_filtered::<Entity, With<SceneEntity>>()
+                .iter(world)
+                .collect();
+            for entity in boxes {
+                insert_forces(&mut world.entity_mut(entity), &setup.forces);
+            }
+        }
+        Effect::None => {}
+    }
+}
+
+/// The game as it opens; log and notices stay.
+fn reset_everything(world: &mut World) {
+    world.insert_resource(GlobalIntegrator::default());
+    world.resource_mut::<PhysicsClock>().paused = false;
+    let mut session = world.resource_mut::<Session>();
+    let fresh = Session::new(Scenario::default(), session.seed);
+    let (run, notices) = (session.run, core::mem::take(&mut session.notices));
+    *session = Session {
+        run,
+        notices,
+        ..fresh
+    };
+    set_speed(world, 1.0);
+    set_step(world);
+    open_scene(world, Scenario::default(), true);
+}
+
+/// Applies the scene's timed impulses, to every box, at the first step boundary at or after their time.
+pub fn apply_timed_impulses(
+    mut session: ResMut<Session>,
+    clock: Res<PhysicsClock>,
+    mut boxes: Query<(&RigidBox, &mut BodyState), With<SceneEntity>>,
+) {
+    let start = clock.time() - clock.step();
+    let impulses = &session.scenario.setup.impulses;
+    let mut next = session.next_impulse;
+    while let Some(i) = impulses
+        .get(next)
+        .filter(|i| i.t <= start + 1e-9 * clock.step())
+    {
+        for (body, mut state) in &mut boxes {
+            state.apply_impulse_at_body_point(body, i.impulse, i.body_point);
+        }
+        next += 1;
+    }
+    if next != session.next_impulse {
+        session.next_impulse = next;
+    }
+}
+
+/// Sets gravity and floor.
+fn apply_world(world: &mut World, setup: &Setup) {
+    world.insert_resource(WorldGravity(setup.forces.gravity));
+    match setup.floor {
+        Some(f) => match Floor::new(f.height, f.restitution, f.friction) {
+            Ok(floor) => world.insert_resource(floor),
+            Err(error) => world
+                .resource_mut::<Session>()
+                .notice(format!("floor: {error}")),
+        },
+        None => {
+            world.remove_resource::<Floor>();
+        }
+    }
+    world.init_resource::<ContactSettings>();
+}
+
+/// Replaces the force components of a body; an absent force has none.
+fn insert_forces(entity: &mut EntityWorldMut, forces: &ForceSet) {
+    entity.remove::<(
+        LinearDrag,
+        QuadraticDrag,
+        AngularDamping,
+        AngularDrag,
+        ExternalForce,
+        BodyTorque,
+        PointForces,
+        Springs,
+    )>();
+    if forces.linear_drag != 0.0 {
+        entity.insert(LinearDrag(forces.linear_drag));
+    }
+    if forces.quadratic_drag != 0.0 {
+        entity.insert(QuadraticDrag(forces.quadratic_drag));
+    }
+    if forces.angular_damping != 0.0 {
+        entity.insert(AngularDamping(forces.angular_damping));
+    }
+    if forces.angular_drag != 0.0 {
+        entity.insert(AngularDrag(forces.angular_drag));
+    }
+    if forces.force != DVec3::ZERO || forces.world_torque != DVec3::ZERO {
+        entity.insert(ExternalForce {
+            force: forces.force,
+            torque: forces.world_torque,
+        });
+    }
+    if forces.body_torque != DVec3::ZERO {
+        entity.insert(BodyTorque(forces.body_torque));
+    }
+    if !forces.point_forces.is_empty() {
+        entity.insert(PointForces(forces.point_forces.clone()));
+    }
+    if !forces.springs.is_empty() {
+        entity.insert(Springs(forces.springs.clone()));
+    }
+}

@@ -1,0 +1,121 @@
+//! Which trajectories are drawn, and where.
+
+use bevy::prelude::*;
+use box_physics::prelude::{BodyState, Integrator};
+
+use crate::action::compare::Layout;
+use crate::camera::views;
+use crate::compare::track::Track;
+use crate::compare::{Comparison, Run};
+use crate::view::style;
+
+/// Distance of two lanes in radii of the box.
+const PITCH: f32 = 2.7;
+
+/// A trajectory that is drawn: integrator, state, books, by how much its picture is shifted.
+pub(super) type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3);
+
+/// Every trajectory that is drawn, the hero's first.
+pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
+    let hero = (
+        run.hero.integrator,
+        &run.hero.state,
+        &run.hero.track,
+        Vec3::ZERO,
+    );
+    let side = sideways(run) * PITCH * run.law.body.radius() as f32;
+    let lanes = run.lanes.iter().enumerate().map(|(k, r)| {
+        let offset = match layout {
+            Layout::Lanes => side * place(k),
+            Layout::Solo | Layout::Ghosts | Layout::Views => Vec3::ZERO,
+        };
+        (r.lane.integrator, &r.lane.state, &r.track, offset)
+    });
+    let beside = match layout {
+        Layout::Solo => 0,
+        Layout::Ghosts | Layout::Lanes => run.lanes.len(),
+        Layout::Views => run.lanes.len().min(views::MOST - 1),
+    };
+    [hero].into_iter().chain(lanes.take(beside)).collect()
+}
+
+/// Right, left, right, left of the hero.
+fn place(k: usize) -> f32 {
+    let ring = (k / 2 + 1) as f32;
+    if k.is_multiple_of(2) { ring } else { -ring }
+}
+
+/// Across the motion over the floor, horizontally.
+pub(super) fn sideways(run: &Run) -> Vec3 {
+    let v = run.start().velocity.as_vec3();
+    let along = Vec3::new(v.x, 0.0, v.z);
+    if along.length() > 0.1 && run.law.floor.is_some() {
+        along.cross(Vec3::Y).normalize()
+    } else {
+        Vec3::X
+    }
+}
+
+pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
+    let [r, g, b] = style::of(integrator).rgb;
+    Color::srgb_u8(r, g, b).with_alpha(alpha)
+}
+
+/// The layout as it is drawn: without a room of its own for the picture, views are ghosts.
+pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
+    match comparison.settings.layout {
+        Layout::Views if !area => Layout::Ghosts,
+        layout => layout,
+    }
+}
+
+/// The point that trails and tags follow, body axes \[m\].
+pub(super) fn tip(run: &Run) -> bevy::math::DVec3 {
+    let start = run.start();
+    let travels = start.velocity.length() > 0.1
+        || run.law.floor.is_some()
+        || run.law.forces.gravity.length() > 0.0;
+    let half = run.law.body.half_extents();
+    if travels {
+        bevy::math::DVec3::ZERO
+    } else if half.x >= half.y && half.x >= half.z {
+        bevy::math::DVec3::X * half.x
+    } else if half.y >= half.z {
+        bevy::math::DVec3::Y * half.y
+    } else {
+        bevy::math::DVec3::Z * half.z
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_scenarios::Scenario;
+
+    /// Only the picture is shifted: the states drawn are those simulated.
+    #[test]
+    fn lanes_stand_side_by_side_in_the_picture_alone() {
+        let setup = Scenario::find("slide").expect("a scene").setup;
+        let mut run = Run::new(&setup, None, Integrator::Split, 1.0 / 60.0);
+        run.choose([
+            Integrator::Rk4,
+            Integrator::ExplicitEuler,
+            Integrator::Midpoint,
+        ]);
+        let places: Vec<_> = shown(&run, Layout::Lanes);
+        assert_eq!(places.len(), 4);
+        for (k, a) in places.iter().enumerate() {
+            assert_eq!(a.1, &setup.initial);
+            // Across the slide, and apart.
+            assert!(a.3.x.abs() < 1e-6 && a.3.y == 0.0);
+            let apart = PITCH * setup.body.radius() as f32 * 0.99;
+            assert!(places[..k].iter().all(|b| a.3.distance(b.3) > apart));
+        }
+        assert!(
+            shown(&run, Layout::Ghosts)
+                .iter()
+                .all(|s| s.3 == Vec3::ZERO)
+        );
+        assert_eq!(shown(&run, Layout::Solo).len(), 1);
+    }
+}

@@ -1,0 +1,81 @@
+//! The renderer: Bevy's plugins for a window or for an image, and the target of every camera.
+
+use bevy::camera::RenderTarget;
+use bevy::prelude::*;
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::window::{ExitCondition, PrimaryWindow, WindowRef, WindowResolution};
+use box_physics::prelude::GlobalIntegrator;
+
+use crate::scene::session::Session;
+
+/// What the cameras draw into: the window, or an image instead.
+#[derive(Resource, Clone, Debug)]
+pub struct PictureTarget(pub RenderTarget);
+
+/// Chooses the target, and titles the window. Add it after [`renderer`].
+pub struct TargetPlugin {
+    /// Into an image instead of a window.
+    pub offscreen: bool,
+    /// Size of that image \[pixels\].
+    pub size: (u32, u32),
+}
+
+impl Plugin for TargetPlugin {
+    fn build(&self, app: &mut App) {
+        let target = if self.offscreen {
+            let (width, height) = self.size;
+            let format = TextureFormat::Rgba8UnormSrgb;
+            let mut image = Image::new_target_texture(width, height, format, None);
+            image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+            let mut images = app.world_mut().resource_mut::<Assets<Image>>();
+            RenderTarget::Image(images.add(image).into())
+        } else {
+            app.add_systems(Update, title);
+            RenderTarget::Window(WindowRef::Primary)
+        };
+        app.insert_resource(PictureTarget(target))
+            .insert_resource(ClearColor(Color::srgb(0.10, 0.115, 0.14)));
+    }
+}
+
+fn title(
+    mut window: Single<&mut Window, With<PrimaryWindow>>,
+    session: Res<Session>,
+    integrator: Res<GlobalIntegrator>,
+) {
+    let title = format!(
+        "box_game – {} – {} – f64",
+        session.scenario.title, integrator.0
+    );
+    if window.title != title {
+        window.title = title;
+    }
+}
+
+/// Bevy's plugins for a window, or for pictures without one.
+pub fn renderer(offscreen: bool, size: (u32, u32)) -> bevy::app::PluginGroupBuilder {
+    let plugins = DefaultPlugins.set(crate::record::application_log::plugin());
+    if offscreen {
+        plugins
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(bevy::render::RenderPlugin {
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .disable::<bevy::winit::WinitPlugin>()
+    } else {
+        plugins.set(WindowPlugin {
+            primary_window: Some(Window {
+                title: "box_game".to_owned(),
+                name: Some("box_game".to_owned()),
+                resolution: WindowResolution::from(size),
+                ..default()
+            }),
+            ..default()
+        })
+    }
+}
