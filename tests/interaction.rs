@@ -223,7 +223,7 @@ fn the_past_is_bounded_and_ends_at_the_start() {
     assert_eq!(clock(&app).steps(), 0);
     ask(&mut app, Action::StepBack(1));
     let said = session(&app).notices.back().cloned().unwrap_or_default();
-    assert!(said.contains("nothing to go back to"), "{said}");
+    assert!(said.contains("No earlier step is stored"), "{said}");
     // Too many boxes to keep: said, not slow.
     let mut app = game(&["load", "--boxes", "1500"]);
     run(&mut app, 3);

@@ -24,7 +24,7 @@ pub fn on_action(
             ("push", impulse, push.off_center.then_some(point))
         }
         Action::Poke(poke) => {
-            let normal = poke.normal.normalize_or_zero();
+            let normal = poke.normal.try_normalize().unwrap_or(DVec3::NAN);
             let impulse = state.rotation * -normal * (strength * poke.strength);
             ("poke", impulse, Some(poke.body_point))
         }

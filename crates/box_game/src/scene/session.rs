@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use bevy::prelude::*;
 use box_physics::prelude::{DVec3, RigidBox};
-use box_scenarios::{ForceSet, Scenario, Setup, ReferenceSolution};
+use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
 
 use crate::action::Plot;
 use crate::parameters::Parameters;

@@ -6,7 +6,7 @@ use box_physics::prelude::{
     Floor, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag, ReportContacts,
     RigidBox, Springs, WorldGravity,
 };
-use box_scenarios::{ForceSet, PlotPreset, Scenario, Setup, ReferenceSolution};
+use box_scenarios::{ForceSet, PlotPreset, ReferenceSolution, Scenario, Setup};
 
 use super::boxes::place;
 use super::clock::{set_speed, set_step};
