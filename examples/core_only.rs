@@ -56,8 +56,8 @@ fn main() -> Result<(), InvalidValue> {
     println!(
         "after {impacts} impacts it lies at {:.3}, resting: {}",
         state.position,
-        contact.is_resting()
+        contact.is_resting(&state)
     );
-    assert!(contact.is_resting() && state.velocity == DVec3::ZERO);
+    assert!(contact.is_resting(&state) && state.velocity == DVec3::ZERO);
     Ok(())
 }

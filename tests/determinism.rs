@@ -41,10 +41,12 @@ fn spread(k: u32) -> f64 {
 
 fn start(k: u32) -> BodyState {
     let s = |n: u32| 2.0 * spread(7 * k + n) - 1.0;
-    BodyState::at(DVec3::new(3.0 * f64::from(k), 0.6 + spread(k), s(1)))
-        .with_rotation(DQuat::from_xyzw(s(2), s(3), s(4), 1.0))
-        .with_velocity(DVec3::new(s(5), s(6), 2.0 * s(7)))
-        .with_angular_velocity(&brick(), 1.5 * DVec3::new(s(3), s(5), s(1)))
+    BodyState::at_pose(
+        DVec3::new(3.0 * f64::from(k), 0.6 + spread(k), s(1)),
+        DQuat::from_xyzw(s(2), s(3), s(4), 1.0),
+    )
+    .with_velocity(DVec3::new(s(5), s(6), 2.0 * s(7)))
+    .with_angular_velocity(&brick(), 1.5 * DVec3::new(s(3), s(5), s(1)))
 }
 
 /// Every third body feels drag, every other third hangs on a damped spring; all over a floor.

@@ -27,9 +27,11 @@ fn setup_of(channel: Channel, half_extents: DVec3, gravity: f64) -> Setup {
     let body = RigidBox::new(half_extents, 3.0).expect("valid");
     let still = BodyState::at(DVec3::new(0.1, 0.5, -0.2)).with_velocity(DVec3::new(3.0, 4.0, -1.0));
     let spin = DVec3::new(1.5, 2.5, 1.0);
-    let tumbling = BodyState::at(DVec3::new(0.1, 0.5, -0.2))
-        .with_rotation(DQuat::from_xyzw(0.2, -0.1, 0.3, 0.9))
-        .with_body_angular_velocity(&body, spin);
+    let tumbling = BodyState::at_pose(
+        DVec3::new(0.1, 0.5, -0.2),
+        DQuat::from_xyzw(0.2, -0.1, 0.3, 0.9),
+    )
+    .with_body_angular_velocity(&body, spin);
     let none = ForceSet::none();
     let g = ForceSet::gravity(gravity);
     let (start, forces) = match channel {

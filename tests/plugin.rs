@@ -480,9 +480,11 @@ fn timings_are_measured_and_published() {
 fn a_dropped_box_comes_to_rest_and_its_pose_repeats_bit_for_bit() {
     let mut app = app();
     app.insert_resource(Floor::new(0.0, 0.3, 0.5).expect("valid"));
-    let start = BodyState::at(DVec3::new(0.0, 2.0, 0.0))
-        .with_rotation(DQuat::from_xyzw(0.2, 0.1, 0.3, 0.9))
-        .with_angular_velocity(&brick(), DVec3::new(1.0, -2.0, 0.5));
+    let start = BodyState::at_pose(
+        DVec3::new(0.0, 2.0, 0.0),
+        DQuat::from_xyzw(0.2, 0.1, 0.3, 0.9),
+    )
+    .with_angular_velocity(&brick(), DVec3::new(1.0, -2.0, 0.5));
     let entity = app.world_mut().spawn((brick(), start)).id();
     for _ in 0..1200 {
         app.update();
@@ -597,8 +599,10 @@ fn a_state_written_while_paused_is_shown_at_once() {
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
     app.update();
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
-    let back = BodyState::at(DVec3::new(7.0, 8.0, 9.0))
-        .with_rotation(DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5));
+    let back = BodyState::at_pose(
+        DVec3::new(7.0, 8.0, 9.0),
+        DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+    );
     *app.world_mut().get_mut(entity).expect("a body") = back;
     app.update();
     let transform = *app.world().get::<Transform>(entity).expect("required");

@@ -43,7 +43,8 @@ impl Scene {
         let mut scene = Self::new(start, apart);
         scene.step(120);
         for body in scene.bodies {
-            assert!(scene.get::<ContactState>(body).is_resting());
+            let state = scene.get::<BodyState>(body);
+            assert!(scene.get::<ContactState>(body).is_resting(&state));
         }
         scene
     }
@@ -230,7 +231,8 @@ fn a_box_that_was_held_is_let_go() {
     scene.step(60);
     let body = scene.bodies[1];
     let before = scene.seen();
-    assert!(before[1].3.is_resting() && !before[0].3.is_resting());
+    let rests = |k: usize| before[k].3.is_resting(&before[k].0);
+    assert!(rests(1) && !rests(0));
     scene
         .app
         .world_mut()

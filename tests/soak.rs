@@ -55,9 +55,11 @@ impl Dice {
 
     fn state(&mut self, body: &RigidBox) -> BodyState {
         let q = self.vector();
-        let mut state = BodyState::at(self.vector() * 20.0 + DVec3::Y * 15.0)
-            .with_rotation(DQuat::from_xyzw(q.x, q.y, q.z, 0.5))
-            .with_velocity(self.vector() * self.scale(30.0));
+        let mut state = BodyState::at_pose(
+            self.vector() * 20.0 + DVec3::Y * 15.0,
+            DQuat::from_xyzw(q.x, q.y, q.z, 0.5),
+        )
+        .with_velocity(self.vector() * self.scale(30.0));
         if self.chance(0.7) {
             state.set_angular_velocity(body, self.vector() * self.scale(30.0));
         }

@@ -92,8 +92,7 @@ impl Situation {
         let spin = random.vector(3.0);
         let turned = attitude(random);
         let tumbling = |y: f64, v: DVec3| {
-            up(y)
-                .with_rotation(turned)
+            BodyState::at_pose(place + DVec3::Y * y, turned)
                 .with_velocity(v)
                 .with_angular_velocity(body, spin)
         };
@@ -112,7 +111,7 @@ impl Situation {
 fn attitude(random: &mut Random) -> DQuat {
     let v = random.vector(1.0);
     let turn = DQuat::from_xyzw(v.x, v.y, v.z, random.range(0.1, 1.0));
-    BodyState::default().with_rotation(turn).rotation
+    BodyState::at_pose(DVec3::ZERO, turn).rotation
 }
 
 #[cfg(test)]

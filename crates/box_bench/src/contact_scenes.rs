@@ -50,8 +50,8 @@ impl ContactScene {
 
     fn start(self, body: &RigidBox) -> BodyState {
         let flat = BodyState::at(DVec3::Y * body.half_extents().y);
-        let on_edge = lowered(body, BodyState::default().with_rotation(turned(0.0, 0.4)));
-        let on_corner = lowered(body, BodyState::default().with_rotation(turned(0.3, 0.4)));
+        let on_edge = lowered(body, BodyState::at_pose(DVec3::ZERO, turned(0.0, 0.4)));
+        let on_corner = lowered(body, BodyState::at_pose(DVec3::ZERO, turned(0.3, 0.4)));
         match self {
             Self::Resting => flat,
             Self::FlyingLow => BodyState::at(DVec3::Y * (body.radius() + 0.01))

@@ -104,8 +104,7 @@ impl Simulation for World {
         let w = world
             .get::<AngularVelocity>(entity)
             .map_or(Vec3::NAN, |w| w.0);
-        BodyState::at(position.as_dvec3())
-            .with_rotation(rotation.as_dquat())
+        BodyState::at_pose(position.as_dvec3(), rotation.as_dquat())
             .with_velocity(v.as_dvec3())
             .with_angular_velocity(&self.shapes[body], w.as_dvec3())
     }

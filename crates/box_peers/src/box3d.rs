@@ -132,8 +132,7 @@ impl Simulation for Running {
                 f64::from(q.s),
             );
             let at = DVec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
-            Ok(BodyState::at(at)
-                .with_rotation(turn)
+            Ok(BodyState::at_pose(at, turn)
                 .with_velocity(vector(v))
                 .with_angular_velocity(&self.shapes[body], vector(w)))
         };

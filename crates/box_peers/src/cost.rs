@@ -184,9 +184,7 @@ fn boxes(n: usize, place: Place) -> Vec<Body> {
         }
         Body {
             shape,
-            start: BodyState::at(at)
-                .with_rotation(turn)
-                .with_angular_velocity(&shape, spin),
+            start: BodyState::at_pose(at, turn).with_angular_velocity(&shape, spin),
         }
     };
     (0..n).map(one).collect()

@@ -91,8 +91,7 @@ impl Simulation for World {
             f64::from(q.z),
             f64::from(q.w),
         );
-        BodyState::at(vector(x))
-            .with_rotation(turn)
+        BodyState::at_pose(vector(x), turn)
             .with_velocity(vector(v))
             .with_angular_velocity(&self.shapes[body], vector(w))
     }

@@ -9,6 +9,10 @@ use crate::rotation::SplitFrame;
 
 const SIZE_LIMITS: (f64, f64) = (1e-6, 1e6);
 const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
+/// Those of solid boxes within the limits above are between 6e-25 and 7e23 kg m².
+const INERTIA_LIMITS: (f64, f64) = (1e-25, 1e25);
+/// Largest moment over the smallest. A needle of 1e-6 by 1e6 m has 5e23.
+const INERTIA_RATIO: f64 = 1e25;
 
 /// A rigid box: the one component that makes an entity a simulated body.
 ///
@@ -103,8 +107,8 @@ impl RigidBox {
     /// The same outside with another principal inertia \[kg m²\], for hollow or weighted boxes.
     ///
     /// # Errors
-    /// [`InvalidValue`] if a moment is not positive and finite, or if one exceeds the sum of the
-    /// other two (by more than rounding), which no distribution of mass can have.
+    /// [`InvalidValue`] if a moment is not between 1e-25 and 1e25 kg m² and at least 1e-25 of the largest, or if
+    /// one exceeds the sum of the other two (by more than rounding), which no distribution of mass can have.
     pub fn with_inertia(self, inertia: impl Into<DVec3>) -> Result<Self, InvalidValue> {
         let i = inertia.into();
         for (field, value, others) in [
@@ -112,11 +116,18 @@ impl RigidBox {
             ("inertia.y", i.y, i.z + i.x),
             ("inertia.z", i.z, i.x + i.y),
         ] {
+            let (low, high) = INERTIA_LIMITS;
             InvalidValue::check(
-                value.is_finite() && value > 0.0,
+                (low..=high).contains(&value),
                 field,
                 value,
-                "finite and positive",
+                "finite and between 1e-25 and 1e25 kg m²",
+            )?;
+            InvalidValue::check(
+                i.max_element() <= INERTIA_RATIO * value,
+                field,
+                value,
+                "at least 1e-25 of the largest moment",
             )?;
             InvalidValue::check(
                 value <= others * (1.0 + 1e-9),
@@ -292,7 +303,15 @@ mod tests {
         }
         let cube = RigidBox::default();
         assert!(cube.with_inertia(DVec3::new(1.0, 1.0, 2.1)).is_err());
-        assert!(cube.with_inertia(DVec3::new(1.0, 0.0, 1.0)).is_err());
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-320, 1e-26, 1e26] {
+            let error = cube.with_inertia(DVec3::new(bad, 1.0, 1.0)).unwrap_err();
+            assert!(
+                error.to_string().starts_with("inertia.x must be"),
+                "{error}"
+            );
+        }
+        let error = cube.with_inertia(DVec3::new(1e-3, 1e23, 1e23)).unwrap_err();
+        assert!(error.to_string().contains("at least 1e-25 of the largest"));
         assert_eq!(
             cube.with_inertia(DVec3::ONE).expect("valid").inertia(),
             DVec3::ONE

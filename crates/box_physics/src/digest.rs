@@ -78,10 +78,12 @@ impl FixedScene {
 
     fn start(body: &RigidBox, k: usize) -> BodyState {
         let k = k as f64;
-        BodyState::at(DVec3::new(3.0 * k, 1.0 + 0.25 * k, -0.5))
-            .with_rotation(DQuat::from_xyzw(0.25, 0.125 * k, -0.5, 1.0))
-            .with_velocity(DVec3::new(0.75, 0.5 - k, 1.25))
-            .with_angular_velocity(body, DVec3::new(1.5, 2.5 - k, 1.0))
+        BodyState::at_pose(
+            DVec3::new(3.0 * k, 1.0 + 0.25 * k, -0.5),
+            DQuat::from_xyzw(0.25, 0.125 * k, -0.5, 1.0),
+        )
+        .with_velocity(DVec3::new(0.75, 0.5 - k, 1.25))
+        .with_angular_velocity(body, DVec3::new(1.5, 2.5 - k, 1.0))
     }
 }
 

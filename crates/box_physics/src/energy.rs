@@ -60,8 +60,10 @@ mod tests {
     #[test]
     fn wrench_is_minus_the_gradient() {
         let body = RigidBox::default();
-        let state = BodyState::at(DVec3::new(0.2, 1.0, -0.4))
-            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7));
+        let state = BodyState::at_pose(
+            DVec3::new(0.2, 1.0, -0.4),
+            DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+        );
         let springs = [Spring {
             body_point: DVec3::new(0.5, 0.25, 0.1),
             anchor: DVec3::X,

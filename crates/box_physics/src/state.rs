@@ -45,6 +45,22 @@ pub struct BodyState {
     pub angular_momentum: DVec3,
 }
 
+/// The axes in which a vector is constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Reflect, VariantDefaults),
+    reflect(Default, Clone, PartialEq)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Frame {
+    /// The world's: wind, a magnetic field.
+    #[default]
+    World,
+    /// The body's: a thruster.
+    Body,
+}
+
 impl Default for BodyState {
     fn default() -> Self {
         Self::at(DVec3::ZERO)
@@ -62,17 +78,46 @@ impl BodyState {
         }
     }
 
-    /// The same with attitude `rotation`, which is normalized here in f64. A zero or non-finite
-    /// quaternion is left as it is, and the plugin quarantines the body.
-    #[must_use]
-    pub fn with_rotation(mut self, rotation: DQuat) -> Self {
+    /// At rest at `position` \[m\] with attitude `rotation`, which is normalized here in f64. A zero or
+    /// non-finite quaternion is left as it is, and the plugin quarantines the body.
+    ///
+    /// There is no `with_rotation`: the angular velocities below refer to the attitude, so it comes first.
+    /// [`turn_to`](Self::turn_to) turns a spinning body.
+    pub fn at_pose(position: impl Into<DVec3>, rotation: DQuat) -> Self {
         let norm = rotation.length();
-        self.rotation = if norm > 0.0 && norm.is_finite() {
-            rotation / norm
-        } else {
-            rotation
-        };
-        self
+        Self {
+            rotation: if norm > 0.0 && norm.is_finite() {
+                rotation / norm
+            } else {
+                rotation
+            },
+            ..Self::at(position)
+        }
+    }
+
+    /// Turns the body to attitude `rotation`, normalized as by [`at_pose`](Self::at_pose). Its angular velocity
+    /// keeps its components in the axes of `spin`: a body that spins about a world axis still does, or one
+    /// that spins about an axis of its own.
+    ///
+    /// ```
+    /// use box_physics::prelude::*;
+    /// let brick = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
+    /// let spinning = BodyState::at(DVec3::Y).with_angular_velocity(&brick, DVec3::X);
+    /// let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt()); // 90° about z
+    /// let mut state = spinning;
+    /// state.turn_to(&brick, quarter, Frame::World);
+    /// assert!((state.angular_velocity(&brick) - DVec3::X).length() < 1e-15);
+    /// let mut state = spinning;
+    /// state.turn_to(&brick, quarter, Frame::Body);
+    /// assert!((state.angular_velocity(&brick) - DVec3::Y).length() < 1e-15);
+    /// # Ok::<(), InvalidValue>(())
+    /// ```
+    pub fn turn_to(&mut self, body: &RigidBox, rotation: DQuat, spin: Frame) {
+        let world = self.angular_velocity(body);
+        self.rotation = Self::at_pose(self.position, rotation).rotation;
+        if spin == Frame::World {
+            self.set_angular_velocity(body, world);
+        }
     }
 
     /// The same with velocity [m/s], world axes.
@@ -82,7 +127,7 @@ impl BodyState {
         self
     }
 
-    /// The same with angular velocity [rad/s], **world** axes. Give the rotation first.
+    /// The same with angular velocity [rad/s], **world** axes.
     #[must_use]
     pub fn with_angular_velocity(mut self, body: &RigidBox, world: impl Into<DVec3>) -> Self {
         self.set_angular_velocity(body, world.into());
@@ -216,10 +261,12 @@ mod tests {
 
     fn tilted() -> BodyState {
         let (s, c) = sin_cos(0.4);
-        BodyState::at(DVec3::new(1.0, 2.0, 3.0))
-            .with_rotation(DQuat::from_xyzw(s * 0.6, 0.0, s * 0.8, c))
-            .with_velocity(DVec3::new(0.5, -1.0, 0.25))
-            .with_angular_velocity(&body(), DVec3::new(1.0, 2.0, -1.0))
+        BodyState::at_pose(
+            DVec3::new(1.0, 2.0, 3.0),
+            DQuat::from_xyzw(s * 0.6, 0.0, s * 0.8, c),
+        )
+        .with_velocity(DVec3::new(0.5, -1.0, 0.25))
+        .with_angular_velocity(&body(), DVec3::new(1.0, 2.0, -1.0))
     }
 
     #[test]
@@ -249,6 +296,28 @@ mod tests {
     fn angular_velocity_round_trip() {
         let w = tilted().angular_velocity(&body());
         assert!((w - DVec3::new(1.0, 2.0, -1.0)).length() < 1e-15);
+    }
+
+    /// Turning keeps the spin in the axes that were asked for, to rounding, and neither place nor velocity changes.
+    #[test]
+    fn turning_keeps_the_spin_in_the_axes_asked_for() {
+        let (body, before) = (body(), tilted());
+        let (s, c) = sin_cos(0.3);
+        let turn = DQuat::from_xyzw(0.0, 2.0 * s, 0.0, 2.0 * c);
+        for spin in [Frame::World, Frame::Body] {
+            let mut after = before;
+            after.turn_to(&body, turn, spin);
+            assert!((after.rotation - turn * 0.5).length() < 1e-15);
+            assert_eq!(
+                (after.position, after.velocity),
+                (before.position, before.velocity)
+            );
+            let changed = match spin {
+                Frame::World => after.angular_velocity(&body) - before.angular_velocity(&body),
+                Frame::Body => after.angular_momentum - before.angular_momentum,
+            };
+            assert!(changed.length() < 1e-15, "{spin:?}: {changed}");
+        }
     }
 
     #[test]

@@ -235,8 +235,7 @@ impl State {
 
     /// As a state of ours, for drawing and measuring.
     pub fn body_state(&self, body: &RigidBox) -> BodyState {
-        BodyState::at(self.position)
-            .with_rotation(self.rotation)
+        BodyState::at_pose(self.position, self.rotation)
             .with_velocity(self.velocity)
             .with_body_angular_velocity(body, self.spin)
     }

@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn a_turned_box_is_met_in_its_own_axes() {
         let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt());
-        let state = BodyState::default().with_rotation(quarter);
+        let state = BodyState::at_pose(DVec3::ZERO, quarter);
         // The long side now stands upright: x of the body is y of the world.
         let met = hit(&body(), &state, DVec3::Y * 3.0, DVec3::NEG_Y).expect("from above");
         assert!((met.distance - 2.5).abs() < 1e-12);

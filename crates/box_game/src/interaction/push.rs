@@ -85,7 +85,7 @@ mod tests {
     fn a_push_acts_along_the_box_s_own_axes_or_the_world_s() {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
         let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt());
-        let state = BodyState::default().with_rotation(quarter);
+        let state = BodyState::at_pose(DVec3::ZERO, quarter);
         let own = Push {
             direction: DVec3::X,
             world: false,

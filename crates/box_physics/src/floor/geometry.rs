@@ -312,10 +312,12 @@ mod tests {
 
     fn tilted() -> (RigidBox, BodyState) {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
-        let state = BodyState::at(DVec3::new(1.0, 2.0, 3.0))
-            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
-            .with_velocity(DVec3::new(0.1, -0.4, 0.9))
-            .with_angular_velocity(&body, DVec3::new(2.0, -1.0, 0.5));
+        let state = BodyState::at_pose(
+            DVec3::new(1.0, 2.0, 3.0),
+            DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+        )
+        .with_velocity(DVec3::new(0.1, -0.4, 0.9))
+        .with_angular_velocity(&body, DVec3::new(2.0, -1.0, 0.5));
         (body, state)
     }
 
@@ -371,7 +373,7 @@ mod tests {
         let body = RigidBox::new(DVec3::new(0.7, 0.2, 0.3), 1.0).expect("valid");
         for i in 0..100 {
             let (s, c) = crate::math::sin_cos(0.1 + f64::from(i));
-            let state = BodyState::at(DVec3::Y).with_rotation(DQuat::from_xyzw(0.0, s, 0.0, c));
+            let state = BodyState::at_pose(DVec3::Y, DQuat::from_xyzw(0.0, s, 0.0, c));
             let corners = Corners::at(&Floor::default(), &body, &state);
             let bottom = corners.touching(0.85);
             assert_eq!(bottom.count_ones(), 4);

@@ -19,9 +19,9 @@ use crate::state::BodyState;
 /// use bevy::prelude::*;
 /// use box_physics::floor::ContactState;
 /// use box_physics::prelude::*;
-/// /// The dice are cast when all of them lie still.
-/// fn all_lie(dice: Query<&ContactState>) -> bool {
-///     dice.iter().all(ContactState::is_resting)
+/// /// The dice are cast when all of them rest.
+/// fn all_rest(dice: Query<(&BodyState, &ContactState)>) -> bool {
+///     dice.iter().all(|(state, contact)| contact.is_resting(state))
 /// }
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,15 +74,26 @@ pub(super) struct Rest {
     pub(super) reaction: [f64; 8],
 }
 
+impl Rest {
+    #[inline]
+    fn is_of(&self, state: &BodyState) -> bool {
+        self.position == state.position
+            && self.rotation == state.rotation
+            && state.velocity == DVec3::ZERO
+            && state.angular_momentum == DVec3::ZERO
+    }
+}
+
 impl ContactState {
     /// The corners that touched the floor at the end of the last step; bit k is corner k.
     pub fn touching(&self) -> u8 {
         self.touching
     }
 
-    /// Whether the box lay still at the end of the last step.
-    pub fn is_resting(&self) -> bool {
-        self.rest.is_some()
+    /// Whether `state` is the one in which the last step left the box at rest. `false` as soon as anybody writes
+    /// another state: no step has to come in between.
+    pub fn is_resting(&self, state: &BodyState) -> bool {
+        self.rest.as_ref().is_some_and(|rest| rest.is_of(state))
     }
 
     /// Whether it still does: nothing is different.
@@ -96,10 +107,7 @@ impl ContactState {
         let Some(rest) = &self.rest else {
             return false;
         };
-        rest.position == state.position
-            && rest.rotation == state.rotation
-            && state.velocity == DVec3::ZERO
-            && state.angular_momentum == DVec3::ZERO
+        rest.is_of(state)
             && rest.acceleration == force.acceleration()
             && rest.floor == *context.floor
             && rest.half_extents == body.half_extents()

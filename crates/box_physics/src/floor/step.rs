@@ -59,7 +59,7 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 /// for _ in 0..600 {
 ///     step_on_floor::<Split, _>(&context, &mut state, h, &mut memory, &mut contact, None);
 /// }
-/// assert!(contact.is_resting() && (state.position.y - 0.5).abs() < 1e-9);
+/// assert!(contact.is_resting(&state) && (state.position.y - 0.5).abs() < 1e-9);
 /// ```
 pub fn step_on_floor<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,

@@ -358,7 +358,7 @@ fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
         end.rotation
     };
     let sum: DQuat = start.rotation + aligned;
-    DMat3::from_quat(start.with_rotation(sum).rotation)
+    DMat3::from_quat(BodyState::at_pose(start.position, sum).rotation)
 }
 
 /// Longest segment over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so

@@ -10,7 +10,8 @@
 
 mod parts;
 
-pub use parts::{Forces, Frame, PointForce, Spring};
+pub use crate::state::Frame;
+pub use parts::{Forces, PointForce, Spring};
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -228,10 +229,12 @@ mod tests {
     /// A box, and a state without any symmetry.
     pub(super) fn setting() -> (RigidBox, BodyState) {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
-        let state = BodyState::at(DVec3::new(0.2, 1.0, -0.4))
-            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
-            .with_velocity(DVec3::new(1.0, -2.0, 0.5))
-            .with_angular_velocity(&body, DVec3::new(3.0, 1.0, -2.0));
+        let state = BodyState::at_pose(
+            DVec3::new(0.2, 1.0, -0.4),
+            DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+        )
+        .with_velocity(DVec3::new(1.0, -2.0, 0.5))
+        .with_angular_velocity(&body, DVec3::new(3.0, 1.0, -2.0));
         (body, state)
     }
 

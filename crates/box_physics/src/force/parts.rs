@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::{Dissipation, ForceModel, Wrench, fingerprint};
 use crate::body::RigidBox;
-use crate::state::BodyState;
+use crate::state::{BodyState, Frame};
 
 /// A force at a body point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,22 +19,6 @@ pub struct PointForce {
     pub force: DVec3,
     /// The axes in which it is constant.
     pub frame: Frame,
-}
-
-/// In which axes a vector is constant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "bevy",
-    derive(Reflect, VariantDefaults),
-    reflect(Default, Clone, PartialEq)
-)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Frame {
-    /// The world's: wind, a magnetic field.
-    #[default]
-    World,
-    /// The body's: a thruster.
-    Body,
 }
 
 /// A spring of zero natural length from a body point to a world anchor, with a damper:

@@ -337,8 +337,7 @@ mod tests {
     fn moving() -> impl Strategy<Value = (RigidBox, BodyState)> {
         let turned = prop_oneof![1 => Just(DVec3::ZERO), 4 => vector()];
         (body(), vector(), turned, vector(), vector()).prop_map(|(body, x, turn, v, spin)| {
-            let state = BodyState::at(x)
-                .with_rotation(exponential_map(turn))
+            let state = BodyState::at_pose(x, exponential_map(turn))
                 .with_velocity(v)
                 .with_body_angular_velocity(&body, spin);
             (body, state)

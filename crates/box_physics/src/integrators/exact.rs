@@ -101,10 +101,12 @@ mod tests {
 
     fn tumbling() -> (RigidBox, BodyState) {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
-        let state = BodyState::at(DVec3::new(1.0, 2.0, 3.0))
-            .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
-            .with_velocity(DVec3::new(3.0, 9.0, -1.0))
-            .with_body_angular_velocity(&body, DVec3::new(1.5, 2.5, 1.0));
+        let state = BodyState::at_pose(
+            DVec3::new(1.0, 2.0, 3.0),
+            DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+        )
+        .with_velocity(DVec3::new(3.0, 9.0, -1.0))
+        .with_body_angular_velocity(&body, DVec3::new(1.5, 2.5, 1.0));
         (body, state)
     }
 

@@ -311,10 +311,12 @@ mod tests {
         fn free() -> Self {
             let body = super::super::testing::brick();
             Self {
-                state: BodyState::at(DVec3::new(0.5, 1.0, -0.5))
-                    .with_rotation(DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
-                    .with_velocity(DVec3::new(1.0, 2.0, -1.0))
-                    .with_body_angular_velocity(&body, DVec3::new(1.5, 2.5, 1.0)),
+                state: BodyState::at_pose(
+                    DVec3::new(0.5, 1.0, -0.5),
+                    DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+                )
+                .with_velocity(DVec3::new(1.0, 2.0, -1.0))
+                .with_body_angular_velocity(&body, DVec3::new(1.5, 2.5, 1.0)),
                 body,
                 forces: Forces {
                     acceleration: DVec3::NEG_Y * 9.81,

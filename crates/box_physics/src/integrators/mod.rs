@@ -413,10 +413,12 @@ mod tests {
     #[test]
     fn a_zero_step_is_the_identity_bit_for_bit() {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
-        let start = BodyState::at(DVec3::new(0.1, 0.2, 0.3))
-            .with_rotation(glam::DQuat::from_xyzw(0.1, 0.7, -0.3, 0.5))
-            .with_velocity(DVec3::new(1.0, 2.0, 3.0))
-            .with_angular_velocity(&body, DVec3::new(3.0, 2.0, 1.0));
+        let start = BodyState::at_pose(
+            DVec3::new(0.1, 0.2, 0.3),
+            glam::DQuat::from_xyzw(0.1, 0.7, -0.3, 0.5),
+        )
+        .with_velocity(DVec3::new(1.0, 2.0, 3.0))
+        .with_angular_velocity(&body, DVec3::new(3.0, 2.0, 1.0));
         for &i in Integrator::ALL {
             let mut state = start;
             i.step(

@@ -97,8 +97,7 @@ impl Case {
         let body = RigidBox::new(DVec3::new(0.25, 0.5, 0.25), 6.0).expect("valid");
         let tilt = DQuat::from_xyzw(0.3420201539993286, 0.0, 0.0, 0.9396926164627075);
         Self {
-            start: BodyState::default()
-                .with_rotation(tilt)
+            start: BodyState::at_pose(DVec3::ZERO, tilt)
                 .with_body_angular_velocity(&body, DVec3::Y * 12.0),
             body,
             pair: dipole_pair(DVec3::Y * -4.0, DVec3::Y).to_vec(),

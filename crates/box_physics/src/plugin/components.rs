@@ -266,7 +266,7 @@ impl WrittenTransform {
 
     /// At this pose, at rest: what is left of a body whose state is lost.
     pub(crate) fn state_at_rest(&self) -> BodyState {
-        BodyState::at(self.translation.as_dvec3()).with_rotation(self.rotation.as_dquat())
+        BodyState::at_pose(self.translation.as_dvec3(), self.rotation.as_dquat())
     }
 
     /// Takes over into `state` what somebody changed in `transform` since we wrote it. Returns whether
@@ -293,7 +293,8 @@ impl WrittenTransform {
         }
         if turned {
             // The momentum is stored in body axes: the body carries its spin along.
-            state.rotation = state.with_rotation(transform.rotation.as_dquat()).rotation;
+            state.rotation =
+                BodyState::at_pose(state.position, transform.rotation.as_dquat()).rotation;
         }
         Ok(true)
     }

@@ -100,7 +100,7 @@ mod tests {
             let states: Vec<_> = set
                 .iter()
                 .map(|(_, q, x)| {
-                    BodyState::at(DVec3::from_array(*x)).with_rotation(DQuat::from_array(*q))
+                    BodyState::at_pose(DVec3::from_array(*x), DQuat::from_array(*q))
                 })
                 .collect();
             let mut fitted = vec![WorldAabb::default(); set.len()];

@@ -173,7 +173,7 @@ impl AtFloor<'_, '_, '_, '_, '_> {
             let (body, state) = (&chunk.bodies[i], &mut chunk.states[i]);
             let before = *state;
             let contact = &mut chunk.contacts[i];
-            let lay_still = contact.is_resting();
+            let lay_still = contact.is_resting(state);
             if let Some(reporting) = &mut self.reporting {
                 reporting.points.clear();
             }

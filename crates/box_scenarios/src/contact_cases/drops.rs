@@ -1,6 +1,7 @@
 //! Random drops: what energy does (case 30), and how deep a corner gets (case 32). The seed is fixed.
 
 use box_physics::integrators::Integrator;
+use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
 use super::Trial;
@@ -87,7 +88,7 @@ fn drop(random: &mut Random, integrator: Integrator, half: DVec3, speed: f64) ->
     let axis = random.vector(1.0);
     let w = random.range(-1.0, 1.0);
     let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, w + 0.01);
-    trial.state = trial.state.with_rotation(turn);
+    trial.state = BodyState::at_pose(trial.state.position, turn);
     trial.state.position.y = trial.body.radius() * random.range(1.0, 2.0);
     let fast = random.magnitude(0.01, speed);
     trial.state.velocity = random.vector(fast);

@@ -106,7 +106,7 @@ impl Trial {
 
     /// Whether the box lies still for good.
     pub fn rests(&self) -> bool {
-        self.contact.is_resting()
+        self.contact.is_resting(&self.state)
     }
 }
 

@@ -30,8 +30,7 @@ pub(super) fn families() -> Vec<Family> {
         ..ForceSet::gravity(9.81)
     };
     let corner = solid([0.5, 0.25, 0.375], 3.0);
-    let tilted = BodyState::at(DVec3::Y * 1.5)
-        .with_rotation(DQuat::from_xyzw(0.25, 0.075, 0.2, 1.063))
+    let tilted = BodyState::at_pose(DVec3::Y * 1.5, DQuat::from_xyzw(0.25, 0.075, 0.2, 1.063))
         .with_velocity(DVec3::X)
         .with_body_angular_velocity(&corner, DVec3::new(0.5, 1.5, -0.25));
     let family = |id, title, what, setup: Setup, metrics, watch| Family {

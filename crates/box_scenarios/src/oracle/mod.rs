@@ -161,9 +161,11 @@ fn read_body(f: &Field) -> Result<RigidBox, OracleError> {
 }
 
 fn read_initial(f: &Field, body: &RigidBox) -> Result<BodyState, OracleError> {
-    let state = BodyState::at(f.require("position")?.vector()?)
-        .with_rotation(rotation(&f.require("quaternion_xyzw")?)?)
-        .with_velocity(f.require("velocity")?.vector()?);
+    let state = BodyState::at_pose(
+        f.require("position")?.vector()?,
+        rotation(&f.require("quaternion_xyzw")?)?,
+    )
+    .with_velocity(f.require("velocity")?.vector()?);
     Ok(match f.get("angular_velocity_body")? {
         Some(local) => state.with_body_angular_velocity(body, local.vector()?),
         None => state.with_angular_velocity(body, f.require("angular_velocity_world")?.vector()?),

@@ -24,10 +24,12 @@ pub(super) fn read(f: &Field, body: &RigidBox) -> Result<Vec<Sample>, OracleErro
 }
 
 fn read_one(s: &Field, body: &RigidBox, t: f64) -> Result<Sample, OracleError> {
-    let mut state = BodyState::at(s.require("position")?.vector()?)
-        .with_rotation(rotation(&s.require("quaternion_xyzw")?)?)
-        .with_velocity(s.require("velocity")?.vector()?)
-        .with_angular_velocity(body, s.require("angular_velocity_world")?.vector()?);
+    let mut state = BodyState::at_pose(
+        s.require("position")?.vector()?,
+        rotation(&s.require("quaternion_xyzw")?)?,
+    )
+    .with_velocity(s.require("velocity")?.vector()?)
+    .with_angular_velocity(body, s.require("angular_velocity_world")?.vector()?);
     if let Some(l) = s.get("angular_momentum_world")? {
         state.angular_momentum = to_body(state.rotation, l.vector()?);
     }

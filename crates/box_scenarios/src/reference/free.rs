@@ -230,8 +230,7 @@ mod tests {
 
     fn check(half: DVec3, spin: DVec3, bound: f64) {
         let body = RigidBox::new(half, 3.0).expect("valid");
-        let start = BodyState::default()
-            .with_rotation(DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8))
+        let start = BodyState::at_pose(DVec3::ZERO, DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8))
             .with_body_angular_velocity(&body, spin);
         let motion = FreeMotion::new(&body, &start, 0.0);
         let setup = Setup::new(body, start, ForceSet::none(), 10.0);

@@ -1,5 +1,6 @@
 //! Contact.
 
+use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
 use super::{GRAVITY, brick, solid, spinning};
@@ -138,9 +139,8 @@ pub fn load() -> Scenario {
 /// A corner drop with friction.
 pub fn contact() -> Scenario {
     let body = solid([0.5, 0.25, 0.375], 3.0);
-    let start = spinning(&body, [0.0, 2.0, 0.0], [0.0; 3])
-        .with_rotation(DQuat::from_xyzw(0.25, 0.05, 0.2, 0.95))
-        .with_velocity(DVec3::new(1.0, 0.0, 0.0));
+    let tilted = DQuat::from_xyzw(0.25, 0.05, 0.2, 0.95);
+    let start = BodyState::at_pose(DVec3::Y * 2.0, tilted).with_velocity(DVec3::new(1.0, 0.0, 0.0));
     let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 6.0);
     Scenario {
         id: "contact",

@@ -1,5 +1,6 @@
 //! Springs and torques.
 
+use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
 use super::{brick, solid, spinning};
@@ -58,8 +59,8 @@ pub fn stiff_spring() -> Scenario {
 /// The heavy top, as a dipole in a field: precession and nutation.
 pub fn heavy_top() -> Scenario {
     let body = solid([0.25, 0.5, 0.25], 6.0);
-    let start = spinning(&body, [0.0, 2.0, 0.0], [0.0; 3])
-        .with_rotation(DQuat::from_rotation_x(40.0_f64.to_radians()))
+    let leaning = DQuat::from_rotation_x(40.0_f64.to_radians());
+    let start = BodyState::at_pose(DVec3::Y * 2.0, leaning)
         .with_body_angular_velocity(&body, DVec3::Y * 12.0);
     // The torque of gravity on an upright top with m g l = 4 N m, without a pivot.
     let forces = ForceSet::none().with_dipole(DVec3::NEG_Y * 4.0, DVec3::Y);

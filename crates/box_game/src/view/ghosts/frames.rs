@@ -161,7 +161,10 @@ mod tests {
     #[test]
     fn a_box_has_twelve_edges_of_its_size() {
         let body = RigidBox::new(bevy::math::DVec3::new(0.5, 0.25, 0.125), 1.0).expect("valid");
-        let state = BodyState::default().with_rotation(bevy::math::DQuat::from_rotation_x(0.7));
+        let state = BodyState::at_pose(
+            bevy::math::DVec3::ZERO,
+            bevy::math::DQuat::from_rotation_x(0.7),
+        );
         let lengths = edges(&body, &state, Vec3::X).map(|[a, b]| a.distance(b));
         for size in [1.0, 0.5, 0.25] {
             let count = lengths.iter().filter(|l| (*l - size).abs() < 1e-5);

@@ -8,7 +8,7 @@ fn resting() -> Scene {
     let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.3, 0.5);
     scene.state.rotation = about(DVec3::Y, 0.4);
     scene.run::<Split>(SIXTIETH, 3);
-    assert!(scene.contact.is_resting());
+    assert!(scene.contact.is_resting(&scene.state));
     scene
 }
 
@@ -47,9 +47,12 @@ fn a_resting_box_reacts_to_what_changes() {
     scene = settled.clone();
     scene.floor.height = -1.0;
     scene.step::<Split>(SIXTIETH);
-    assert!((scene.state.velocity.y + G * SIXTIETH).abs() < 1e-12 && !scene.contact.is_resting());
+    assert!(
+        (scene.state.velocity.y + G * SIXTIETH).abs() < 1e-12
+            && !scene.contact.is_resting(&scene.state)
+    );
     scene.run::<Split>(SIXTIETH, 200);
-    assert!(scene.contact.is_resting() && (scene.lowest()).abs() < 1e-12);
+    assert!(scene.contact.is_resting(&scene.state) && (scene.lowest()).abs() < 1e-12);
 
     // Gravity turned over: it falls up. Switched off: it stays. Tilted: it slides.
     scene = settled.clone();
@@ -76,7 +79,7 @@ fn a_resting_box_reacts_to_what_changes() {
         scene = settled.clone();
         scene.state.velocity.y = push;
         scene.step::<Split>(1e-8);
-        assert!(scene.state.position.y > 0.25 && !scene.contact.is_resting());
+        assert!(scene.state.position.y > 0.25 && !scene.contact.is_resting(&scene.state));
     }
 }
 
@@ -120,7 +123,11 @@ fn rest_under_a_force_ends_with_the_force() {
             points.clear();
             scene.step_under::<Split>(law, SIXTIETH, Some(&mut points));
             let normal: f64 = points.iter().map(|p| p.normal_impulse).sum();
-            (scene.contact.is_resting(), scene.state, normal / SIXTIETH)
+            (
+                scene.contact.is_resting(&scene.state),
+                scene.state,
+                normal / SIXTIETH,
+            )
         };
         for _ in 0..3 {
             step(&pressed);
@@ -165,7 +172,7 @@ fn rest_at_any_step_and_place() {
                 scene.state.rotation = about(DVec3::Y, 0.4);
                 let start = scene.state;
                 scene.run::<Split>(h, 20);
-                assert!(scene.contact.is_resting(), "{h} {x} {slope}");
+                assert!(scene.contact.is_resting(&scene.state), "{h} {x} {slope}");
                 assert_eq!(scene.state, start);
             }
         }

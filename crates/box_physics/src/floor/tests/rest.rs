@@ -20,7 +20,7 @@ fn any_drop_ends_flat_and_resting() {
         let spin = random.vector(5.0);
         scene.state.set_angular_velocity(&scene.body, spin);
         let mut n = 0;
-        while !scene.contact.is_resting() && n < 6000 {
+        while !scene.contact.is_resting(&scene.state) && n < 6000 {
             scene.step::<Split>(SIXTIETH);
             n += 1;
         }
@@ -28,7 +28,7 @@ fn any_drop_ends_flat_and_resting() {
         total += scene.total;
         steps += n;
         assert!(
-            scene.contact.is_resting(),
+            scene.contact.is_resting(&scene.state),
             "{i} {half} {:?} {:?}",
             scene.state,
             scene.floor
@@ -55,7 +55,7 @@ fn the_resting_pose_repeats_bit_for_bit() {
         scene.state.position.y = 1.0;
         scene.state.rotation = about(DVec3::Y, 0.7) * about(axis, angle);
         scene.run::<Rk4>(SIXTIETH, 200);
-        assert!(scene.contact.is_resting());
+        assert!(scene.contact.is_resting(&scene.state));
         let pose = scene.state;
         scene.run::<Split>(SIXTIETH, 1_000_000);
         assert_eq!(scene.state, pose);
@@ -64,4 +64,26 @@ fn the_resting_pose_repeats_bit_for_bit() {
         scene.run::<Split>(SIXTIETH, 10);
         assert_eq!(scene.state, pose);
     }
+}
+
+/// A die that is thrown again does not rest, before any step.
+#[test]
+fn another_state_does_not_rest() {
+    let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.125), 0.3, 0.5);
+    scene.state.position.y = 0.3;
+    while !scene.contact.is_resting(&scene.state) {
+        scene.step::<Split>(SIXTIETH);
+    }
+    let throws: [fn(&mut BodyState); 4] = [
+        |state| state.position.y = 3.0,
+        |state| state.rotation = -state.rotation * DQuat::from_xyzw(0.6, 0.0, 0.0, 0.8),
+        |state| state.velocity.x = 1e-9,
+        |state| state.angular_momentum.z = 1e-9,
+    ];
+    for throw in throws {
+        let mut thrown = scene.state;
+        throw(&mut thrown);
+        assert!(!scene.contact.is_resting(&thrown), "{thrown:?}");
+    }
+    assert!(scene.contact.is_resting(&scene.state));
 }

@@ -245,7 +245,7 @@ fn cost_by_hand() {
         let mut half = || random.range(0.2, 0.5);
         let mut scene = Scene::new(DVec3::new(half(), half(), half()), 0.3, 0.5);
         let height = scene.body.radius() + random.range(0.5, 2.0);
-        scene.state = BodyState::at(DVec3::Y * height).with_rotation(random.attitude());
+        scene.state = BodyState::at_pose(DVec3::Y * height, random.attitude());
         let spin = random.vector(3.0);
         scene.state.set_angular_velocity(&scene.body, spin);
         scene.run::<Split>(SIXTIETH, 180);

@@ -21,11 +21,11 @@ fn pub17<S: Integrate>(h: f64, bound: f64) {
     println!(
         "pub17 {} h={h:.4}: {worst:.2e}, stopped {stopped:.4}, resting {}",
         S::INFO.id,
-        scene.contact.is_resting()
+        scene.contact.is_resting(&scene.state)
     );
     assert!(worst <= bound, "{worst:e}");
     assert!((stopped - stop).abs() <= h * 1.0001, "{stopped}");
-    assert!(scene.contact.is_resting());
+    assert!(scene.contact.is_resting(&scene.state));
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn slope_holds_below_the_friction_angle_and_slides_above() {
             let a = G * (s - mu * c);
             if factor < 1.0 {
                 assert_eq!(scene.state, start, "mu {mu} factor {factor}");
-                assert!(scene.contact.is_resting());
+                assert!(scene.contact.is_resting(&scene.state));
             } else {
                 let x = scene.state.position.x - start.position.x;
                 assert!(
@@ -88,7 +88,7 @@ fn a_turning_slide_stops_in_a_few_segments() {
         for _ in 0..5 {
             worst = worst.max(scene.step::<Split>(SIXTIETH).step.evaluations);
         }
-        assert!(scene.contact.is_resting() && scene.energy() <= energy);
+        assert!(scene.contact.is_resting(&scene.state) && scene.energy() <= energy);
     }
     println!("a turning slide: at most {worst} evaluations a step");
     assert!(worst <= 240, "{worst}"); // two or three for each segment that is tried

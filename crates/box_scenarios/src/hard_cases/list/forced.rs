@@ -29,8 +29,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let bar = solid([0.25, 0.5, 0.25], 6.0);
     let top = Setup::new(
         bar,
-        BodyState::default()
-            .with_rotation(DQuat::from_rotation_x(0.7))
+        BodyState::at_pose(DVec3::ZERO, DQuat::from_rotation_x(0.7))
             .with_body_angular_velocity(&bar, DVec3::Y * 12.0),
         ForceSet::none().with_dipole(DVec3::NEG_Y * 4.0, DVec3::Y),
         5.0,
