@@ -44,12 +44,10 @@ fn main() {
     println!("after {time} s the elevator is at {height:.3} m");
     assert!((height - (2.0 + 0.5 * time)).abs() < 1e-12);
 
-    // A teleport keeps the velocity, and the spin in the body's own axes.
+    // A teleport keeps the velocity. (From a system: `commands.queue(…)`.)
     let before = state(&app, stone);
-    app.world_mut()
-        .get_mut::<Transform>(stone)
-        .expect("required")
-        .translation = Vec3::new(-5.0, 10.0, 0.0);
+    let elsewhere = Teleport::to(stone, Vec3::new(-5.0, 10.0, 0.0));
+    app.world_mut().commands().queue(elsewhere);
     app.update();
     let after = state(&app, stone);
     println!(

@@ -141,3 +141,171 @@ fn a_teleport_is_taken_and_not_drawn_as_a_flight() {
     assert_eq!(state(&app, smooth).position.y, 100.0);
     assert_eq!(state(&app, smooth).velocity, DVec3::X * 3.0);
 }
+
+/// Smoothed as well as not, at any rates: a teleport is shown in its own frame, is never lost, and is not drawn as
+/// a flight; nor is a written state.
+#[test]
+fn a_teleport_cannot_be_lost_and_is_not_drawn_as_a_flight() {
+    #[derive(Resource, Clone, Copy)]
+    enum Jump {
+        Teleport,
+        State,
+        EarlyState,
+    }
+    #[derive(Resource)]
+    struct Now(bool);
+    fn jump(
+        mut bodies: Query<(Entity, &mut BodyState)>,
+        kind: Res<Jump>,
+        mut now: ResMut<Now>,
+        mut commands: Commands,
+    ) {
+        if !std::mem::take(&mut now.0) {
+            return;
+        }
+        for (entity, mut state) in &mut bodies {
+            let there = state.position.with_y(50.0);
+            match *kind {
+                Jump::Teleport => commands.queue(Teleport::to(entity, there)),
+                Jump::State | Jump::EarlyState => state.position = there,
+            }
+        }
+    }
+    for (physics, frames) in [(64.0, 60.0), (64.0, 30.0), (64.0, 144.0), (20.0, 144.0)] {
+        for kind in [Jump::Teleport, Jump::State, Jump::EarlyState] {
+            for start in 20..40 {
+                let mut app = app(physics, frames);
+                let early = matches!(kind, Jump::EarlyState);
+                app.insert_resource(kind).insert_resource(Now(false));
+                if early {
+                    app.add_systems(PreUpdate, jump);
+                } else {
+                    app.add_systems(Update, jump);
+                }
+                let [smooth, plain] = spawn(&mut app);
+                for _ in 0..start {
+                    app.update();
+                }
+                app.world_mut().resource_mut::<Now>().0 = true;
+                let before = state(&app, smooth);
+                let mut last = transform(&app, smooth).translation.x;
+                for frame in 0..30 {
+                    app.update();
+                    let (y, x) = {
+                        let shown = transform(&app, smooth).translation;
+                        (shown.y, shown.x)
+                    };
+                    assert!(
+                        (y - 50.0).abs() < 1e-4,
+                        "{physics}, {frames}, {frame}: {y} m"
+                    );
+                    // Two ticks at most ahead, and never back by more than one.
+                    let ahead = f64::from(x - last);
+                    let (tick, step) = (3.0 / physics, 3.0 / frames);
+                    assert!(ahead > -tick - 1e-4 && ahead < 2.0 * tick + step + 1e-4);
+                    last = x;
+                    assert_eq!(state(&app, smooth), state(&app, plain));
+                }
+                let after = state(&app, smooth);
+                assert_eq!(after.position.y, 50.0, "{physics}, {frames}");
+                assert!(after.position.x > before.position.x);
+                assert_eq!(after.velocity, before.velocity);
+            }
+        }
+    }
+}
+
+/// The spin stays in the axes that were asked for.
+#[test]
+fn a_teleport_turns_and_keeps_the_spin_that_it_should() {
+    for body_spin in [false, true] {
+        let mut app = app(64.0, 60.0);
+        let [smooth, _] = spawn(&mut app);
+        for _ in 0..10 {
+            app.update();
+        }
+        let before = state(&app, smooth);
+        let turn = DQuat::from_xyzw(0.6, 0.0, 0.0, 0.8);
+        let mut teleport = Teleport::to(smooth, DVec3::ONE).turned(turn);
+        if body_spin {
+            teleport = teleport.with_body_spin();
+        }
+        app.world_mut().commands().queue(teleport);
+        app.world_mut().flush();
+        let after = state(&app, smooth);
+        assert_eq!((after.position, after.rotation), (DVec3::ONE, turn));
+        assert_eq!(transform(&app, smooth).translation, Vec3::ONE);
+        assert_eq!(transform(&app, smooth).rotation, turn.as_quat());
+        let changed = if body_spin {
+            after.angular_momentum - before.angular_momentum
+        } else {
+            after.angular_velocity(&brick()) - before.angular_velocity(&brick())
+        };
+        assert!(changed.length() < 1e-15, "{changed}");
+        // What is no pose, or no body, changes nothing.
+        let nowhere = Teleport::to(smooth, DVec3::NAN);
+        app.world_mut().commands().queue(nowhere);
+        app.world_mut()
+            .commands()
+            .queue(Teleport::to(Entity::PLACEHOLDER, DVec3::ONE));
+        app.world_mut().flush();
+        assert_eq!(state(&app, smooth), after);
+    }
+}
+
+/// A new body does not glide in from the origin, however slow the clock.
+#[test]
+fn a_new_body_is_not_drawn_on_its_way_from_the_origin() {
+    let mut app = app(30.0, 60.0);
+    app.world_mut()
+        .resource_mut::<Time<Virtual>>()
+        .set_relative_speed(0.1);
+    for _ in 0..7 {
+        app.update();
+    }
+    let start = BodyState::at(DVec3::new(3.0, 5.0, -2.0));
+    let entity = app
+        .world_mut()
+        .spawn((brick(), start, TransformInterpolation))
+        .id();
+    for _ in 0..100 {
+        app.update();
+        let shown = transform(&app, entity).translation;
+        assert!(
+            (shown - Vec3::new(3.0, 5.0, -2.0)).length() < 1e-5,
+            "{shown}"
+        );
+    }
+}
+
+/// Disabled while it is drawn between two steps, it stays where the last step left it.
+#[test]
+fn a_smoothed_body_that_is_disabled_does_not_move() {
+    use bevy::ecs::entity_disabling::Disabled;
+    for frames in 0..12 {
+        let mut app = app(20.0, 144.0);
+        let [smooth, _] = spawn(&mut app);
+        for _ in 0..30 + frames {
+            app.update();
+        }
+        let before = state(&app, smooth);
+        app.world_mut().entity_mut(smooth).insert(Disabled);
+        for _ in 0..20 {
+            app.update();
+        }
+        assert_eq!(
+            transform(&app, smooth).translation,
+            before.position.as_vec3()
+        );
+        app.world_mut().entity_mut(smooth).remove::<Disabled>();
+        assert_eq!(state(&app, smooth), before);
+        // Enabled, it goes on from there.
+        let steps = app.world().resource::<PhysicsClock>().steps();
+        for _ in 0..20 {
+            app.update();
+        }
+        let taken = app.world().resource::<PhysicsClock>().steps() - steps;
+        let expected = before.position + before.velocity * (taken as f64 / 20.0);
+        assert!((state(&app, smooth).position - expected).length() < 1e-9);
+    }
+}

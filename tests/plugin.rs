@@ -1,5 +1,12 @@
 //! The plugin in an app without window or renderer: what it does to entities, step by step.
 
+#[path = "plugin/clock.rs"]
+mod clock;
+#[path = "plugin/contacts.rs"]
+mod contacts;
+#[path = "plugin/shown.rs"]
+mod shown;
+
 use std::time::Duration;
 
 use bevy::diagnostic::DiagnosticsStore;

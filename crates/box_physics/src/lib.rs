@@ -30,11 +30,16 @@
 //! ```
 //!
 //! A body is a [`RigidBox`](body::RigidBox); what else it needs comes along as required components. Its
-//! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step, and one that you
-//! change teleports the body: so a `Transform` given at the start says where it starts, and a `BodyState` does if
-//! there is none. Give it a mesh, or a child with one, and it is on screen. (`Changed<Transform>` tells that a body
-//! moved; the physics does not mark `BodyState` as changed. When *you* write to it, do not bypass change detection: a
-//! box that lies still learns of it thereby.) Every component has a default and is patched in scene literals:
+//! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step. A `Transform` given at the
+//! start says where the body starts, and a `BodyState` does if there is none. Give it a mesh, or a child with one, and
+//! it is on screen. New bodies and states that you write are shown in the same frame, paused or not.
+//! (`Changed<Transform>` tells that a body moved; the physics does not mark `BodyState` as changed. When *you* write to
+//! it, do not bypass change detection: it wakes a box at rest.)
+//!
+//! To put a body elsewhere queue the command [`Teleport`](plugin::Teleport). A `Transform` that you change teleports
+//! the body at its next step, unless smoothing between steps restores it first.
+//!
+//! Every component has a default and is patched in scene literals:
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -74,7 +79,7 @@
 //!
 //! ```text
 //! First      yours
-//! Impulses   changed Transforms become teleports, then impulses in their order of arrival
+//! Impulses   Transforms that were changed teleport, then impulses in their order of arrival
 //! Forces     yours: set ExternalForce and the like
 //! Integrate  bodies in free flight
 //! Contact    bodies that may meet the floor
@@ -87,7 +92,8 @@
 //! step; slow motion is `Time<Virtual>::set_relative_speed`. Each part is a plugin of its own and can be left
 //! out: [`FloorPlugin`](plugin::FloorPlugin), [`AabbPlugin`](plugin::AabbPlugin),
 //! [`PhysicsDiagnosticsPlugin`](plugin::PhysicsDiagnosticsPlugin). For smoothing between steps add
-//! `bevy_transform_interpolation`.
+//! `bevy_transform_interpolation`; it restores `Transform` before each step, so move such a body by
+//! [`Teleport`](plugin::Teleport) or its `BodyState`, not by its `Transform`.
 //!
 //! # Integrators
 //!
@@ -113,8 +119,8 @@
 //!
 //! Constructors refuse what cannot be. At run time nothing panics, and each thing is logged once: a body that
 //! is not finite, or beyond 1e38, is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its
-//! range stops the clock until it is put right ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)), one that was
-//! removed is put back; a hitch costs at most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
+//! range stops the clock until it is corrected ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)), one that was
+//! removed is restored; a hitch costs at most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
 //! ([`PhysicsClock::dropped`](plugin::PhysicsClock::dropped)).
 //!
 //! # Limits
@@ -157,7 +163,7 @@ pub mod prelude {
         GravityScale, ImpulsePoint, LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin,
         PhysicsPlugin, PhysicsPlugins, PhysicsSchedule, PhysicsSystems, PhysicsThreads,
         PhysicsTimings, PointForces, QuadraticDrag, QuarantineCause, Quarantined, ReportContacts,
-        RunPhysics, Springs, StepPhysics, WorldAabb, WorldGravity,
+        RunPhysics, Springs, StepPhysics, Teleport, WhilePaused, WorldAabb, WorldGravity,
     };
     pub use crate::state::BodyState;
     pub use glam::{DQuat, DVec3};

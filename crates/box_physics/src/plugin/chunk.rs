@@ -6,7 +6,7 @@ use bevy::ecs::change_detection::Tick;
 use bevy::ecs::entity::Entity;
 use bevy::transform::components::Transform;
 
-use super::components::{NearFloor, WorldAabb, WrittenTransform};
+use super::components::{NearFloor, PublishedPose, WorldAabb};
 use super::intake::any_newer;
 use super::publish::write_transforms;
 use super::step::{Tally, runs_of};
@@ -32,7 +32,7 @@ pub(crate) struct Chunk<'a> {
 /// What is shown of them.
 pub(crate) struct Shown<'a> {
     pub(crate) fitted: &'a mut [WorldAabb],
-    pub(crate) written: &'a mut [WrittenTransform],
+    pub(crate) published: &'a mut [PublishedPose],
     pub(crate) transforms: &'a mut [Transform],
     /// When each `Transform` last changed.
     pub(crate) changed: &'a mut [Tick],
@@ -58,7 +58,7 @@ impl<'a> Chunk<'a> {
             near: self.near,
             shown: Shown {
                 fitted: self.shown.fitted,
-                written: self.shown.written,
+                published: self.shown.published,
                 transforms: self.shown.transforms,
                 changed: self.shown.changed,
                 last: self.shown.last,
@@ -75,7 +75,7 @@ impl<'a> Chunk<'a> {
         let contacts = split(self.contacts, count);
         let near = split(self.near, count);
         let fitted = split(self.shown.fitted, count);
-        let written = split(self.shown.written, count);
+        let published = split(self.shown.published, count);
         let transforms = split(self.shown.transforms, count);
         let changed = split(self.shown.changed, count);
         let (last, now) = (self.shown.last, self.shown.now);
@@ -90,7 +90,7 @@ impl<'a> Chunk<'a> {
                 near: near.0,
                 shown: Shown {
                     fitted: fitted.0,
-                    written: written.0,
+                    published: published.0,
                     transforms: transforms.0,
                     changed: changed.0,
                     last,
@@ -107,7 +107,7 @@ impl<'a> Chunk<'a> {
                 near: near.1,
                 shown: Shown {
                     fitted: fitted.1,
-                    written: written.1,
+                    published: published.1,
                     transforms: transforms.1,
                     changed: changed.1,
                     last,
@@ -177,7 +177,7 @@ impl Shown<'_> {
     fn write(&mut self, states: &[BodyState], range: Range<usize>) {
         write_transforms(
             &states[range.clone()],
-            &mut self.written[range.clone()],
+            &mut self.published[range.clone()],
             &mut self.transforms[range.clone()],
             &mut self.changed[range],
             self.now,
@@ -256,7 +256,7 @@ mod tests {
             near: &mut near,
             shown: Shown {
                 fitted: &mut [],
-                written: &mut [],
+                published: &mut [],
                 transforms: &mut [],
                 changed: &mut [],
                 last: Tick::new(0),

@@ -7,6 +7,7 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::transform::components::Transform;
 use glam::{DVec3, Quat, Vec3};
 
+use super::contacts::ReportedContacts;
 use crate::aabb;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
@@ -197,10 +198,12 @@ impl Default for WorldAabb {
     }
 }
 
-/// Asks for [`FloorContact`](super::FloorContact) messages about this body. Without it none are made.
+/// Asks for [`FloorContact`](super::FloorContact) messages about this body. Without it none are made. Every contact
+/// that began ends once, also where the body is despawned, disabled, quarantined or teleported, or the floor removed.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[require(ReportedContacts)]
 pub struct ReportContacts;
 
 /// On a body whose state, body or forces were not finite or led beyond 1e38: it is left out of every step, frozen
@@ -228,29 +231,33 @@ pub struct Quarantined {
 /// it was changed by somebody else: a teleport. (Change detection alone would not do: smoothing between
 /// steps writes `Transform` every frame.)
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub(crate) struct WrittenTransform {
+pub(crate) struct PublishedPose {
     pub(crate) translation: Vec3,
     pub(crate) rotation: Quat,
+    /// Whether the body was placed. Until then its `Transform` says where it starts, whatever wrote it.
+    pub(crate) placed: bool,
 }
 
-impl Default for WrittenTransform {
+impl Default for PublishedPose {
     /// The default `Transform`: so a body that is spawned with a `Transform` starts there, and one
     /// spawned with a `BodyState` alone starts as that says.
     fn default() -> Self {
         Self {
             translation: Vec3::ZERO,
             rotation: Quat::IDENTITY,
+            placed: false,
         }
     }
 }
 
-impl WrittenTransform {
+impl PublishedPose {
     /// `state`'s pose in f32.
     #[inline(always)]
     pub(crate) fn of(state: &BodyState) -> Self {
         Self {
             translation: state.position.as_vec3(),
             rotation: state.rotation.as_quat(),
+            placed: true,
         }
     }
 
@@ -261,7 +268,17 @@ impl WrittenTransform {
         usable.then_some(Self {
             translation: transform.translation,
             rotation: transform.rotation,
+            placed: true,
         })
+    }
+
+    pub(crate) fn is_shown_by(&self, transform: &Transform) -> bool {
+        transform.translation == self.translation && transform.rotation == self.rotation
+    }
+
+    pub(crate) fn show(&self, transform: &mut Transform) {
+        transform.translation = self.translation;
+        transform.rotation = self.rotation;
     }
 
     /// At this pose, at rest: what is left of a body whose state is lost.
@@ -331,20 +348,20 @@ mod tests {
     #[test]
     fn a_teleport_is_a_transform_that_we_did_not_write() {
         let mut state = BodyState::at(DVec3::new(0.1, 0.2, 0.3));
-        let written = WrittenTransform::of(&state);
-        let mut transform = Transform::from_translation(written.translation);
-        assert_eq!(written.take_teleport(&transform, &mut state), Ok(false));
+        let published = PublishedPose::of(&state);
+        let mut transform = Transform::from_translation(published.translation);
+        assert_eq!(published.take_teleport(&transform, &mut state), Ok(false));
         assert_eq!(
             state.position,
             DVec3::new(0.1, 0.2, 0.3),
             "keeps its f64 digits"
         );
         transform.translation.y = 5.0;
-        assert_eq!(written.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(published.take_teleport(&transform, &mut state), Ok(true));
         assert_eq!(state.position.y, 5.0);
         transform.translation.y = f32::NAN;
         assert_eq!(
-            written.take_teleport(&transform, &mut state),
+            published.take_teleport(&transform, &mut state),
             Err(NotFinite)
         );
         assert_eq!(state.position.y, 5.0);
@@ -352,7 +369,7 @@ mod tests {
 
     #[test]
     fn a_new_body_starts_where_its_transform_or_its_state_says() {
-        let new = WrittenTransform::default();
+        let new = PublishedPose::default();
         let mut state = BodyState::default();
         let transform = Transform::from_xyz(0.0, 5.0, 0.0);
         assert_eq!(new.take_teleport(&transform, &mut state), Ok(true));

@@ -15,7 +15,8 @@ use bevy::time::{Real, Time, Virtual};
 use bevy::transform::components::Transform;
 use log::{info, warn};
 
-use super::components::{NearFloor, Quarantined, WrittenTransform};
+use super::components::{NearFloor, PublishedPose, Quarantined};
+use super::contacts::ContactEnabled;
 use super::messages::BodyQuarantined;
 use super::parallel::PhysicsThreads;
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
@@ -47,6 +48,9 @@ pub(crate) fn restore_resources(world: &mut World) {
     restore::<GlobalIntegrator>(world, "GlobalIntegrator");
     restore::<PhysicsClock>(world, "PhysicsClock");
     restore::<PhysicsThreads>(world, "PhysicsThreads");
+    if world.contains_resource::<ContactEnabled>() {
+        restore::<ContactSettings>(world, "ContactSettings");
+    }
 }
 
 /// Whether a step can be taken: every setting of the world is in its range. Tells of each change.
@@ -128,7 +132,7 @@ pub(crate) fn count_dropped_time(
 }
 
 /// A body that lost a part which its [`RigidBox`] requires would stand still unnoticed: it gets it back.
-pub(crate) fn mend_bodies(
+pub(crate) fn restore_bodies(
     bodies: Query<
         (Entity, Has<BodyState>, Option<&Transform>),
         (
@@ -137,7 +141,7 @@ pub(crate) fn mend_bodies(
                 Without<BodyState>,
                 Without<IntegratorMemory>,
                 Without<Transform>,
-                Without<WrittenTransform>,
+                Without<PublishedPose>,
                 Without<NearFloor>,
             )>,
         ),
@@ -147,14 +151,14 @@ pub(crate) fn mend_bodies(
 ) {
     for (entity, has_state, transform) in &bodies {
         if !has_state {
-            let shown = transform.and_then(WrittenTransform::shown_by);
+            let shown = transform.and_then(PublishedPose::shown_by);
             let state = shown.unwrap_or_default().state_at_rest();
             commands.entity(entity).try_insert(state);
         }
         commands.entity(entity).try_insert_if_new((
             IntegratorMemory::default(),
             Transform::default(),
-            WrittenTransform::default(),
+            PublishedPose::default(),
             NearFloor::default(),
         ));
         if !core::mem::replace(&mut *warned, true) {
@@ -178,11 +182,11 @@ pub(crate) fn complete_bodies<C: Component + Default>(
 
 /// Keeps whoever writes to a quarantined body from showing nonsense.
 pub(crate) fn guard_quarantined(
-    mut bodies: Query<(&mut BodyState, &WrittenTransform), (With<Quarantined>, With<RigidBox>)>,
+    mut bodies: Query<(&mut BodyState, &PublishedPose), (With<Quarantined>, With<RigidBox>)>,
 ) {
-    for (mut state, written) in &mut bodies {
+    for (mut state, published) in &mut bodies {
         if !state.is_valid() {
-            *state.bypass_change_detection() = written.state_at_rest();
+            *state.bypass_change_detection() = published.state_at_rest();
         }
     }
 }
@@ -260,7 +264,7 @@ pub(crate) fn report_parents(
         warn!(
             "box_physics: {body} is a body below {parent}, whose Transform is not the identity (or which \
              is a body itself). Bodies are simulated in world coordinates and their Transform is \
-             written so: it will be shown elsewhere than it is. Keep bodies at the top of the hierarchy \
+             published so: it will be shown elsewhere than it is. Keep bodies at the top of the hierarchy \
              (said once)"
         );
     }

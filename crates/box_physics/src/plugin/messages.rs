@@ -12,7 +12,9 @@ use crate::integrators::Integrator;
 use crate::state::BodyState;
 
 /// Asks for an impulse on a body at the start of the next step. Several are applied in their order of
-/// arrival. Asked while paused, they wait.
+/// arrival. One sent while the physics is paused waits for the next step; one that is
+/// [`dropped_while_paused`](Self::dropped_while_paused) does not, so that a key held down in a pause does not
+/// launch the body at its end.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -36,6 +38,20 @@ pub struct ApplyImpulse {
     pub impulse: DVec3,
     /// Where it acts.
     pub at: ImpulsePoint,
+    /// What becomes of it if it is sent while the physics is paused.
+    pub while_paused: WhilePaused,
+}
+
+/// What becomes of an impulse that is sent while the physics is paused: by
+/// [`PhysicsClock::paused`](super::PhysicsClock::paused), by Bevy's `Time<Virtual>`, or by a relative speed of 0.
+#[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Default, Clone, PartialEq)]
+pub enum WhilePaused {
+    /// It acts at the next step.
+    #[default]
+    Keep,
+    /// It is dropped.
+    Drop,
 }
 
 /// Where an impulse acts.
@@ -58,6 +74,7 @@ impl ApplyImpulse {
             entity,
             impulse: impulse.into(),
             at: ImpulsePoint::Center,
+            while_paused: WhilePaused::Keep,
         }
     }
 
@@ -71,6 +88,7 @@ impl ApplyImpulse {
             entity,
             impulse: impulse.into(),
             at: ImpulsePoint::World(point.into()),
+            while_paused: WhilePaused::Keep,
         }
     }
 
@@ -84,7 +102,15 @@ impl ApplyImpulse {
             entity,
             impulse: impulse.into(),
             at: ImpulsePoint::Body(point.into()),
+            while_paused: WhilePaused::Keep,
         }
+    }
+
+    /// The same, dropped if it is sent while the physics is paused.
+    #[must_use]
+    pub fn dropped_while_paused(mut self) -> Self {
+        self.while_paused = WhilePaused::Drop;
+        self
     }
 
     /// Applies it to `state`.

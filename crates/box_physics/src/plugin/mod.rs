@@ -16,11 +16,13 @@
 mod chunk;
 mod columns;
 mod components;
+mod contacts;
 mod faults;
 mod flight;
 mod intake;
 mod messages;
 mod parallel;
+mod placement;
 mod plan;
 mod publish;
 mod resources;
@@ -28,18 +30,22 @@ mod run;
 mod sets;
 mod step;
 mod systems;
+mod teleport;
 mod timing;
 
 pub use components::{
     AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, ExternalForce, GravityScale,
     LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs, WorldAabb,
 };
-pub(crate) use components::{NearFloor, WrittenTransform};
-pub use messages::{ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause};
+pub(crate) use components::{NearFloor, PublishedPose};
+pub use messages::{
+    ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause, WhilePaused,
+};
 pub use parallel::PhysicsThreads;
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 pub use run::StepPhysics;
 pub use sets::{FixedPhysics, PhysicsSchedule, PhysicsSystems, RunPhysics};
+pub use teleport::Teleport;
 pub use timing::{
     IntegratorTiming, PhysicsDiagnosticsPlugin, PhysicsTimings, Stage, integrator_path,
 };
@@ -169,10 +175,11 @@ impl Plugin for PhysicsPlugin {
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();
         register_types(app);
+        placement::build(app);
         require::<BodyState>(app);
         require::<IntegratorMemory>(app);
         require::<Transform>(app);
-        require::<WrittenTransform>(app);
+        require::<PublishedPose>(app);
         require::<NearFloor>(app);
 
         // Not `add_schedule`: systems that users gave it before the plugin stay.
@@ -221,11 +228,10 @@ impl Plugin for PhysicsPlugin {
             .add_systems(
                 run::BeforeSteps,
                 (
-                    faults::mend_bodies,
+                    faults::restore_bodies,
                     faults::report_parents,
-                    intake::place_new_bodies,
+                    placement::show_changes::<true>,
                     intake::collect_impulses,
-                    intake::show_written.run_if(resources::is_paused),
                 )
                     .chain(),
             )
@@ -292,13 +298,13 @@ impl Plugin for FloorPlugin {
         require_optional::<ContactState>(app);
         app.add_systems(
             PhysicsSchedule,
-            (
-                systems::contact,
-                intake::forget_contacts.run_if(common_conditions::resource_removed::<Floor>),
-            )
-                .chain()
-                .in_set(PhysicsSystems::Contact),
+            systems::contact.in_set(PhysicsSystems::Contact),
+        )
+        .add_systems(
+            run::BeforeSteps,
+            contacts::end_all_contacts.run_if(common_conditions::resource_removed::<Floor>),
         );
+        contacts::build(app);
     }
 }
 

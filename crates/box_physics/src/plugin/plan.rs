@@ -9,7 +9,7 @@ use bevy::ecs::system::{BoxedSystem, IntoSystem};
 use bevy::ecs::world::World;
 
 use super::components::WorldAabb;
-use super::{PhysicsSchedule, intake, systems};
+use super::{PhysicsSchedule, systems};
 
 /// How the next step is made.
 ///
@@ -27,7 +27,7 @@ pub(crate) struct StepPlan {
     refit: TypeId,
     last: TypeId,
     /// These and what else may stand between the first and the last.
-    ours: [TypeId; 6],
+    ours: [TypeId; 5],
 }
 
 impl Default for StepPlan {
@@ -44,7 +44,6 @@ impl Default for StepPlan {
             ours: [
                 integrate,
                 type_of(systems::contact),
-                type_of(intake::forget_contacts),
                 refit,
                 last,
                 // Applies the commands of those above.

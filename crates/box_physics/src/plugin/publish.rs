@@ -3,7 +3,7 @@
 use bevy::ecs::change_detection::Tick;
 use bevy::transform::components::Transform;
 
-use super::components::{WorldAabb, WrittenTransform};
+use super::components::{PublishedPose, WorldAabb};
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
 use crate::math::{VectorLoop, vectorized};
@@ -52,17 +52,19 @@ fn fit_each(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [WorldAabb])
 /// Writes `Transform` where the pose in f32 is another than it shows; `changed` is when each last changed.
 pub(super) fn write_transforms(
     states: &[BodyState],
-    written: &mut [WrittenTransform],
+    published: &mut [PublishedPose],
     transforms: &mut [Transform],
     changed: &mut [Tick],
     now: Tick,
 ) {
-    let each = states.iter().zip(written).zip(transforms).zip(changed);
-    for (((state, written), transform), changed) in each {
-        *written = WrittenTransform::of(state);
-        if transform.translation != written.translation || transform.rotation != written.rotation {
-            transform.translation = written.translation;
-            transform.rotation = written.rotation;
+    let each = states.iter().zip(published).zip(transforms).zip(changed);
+    for (((state, published), transform), changed) in each {
+        *published = PublishedPose::of(state);
+        if transform.translation != published.translation
+            || transform.rotation != published.rotation
+        {
+            transform.translation = published.translation;
+            transform.rotation = published.rotation;
             *changed = now;
         }
     }

@@ -4,7 +4,6 @@ use core::time::Duration;
 
 use bevy::ecs::reflect::ReflectResource;
 use bevy::ecs::resource::Resource;
-use bevy::ecs::system::Res;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
@@ -72,10 +71,10 @@ pub struct PhysicsClock {
     pub paused: bool,
     /// Into how many equal steps each tick of the clock is divided, 1 to 1024; 0 counts as 1.
     pub substeps: u32,
-    pub(crate) step: f64,
-    pub(crate) steps: u64,
-    pub(crate) elapsed: Duration,
-    pub(crate) into_tick: u32,
+    step: f64,
+    steps: u64,
+    elapsed: Duration,
+    into_tick: u32,
     pub(crate) dropped: Duration,
     #[reflect(ignore)]
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -97,29 +96,25 @@ impl Default for PhysicsClock {
     }
 }
 
-/// Whether the physics stands still.
-pub(crate) fn is_paused(clock: Res<PhysicsClock>) -> bool {
-    clock.paused
-}
-
 impl PhysicsClock {
     /// Size of the present or last (sub)step \[s\].
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// (Sub)steps taken.
+    /// (Sub)steps taken, the present one included.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
     /// Simulated time at the end of the present or last (sub)step \[s\]: what a system in
-    /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) calls now.
+    /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) calls now. A copy of the clock and of the bodies made there
+    /// continues bit for bit.
     pub fn time(&self) -> f64 {
         self.elapsed.as_secs_f64() + f64::from(self.into_tick) * self.step
     }
 
-    /// Simulated time of the finished ticks, their exact sum.
+    /// Simulated time of the ticks, their exact sum: those of which the last step is taken or is the present one.
     pub fn elapsed(&self) -> Duration {
         self.elapsed
     }
@@ -139,9 +134,29 @@ impl PhysicsClock {
         self.fault
     }
 
+    /// Moves on by one of the `substeps` of a tick of `delta`, at the beginning of that step: all that it says is of
+    /// the step's end.
+    pub(crate) fn begin_step(&mut self, delta: Duration, substeps: u32) {
+        let step = delta.as_secs_f64() / f64::from(substeps);
+        if self.into_tick > 0 && (step != self.step || self.into_tick >= substeps) {
+            // Restored from within a tick, and then divided otherwise.
+            let into = f64::from(self.into_tick) * self.step;
+            self.elapsed += Duration::try_from_secs_f64(into).unwrap_or_default();
+            self.into_tick = 0;
+        }
+        self.step = step;
+        self.steps += 1;
+        self.into_tick += 1;
+        if self.into_tick == substeps {
+            self.into_tick = 0;
+            self.elapsed += delta;
+        }
+    }
+
     /// Back to time zero, for a restarted scene. Does not touch bodies.
     pub fn reset(&mut self) {
         self.steps = 0;
+        self.into_tick = 0;
         self.elapsed = Duration::ZERO;
         self.dropped = Duration::ZERO;
     }

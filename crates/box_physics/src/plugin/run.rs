@@ -13,6 +13,7 @@ use log::warn;
 use super::PhysicsSchedule;
 use super::faults::{report_quarantined, restore_resources, settings_are_valid};
 use super::messages::BodyQuarantined;
+use super::placement::{Unsmoothed, show_changes};
 use super::plan::StepPlan;
 use super::resources::PhysicsClock;
 
@@ -24,6 +25,7 @@ pub(crate) struct BeforeSteps;
 /// One tick of the clock of this schedule. Paused, nothing moves.
 pub(crate) fn run_physics(world: &mut World) {
     restore_resources(world);
+    Unsmoothed::begin_tick(world);
     world.run_schedule(BeforeSteps);
     advance(world);
     // Seldom are there any.
@@ -53,16 +55,12 @@ fn tick(world: &mut World, delta: core::time::Duration) {
         return;
     }
     let substeps = world.resource::<PhysicsClock>().substeps.clamp(1, 1024);
-    world.resource_mut::<PhysicsClock>().step = delta.as_secs_f64() / f64::from(substeps);
-    for substep in 1..=substeps {
-        world.resource_mut::<PhysicsClock>().into_tick = substep;
+    for _ in 0..substeps {
+        let mut clock = world.resource_mut::<PhysicsClock>();
+        clock.begin_step(delta, substeps);
         StepPlan::update(world);
         world.run_schedule(PhysicsSchedule);
-        world.resource_mut::<PhysicsClock>().steps += 1;
     }
-    let mut clock = world.resource_mut::<PhysicsClock>();
-    clock.into_tick = 0;
-    clock.elapsed += delta;
 }
 
 /// Command: takes this many ticks of `Time<Fixed>` at once, paused or not: the single step. Round each
@@ -88,20 +86,23 @@ impl Command for StepPhysics {
             return;
         };
         let delta = time.timestep();
-        if world.contains_resource::<StepPlan>() {
-            restore_resources(world);
-        }
-        // New bodies and impulses asked for in this frame belong to this step.
-        if world.try_run_schedule(BeforeSteps).is_err() {
+        if !world.contains_resource::<Unsmoothed>() {
             static SAID: Once = Once::new();
             SAID.call_once(|| warn!("box_physics: StepPhysics needs PhysicsPlugin"));
             return;
         }
+        restore_resources(world);
+        // New bodies, states that were written and impulses that were sent in this frame belong to this step.
+        if let Err(error) = world.run_system_cached(show_changes::<false>) {
+            warn!("box_physics: changes could not be shown: {error}");
+        }
+        world.run_schedule(BeforeSteps);
         for _ in 0..self.0 {
             // As round a tick of the fixed loop, so that smoothing between steps takes part: it first
             // shows the pose of the last step, which would else look like a teleport. An app without
             // these schedules needs none of it.
             let _ = world.try_run_schedule(FixedFirst);
+            Unsmoothed::begin_tick(world);
             tick(world, delta);
             let _ = world.try_run_schedule(FixedLast);
         }

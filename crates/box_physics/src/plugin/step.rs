@@ -4,13 +4,14 @@
 use core::ops::Range;
 
 use bevy::ecs::change_detection::Tick;
-use bevy::ecs::entity::Entity;
 use glam::DVec3;
 
 use super::chunk::Chunk;
 use super::columns::ForceColumnsContiguousItem;
 use super::components::{BodyIntegrator, NearFloor};
+use super::contacts::ReportedContacts;
 use super::intake::any_newer;
+use super::messages::FloorContact;
 use crate::floor::{self, ContactPoint, ContactSettings, Floor, FloorOutcome};
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, Integrator, IntegratorVisitor, StepOutcome};
@@ -92,10 +93,13 @@ impl core::ops::AddAssign for Tally {
     }
 }
 
-/// Where contacts are told: the points of one body, and who hears of them.
+/// Where contacts are reported.
 pub(crate) struct Reporting<'a> {
+    /// Of one body.
     pub(crate) points: &'a mut Vec<ContactPoint>,
-    pub(crate) tell: &'a mut (dyn FnMut(Entity, &[ContactPoint]) + Send),
+    /// Of the whole table.
+    pub(crate) reported: &'a mut [ReportedContacts],
+    pub(crate) emit: &'a mut (dyn FnMut(FloorContact) + Send),
 }
 
 /// What tells of a body that lay still in the last run of *Contact* that nobody touched it since: the ticks at
@@ -201,7 +205,13 @@ impl AtFloor<'_, '_, '_, '_, '_> {
                 near.still = false;
                 tally.faults.push(chunk.first + i);
             } else if let Some(reporting) = &mut self.reporting {
-                (reporting.tell)(chunk.entities[i], reporting.points);
+                reporting.reported[first + i].report(
+                    chunk.entities[i],
+                    (body, state),
+                    contact.touching(),
+                    reporting.points,
+                    &mut reporting.emit,
+                );
             }
             let near = &mut chunk.near[i];
             near.asleep = if near.still && plain { run } else { 0 };

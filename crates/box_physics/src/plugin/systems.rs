@@ -12,8 +12,9 @@ use glam::DVec3;
 use super::chunk::{Chunk, Shown, Stepped};
 use super::columns::ForceColumns;
 use super::components::{
-    BodyIntegrator, NearFloor, Quarantined, ReportContacts, WorldAabb, WrittenTransform,
+    BodyIntegrator, NearFloor, PublishedPose, Quarantined, ReportContacts, WorldAabb,
 };
+use super::contacts::{ContactEnabled, ReportedContacts};
 use super::flight::FreeFlight;
 use super::intake::LastShown;
 use super::messages::{BodyQuarantined, FloorContact, QuarantineCause};
@@ -21,7 +22,7 @@ use super::parallel::{CHUNK, PhysicsThreads};
 use super::plan::StepPlan;
 use super::publish;
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
-use super::step::{AtFloor, Reporting, Setting, Tally, Untouched, runs, runs_of};
+use super::step::{AtFloor, Reporting, Setting, Tally, Untouched, runs};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
@@ -35,6 +36,7 @@ pub(crate) struct StepWorld<'w> {
     gravity: Res<'w, WorldGravity>,
     clock: Res<'w, PhysicsClock>,
     contact: Option<Res<'w, ContactSettings>>,
+    contact_enabled: Option<Res<'w, ContactEnabled>>,
     threads: Res<'w, PhysicsThreads>,
     floor: Option<Res<'w, Floor>>,
     plan: Res<'w, StepPlan>,
@@ -44,12 +46,12 @@ impl StepWorld<'_> {
     /// As the inner loops want it.
     fn setting(&self) -> Setting<'_> {
         // Without its plugin a floor is nothing.
-        let contact = self.contact.as_deref();
+        let enabled = self.contact_enabled.is_some();
         Setting {
             gravity: self.gravity.0,
             h: self.clock.step(),
-            floor: self.floor.as_deref().filter(|_| contact.is_some()),
-            contact: contact.unwrap_or(&ContactSettings::DEFAULT),
+            floor: self.floor.as_deref().filter(|_| enabled),
+            contact: self.contact.as_deref().unwrap_or(&ContactSettings::DEFAULT),
         }
     }
 }
@@ -60,7 +62,7 @@ fn quarantine(
     integrator: Integrator,
     clock: &PhysicsClock,
     state: &mut BodyState,
-    written: &WrittenTransform,
+    published: &PublishedPose,
     commands: &mut Commands,
     messages: &mut MessageWriter<BodyQuarantined>,
 ) {
@@ -68,7 +70,7 @@ fn quarantine(
         QuarantineCause::Step
     } else {
         // It was not sound before the step either: what was last shown is the last good pose.
-        *state = written.state_at_rest();
+        *state = published.state_at_rest();
         QuarantineCause::State
     };
     let time = clock.time();
@@ -120,11 +122,7 @@ pub(crate) fn integrate(
             &mut BodyState,
             &mut IntegratorMemory,
             &mut NearFloor,
-            (
-                &mut WrittenTransform,
-                &mut Transform,
-                Option<&mut WorldAabb>,
-            ),
+            (&mut PublishedPose, &mut Transform, Option<&mut WorldAabb>),
             Option<&BodyIntegrator>,
         ),
         Without<Quarantined>,
@@ -142,7 +140,7 @@ pub(crate) fn integrate(
         mut states,
         mut memories,
         mut near,
-        (mut written, transforms, mut fitted),
+        (mut published, transforms, mut fitted),
         own,
     ) in bodies.contiguous_iter_mut()?
     {
@@ -157,7 +155,7 @@ pub(crate) fn integrate(
             near: near.bypass_change_detection(),
             shown: Shown {
                 fitted: world.plan.column(&mut fitted),
-                written: written.bypass_change_detection(),
+                published: published.bypass_change_detection(),
                 transforms,
                 last: ticks.last_run(),
                 now: ticks.this_run(),
@@ -194,7 +192,7 @@ pub(crate) fn integrate(
                     integrator,
                     &world.clock,
                     &mut table.states[i],
-                    &table.shown.written[i],
+                    &table.shown.published[i],
                     &mut commands,
                     &mut messages,
                 );
@@ -216,12 +214,12 @@ pub(crate) fn contact(
             &mut BodyState,
             &mut IntegratorMemory,
             (&mut ContactState, &mut NearFloor),
+            (&mut PublishedPose, &mut Transform, Option<&mut WorldAabb>),
             (
-                &mut WrittenTransform,
-                &mut Transform,
-                Option<&mut WorldAabb>,
+                Option<&BodyIntegrator>,
+                Has<ReportContacts>,
+                Option<&mut ReportedContacts>,
             ),
-            (Option<&BodyIntegrator>, Has<ReportContacts>),
         ),
         Without<Quarantined>,
     >,
@@ -241,14 +239,8 @@ pub(crate) fn contact(
     // Who lay still in the last run, and in the same world, and was not touched since, still does.
     let surroundings = Some((setting.gravity, *floor));
     let same_world = core::mem::replace(&mut *before, surroundings) == surroundings;
-    let mut tell = |entity: Entity, points: &[ContactPoint]| {
-        contacts.write_batch(points.iter().map(|p| FloorContact {
-            entity,
-            corner: p.corner,
-            point: p.point,
-            normal_impulse: p.normal_impulse,
-            phase: p.phase,
-        }));
+    let mut emit = |contact: FloorContact| {
+        contacts.write(contact);
     };
     for (
         entities,
@@ -257,24 +249,26 @@ pub(crate) fn contact(
         states,
         mut memories,
         (touching, mut near),
-        (mut written, transforms, mut fitted),
-        (own, heard),
+        (mut published, transforms, mut fitted),
+        (own, reports, mut reported),
     ) in bodies.contiguous_iter_mut()?
     {
         let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
         let (states, states_changed) = ContiguousMut::bypass_change_detection_split(states);
         let (touching, touching_changed) = ContiguousMut::bypass_change_detection_split(touching);
         // Who listens hears of those that lie still, too; and a force may have changed unseen.
-        let untouched = (same_world && !heard && forces.only_gravity() && !forces.scales_gravity())
-            .then(|| Untouched {
-                columns: [
-                    boxes.changed_ticks_slice(),
-                    states_changed.changed(),
-                    touching_changed.changed(),
-                ],
-                last: ticks.last_run(),
-                now: ticks.this_run(),
-            });
+        let untouched =
+            (same_world && !reports && forces.only_gravity() && !forces.scales_gravity()).then(
+                || Untouched {
+                    columns: [
+                        boxes.changed_ticks_slice(),
+                        states_changed.changed(),
+                        touching_changed.changed(),
+                    ],
+                    last: ticks.last_run(),
+                    now: ticks.this_run(),
+                },
+            );
         let mut table = Chunk {
             first: 0,
             entities,
@@ -285,7 +279,7 @@ pub(crate) fn contact(
             near: near.bypass_change_detection(),
             shown: Shown {
                 fitted: world.plan.column(&mut fitted),
-                written: written.bypass_change_detection(),
+                published: published.bypass_change_detection(),
                 transforms,
                 last: ticks.last_run(),
                 now: ticks.this_run(),
@@ -294,11 +288,15 @@ pub(crate) fn contact(
         };
         for (integrator, range) in runs(world.integrator.0, own, boxes.len()) {
             // Who listens hears of the bodies in their order: one chunk, one thread.
-            let size = if heard { range.len() } else { CHUNK };
-            let mut reporting = heard.then_some(Reporting {
-                points: &mut points,
-                tell: &mut tell,
-            });
+            let size = if reports { range.len() } else { CHUNK };
+            let mut reporting = reported
+                .as_mut()
+                .filter(|_| reports)
+                .map(|reported| Reporting {
+                    points: &mut points,
+                    reported: reported.bypass_change_detection(),
+                    emit: &mut emit,
+                });
             let chunks = table
                 .part(range.clone())
                 .chunks(size)
@@ -333,7 +331,7 @@ pub(crate) fn contact(
                     integrator,
                     &world.clock,
                     &mut table.states[i],
-                    &table.shown.written[i],
+                    &table.shown.published[i],
                     &mut commands,
                     &mut messages,
                 );
@@ -343,43 +341,27 @@ pub(crate) fn contact(
     Ok(())
 }
 
-/// Re-fits the bounding boxes: |R|·h, rounded outward; not of boxes that lay still, nor of those that were
-/// shown when they were stepped.
+/// Re-fits the bounding boxes: |R|·h, rounded outward; not of those that were shown when they were stepped.
 pub(crate) fn refit_aabbs(
-    mut bodies: Query<(
-        &RigidBox,
-        &BodyState,
-        &NearFloor,
-        &mut WorldAabb,
-        Has<Quarantined>,
-    )>,
+    mut bodies: Query<(&RigidBox, &BodyState, &mut WorldAabb, Has<Quarantined>)>,
     threads: Res<PhysicsThreads>,
     plan: Res<StepPlan>,
-    floor: Option<Res<Floor>>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
     let mut stage = Stopwatch::start(timings.is_some());
-    let any_floor = floor.is_some();
-    for (boxes, states, near, mut fitted, quarantined) in bodies.contiguous_iter_mut()? {
+    for (boxes, states, mut fitted, quarantined) in bodies.contiguous_iter_mut()? {
         if plan.at_once && !quarantined {
             continue;
         }
         let chunks = boxes
             .chunks(CHUNK)
             .zip(states.chunks(CHUNK))
-            .zip(near.chunks(CHUNK))
             .zip(fitted.bypass_change_detection().chunks_mut(CHUNK));
         threads.share_out(
             boxes.len(),
             chunks,
-            |(((boxes, states), near), fitted): (
-                ((&[RigidBox], &[BodyState]), &[NearFloor]),
-                _,
-            )| {
-                for range in runs_of(boxes.len(), |i| !(any_floor && near[i].still)) {
-                    let (boxes, states) = (&boxes[range.clone()], &states[range.clone()]);
-                    WorldAabb::fit_all(boxes, states, &mut fitted[range]);
-                }
+            |((boxes, states), fitted): ((&[RigidBox], &[BodyState]), _)| {
+                WorldAabb::fit_all(boxes, states, fitted);
                 Done
             },
         );
@@ -396,7 +378,7 @@ pub(crate) fn write_transforms(
     mut bodies: Query<
         (
             &BodyState,
-            &mut WrittenTransform,
+            &mut PublishedPose,
             &mut Transform,
             Has<Quarantined>,
         ),
@@ -408,7 +390,7 @@ pub(crate) fn write_transforms(
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
     let mut stage = Stopwatch::start(timings.is_some());
-    for (states, mut written, transforms, quarantined) in bodies.contiguous_iter_mut()? {
+    for (states, mut published, transforms, quarantined) in bodies.contiguous_iter_mut()? {
         if plan.at_once && !quarantined {
             continue;
         }
@@ -419,14 +401,14 @@ pub(crate) fn write_transforms(
         }
         let chunks = states
             .chunks(CHUNK)
-            .zip(written.bypass_change_detection().chunks_mut(CHUNK))
+            .zip(published.bypass_change_detection().chunks_mut(CHUNK))
             .zip(transforms.chunks_mut(CHUNK))
             .zip(ticks.changed_mut().chunks_mut(CHUNK));
         threads.share_out(
             states.len(),
             chunks,
-            |(((states, written), transforms), changed): (((&[BodyState], _), _), _)| {
-                publish::write_transforms(states, written, transforms, changed, now);
+            |(((states, published), transforms), changed): (((&[BodyState], _), _), _)| {
+                publish::write_transforms(states, published, transforms, changed, now);
                 Done
             },
         );

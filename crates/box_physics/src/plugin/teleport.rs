@@ -1,0 +1,102 @@
+//! The command that puts a body elsewhere.
+
+use bevy::ecs::entity::Entity;
+use bevy::ecs::system::Command;
+use bevy::ecs::world::{DeferredWorld, World};
+use glam::{DQuat, DVec3};
+use log::warn;
+
+use super::contacts::end_contacts;
+use super::placement::{ShownBody, Unsmoothed};
+use crate::body::RigidBox;
+use crate::state::{BodyState, Frame};
+
+/// Command: puts a body elsewhere, now. Its velocity stays, its contacts end, and it is shown there in this frame and
+/// not drawn on the way, with or without smoothing between the steps, paused or not.
+///
+/// (A change of `Transform` teleports as well, at the next step. With `bevy_transform_interpolation` it can be lost:
+/// smoothing restores `Transform` before each step.)
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn back_to_the_table(dice: Query<Entity, With<RigidBox>>, mut commands: Commands) {
+///     for die in &dice {
+///         commands.queue(Teleport::to(die, Vec3::Y).turned(DQuat::IDENTITY));
+///     }
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Teleport {
+    /// The body.
+    pub entity: Entity,
+    /// Where its center comes to be \[m\].
+    pub position: DVec3,
+    /// Its new attitude; `None` keeps the one that it has.
+    pub rotation: Option<DQuat>,
+    /// The axes in which its angular velocity stays the same where the attitude changes.
+    pub spin: Frame,
+}
+
+impl Teleport {
+    /// To a position \[m\]; attitude, velocity and spin stay.
+    pub fn to(entity: Entity, position: impl Into<DVec3>) -> Self {
+        Self {
+            entity,
+            position: position.into(),
+            rotation: None,
+            spin: Frame::World,
+        }
+    }
+
+    /// With another attitude. The angular velocity stays the same in world axes.
+    #[must_use]
+    pub fn turned(mut self, rotation: DQuat) -> Self {
+        self.rotation = Some(rotation);
+        self
+    }
+
+    /// With the angular velocity the same in body axes: the spin turns along.
+    #[must_use]
+    pub fn with_body_spin(mut self) -> Self {
+        self.spin = Frame::Body;
+        self
+    }
+
+    fn apply_to(self, body: &RigidBox, state: &mut BodyState) {
+        state.position = self.position;
+        if let Some(rotation) = self.rotation {
+            state.turn_to(body, rotation, self.spin);
+        }
+    }
+}
+
+impl Command for Teleport {
+    type Out = ();
+
+    fn apply(self, world: &mut World) {
+        let entity = self.entity;
+        let found = world.get_entity_mut(entity).ok().and_then(|mut found| {
+            let body = found.get_components_mut::<ShownBody>().ok()?;
+            let mut state = *body.state;
+            self.apply_to(body.body, &mut state);
+            Some(state)
+        });
+        let Some(state) = found else {
+            warn!("box_physics: {entity} cannot be teleported: it is no body (any more)");
+            return;
+        };
+        if !state.is_valid() {
+            warn!("box_physics: {entity} cannot be teleported: the pose is not finite");
+            return;
+        }
+        end_contacts(&mut DeferredWorld::from(&mut *world), entity);
+        if let Ok(mut found) = world.get_entity_mut(entity)
+            && let Ok(mut body) = found.get_components_mut::<ShownBody>()
+        {
+            *body.state = state;
+            let before = body.show();
+            world.resource_mut::<Unsmoothed>().add(entity, before);
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The clock and its copies.
+
+use bevy::prelude::*;
+use box_physics::prelude::*;
+
+use super::{app, brick, tick, tumbling};
+
+type Copy = (PhysicsClock, BodyState, IntegratorMemory);
+
+#[derive(Resource, Default)]
+struct Copies(Vec<Copy>);
+
+fn copy(
+    clock: Res<PhysicsClock>,
+    bodies: Query<(&BodyState, &IntegratorMemory)>,
+    mut copies: ResMut<Copies>,
+) {
+    for (state, memory) in &bodies {
+        copies.0.push((*clock, *state, memory.clone()));
+    }
+}
+
+/// Steps one body of which every step is copied in `Last`.
+fn recorded(substeps: u32, ticks: u32, from: Option<&Copy>) -> Vec<Copy> {
+    let mut app = app();
+    app.init_resource::<Copies>()
+        .insert_resource(GlobalIntegrator(Integrator::Exact))
+        .add_systems(PhysicsSchedule, copy.in_set(PhysicsSystems::Last));
+    app.world_mut().resource_mut::<PhysicsClock>().substeps = substeps;
+    let mut body = app.world_mut().spawn((brick(), tumbling()));
+    if let Some((clock, state, memory)) = from {
+        body.insert((*state, memory.clone()));
+        app.insert_resource(*clock);
+    }
+    for _ in 0..ticks {
+        app.update();
+    }
+    app.world_mut()
+        .remove_resource::<Copies>()
+        .expect("there")
+        .0
+}
+
+/// What the clock says in a step is all of the step's end, and a copy made there continues bit for bit.
+#[test]
+fn a_copy_made_in_last_continues_bit_for_bit() {
+    for substeps in [1, 4] {
+        let whole = recorded(substeps, 30, None);
+        for (k, (clock, ..)) in whole.iter().enumerate() {
+            let (steps, n) = (k as u32 + 1, substeps);
+            assert_eq!(clock.steps(), u64::from(steps));
+            assert_eq!(clock.elapsed(), tick() * (steps / n));
+            let into = f64::from(steps % n) * clock.step();
+            assert_eq!(clock.time(), clock.elapsed().as_secs_f64() + into);
+        }
+        for k in [0, 5, 6, 7, 8, 20] {
+            let rest = &whole[k + 1..];
+            let again = recorded(substeps, 30, Some(&whole[k]));
+            assert!(
+                again[..rest.len()] == *rest,
+                "{substeps} substeps, from step {k}"
+            );
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! New bodies, and states that are written: shown in the frame in which that happens, whatever the clock does.
+
+use std::time::Duration;
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use box_physics::prelude::*;
+
+use super::{brick, state};
+
+/// Frames of 10 ms, ten of them a tick, in an app that propagates transforms.
+fn slow_app() -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, PhysicsPlugins::default()))
+        .insert_resource(Time::<Fixed>::from_hz(10.0))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(
+            10,
+        )));
+    app
+}
+
+fn posed() -> BodyState {
+    BodyState::at_pose(
+        DVec3::new(3.0, 5.0, -2.0),
+        DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+    )
+    .with_velocity(DVec3::X)
+}
+
+/// The body shows this state and nothing else.
+#[track_caller]
+fn assert_shown(app: &App, entity: Entity, expected: &BodyState) {
+    let body = app.world().entity(entity);
+    let transform = body.get::<Transform>().expect("required");
+    assert_eq!(transform.translation, expected.position.as_vec3());
+    assert_eq!(transform.rotation, expected.rotation.as_quat());
+    let global = body.get::<GlobalTransform>().expect("required");
+    assert_eq!(*global, GlobalTransform::from(*transform));
+    let half = *body.get::<RigidBox>().expect("a body");
+    let aabb = body.get::<WorldAabb>().expect("required").0;
+    let fitted = WorldAabb::of(&half, expected).0;
+    assert_eq!((aabb.min, aabb.max), (fitted.min, fitted.max));
+    assert_eq!(state(app, entity), *expected, "no step was taken for it");
+}
+
+#[derive(Resource)]
+struct Spawned(Entity);
+
+#[derive(Event)]
+struct Come;
+
+fn come(mut commands: Commands) {
+    let entity = commands.spawn((brick(), posed())).id();
+    commands.insert_resource(Spawned(entity));
+}
+
+#[test]
+fn a_new_body_is_shown_in_the_frame_in_which_it_comes() {
+    use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+    let schedules: [InternedScheduleLabel; 9] = [
+        Startup.intern(),
+        PostStartup.intern(),
+        First.intern(),
+        PreUpdate.intern(),
+        RunFixedMainLoop.intern(),
+        Update.intern(),
+        PostUpdate.intern(),
+        Last.intern(),
+        // No tick comes in these frames: spawned by the tick of the first one below.
+        FixedUpdate.intern(),
+    ];
+    for schedule in schedules {
+        for stop in [false, true] {
+            let mut app = slow_app();
+            app.add_systems(schedule, come.run_if(not(resource_exists::<Spawned>)));
+            app.world_mut().resource_mut::<PhysicsClock>().paused = stop;
+            let ticks = if schedule == FixedUpdate.intern() {
+                13
+            } else {
+                1
+            };
+            for _ in 0..ticks {
+                app.update();
+            }
+            let entity = app.world().resource::<Spawned>().0;
+            if schedule == FixedUpdate.intern() && !stop {
+                // The tick that follows is the body's first.
+                assert_eq!(app.world().resource::<PhysicsClock>().steps(), 1);
+                assert_shown(&app, entity, &state(&app, entity));
+            } else {
+                assert_shown(&app, entity, &posed());
+            }
+        }
+    }
+}
+
+#[test]
+fn observers_commands_and_late_parts_make_bodies_as_well() {
+    let mut app = slow_app();
+    app.add_observer(|_: On<Come>, commands: Commands| come(commands));
+    app.update();
+    app.world_mut().trigger(Come);
+    app.world_mut().flush();
+    let entity = app.world().resource::<Spawned>().0;
+    assert_shown(&app, entity, &posed());
+    // Parts that come later in the same frame count.
+    app.add_systems(Update, |mut commands: Commands, mut done: Local<bool>| {
+        if !std::mem::replace(&mut *done, true) {
+            let late_state = commands.spawn(brick()).insert(posed()).id();
+            let place = posed().position.as_vec3();
+            let turned = posed().rotation.as_quat();
+            let late_transform = commands
+                .spawn(brick())
+                .insert(Transform::from_translation(place).with_rotation(turned))
+                .id();
+            commands.insert_resource(Late([late_state, late_transform]));
+        }
+    });
+    app.update();
+    let [late_state, late_transform] = app.world().resource::<Late>().0;
+    assert_shown(&app, late_state, &posed());
+    let at_rest = posed().with_velocity(DVec3::ZERO);
+    assert_shown(&app, late_transform, &at_rest);
+    // A child is where its parent takes it.
+    let parent = app.world_mut().spawn(Transform::IDENTITY).id();
+    let child = app
+        .world_mut()
+        .spawn((brick(), posed(), ChildOf(parent)))
+        .id();
+    app.update();
+    assert_shown(&app, child, &posed());
+}
+
+#[derive(Resource)]
+struct Late([Entity; 2]);
+
+/// However the clock is stopped or slowed, what is written to a state is shown in that frame.
+#[test]
+fn a_written_state_is_shown_however_the_clock_is_stopped() {
+    let stops: [(&str, fn(&mut World)); 5] = [
+        ("running", |_| ()),
+        ("PhysicsClock", |world| {
+            world.resource_mut::<PhysicsClock>().paused = true;
+        }),
+        ("Time<Virtual>", |world| {
+            world.resource_mut::<Time<Virtual>>().pause();
+        }),
+        ("a tenth", |world| {
+            world
+                .resource_mut::<Time<Virtual>>()
+                .set_relative_speed(0.1);
+        }),
+        ("speed 0", |world| {
+            world
+                .resource_mut::<Time<Virtual>>()
+                .set_relative_speed(0.0);
+        }),
+    ];
+    for (name, stop) in stops {
+        let mut app = slow_app();
+        let entity = app
+            .world_mut()
+            .spawn((brick(), BodyState::at(DVec3::X)))
+            .id();
+        app.update();
+        stop(app.world_mut());
+        for k in 0..3 {
+            let written = BodyState {
+                position: posed().position + DVec3::Z * f64::from(k),
+                ..posed()
+            };
+            *app.world_mut().get_mut(entity).expect("a body") = written;
+            app.update();
+            println!("{name}, {k}");
+            assert_shown(&app, entity, &written);
+        }
+        // So is another size.
+        app.world_mut()
+            .entity_mut(entity)
+            .insert(RigidBox::cube(3.0, 1.0).expect("valid"));
+        app.update();
+        let last = state(&app, entity);
+        assert_shown(&app, entity, &last);
+    }
+}
+
+/// Changes made while a body is out of sight count when it comes back, whatever its neighbors do.
+#[test]
+fn what_is_changed_while_a_body_is_out_of_sight_counts() {
+    let away: [(&str, fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
+        (
+            "Disabled",
+            |body| {
+                body.insert(Disabled);
+            },
+            |body| {
+                body.remove::<Disabled>();
+            },
+        ),
+        (
+            "no RigidBox",
+            |body| {
+                body.remove::<RigidBox>();
+            },
+            |body| {
+                body.insert(brick());
+            },
+        ),
+    ];
+    for (name, leave, come_back) in away {
+        for touch_neighbor in [false, true] {
+            for teleport in [false, true] {
+                let mut app = super::app();
+                app.insert_resource(WorldGravity(DVec3::ZERO));
+                let start = BodyState::at(DVec3::ONE).with_velocity(DVec3::Z);
+                let body = app.world_mut().spawn((brick(), start)).id();
+                let neighbor = app.world_mut().spawn((brick(), start)).id();
+                for _ in 0..3 {
+                    app.update();
+                }
+                let before = state(&app, body);
+                leave(&mut app.world_mut().entity_mut(body));
+                for _ in 0..5 {
+                    app.update();
+                }
+                assert_eq!(state(&app, body), before, "{name}: it stays");
+                let mut expected = before;
+                if teleport {
+                    let mut transform = app.world_mut().get_mut::<Transform>(body).expect("stays");
+                    transform.translation = Vec3::new(7.0, 8.0, 9.0);
+                    expected.position = DVec3::new(7.0, 8.0, 9.0);
+                }
+                for _ in 0..5 {
+                    app.update();
+                }
+                if touch_neighbor {
+                    let mut other = app
+                        .world_mut()
+                        .get_mut::<Transform>(neighbor)
+                        .expect("a body");
+                    other.translation.x += 1.0;
+                }
+                come_back(&mut app.world_mut().entity_mut(body));
+                app.update();
+                expected.position += DVec3::Z * super::tick().as_secs_f64();
+                let found = state(&app, body);
+                assert!(
+                    (found.position - expected.position).length() < 1e-12
+                        && found.velocity == before.velocity,
+                    "{name}, {touch_neighbor}, {teleport}: {found:?}, not {expected:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
+    for moved in [false, true] {
+        let mut app = super::app();
+        app.insert_resource(WorldGravity(DVec3::ZERO));
+        let place = Transform::from_xyz(1.0, 5.0, 2.0);
+        let body = app.world_mut().spawn((brick(), place, Disabled)).id();
+        for _ in 0..10 {
+            app.update();
+        }
+        let mut expected = DVec3::new(1.0, 5.0, 2.0);
+        if moved {
+            expected = DVec3::new(-1.0, 5.0, 2.0);
+            *app.world_mut().get_mut(body).expect("a body") =
+                Transform::from_translation(expected.as_vec3());
+            app.update();
+        }
+        app.world_mut().entity_mut(body).remove::<Disabled>();
+        for _ in 0..3 {
+            app.update();
+            assert_eq!(state(&app, body).position, expected, "{moved}");
+        }
+    }
+}
+
+/// An impulse that is sent in a pause waits for the next step, or is dropped: its sender says which.
+#[test]
+fn impulses_sent_in_a_pause_are_kept_or_dropped_as_their_sender_chose() {
+    let stops: [fn(&mut World, bool); 3] = [
+        |world, stop| world.resource_mut::<PhysicsClock>().paused = stop,
+        |world, stop| {
+            let mut time = world.resource_mut::<Time<Virtual>>();
+            if stop {
+                time.pause();
+            } else {
+                time.unpause();
+            }
+        },
+        |world, stop| {
+            let speed = if stop { 0.0 } else { 1.0 };
+            world
+                .resource_mut::<Time<Virtual>>()
+                .set_relative_speed(speed);
+        },
+    ];
+    for stop in stops {
+        let mut app = super::app();
+        app.insert_resource(WorldGravity(DVec3::ZERO))
+            .insert_resource(TimeUpdateStrategy::ManualDuration(super::tick()));
+        let [kept, dropped] =
+            [(), ()].map(|()| app.world_mut().spawn((brick(), BodyState::default())).id());
+        app.update();
+        stop(app.world_mut(), true);
+        app.update();
+        for _ in 0..30 {
+            let push = ApplyImpulse::center(kept, DVec3::X * 3.0);
+            app.world_mut().write_message(push);
+            let entity = dropped;
+            app.world_mut()
+                .write_message(ApplyImpulse { entity, ..push }.dropped_while_paused());
+            app.update();
+        }
+        assert_eq!(state(&app, kept).velocity, DVec3::ZERO);
+        stop(app.world_mut(), false);
+        for _ in 0..3 {
+            app.update();
+        }
+        assert!((state(&app, kept).velocity.x - 30.0).abs() < 1e-12);
+        assert_eq!(state(&app, dropped).velocity, DVec3::ZERO);
+        app.world_mut()
+            .write_message(ApplyImpulse::center(dropped, DVec3::X * 3.0).dropped_while_paused());
+        for _ in 0..3 {
+            app.update();
+        }
+        assert_eq!(state(&app, dropped).velocity, DVec3::X);
+    }
+}
