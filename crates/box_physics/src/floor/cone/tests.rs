@@ -111,7 +111,7 @@ fn the_cap_is_the_cap() {
                     let (p, w) = (s.p[k], s.w[k]);
                     assert!(p.y >= 0.0 && w.y >= -1e-11 * scale);
                     assert!(p.y * w.y <= 1e-9 * mass * scale * scale);
-                    assert!(p.x.hypot(p.z) <= mu * p.y + 1e-12 * mass * scale);
+                    assert!(libm::hypot(p.x, p.z) <= mu * p.y + 1e-12 * mass * scale);
                 }
                 let gain =
                     operator.dot(&s.p, b) + 0.5 * operator.dot(&s.p, &operator.response(&s.p));
