@@ -14,6 +14,7 @@ use box_game::app::GamePlugin;
 use box_game::cli::Cli;
 use box_game::cli::command_line;
 use box_game::cli::start::open_files;
+use box_game::compare::Comparison;
 use box_game::demo_2012::Demo2012;
 use box_game::interaction::grab::Grip;
 use box_game::interaction::rewind::{LONGEST, Rewind};
@@ -291,6 +292,44 @@ fn an_undone_restart_goes_on_where_it_was() {
     ask(&mut app, Action::Undo);
     assert_eq!(hero(&mut app), before);
     assert_eq!(clock(&app).steps(), steps);
+}
+
+/// Switching to an integrator that is compared swaps the two trajectories; undo swaps them back.
+#[test]
+fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
+    let mut app = game(&["throw", "--integrator", "split,rk4"]);
+    run(&mut app, 20);
+    ask(&mut app, Action::TogglePause);
+    let before = hero(&mut app);
+    let compared = |app: &App| {
+        let comparison = app.world().resource::<Comparison>();
+        let run = comparison.run.as_ref().expect("a run");
+        (run.hero.integrator, comparison.chosen().to_vec())
+    };
+    assert_eq!(compared(&app), (Integrator::Split, vec![Integrator::Rk4]));
+    ask(&mut app, Action::SetIntegrator(Integrator::Rk4));
+    assert_eq!(compared(&app), (Integrator::Rk4, vec![Integrator::Split]));
+    assert_ne!(hero(&mut app), before, "the other trajectory");
+    ask(&mut app, Action::Undo);
+    assert_eq!(compared(&app), (Integrator::Split, vec![Integrator::Rk4]));
+    assert_eq!(hero(&mut app), before);
+}
+
+/// A digit key means its place where it types something else; with AltGr it means what it types.
+#[test]
+fn digits_and_symbols_do_not_collide_on_other_keyboards() {
+    let mut app = game(&["throw", "--integrator", "split"]);
+    let integrator = |app: &App| app.world().resource::<GlobalIntegrator>().0;
+    let scene = session(&app).scenario.id;
+    // AZERTY: the key of 6 types a minus.
+    press(&mut app, &[(KeyCode::Digit6, "-")]);
+    let by_key = integrator(&app);
+    assert_eq!(box_scenarios::style::integrator_of_key(6), Some(by_key));
+    assert_eq!(session(&app).speed, 1.0);
+    // German: AltGr + 8 types an opening bracket.
+    press(&mut app, &[(KeyCode::AltRight, ""), (KeyCode::Digit8, "[")]);
+    assert_eq!(integrator(&app), by_key);
+    assert_ne!(session(&app).scenario.id, scene);
 }
 
 #[test]

@@ -78,8 +78,9 @@ fn acceptance_7_without_a_display_it_compares() {
         "{said}"
     );
     assert!(String::from_utf8_lossy(&bare.stdout).contains("split"));
-    let asked = start(&["--screenshot", "a.png"]);
-    assert_eq!(asked.status.code(), Some(4));
+    for flags in [["--screenshot", "a.png"], ["--script", "a.ron"]] {
+        assert_eq!(start(&flags).status.code(), Some(4), "{flags:?}");
+    }
     let wrong = start(&["--scene", "moon"]);
     assert_eq!(wrong.status.code(), Some(2));
 }

@@ -63,7 +63,6 @@ pub fn build(cli: &Cli) -> std::io::Result<App> {
         app.add_plugins(PreferencesPlugin);
     }
     app.add_plugins((
-        MeshPickingPlugin,
         EguiPlugin::default(),
         FrameTimeDiagnosticsPlugin::default(),
         SystemInformationDiagnosticsPlugin,

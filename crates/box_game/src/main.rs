@@ -42,7 +42,7 @@ fn main() -> ExitCode {
     };
     if let Err(missing) = display::check(need) {
         eprintln!("{missing}");
-        if cli.offscreen || cli.screenshot.is_some() {
+        if cli.offscreen || cli.screenshot.is_some() || cli.script.is_some() {
             return cli::no_display();
         }
         eprintln!("\nRunning the comparison without a window instead (as with --headless):\n");

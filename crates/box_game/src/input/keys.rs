@@ -120,14 +120,18 @@ pub(super) fn read_keys(
             off_center: shift,
         }));
     }
-    for (key, digit) in DIGITS.into_iter().zip(1..) {
-        if let (true, Some(i)) = (keys.just_pressed(key), integrator_of_key(digit)) {
-            actions.push(if shift {
-                Action::Compare(CompareAction::ToggleLane(i))
-            } else {
-                Action::SetIntegrator(i)
-            });
-        }
+    // A digit key means its place, whatever it types, except with AltGr: [ is AltGr + 8 on a German keyboard.
+    let alt_gr = held_down([KeyCode::AltRight; 2]);
+    let digit = DIGITS
+        .into_iter()
+        .zip(1..)
+        .find(|(key, _)| !alt_gr && keys.just_pressed(*key));
+    if let Some(integrator) = digit.and_then(|(_, digit)| integrator_of_key(digit)) {
+        actions.push(if shift {
+            Action::Compare(CompareAction::ToggleLane(integrator))
+        } else {
+            Action::SetIntegrator(integrator)
+        });
     }
     let steps = if shift { 10 } else { 1 };
     for (characters, action) in [
@@ -152,7 +156,7 @@ pub(super) fn read_keys(
         ("f", Action::FrameCamera),
         ("?", Action::ToggleHelp),
     ] {
-        if typed(characters) {
+        if digit.is_none() && typed(characters) {
             actions.push(action);
         }
     }

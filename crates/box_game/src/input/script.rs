@@ -24,6 +24,9 @@ use crate::action::{Action, Actions};
 /// The longest script that is read \[bytes\].
 const MAX_BYTES: u64 = 1024 * 1024;
 
+/// Frames after which a picture that has not arrived is given up.
+const LONGEST_WAIT: u32 = 600;
+
 /// Actions of one moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -79,6 +82,8 @@ fn parse(text: &str) -> Result<Vec<Beat>, String> {
 pub struct Script {
     beats: VecDeque<Beat>,
     began: Option<f64>,
+    /// Frames that `Quit` has waited for a picture.
+    waited: u32,
 }
 
 impl Script {
@@ -87,6 +92,7 @@ impl Script {
         Self {
             beats: beats.into(),
             began: None,
+            waited: 0,
         }
     }
 
@@ -106,6 +112,7 @@ pub fn play(
     time: Res<Time<Real>>,
     pending: Res<PendingPictures>,
     mut actions: ResMut<Actions>,
+    mut exit: MessageWriter<AppExit>,
 ) {
     let Some(mut script) = script else {
         return;
@@ -121,6 +128,11 @@ pub fn play(
         while !beat.actions.is_empty() {
             // A picture asked for in this frame is not counted before the next.
             if beat.actions[0] == Action::Quit && (pending.0 > 0 || asking) {
+                script.waited += 1;
+                if script.waited > LONGEST_WAIT {
+                    error!("{} pictures were not written", pending.0);
+                    exit.write(AppExit::from_code(1));
+                }
                 return;
             }
             let action = beat.actions.remove(0);
@@ -181,6 +193,24 @@ mod tests {
         }
         app.update();
         assert!(app.world().resource::<Script>().is_over());
+    }
+
+    #[test]
+    fn a_picture_that_never_arrives_ends_the_program_with_an_error() {
+        let actions = vec![Action::Quit];
+        let mut app = App::new();
+        app.init_resource::<Time<Real>>()
+            .insert_resource(PendingPictures(1))
+            .init_resource::<Actions>()
+            .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
+            .add_systems(Update, play);
+        for _ in 0..LONGEST_WAIT {
+            app.update();
+        }
+        assert_eq!(app.should_exit(), None);
+        app.update();
+        assert_eq!(app.should_exit(), Some(AppExit::from_code(1)));
+        assert!(app.world().resource::<Actions>().0.is_empty());
     }
 
     #[test]

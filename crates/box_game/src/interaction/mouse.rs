@@ -9,7 +9,6 @@ use box_physics::prelude::{BodyState, DVec3, RigidBox};
 use super::grab::Grip;
 use super::pick::{Hit, hit};
 use crate::action::{Action, Actions, Hold, Poke};
-use crate::camera::views::SplitView;
 use crate::input::focus::UiFocus;
 use crate::scene::session::{Hero, Session};
 
@@ -42,6 +41,8 @@ pub enum Hand {
         /// Distance of the plane in which it is moved, along the view \[m\].
         depth: f64,
     },
+    /// Escape released the box; the button is still down.
+    Canceled,
 }
 
 /// What the mouse does in one frame.
@@ -57,6 +58,8 @@ pub struct Mouse {
     pub scroll: f64,
     /// Over the panel.
     pub over_panel: bool,
+    /// Escape was pressed.
+    pub escape: bool,
 }
 
 impl Hand {
@@ -71,6 +74,9 @@ impl Hand {
         out: &mut Vec<Action>,
     ) -> Self {
         match self {
+            Self::Pressed { .. } | Self::Dragging { .. } if mouse.escape => Self::Canceled,
+            Self::Canceled if mouse.released => Self::Idle,
+            Self::Canceled => Self::Canceled,
             Self::Idle => {
                 if !mouse.pressed || mouse.over_panel {
                     return Self::Idle;
@@ -121,15 +127,18 @@ impl Hand {
 /// Reads the mouse and asks for pokes and grabs.
 pub fn use_mouse(
     mut hand: ResMut<Hand>,
-    buttons: Res<ButtonInput<MouseButton>>,
+    (buttons, keys): (Res<ButtonInput<MouseButton>>, Res<ButtonInput<KeyCode>>),
     scroll: Res<AccumulatedMouseScroll>,
     window: Query<&Window, With<PrimaryWindow>>,
-    camera: Single<(&Camera, &GlobalTransform), (With<Camera3d>, Without<SplitView>)>,
+    cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
     hero: Query<(&RigidBox, &BodyState), With<Hero>>,
     focus: Res<UiFocus>,
     mut actions: ResMut<Actions>,
 ) {
-    let (camera, view) = *camera;
+    // The first camera shows the main box; those of the other views come after it.
+    let Some((camera, view)) = cameras.iter().min_by_key(|(camera, _)| camera.order) else {
+        return;
+    };
     let cursor = window.iter().next().and_then(Window::cursor_position);
     let ray = cursor.and_then(|at| camera.viewport_to_world(view, at).ok());
     let box_now = hero.iter().next();
@@ -143,6 +152,7 @@ pub fn use_mouse(
         released: !buttons.pressed(MouseButton::Left),
         scroll: f64::from(notches),
         over_panel: focus.pointer,
+        escape: keys.just_pressed(KeyCode::Escape),
     };
     let (from, along) = ray.map_or((DVec3::ZERO, DVec3::ZERO), |r| {
         (r.origin.as_dvec3(), r.direction.as_dvec3())
@@ -208,6 +218,7 @@ mod tests {
             released: false,
             scroll: 0.0,
             over_panel: false,
+            escape: false,
         }
     }
 
@@ -280,6 +291,27 @@ mod tests {
             step(hand, outside, None),
             (Hand::Idle, vec![Action::Grab(None)])
         );
+    }
+
+    #[test]
+    fn escape_ends_a_drag_until_the_button_is_pressed_again() {
+        let hold = Hand::Dragging {
+            body_point: ON_BOX.point,
+            depth: 7.0,
+        };
+        let escape = Mouse {
+            escape: true,
+            ..mouse(20.0)
+        };
+        let (hand, out) = step(hold, escape, None);
+        assert_eq!((hand, &out[..]), (Hand::Canceled, &[][..]));
+        let (hand, out) = step(hand, mouse(30.0), Some(ON_BOX));
+        assert_eq!((hand, &out[..]), (Hand::Canceled, &[][..]));
+        let up = Mouse {
+            released: true,
+            ..mouse(30.0)
+        };
+        assert_eq!(step(hand, up, None), (Hand::Idle, vec![]));
     }
 
     #[test]

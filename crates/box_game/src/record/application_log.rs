@@ -26,7 +26,11 @@ pub fn plugin() -> LogPlugin {
 
 fn file_layer(_app: &mut App) -> Option<BoxedLayer> {
     // A folder that cannot be written to is no reason not to play.
-    let file = File::create(file()).ok()?;
+    let file = File::options()
+        .create(true)
+        .append(true)
+        .open(file())
+        .ok()?;
     Some(
         tracing_subscriber::fmt::layer()
             .with_ansi(false)

@@ -58,14 +58,11 @@ pub struct Sources<'w, 's> {
 /// The view of this frame.
 pub fn view(s: &Sources) -> PanelView {
     let session = &*s.session;
-    let scenes = s.library.scenes();
     let open = s.preferences.show_plots && !session.hidden;
     PanelView {
-        scene: scenes
-            .iter()
-            .position(|(id, _)| id == session.scenario.id)
-            .unwrap_or(0),
-        scenes: scenes.to_vec(),
+        scene: session.scenario.id.to_owned(),
+        title: session.scenario.title.to_owned(),
+        scenes: s.library.scenes().to_vec(),
         lesson: session.scenario.lesson.to_owned(),
         integrator: s.integrator.0,
         paused: s.clock.paused,

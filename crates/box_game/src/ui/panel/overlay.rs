@@ -21,10 +21,9 @@ const NOTICE_STAYS: f64 = 20.0;
 
 /// Lesson and newest notice, each until dismissed; a notice goes by itself after a while.
 pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
-    let scene = view.scenes.get(view.scene).map(|(id, _)| id);
-    let lesson = !view.lesson.is_empty() && memory.dismissed_lesson.as_ref() != scene;
+    let lesson = !view.lesson.is_empty() && memory.dismissed_lesson.as_ref() != Some(&view.scene);
     if lesson && ui.available_height() > LESSON_ROOM && self::lesson(ui, view) {
-        memory.dismissed_lesson = scene.cloned();
+        memory.dismissed_lesson = Some(view.scene.clone());
     }
     for error in &view.scene_errors {
         let text = RichText::new(format!("⚠ {error}")).color(ui.visuals().error_fg_color);
@@ -179,11 +178,7 @@ fn keys(ui: &mut Ui) {
 
 /// The one line of a hidden panel, over the picture.
 pub(super) fn hud(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let title = view
-        .scenes
-        .get(view.scene)
-        .map_or("no scene", |(_, title)| title);
-    let mut text = format!("{title} · {}", style::tagged(view.integrator));
+    let mut text = format!("{} · {}", view.title, style::tagged(view.integrator));
     if view.paused {
         text.push_str(" · PAUSED");
     }

@@ -33,7 +33,8 @@ pub fn sample_view() -> PanelView {
         ]
         .map(|(id, title)| (id.to_owned(), title.to_owned()))
         .into(),
-        scene: 0,
+        scene: "playground".into(),
+        title: "Playground".into(),
         lesson: "The box rests on the floor. Press D to push it, and watch the energy.".into(),
         integrator: Integrator::default(),
         paused: false,

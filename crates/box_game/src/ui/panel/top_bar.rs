@@ -36,17 +36,14 @@ fn room(ui: &mut Ui, width: f32) {
 }
 
 fn scene(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let title = view
-        .scenes
-        .get(view.scene)
-        .map_or("no scene", |(_, title)| title);
     let combo = ComboBox::from_id_salt("scene")
         .width(190.0)
         .truncate()
-        .selected_text(title)
+        .selected_text(&view.title)
         .show_ui(ui, |ui| {
-            for (k, (id, title)) in view.scenes.iter().enumerate() {
-                if ui.selectable_label(k == view.scene, title).clicked() && k != view.scene {
+            for (id, title) in &view.scenes {
+                let chosen = *id == view.scene;
+                if ui.selectable_label(chosen, title).clicked() && !chosen {
                     out.push(Action::SelectScene(id.clone()));
                 }
             }
@@ -54,7 +51,7 @@ fn scene(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         .response;
     combo.widget_info(|| WidgetInfo {
         label: Some("Scene".into()),
-        current_text_value: Some(title.into()),
+        current_text_value: Some(view.title.clone()),
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
     combo.on_hover_text("Scene; [ and ] go through the list, Ctrl+O searches in it.");

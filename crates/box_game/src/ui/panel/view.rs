@@ -14,8 +14,10 @@ use crate::preferences::Preferences;
 pub struct PanelView {
     /// (id, title) of every scene, in the order of the list.
     pub scenes: Vec<(String, String)>,
-    /// Index into `scenes`.
-    pub scene: usize,
+    /// Id of the scene being played, which may be in the list no longer.
+    pub scene: String,
+    /// Its title.
+    pub title: String,
     /// One or two sentences about the scene.
     pub lesson: String,
     /// The integrator in use.

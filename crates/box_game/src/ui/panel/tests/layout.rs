@@ -34,7 +34,8 @@ const SIZES: [(f32, f32); 6] = [
 /// Everything at its longest.
 fn long() -> PanelView {
     let mut view = sample_view();
-    view.scenes[0].1 = "A scene with a title far longer than any list has room for".into();
+    view.title = "A scene with a title far longer than any list has room for".into();
+    view.scenes[0].1.clone_from(&view.title);
     view.lesson =
         "A lesson of some length that must wrap onto a second line in a narrow window. ".repeat(2);
     (view.time, view.steps) = (12_345.678, 9_999_999_999);
@@ -205,7 +206,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     (broken.time, broken.speed, broken.actual_speed) = (nan, nan, Some(nan));
     broken.parameters.step = nan;
     (broken.step_time_us, broken.frame_time_ms, broken.dropped) = (nan, f64::INFINITY, nan);
-    broken.scene = 77;
+    broken.scene = "deleted".into();
     broken.parameters.gravity = nan;
     broken.parameters.friction = Some(f64::INFINITY);
     broken.parameters.half_extents = DVec3::NAN;

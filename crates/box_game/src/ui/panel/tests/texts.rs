@@ -77,7 +77,7 @@ fn lesson_and_notice_stay_until_dismissed() {
     assert!(!person.sees(&lesson) && !person.sees("cannot write b.csv"));
 
     // Another scene has another lesson; the same notice again is news.
-    person.harness.state_mut().view.scene = 1;
+    person.harness.state_mut().view.scene = "throw".into();
     person
         .harness
         .state_mut()
