@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             }
             None => {
                 let text = format!(
-                    "Ours: {}. Pushes add up, the fall is a parabola, contact acts at the corners.",
+                    "{}: pushes add up, the fall is a parabola, contact acts at the corners.",
                     view.integrator.name()
                 );
                 ui.add(Label::new(text).wrap());
@@ -40,11 +40,11 @@ fn choices(ui: &mut Ui, demo: &DemoView, out: &mut Vec<Action>) {
     let of_2012 = Stepper::ALL.map(Some);
     for stepper in of_2012.into_iter().chain([None]) {
         let chosen = demo.stepper == stepper;
-        let name = stepper.map_or("Ours", Stepper::name);
+        let name = stepper.map_or("box_physics", Stepper::name);
         let button = ui.add(Button::selectable(chosen, name).frame_when_inactive(true));
         button.widget_info(|| WidgetInfo::selected(WidgetType::RadioButton, true, chosen, name));
         let hint = stepper.map_or(
-            "The plugin, with the integrator chosen on the right.",
+            "The plugin, with the integrator selected on the right.",
             Stepper::fault,
         );
         if button.on_hover_text(hint).clicked() && !chosen {
@@ -55,11 +55,11 @@ fn choices(ui: &mut Ui, demo: &DemoView, out: &mut Vec<Action>) {
 
 fn log(ui: &mut Ui, demo: &DemoView, out: &mut Vec<Action>) {
     let name = if demo.log.is_some() {
-        "Stop its log"
+        "Stop cycle log"
     } else {
-        "Start its log"
+        "Start cycle log"
     };
-    let hint = "As in 2012: the time of every integration cycle, a line each, to a text file.";
+    let hint = "Write the time of every integration cycle to a text file, as in 2012.";
     if button(ui, name, hint) {
         out.push(Action::ToggleDemoLog);
     }

@@ -114,15 +114,21 @@ pub(super) fn help(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
             ui.heading("Keys");
             close = ui.button("Close help").clicked();
             let reset = ui.button("Reset all parameters");
-            if reset.on_hover_text("Every parameter back to the scene's own.").clicked() {
+            if reset
+                .on_hover_text("Restore the scene's own parameters.")
+                .clicked()
+            {
                 out.push(Action::ResetParameters);
             }
             reset_everything(ui, memory, out);
         });
         ui.horizontal_wrapped(|ui| scale(ui, view, out));
-        ui.label("Right-click a slider: its default. Numbers can be typed, beyond the slider's ends too.");
+        ui.label("Right-click a slider to reset it. Typed values may exceed the slider's range.");
         let height = (screen.height() - 140.0).max(40.0);
-        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, keys);
+        ScrollArea::vertical()
+            .max_height(height)
+            .min_scrolled_height(height)
+            .show(ui, keys);
         close
     });
     if modal.inner || modal.backdrop_response.clicked() {
@@ -135,7 +141,7 @@ fn reset_everything(ui: &mut Ui, memory: &mut PanelMemory, out: &mut Vec<Action>
     if !memory.sure {
         let button = ui.button("Reset everything…");
         memory.sure = button
-            .on_hover_text("First scene, default integrator, step, speed, switches, scale.")
+            .on_hover_text("Restore the first scene and every default.")
             .clicked();
         return;
     }
@@ -152,7 +158,7 @@ fn reset_everything(ui: &mut Ui, memory: &mut PanelMemory, out: &mut Vec<Action>
 const SCALES: [f64; 5] = [0.75, 1.0, 1.25, 1.5, 2.0];
 
 fn scale(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    ui.label("Size of the panel:");
+    ui.label("Panel scale:");
     for scale in SCALES {
         let chosen = (f64::from(view.preferences.ui_scale) - scale).abs() < 1e-3;
         let text = format!("{:.0} %", scale * 100.0);

@@ -54,7 +54,7 @@ fn scene(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         current_text_value: Some(view.title.clone()),
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
-    combo.on_hover_text("Scene; [ and ] go through the list, Ctrl+O searches in it.");
+    combo.on_hover_text("Scene: [ and ] step through the list, Ctrl+O searches it.");
     if named_button(ui, "◂", "Previous scene", "Previous scene ([)") {
         out.push(Action::PreviousScene);
     }
@@ -69,18 +69,18 @@ fn clock(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     } else {
         ("⏸ Pause", "Pause")
     };
-    if named_button(ui, text, name, "Stop or resume the clock (P or Space).") {
+    if named_button(ui, text, name, "Pause or resume (P or Space).") {
         out.push(Action::TogglePause);
     }
-    let hint = "One step back, the clock standing (,). With Shift: ten.";
+    let hint = "Step back; pauses (,). With Shift: ten steps.";
     if named_button(ui, "⏮ Back", "Step back", hint) {
         out.push(Action::StepBack(ten(ui)));
     }
-    let hint = "One step, the clock standing (.). With Shift: ten.";
+    let hint = "Step forward; pauses (.). With Shift: ten steps.";
     if named_button(ui, "⏭ Step", "Step", hint) {
         out.push(Action::Step(ten(ui)));
     }
-    let hint = "The scene from its start, with the present parameters (R).";
+    let hint = "Restart the scene with the current parameters (R).";
     if named_button(ui, "⟲ Restart", "Restart", hint) {
         out.push(Action::Restart);
     }
@@ -218,7 +218,7 @@ fn readouts(ui: &mut Ui, view: &PanelView) {
     if view.software_rendering {
         let badge = RichText::new("⚠ software rendering").strong();
         ui.add(Label::new(badge).extend()).on_hover_text(
-            "No graphics card is in use: frame times say nothing. Integrator times stand.",
+            "Rendering on the CPU: frame times mean little; integrator times are right.",
         );
     }
 }

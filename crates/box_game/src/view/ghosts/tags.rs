@@ -138,7 +138,7 @@ pub(super) fn draw_tags(
 /// `■ RK4 · 0.13°`.
 fn tag(mut text: String, hero: bool, track: &Track, attitude: bool) -> String {
     if hero {
-        text.push_str(" (hero)");
+        text.push_str(" (main)");
     }
     if let Some(t) = track.diverged {
         return format!("{text} · DIVERGED @ t = {t:.1} s");

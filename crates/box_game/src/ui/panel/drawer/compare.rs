@@ -73,7 +73,7 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
             let value = lane.get(quantity);
             let mut text = style::tagged(lane.integrator);
             if lane.hero {
-                text.push_str(" (hero)");
+                text.push_str(" (main)");
             }
             if value.is_finite() {
                 text.push_str(&format!(" {}{unit}", number(value)));
@@ -86,10 +86,10 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
         }
         let caption = match quantity {
             Quantity::Energy if view.conservative => {
-                "should be constant: what drifts is the integrator's error".to_owned()
+                "should be constant; the drift is numerical error".to_owned()
             }
             Quantity::Energy => {
-                "less what forces, floor and pushes rightly change: the rest is the integrator's error"
+                "excludes work by forces, contact and pushes; what remains is numerical error"
                     .to_owned()
             }
             _ => format!("reference: {}", view.reference),
@@ -191,9 +191,9 @@ fn rules(plot: &mut PlotUi<'_>, view: &CompareView) {
         let (name, color, dash) = match rule.kind {
             RuleKind::Contact => ("contact", Color32::from_gray(105), LineStyle::Solid),
             RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150), DASHES),
-            RuleKind::Step => ("another dt", Color32::from_rgb(90, 140, 170), DASHES),
+            RuleKind::Step => ("dt changed", Color32::from_rgb(90, 140, 170), DASHES),
             RuleKind::Integrator => (
-                "another integrator",
+                "integrator changed",
                 Color32::from_rgb(170, 140, 80),
                 DASHES,
             ),

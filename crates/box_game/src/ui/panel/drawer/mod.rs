@@ -86,7 +86,7 @@ pub(super) fn show(
         }
         if memory.frozen.is_some() {
             ui.label(RichText::new("⏸ frozen").strong()).on_hover_text(
-                "The plots stand still while the pointer is over them; the simulation does not.",
+                "The plots are frozen while the pointer is over them; the simulation runs on.",
             );
         }
     });

@@ -29,7 +29,7 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     ui.add(
         Label::new(
             RichText::new(format!(
-                "physics {} µs · lanes and their measurement {} µs · panel {} µs · frame {} ms",
+                "physics {} µs · comparisons {} µs · panel {} µs · frame {} ms",
                 number(view.step_time_us),
                 number(view.compare.lanes_ms * 1e3),
                 number(view.compare.panel_ms * 1e3),

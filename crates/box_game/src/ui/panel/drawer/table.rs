@@ -16,29 +16,20 @@ use crate::view::style;
 const HEADINGS: [(&str, &str); 12] = [
     (
         "integrator",
-        "The hero, the lanes beside it, then the others. Click one to compare it with the hero in words.",
+        "Main box, comparisons, then the rest. Click one to compare it with the main box in words.",
     ),
-    (
-        "med [ns]",
-        "Half of the recent samples are shorter, ns per step: what a frame feels.",
-    ),
-    ("p95 [ns]", "95 % of the recent samples are shorter."),
-    (
-        "min [ns]",
-        "Shortest recent sample: the integrator's own cost.",
-    ),
+    ("med [ns]", "Median of the recent samples, ns per step."),
+    ("p95 [ns]", "95th percentile of the recent samples."),
+    ("min [ns]", "Shortest recent sample."),
     ("evals", "Force evaluations per step, as counted."),
-    ("dt", "Step size of the lane."),
+    ("dt", "Step size."),
     ("pos err [m]", "Distance from the reference, now."),
     ("rot err [°]", "Angle to the reference, now."),
     (
         "ΔE/E₀",
-        "Energy that pushes, forces and floor do not account for.",
+        "Energy change beyond that of pushes, forces and floor.",
     ),
-    (
-        "Δ|L|/|L₀|",
-        "Angular momentum that they do not account for.",
-    ),
+    ("Δ|L|/|L₀|", "Angular momentum change beyond that."),
     (
         "order",
         "The error of a free rotation falls with this power of dt.",
@@ -107,13 +98,15 @@ fn lane_row(ui: &mut Ui, view: &CompareView, lane: &LaneView, out: &mut Vec<Comp
     ui.horizontal(|ui| {
         mark(ui, lane.integrator);
         if lane.hero {
-            ui.add(Label::new(RichText::new(format!("{} · hero", info.name)).strong()).extend());
+            ui.add(
+                Label::new(RichText::new(format!("{} · main box", info.name)).strong()).extend(),
+            );
             return;
         }
         let chosen = view.settings.selected == Some(lane.integrator);
         let button = ui.add(Button::selectable(chosen, info.name));
         button.widget_info(|| {
-            let name = format!("Compare the hero with {}", info.name);
+            let name = format!("Compare the main box with {}", info.name);
             WidgetInfo::selected(WidgetType::Button, true, chosen, name)
         });
         if button.clicked() {

@@ -87,7 +87,7 @@ fn controls(
     }
     ui.add(
         Label::new(
-            RichText::new("dots: now · lines: the sweep · down and left is better")
+            RichText::new("dots: now · lines: sweep · lower left is better")
                 .small()
                 .weak(),
         )
@@ -107,7 +107,7 @@ fn legend(ui: &mut Ui, lane: &LaneView, line: Option<&SweepLine>, position: bool
     });
     match order {
         Some(Some(p)) => text.push_str(&format!(" (Δt^p, p = {p:.1})")),
-        Some(None) => text.push_str(" (no order: rounding or lost)"),
+        Some(None) => text.push_str(" (no order: rounding or diverged)"),
         None => {}
     }
     let color = style::of(lane.integrator).color();
@@ -186,7 +186,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
         .response;
     describe(
         &response,
-        "Largest error against cost per simulated second, both logarithmic: a dot for every lane now, lines for the sweep over step sizes",
+        "Largest error against cost per simulated second, both logarithmic: dots for now, lines for the sweep over step sizes",
     );
 }
 

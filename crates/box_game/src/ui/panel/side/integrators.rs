@@ -29,10 +29,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             }
         });
     }
-    ui.label(
-        RichText::new("☑ simulated beside the box · click a name to move the box by it · median ns per body-step")
-            .small(),
-    );
+    ui.label(RichText::new("☑ compare · click a name to switch · median ns per body-step").small());
     together(ui, view, out);
 }
 
@@ -53,7 +50,7 @@ fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
         WidgetInfo::selected(WidgetType::Checkbox, !hero, on, name)
     });
     response
-        .on_hover_text("Simulate it beside the box, through the same inputs (Shift + 1 … 9).")
+        .on_hover_text("Compare it on the same scene, with the same inputs (Shift + its key).")
         .changed()
 }
 
@@ -65,10 +62,10 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         ui.label("Layout");
         for layout in Layout::ALL {
             let hint = match layout {
-                Layout::Solo => "The box alone (G).",
-                Layout::Ghosts => "All in one place, the others translucent (G).",
+                Layout::Solo => "The main box alone (G).",
+                Layout::Ghosts => "All in one place, comparisons translucent (G).",
                 Layout::Lanes => "Side by side; only the picture is shifted (V).",
-                Layout::Views => "The box and the first three others, a view each (V).",
+                Layout::Views => "One view each, for up to four (V).",
             };
             let chosen = settings.layout == layout;
             if toggle(ui, chosen, layout.name(), hint) && !chosen {
@@ -79,9 +76,9 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         for fairness in Fairness::ALL {
             let hint = match fairness {
-                Fairness::Step => "Every lane takes the same steps.",
-                Fairness::Evaluations => "An integrator with four force evaluations a step takes steps four times as long.",
-                Fairness::Cost => "An integrator that costs twice as much takes steps twice as long, as measured when chosen.",
+                Fairness::Step => "Same step for every integrator.",
+                Fairness::Evaluations => "Same force evaluations per simulated second.",
+                Fairness::Cost => "Same measured cost per simulated second.",
             };
             let chosen = settings.fairness == fairness;
             if toggle(ui, chosen, fairness.name(), hint) && !chosen {
@@ -92,14 +89,14 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
         for (name, hint, action) in [
             (
-                "All lanes",
-                "Every integrator beside the box.",
+                "Compare all",
+                "Compare every integrator.",
                 CompareAction::AllLanes,
             ),
-            ("No lanes", "The box alone.", CompareAction::NoLanes),
+            ("Compare none", "Compare nothing.", CompareAction::NoLanes),
             (
                 "Re-sync",
-                "Put every lane, and the box, into the reference's state.",
+                "Move the main box and every comparison to the reference's state.",
                 CompareAction::Resync,
             ),
         ] {

@@ -12,7 +12,7 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         (
             view.preferences.show_aabb,
             "Bounding box (B)",
-            "The axis-aligned box, re-fitted every step.",
+            "Axis-aligned bounding box of every body.",
             Action::ToggleAabb,
         ),
         (
@@ -37,15 +37,11 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         for (name, hint, action) in [
             (
                 "Frame",
-                "The box in the middle of the picture (F).",
+                "Center the view on the box (F).",
                 Action::FrameCamera,
             ),
-            ("Home", "The scene's own camera (Home).", Action::HomeCamera),
-            (
-                "Screenshot",
-                "Save a picture of the window (F12).",
-                Action::Screenshot,
-            ),
+            ("Home", "Reset the view (Home).", Action::HomeCamera),
+            ("Screenshot", "Save a screenshot (F12).", Action::Screenshot),
         ] {
             if button(ui, name, hint) {
                 out.push(action);
@@ -62,8 +58,8 @@ pub(super) fn now(ui: &mut Ui, view: &PanelView) {
         .spacing([12.0, 2.0])
         .show(ui, |ui| {
             for (name, value, unit) in [
-                ("Energy of motion ½mv²", hero.translational_energy, "J"),
-                ("Energy of spin ½L·ω", hero.rotational_energy, "J"),
+                ("Translational ½mv²", hero.translational_energy, "J"),
+                ("Rotational ½L·ω", hero.rotational_energy, "J"),
                 ("Potential energy", hero.potential_energy, "J"),
                 ("Total energy", total, "J"),
                 ("Ang. momentum |L|", hero.angular_momentum, "kg m²/s"),
@@ -81,12 +77,12 @@ pub(super) fn now(ui: &mut Ui, view: &PanelView) {
                 (
                     "Fallbacks",
                     view.fallbacks,
-                    "Body-steps that the integrator handed to split, because it does not apply there.",
+                    "Body-steps delegated to split because the integrator does not apply.",
                 ),
                 (
                     "Not converged",
                     view.unconverged,
-                    "Body-steps whose iteration ended at its cap instead of its tolerance.",
+                    "Body-steps whose iteration reached its limit before its tolerance.",
                 ),
             ] {
                 ui.label(name).on_hover_text(hint);

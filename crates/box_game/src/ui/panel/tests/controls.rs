@@ -52,8 +52,8 @@ fn every_button_asks_for_its_action() {
             "equal cost",
             compare(CompareAction::SetFairness(Fairness::Cost)),
         ),
-        ("All lanes", compare(CompareAction::AllLanes)),
-        ("No lanes", compare(CompareAction::NoLanes)),
+        ("Compare all", compare(CompareAction::AllLanes)),
+        ("Compare none", compare(CompareAction::NoLanes)),
         ("Re-sync", compare(CompareAction::Resync)),
         ("log", compare(CompareAction::ToggleLogarithmicEnergy)),
         ("10 s", compare(CompareAction::SetWindow(Window::Ten))),
@@ -109,7 +109,7 @@ fn tools_of_the_tabs() {
     view.plot = Plot::Table;
     let mut person = Person::before(view, TALL);
     assert_eq!(
-        person.click("Compare the hero with RK4"),
+        person.click("Compare the main box with RK4"),
         [compare(CompareAction::Select(Integrator::Rk4))]
     );
 }

@@ -73,11 +73,11 @@ fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
         [Action::SetDemo(Some(Stepper::Rk4))]
     );
     assert_eq!(person.click(Stepper::Heun.name()), [], "it is chosen");
-    assert_eq!(person.click("Start its log"), [Action::ToggleDemoLog]);
-    assert_eq!(person.click("Ours"), [Action::SetDemo(None)]);
+    assert_eq!(person.click("Start cycle log"), [Action::ToggleDemoLog]);
+    assert_eq!(person.click("box_physics"), [Action::SetDemo(None)]);
     demo.stepper = None;
     let person = with(|view| view.demo = Some(demo));
-    assert!(person.sees_part("Pushes add up") && !person.sees_part("9.81 m/s,"));
+    assert!(person.sees_part("pushes add up") && !person.sees_part("9.81 m/s,"));
 }
 
 #[test]

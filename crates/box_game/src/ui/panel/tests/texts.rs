@@ -149,9 +149,9 @@ fn the_table_has_a_row_for_every_integrator() {
             .iter()
             .find(|l| l.integrator == integrator);
         let (cell, role) = match lane {
-            Some(lane) if lane.hero => (format!("{} · hero", integrator.name()), Role::Label),
+            Some(lane) if lane.hero => (format!("{} · main box", integrator.name()), Role::Label),
             Some(_) => (
-                format!("Compare the hero with {}", integrator.name()),
+                format!("Compare the main box with {}", integrator.name()),
                 Role::Button,
             ),
             None => (integrator.name().to_owned(), Role::Label),
