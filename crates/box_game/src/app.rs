@@ -53,7 +53,7 @@ impl Plugin for GamePlugin {
 /// The game with its picture, in a window or offscreen.
 ///
 /// # Errors
-/// That of the files that the command line names.
+/// An error of a file that the command line names.
 pub fn build(cli: &Cli) -> std::io::Result<App> {
     let (offscreen, size) = (cli.offscreen, cli.size);
     let mut app = App::new();

@@ -1,28 +1,28 @@
-//! What can be asked of the comparison.
+//! Actions of the comparison.
 
 use box_physics::prelude::Integrator;
 use serde::{Deserialize, Serialize};
 
-/// One request.
+/// One action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CompareAction {
-    /// Simulate this integrator beside the hero, or stop doing so.
+    /// Compare with this integrator, or stop.
     ToggleLane(#[serde(with = "integrator_id")] Integrator),
-    /// Every integrator beside the hero.
+    /// Compare with every integrator.
     AllLanes,
-    /// No integrator beside the hero.
+    /// Compare with none.
     NoLanes,
-    /// How the lanes are drawn.
+    /// Layout of the comparisons.
     SetLayout(Layout),
     /// The next layout of [`Layout::ALL`].
     NextLayout,
-    /// Ghosts on or off.
+    /// Show or hide the comparisons.
     ToggleGhosts,
-    /// What is equal between the lanes.
+    /// Quantity that is equal for all integrators.
     SetFairness(Fairness),
-    /// Put every lane into the reference's state and open new books.
+    /// Move everything to the reference's state.
     Resync,
-    /// How much of the past the plots show.
+    /// Time span of the plots.
     SetWindow(Window),
     /// Errors on a logarithmic or a linear axis.
     ToggleLogarithmic,
@@ -30,28 +30,28 @@ pub enum CompareAction {
     ToggleLogarithmicEnergy,
     /// Error since the start, or of each step alone.
     ToggleLocal,
-    /// The integrator that the hero is compared with in words.
+    /// Integrator of the verdict in words.
     Select(#[serde(with = "integrator_id")] Integrator),
-    /// Compute the work–precision lines in a thread of its own.
+    /// Start the work–precision sweep in the background.
     StartSweep,
-    /// Stop doing so.
+    /// Cancel the sweep.
     CancelSweep,
-    /// What the open tab shows, as CSV, to the clipboard.
+    /// Copy the data of the open tab to the clipboard, as CSV.
     Copy,
 }
 
-/// How the lanes are drawn.
+/// Layout of the comparisons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Layout {
-    /// The hero alone.
+    /// The main box alone.
     Solo,
-    /// All in one place: the hero solid, the others translucent.
+    /// All in one place: the main box solid, comparisons translucent.
     #[default]
     Ghosts,
     /// Side by side; only the picture is shifted.
     Lanes,
-    /// The hero and the first three lanes, a view each, all from the same place.
+    /// The main box and the first three comparisons in one view each, from the same place.
     Views,
 }
 
@@ -59,7 +59,7 @@ impl Layout {
     /// In the order of the key.
     pub const ALL: [Self; 4] = [Self::Solo, Self::Ghosts, Self::Lanes, Self::Views];
 
-    /// On its button.
+    /// Text of its button.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Solo => "Solo",
@@ -80,7 +80,7 @@ impl Layout {
     }
 }
 
-/// What is equal between the lanes.
+/// Quantity that is equal for all integrators.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fairness {
@@ -97,7 +97,7 @@ impl Fairness {
     /// In the order of the panel.
     pub const ALL: [Self; 3] = [Self::Step, Self::Evaluations, Self::Cost];
 
-    /// On its button.
+    /// Text of its button.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Step => "equal dt",
@@ -107,7 +107,7 @@ impl Fairness {
     }
 }
 
-/// How much of the past the plots show.
+/// Time span of the plots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Window {
@@ -124,7 +124,7 @@ impl Window {
     /// In the order of the panel.
     pub const ALL: [Self; 3] = [Self::Ten, Self::Minute, Self::All];
 
-    /// On its button.
+    /// Text of its button.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ten => "10 s",
@@ -133,7 +133,7 @@ impl Window {
         }
     }
 
-    /// Its length \[s\].
+    /// Length of the window \[s\].
     pub const fn seconds(self) -> Option<f64> {
         match self {
             Self::Ten => Some(10.0),
@@ -159,7 +159,7 @@ pub mod integrator_id {
     /// Reads the id.
     ///
     /// # Errors
-    /// Where no integrator has it; the message lists those there are.
+    /// An unknown id; the message lists the known ones.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
         String::deserialize(from)?.parse().map_err(D::Error::custom)
     }

@@ -64,13 +64,13 @@ fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
 pub enum Action {
     /// Simulate every box with this integrator from the next step on; the state is carried over.
     SetIntegrator(#[serde(with = "integrator_id")] Integrator),
-    /// Stop or resume the clock.
+    /// Pause or resume.
     TogglePause,
-    /// This many steps while paused (pauses first).
+    /// Take this many steps (pauses first).
     Step(u32),
-    /// This many ticks back (pauses first).
+    /// Step this many ticks back (pauses first).
     StepBack(u32),
-    /// The scene from its start, with the present parameters.
+    /// Restart the scene with the current parameters.
     Restart,
     /// Target speed: simulated seconds per second, 0.01 to 4.
     SetSpeed(f64),
@@ -80,13 +80,13 @@ pub enum Action {
     Faster,
     /// Sets a parameter.
     Set(Parameter, f64),
-    /// Every parameter back to the scene's own.
+    /// Restore the scene's own parameters.
     ResetParameters,
-    /// The game as it opens: first scene, its parameters, default integrator, step, speed, switches.
+    /// Restore the first scene and every default.
     ResetEverything,
-    /// Take back the last change of a parameter, or the last reset.
+    /// Undo the last change of a parameter, or the last restart.
     Undo,
-    /// Do again what was taken back.
+    /// Redo the last undone change.
     Redo,
     /// This scene, by its id, or by the path of its file.
     SelectScene(String),
@@ -94,13 +94,13 @@ pub enum Action {
     NextScene,
     /// The previous scene of the list.
     PreviousScene,
-    /// An impulse on the hero box.
+    /// An impulse on the main box.
     Push(Push),
-    /// An impulse on the hero box at a point of its surface.
+    /// An impulse on the main box at a point of its surface.
     Poke(Poke),
-    /// Hold the hero box at a point, or let go.
+    /// Grab the main box at a point, or release it.
     Grab(Option<Hold>),
-    /// In the 2012 scene: this stepper of the dissertation's, or ours.
+    /// In the 2012 scene: a stepper of the dissertation, or the plugin.
     SetDemo(#[serde(with = "stepper")] Option<Stepper>),
     /// Start or stop the dissertation's log of cycle times, a text file.
     ToggleDemoLog,
@@ -114,19 +114,19 @@ pub enum Action {
     ToggleLog,
     /// Save a PNG of the window.
     Screenshot,
-    /// The same under this name.
+    /// Save it under this name.
     ScreenshotTo(PathBuf),
     /// Save a PNG of the open plot or table alone, under this name or the next free one.
     SavePlot(Option<PathBuf>),
     /// Film the picture, as animated PNG.
     Record(Film),
-    /// The command line that brings this set-up back, to the clipboard.
+    /// Copy the command line that restores this session to the clipboard.
     CopyCommandLine,
-    /// Put the hero in the middle of the picture.
+    /// Center the view on the main box.
     FrameCamera,
-    /// The scene's own camera.
+    /// Reset the view to the scene's own.
     HomeCamera,
-    /// Put the camera here.
+    /// Place the camera.
     SetCamera(SceneView),
     /// Scale of the panel, 0.75 to 2.
     SetUiScale(f64),
@@ -140,7 +140,7 @@ pub enum Action {
     TogglePlots,
     /// Choose the plot in the drawer.
     SelectPlot(Plot),
-    /// Of the comparison of integrators.
+    /// An action of the comparison.
     Compare(CompareAction),
     /// End the program.
     Quit,
@@ -172,7 +172,7 @@ pub struct Poke {
     pub strength: f64,
 }
 
-/// Where the box is held and where to.
+/// A grab.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
@@ -206,12 +206,12 @@ impl Plot {
     ];
 }
 
-/// What the drawer shows.
+/// Tab of the drawer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Plot {
     /// Distance and angle to the reference over time.
     Error,
-    /// Energy and angular momentum that are not accounted for, over time.
+    /// Drift of energy and angular momentum over time.
     #[default]
     Energy,
     /// ns per body-step of every integrator over time.
@@ -220,7 +220,7 @@ pub enum Plot {
     Cpu,
     /// Error against cost.
     WorkPrecision,
-    /// The figures of every integrator.
+    /// Figures of every integrator.
     Table,
 }
 

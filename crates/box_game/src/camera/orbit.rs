@@ -16,10 +16,10 @@ use crate::scene::session::{Hero, Session};
 use crate::scene::start::SceneOpened;
 use crate::view::renderer::PictureTarget;
 
-/// Where the camera looks from.
+/// Pose of the camera.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
-    /// What it looks at \[m\].
+    /// Point in the middle of the view \[m\].
     pub target: Vec3,
     /// Angle about the vertical \[rad\].
     pub yaw: f32,
@@ -30,7 +30,7 @@ pub struct OrbitCamera {
 }
 
 impl OrbitCamera {
-    /// The scene's own view: the hero in the middle, five radii away, farther with many boxes.
+    /// The scene's own view: five radii from the main box, farther with many boxes.
     pub fn home(session: &Session) -> Self {
         let setup = &session.scenario.setup;
         let boxes = session.parameters.boxes() as f32;
@@ -80,7 +80,7 @@ impl OrbitCamera {
         }
     }
 
-    /// As Bevy wants it.
+    /// The pose as a Bevy transform.
     pub fn transform(&self) -> Transform {
         let rotation = Quat::from_euler(EulerRot::YXZ, self.yaw, -self.pitch, 0.0);
         let position = self.target + rotation * Vec3::Z * self.distance;
@@ -91,11 +91,11 @@ impl OrbitCamera {
 /// Asks the camera to go somewhere.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub enum CameraRequest {
-    /// The hero in the middle.
+    /// Centered on the main box.
     Frame,
     /// The scene's own view.
     Home,
-    /// From here.
+    /// A given view.
     Look(SceneView),
 }
 
@@ -116,7 +116,7 @@ pub fn go_home(opened: On<SceneOpened>, mut commands: Commands) {
     }
 }
 
-/// Who the drag in progress belongs to.
+/// Owner of the drag in progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gesture {
     /// No button is down.
@@ -124,7 +124,7 @@ pub enum Gesture {
     None,
     /// It began on the panel.
     Panel,
-    /// It began on the box: the hand's.
+    /// It began on the box: poke or grab.
     Hand,
     /// It began on the view: turn.
     Orbit,
@@ -133,7 +133,7 @@ pub enum Gesture {
 }
 
 impl Gesture {
-    /// Who the drag belongs to after this frame's button events.
+    /// Owner of the drag after this frame's button events.
     pub fn next(
         self,
         left: bool,
@@ -282,7 +282,7 @@ mod tests {
         assert_eq!(g.next(true, true, true, false, false), Gesture::Orbit);
     }
 
-    /// What is under the mouse stays there: seen from the camera it keeps its direction.
+    /// The point under the mouse keeps its direction from the camera.
     #[test]
     fn zooming_keeps_the_point_under_the_mouse() {
         let before = OrbitCamera {

@@ -1,5 +1,5 @@
-//! The layout of views: up to four integrators, a view each, all from the same place. The hero is in the first,
-//! each lane alone in one of the others; floor, light and lattice are in all.
+//! The layout of views: up to four integrators in one view each, from the same place. The main box is in the
+//! first, one comparison in each of the others; floor, light and lattice are in all.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Viewport};
@@ -12,7 +12,7 @@ use crate::view::renderer::PictureTarget;
 
 /// Views at most.
 pub const MOST: usize = 4;
-/// Between two views \[pixels\].
+/// Gap between two views \[pixels\].
 const GAP: u32 = 2;
 /// The layer of what is in every view.
 const COMMON: usize = MOST;
@@ -91,7 +91,7 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
         .collect()
 }
 
-/// How many views there are.
+/// Number of views.
 pub fn count(comparison: &Comparison) -> usize {
     match &comparison.run {
         Some(run) if comparison.settings.layout == Layout::Views => (run.lanes.len() + 1).min(MOST),

@@ -1,4 +1,4 @@
-//! Whether a window and a GPU are to be had, found out before anything depends on it.
+//! Tests for a window and a GPU before anything depends on them.
 //!
 //! winit and Bevy panic where there is no display, where one of its libraries is missing and where no
 //! graphics driver is; so the attempt is made in a process of its own, and its last words are the
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 
-/// What a run needs.
+/// Requirements of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Need {
     /// A window and a GPU.
@@ -18,17 +18,17 @@ pub enum Need {
     Gpu,
 }
 
-/// Why it is not to be had, in words for a person, with what to do.
+/// A missing requirement, with a remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}\n{advice}")]
 pub struct Unavailable {
-    /// What is missing.
+    /// The missing part.
     pub reason: String,
-    /// What to do about it.
+    /// A remedy.
     pub advice: &'static str,
 }
 
-/// How long the display and the driver may take to answer. A cold software driver takes a second.
+/// Time for the display and the driver to answer. A cold software driver takes a second.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 const NO_DISPLAY: &str = "Start it from a desktop session, or under a virtual one: \

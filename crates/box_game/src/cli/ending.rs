@@ -9,21 +9,21 @@ use box_physics::prelude::{BodyQuarantined, PhysicsClock};
 use super::Cli;
 use crate::record::screenshot::ScreenshotRequest;
 
-/// When to end by itself.
+/// Conditions that end the program.
 #[derive(Resource, Clone, Debug, Default)]
 pub(super) struct Ending {
     /// After this much simulated time \[s\].
     pub duration: Option<f64>,
     /// After this many frames.
     pub frames: Option<u32>,
-    /// With a picture of the last frame.
+    /// A picture of the last frame.
     pub screenshot: Option<PathBuf>,
-    /// With exit code 3 if a body was quarantined.
+    /// Exit code 3 if a body was quarantined.
     pub fail_on_divergence: bool,
 }
 
 impl Ending {
-    /// Of the command line.
+    /// The conditions of the command line.
     pub(super) fn of(cli: &Cli) -> Self {
         Self {
             duration: cli.duration,
@@ -34,7 +34,7 @@ impl Ending {
     }
 }
 
-/// Ends the program when it is time; with a picture, once that is on disk.
+/// Ends the program on time, and after its picture is on disk.
 pub(super) fn end(
     ending: Res<Ending>,
     clock: Res<PhysicsClock>,

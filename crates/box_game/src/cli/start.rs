@@ -78,7 +78,7 @@ fn sweep_once(comparison: Res<Comparison>, mut actions: ResMut<Actions>, mut don
 /// Opens the log and the script of the command line.
 ///
 /// # Errors
-/// That of the file system, or what is wrong with the script.
+/// An error of the file system, or in the script.
 pub fn open_files(app: &mut App, cli: &Cli) -> io::Result<()> {
     if let Some(path) = &cli.log {
         let session = app.world().resource::<Session>();

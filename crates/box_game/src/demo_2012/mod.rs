@@ -19,7 +19,7 @@ use crate::scene::start::{SceneOpened, SceneStarted};
 /// The scene it belongs to.
 pub const SCENE: &str = "dissertation-2012";
 
-/// What its physics gets wrong, for the strip.
+/// Faults of its physics, for the strip.
 pub const FAULTS: [&str; 5] = [
     "gravity moves the position: it falls at 9.81 m/s, straight away and for ever",
     "a push replaces the one before",
@@ -59,12 +59,12 @@ fn on_action(action: On<Action>, mut commands: Commands) {
     }
 }
 
-/// Which stepper of 2012 moves the hero, and what it has measured.
+/// The stepper of 2012 that moves the main box, and its timing.
 #[derive(Resource, Debug)]
 pub struct Demo2012 {
     /// The stepper; `None` for ours.
     pub stepper: Option<Stepper>,
-    /// Its own state of the hero, once it has one.
+    /// The demo's own state of the main box, once it has one.
     pub state: Option<State>,
     /// Time of the last integration cycle \[ns\].
     pub cycle_ns: u64,

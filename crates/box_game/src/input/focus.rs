@@ -1,13 +1,13 @@
-//! What the panel takes of keyboard and mouse.
+//! Focus of keyboard and mouse on the panel.
 
 use bevy::prelude::*;
 
-/// What the panel has of the keyboard and the mouse.
+/// Focus of keyboard and mouse on the panel.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UiFocus {
-    /// A text field is being typed into: letters belong to it.
+    /// A text field has the focus and takes letters.
     pub text: bool,
-    /// Some widget has the focus: Space, Enter and arrows belong to it.
+    /// A widget has the focus and takes Space, Enter and arrows.
     pub widget: bool,
     /// The pointer is over the panel, or the panel holds it.
     pub pointer: bool,

@@ -1,7 +1,7 @@
 //! Keys to actions.
 //!
-//! Keys that stand for a place (WASDQE, the digits 1 to 9) are taken by their place on the keyboard; the
-//! others by the character that is typed, so that they are what the keyboard says on any layout.
+//! Keys with a meaningful place (WASDQE, digits 1 to 9) are read by their place on the keyboard. All others are
+//! read by the character that they type, so that they match the labels of any layout.
 
 use bevy::input::keyboard::{Key, KeyCode};
 use bevy::prelude::*;
@@ -14,7 +14,7 @@ use crate::action::{Action, Actions, Push};
 use crate::interaction::grab::Grip;
 use crate::scene::session::Session;
 
-/// How often a held push repeats \[s\].
+/// Interval at which a held push repeats \[s\].
 pub(super) const REPEAT: f32 = 0.1;
 
 /// The pushes: key and direction.

@@ -31,9 +31,9 @@ const LONGEST_WAIT: u32 = 600;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Beat {
-    /// When \[s\], since the script began; not before the beat above.
+    /// Time since the script began \[s\]; not before the beat above.
     pub at: f64,
-    /// What, in this order.
+    /// Actions, in this order.
     pub actions: Vec<Action>,
 }
 
@@ -87,7 +87,7 @@ pub struct Script {
 }
 
 impl Script {
-    /// From its beats.
+    /// A script of these beats.
     pub fn new(beats: Vec<Beat>) -> Self {
         Self {
             beats: beats.into(),
@@ -96,7 +96,7 @@ impl Script {
         }
     }
 
-    /// Whether nothing is left to do.
+    /// No action is left.
     pub fn is_over(&self) -> bool {
         self.beats.is_empty()
     }
@@ -106,7 +106,7 @@ impl Script {
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PendingPictures(pub u32);
 
-/// Asks for what is due.
+/// Requests the actions that are due.
 pub fn play(
     script: Option<ResMut<Script>>,
     time: Res<Time<Real>>,

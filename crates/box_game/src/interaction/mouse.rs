@@ -1,5 +1,5 @@
-//! The mouse on the box: a click pokes, a drag grabs. What begins on the box belongs to it until the
-//! button is released, wherever that happens; everything else is the camera's.
+//! The mouse on the box: a click pokes, a drag grabs. A gesture that begins on the box belongs to it until the
+//! button is released; all others move the camera.
 
 use bevy::input::mouse::AccumulatedMouseScroll;
 use bevy::prelude::*;
@@ -14,29 +14,29 @@ use crate::scene::session::{Hero, Session};
 
 /// A press that moves farther than this is a drag [logical pixels].
 const CLICK: f32 = 5.0;
-/// What a notch of the wheel makes of the strength.
+/// Factor of the strength per notch of the wheel.
 const NOTCH: f64 = 1.15;
 /// The weakest and the strongest poke, in the panel's strength.
 const STRENGTH: (f64, f64) = (0.05, 50.0);
 
-/// What the hand is doing.
+/// State of the mouse on the box.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub enum Hand {
-    /// Nothing: the mouse is the camera's.
+    /// The mouse moves the camera.
     #[default]
     Idle,
     /// The button went down on the box.
     Pressed {
-        /// Where.
+        /// The point of the surface.
         hit: Hit,
-        /// Where on the screen [logical pixels].
+        /// Place on the screen [logical pixels].
         at: Vec2,
-        /// Of the poke, in the panel's strength.
+        /// Strength of the poke, in units of the panel's.
         strength: f64,
     },
     /// The box is held.
     Dragging {
-        /// Where, body axes \[m\].
+        /// The held point, body axes \[m\].
         body_point: DVec3,
         /// Distance of the plane in which it is moved, along the view \[m\].
         depth: f64,
@@ -45,7 +45,7 @@ pub enum Hand {
     Canceled,
 }
 
-/// What the mouse does in one frame.
+/// The mouse in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Mouse {
     /// The cursor [logical pixels], if it is over the window.
@@ -56,7 +56,7 @@ pub struct Mouse {
     pub released: bool,
     /// Notches of the wheel.
     pub scroll: f64,
-    /// Over the panel.
+    /// The cursor is over the panel.
     pub over_panel: bool,
     /// Escape was pressed.
     pub escape: bool,
@@ -114,7 +114,7 @@ impl Hand {
                     out.push(Action::Grab(None));
                     return Self::Idle;
                 }
-                // Outside the window the hand stays where it was last seen.
+                // Outside the window the target stays at its last place.
                 if let Some(anchor) = anchor(depth) {
                     out.push(Action::Grab(Some(Hold { body_point, anchor })));
                 }
@@ -172,7 +172,7 @@ pub fn use_mouse(
     hand.set_if_neq(next);
 }
 
-/// The arrow of the poke to come, and the line to the hand.
+/// Draws the arrow of a poke, and the line from the held point to its target.
 pub fn draw_hand(
     hand: Res<Hand>,
     grip: Res<Grip>,

@@ -1,8 +1,8 @@
-//! Where a ray meets the box: exactly, against the body's own geometry in f64, not against its mesh.
+//! Intersection of a ray with the box, in f64 and against the body's own geometry, not its mesh.
 
 use box_physics::prelude::{BodyState, DVec3, RigidBox};
 
-/// Where and on which face.
+/// A point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance along the ray, in lengths of its direction.

@@ -1,5 +1,4 @@
-//! Going back in time: the states before the last ticks, kept whole, so that what follows repeats bit
-//! for bit.
+//! Stepping back: complete states before the last ticks, so that the future repeats bit for bit.
 
 use std::collections::VecDeque;
 
@@ -25,13 +24,13 @@ pub const MOST_BODIES: usize = 1000;
 /// The most bodies in all that are kept, over every tick: some 50 MB.
 const BUDGET: usize = 80_000;
 
-/// Everything that the course of a scene depends on, between two ticks.
+/// Everything that the motion depends on, between two ticks.
 #[derive(Clone, Debug)]
 pub struct Moment {
     clock: PhysicsClock,
     next_impulse: usize,
     demo: Option<dissertation::State>,
-    /// By number.
+    /// Sorted by number.
     bodies: Vec<Body>,
 }
 
@@ -44,7 +43,7 @@ struct Body {
 }
 
 impl Moment {
-    /// As it is now; `None` with more bodies than are kept.
+    /// The present moment; `None` with more than [`MOST_BODIES`] bodies.
     pub fn now(world: &mut World) -> Option<Self> {
         let mut query = world.query::<(&BoxNumber, &BodyState, &IntegratorMemory, &ContactState)>();
         if query.iter(world).len() > MOST_BODIES {
@@ -68,7 +67,7 @@ impl Moment {
         })
     }
 
-    /// Puts everything back. Pause, substeps and step size stay as they are set.
+    /// Restores everything but pause, substeps and step size.
     pub fn restore(&self, world: &mut World) {
         let present = *world.resource::<PhysicsClock>();
         let mut clock = self.clock;
@@ -110,12 +109,12 @@ pub struct Rewind {
 }
 
 impl Rewind {
-    /// How many ticks one can go back.
+    /// Number of moments stored.
     pub fn len(&self) -> usize {
         self.ring.len()
     }
 
-    /// Whether one cannot go back at all.
+    /// No moment is stored.
     pub fn is_empty(&self) -> bool {
         self.ring.is_empty()
     }
@@ -165,14 +164,14 @@ fn keep(world: &mut World) {
     }
 }
 
-/// Keeps the moment before every tick that the clock takes by itself.
+/// Keeps the moment before every tick of the running clock.
 pub fn record(world: &mut World) {
     if !world.resource::<PhysicsClock>().paused {
         keep(world);
     }
 }
 
-/// Goes `ticks` back, or as far as there is a past, and pauses.
+/// Steps `ticks` back, or to the oldest moment, and pauses.
 fn step_back(world: &mut World, ticks: u32) {
     world.resource_mut::<PhysicsClock>().paused = true;
     let steps = world.resource::<PhysicsClock>().steps();

@@ -16,7 +16,7 @@ const MOST: usize = 100;
 /// Changes of one thing closer than this are one: a slider being dragged.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
 
-/// What undo restores.
+/// Settings that undo restores.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Settings {
     parameters: Parameters,

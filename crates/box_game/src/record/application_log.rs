@@ -1,4 +1,4 @@
-//! The log for people: error, warning and info through `tracing`, to the console and to a file.
+//! The application log: errors, warnings and notes through `tracing`, to the console and appended to a file.
 
 use std::fs::File;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use bevy::log::tracing_subscriber::Layer;
 use bevy::log::{BoxedLayer, LogPlugin, tracing_subscriber};
 use bevy::prelude::*;
 
-/// Where it goes: `box_game.log` in the current directory.
+/// Path of the log: `box_game.log` in the current directory.
 pub fn file() -> PathBuf {
     PathBuf::from("box_game.log")
 }
@@ -16,7 +16,7 @@ pub fn file() -> PathBuf {
 /// Bevy's log with a file beside the console.
 pub fn plugin() -> LogPlugin {
     LogPlugin {
-        // What the libraries under the game think of the machine helps nobody who plays.
+        // Notes of the libraries about the machine do not help a player.
         filter: "wgpu=error,naga=warn,bevy_egui=error,winit=error,bevy_asset=error,bevy_app=warn"
             .to_owned(),
         custom_layer: file_layer,
@@ -25,7 +25,7 @@ pub fn plugin() -> LogPlugin {
 }
 
 fn file_layer(_app: &mut App) -> Option<BoxedLayer> {
-    // A folder that cannot be written to is no reason not to play.
+    // The game also runs in a folder that cannot be written to.
     let file = File::options()
         .create(true)
         .append(true)

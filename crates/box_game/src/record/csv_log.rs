@@ -1,5 +1,5 @@
-//! The log: one row per step and integrator, tidy, with its units in the column names. Every row is on disk
-//! before the next is made, so nothing is lost on exit, panic or power switch.
+//! The CSV log: one row per step and integrator, with units in the column names. Every row is handed to the
+//! operating system at once, so that nothing is lost when the program exits, panics or is killed.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// One row. Columns without a figure are empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Row {
-    /// Of the run: scene, seed and, in the game, how often a scene was started.
+    /// Id of the run: scene, seed and, in the game, the number of starts.
     pub run_id: String,
     /// Drawn frame.
     pub frame: u64,
@@ -57,7 +57,7 @@ pub struct Row {
     pub cpu_system_pct: Option<f64>,
     /// Last frame \[ms\].
     pub frame_ms: Option<f64>,
-    /// What was pushed, switched or changed before this step.
+    /// Pushes, switches and changes before this step.
     pub event: String,
 }
 
@@ -90,7 +90,7 @@ impl CsvLog {
     /// Creates `path` (replacing it) with the metadata lines in front.
     ///
     /// # Errors
-    /// What the file system says, with the path.
+    /// The error of the file system, with the path.
     pub fn create(path: &Path, scene: &str, seed: u64) -> io::Result<Self> {
         let named = |e: io::Error| io::Error::new(e.kind(), format!("{}: {e}", path.display()));
         let mut file = File::create(path).map_err(named)?;
@@ -134,7 +134,7 @@ impl CsvLog {
     /// Writes one row through to the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// The error of the file system.
     pub fn write(&mut self, row: &Row) -> io::Result<()> {
         self.writer.serialize(row).map_err(io::Error::other)?;
         self.writer.flush()?;

@@ -1,4 +1,4 @@
-//! What the plots show of the past, in rings of fixed size.
+//! Time series for the plots, in rings of fixed size.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! The scenes there are: those built in, and those in files, watched while the game runs.
+//! The scenes to choose from: built in, and in files that are watched while the game runs.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -10,7 +10,7 @@ use super::session::Session;
 use super::start::open_scene;
 use crate::action::Action;
 
-/// How often the files are looked at [s of real time].
+/// Interval between two looks at the files [s of real time].
 const INTERVAL: f64 = 0.5;
 /// The most files that are listed: a folder of thousands is a mistake.
 const MOST: usize = 200;
@@ -19,7 +19,7 @@ const MOST: usize = 200;
 #[derive(Resource, Debug)]
 pub struct SceneLibrary {
     folder: PathBuf,
-    /// A file that the command line named, wherever it lies.
+    /// The file of the command line, which may be anywhere.
     opened: Option<PathBuf>,
     files: Vec<SceneFile>,
     /// (id, title) of every scene.
@@ -27,7 +27,7 @@ pub struct SceneLibrary {
     looked: Option<f64>,
 }
 
-/// A file as it was last seen.
+/// A file and its last content.
 #[derive(Debug)]
 struct SceneFile {
     path: PathBuf,
@@ -73,7 +73,7 @@ impl SceneLibrary {
     /// The scene with this id, built in or from a file; or the file at this path.
     ///
     /// # Errors
-    /// A sentence that lists what there is, or what is wrong with the file.
+    /// A sentence that lists the scenes, or names the error in the file.
     pub fn find(&self, text: &str) -> Result<Scenario, String> {
         let file = self.files.iter().find_map(|f| {
             let scene = f.scene.as_ref()?;
@@ -94,12 +94,12 @@ impl SceneLibrary {
         Some(file.path.display().to_string())
     }
 
-    /// What is wrong with the files, one line each.
+    /// Errors in the files, one line each.
     pub fn errors(&self) -> Vec<String> {
         self.files.iter().filter_map(|f| f.error.clone()).collect()
     }
 
-    /// Looks at every file again. Returns the ids of the scenes whose content changed.
+    /// Reads every changed file. Returns the ids of the scenes whose content changed.
     pub fn refresh(&mut self) -> Vec<&'static str> {
         let mut paths: Vec<PathBuf> = std::fs::read_dir(&self.folder)
             .into_iter()
@@ -178,7 +178,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
 /// The scene with this id, or in the file at this path (which ends in `.ron`).
 ///
 /// # Errors
-/// A sentence that lists what there is, or what is wrong with the file.
+/// A sentence that lists the scenes, or names the error in the file.
 pub fn open(text: &str) -> Result<Scenario, String> {
     if let Some(path) = file_path(text) {
         scene_file::load(&path).map_err(|e| e.to_string())
@@ -222,7 +222,7 @@ pub fn on_action(
     });
 }
 
-/// Looks at the files now and then; a scene that is being played and has changed starts anew.
+/// Reads changed files; a changed scene that is being played restarts.
 pub fn watch_scenes(world: &mut World) {
     let now = world.resource::<Time<Real>>().elapsed_secs_f64();
     let mut library = world.resource_mut::<SceneLibrary>();

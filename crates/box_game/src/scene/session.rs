@@ -13,11 +13,11 @@ use crate::parameters::Parameters;
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Hero;
 
-/// Everything that a restart replaces.
+/// Marks everything that a restart replaces.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct SceneEntity;
 
-/// Which box of the scene it is: 0 is the hero.
+/// Number of a box in the scene; 0 is the main box.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BoxNumber(pub u32);
 
@@ -26,21 +26,21 @@ pub struct BoxNumber(pub u32);
 pub struct Session {
     /// The scene as it comes.
     pub scenario: Scenario,
-    /// Its own parameters.
+    /// The scene's own parameters.
     pub defaults: Parameters,
     /// The parameters as set.
     pub parameters: Parameters,
     /// Counts the starts: part of the log's `run_id`.
     pub run: u32,
-    /// Which of the scene's timed impulses comes next.
+    /// Index of the scene's next timed impulse.
     pub next_impulse: usize,
-    /// The trusted answer, where there is one and nothing was changed or pushed since the start.
+    /// The reference, until something is pushed or changed.
     pub truth: Option<ReferenceSolution>,
     /// Target speed.
     pub speed: f64,
     /// Seed of the load boxes' attitudes.
     pub seed: u64,
-    /// What was pushed or changed, for the log; taken by the next row.
+    /// Pushes and changes since the last row of the log.
     pub events: Vec<String>,
     /// The list of keys is open.
     pub show_help: bool,
@@ -48,13 +48,13 @@ pub struct Session {
     pub show_picker: bool,
     /// The panel is hidden.
     pub hidden: bool,
-    /// Which plot it shows.
+    /// Plot in the drawer.
     pub plot: Plot,
-    /// Last messages to the person.
+    /// The latest messages.
     pub notices: VecDeque<String>,
     /// Simulated time dropped by hitches since the start of the scene \[s\].
     pub dropped: f64,
-    /// Body-steps since the start of the scene that the integrator handed to `split`.
+    /// Body-steps since the start of the scene that the integrator delegated to `split`.
     pub fallbacks: u64,
     /// Body-steps since then whose iteration ended at its cap.
     pub unconverged: u64,
@@ -85,7 +85,7 @@ impl Session {
         }
     }
 
-    /// Says something to the person, in the panel and in the log.
+    /// Shows a message in the panel, and writes it to the application log.
     pub fn notice(&mut self, text: impl Into<String>) {
         let text = text.into();
         info!("{text}");
@@ -95,12 +95,12 @@ impl Session {
         }
     }
 
-    /// Of the present run, for the log: scene, seed, number of the start.
+    /// Id of the present run in the log: scene, seed, number of the start.
     pub fn run_id(&self) -> String {
         format!("{}-{}-{}", self.scenario.id, self.seed, self.run)
     }
 
-    /// Something happened that the scene's trusted answer does not know of.
+    /// Records an event that the scene's reference does not include.
     pub fn perturb(&mut self, event: String) {
         self.truth = None;
         self.events.push(event);
@@ -115,7 +115,7 @@ impl Session {
         }
     }
 
-    /// The scene with the parameters as set: what is simulated.
+    /// The scene with the parameters as set.
     pub fn setup(&self) -> Setup {
         let mut setup = self.scenario.setup.clone();
         let p = &self.parameters;

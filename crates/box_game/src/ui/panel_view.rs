@@ -23,7 +23,7 @@ use crate::scene::library::SceneLibrary;
 use crate::scene::session::{Hero, Session};
 use crate::ui::panel::{DemoView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView};
 
-/// What the view is made from.
+/// Sources of the view.
 #[derive(SystemParam)]
 pub struct Sources<'w, 's> {
     session: Res<'w, Session>,

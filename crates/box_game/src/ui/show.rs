@@ -19,7 +19,7 @@ use crate::view::renderer::PictureTarget;
 #[derive(Component)]
 pub(super) struct PanelCamera;
 
-/// What the panel keeps between frames.
+/// State of the panel between frames.
 #[derive(Resource, Default)]
 pub(super) struct PanelState {
     memory: PanelMemory,

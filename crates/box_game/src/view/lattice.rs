@@ -1,4 +1,4 @@
-//! Where there is no floor: a lattice of faint crosses, so that one sees what moves.
+//! A lattice of faint crosses for scenes without a floor, so that motion is visible.
 
 use bevy::prelude::*;
 use box_physics::prelude::Floor;

@@ -8,7 +8,7 @@ use box_physics::prelude::GlobalIntegrator;
 
 use crate::scene::session::Session;
 
-/// What the cameras draw into: the window, or an image instead.
+/// Target of the cameras: the window, or an image.
 #[derive(Resource, Clone, Debug)]
 pub struct PictureTarget(pub RenderTarget);
 

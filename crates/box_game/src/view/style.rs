@@ -1,5 +1,4 @@
-//! How each integrator looks in the game: the table of [`mod@box_scenarios::style`], which the report shares, in
-//! egui's words.
+//! Style of each integrator for egui, from the table that the report shares ([`mod@box_scenarios::style`]).
 
 use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
@@ -16,7 +15,7 @@ pub struct IntegratorStyle {
     pub glyph: &'static str,
     /// The same mark in a plot.
     pub marker: MarkerShape,
-    /// Of lines in a plot.
+    /// Dash pattern of lines in a plot.
     pub dash: LineStyle,
 }
 

@@ -1,4 +1,4 @@
-//! What there is to see besides the panel: boxes, floor, light.
+//! Boxes, floor and light.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
@@ -19,7 +19,7 @@ const FLOOR_SIZE: f32 = 200.0;
 #[derive(Component)]
 pub(super) struct FloorSurface;
 
-/// What boxes are drawn with.
+/// Mesh and materials of the boxes.
 #[derive(Resource)]
 pub(super) struct BoxLook {
     hero: Handle<StandardMaterial>,

@@ -64,7 +64,7 @@ pub(super) fn segments(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]>
         .filter(|stretch| !stretch.is_empty())
 }
 
-/// As a staircase: each value holds until the next.
+/// A staircase: each value holds until the next.
 pub(super) fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut out: Vec<[f64; 2]> = Vec::new();
     for [x, y] in points {

@@ -56,7 +56,7 @@ pub(super) fn step_size(dt: f64) -> String {
     }
 }
 
-/// What a person types: `0.5`, `0,5`, `1/60`, `1e-3`, a unit behind the number, and `60 Hz` for a period.
+/// Reads a typed number: `0.5`, `0,5`, `1/60`, `1e-3`, a unit behind the number, and `60 Hz` for a period.
 /// `None` for anything else, and for infinities and NaN.
 pub(super) fn parse(text: &str) -> Option<f64> {
     let text = text.trim().replace(',', ".").replace('−', "-");

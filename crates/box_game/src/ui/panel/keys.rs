@@ -1,6 +1,6 @@
 //! The keys and the mouse: one list for the help overlay and the README.
 
-/// What to press, and what it does.
+/// Keys and their effect.
 pub const KEYS: &[(&str, &str)] = &[
     (
         "W S · A D · E Q",

@@ -8,7 +8,7 @@ use super::format::number;
 /// Zero and less stand here, below anything a step can cost or miss.
 pub(super) const FLOOR: f64 = 1e-17;
 
-/// Where a value stands on the axis; not finite for what is not, so that the line breaks.
+/// Place of a value on the axis; NaN for a value that is not finite, so that the line breaks.
 pub(super) fn to_axis(value: f64) -> f64 {
     if value.is_finite() {
         value.max(FLOOR).log10()

@@ -1,4 +1,4 @@
-//! What the panel itself remembers between frames: nothing that the game needs to know.
+//! The panel's own state between frames; the game does not need it.
 
 use super::view::HistoryView;
 use crate::action::Plot;
@@ -8,11 +8,11 @@ use crate::parameters::Parameter;
 /// Folded sections, dismissed texts, and a value in the middle of being dragged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelMemory {
-    /// Which sections of the side panel are open, in the order of [`Section::ALL`].
+    /// Open sections of the side panel, in the order of [`Section::ALL`].
     pub open: [bool; Section::ALL.len()],
     /// The scene whose lesson was dismissed.
     pub dismissed_lesson: Option<String>,
-    /// How many notices there were, and the newest, when it was dismissed.
+    /// Number of notices and the newest one when it was dismissed.
     pub dismissed_notice: Option<(usize, String)>,
     /// Push buttons push at the edge of the face.
     pub push_off_center: bool,
@@ -20,9 +20,9 @@ pub struct PanelMemory {
     pub push_world: bool,
     /// The notice that is shown, and since when \[s\].
     pub(super) shown_notice: Option<((usize, String), f64)>,
-    /// What was typed into the list of scenes.
+    /// Text of the scene search.
     pub(super) search: String,
-    /// Which of the scenes found is marked.
+    /// The marked one of the scenes found.
     pub(super) picked: usize,
     /// "Reset everything" was pressed once.
     pub(super) sure: bool,
@@ -40,7 +40,7 @@ pub(super) struct Frozen {
     pub(super) plot: Plot,
     pub(super) compare: CompareView,
     pub(super) history: HistoryView,
-    /// When they go on \[s\].
+    /// End of the freeze \[s\].
     pub(super) until: f64,
 }
 
@@ -65,7 +65,7 @@ impl Default for PanelMemory {
 }
 
 impl PanelMemory {
-    /// With every section open.
+    /// A state with every section open.
     pub fn all_open() -> Self {
         Self {
             open: [true; Section::ALL.len()],
@@ -87,7 +87,7 @@ pub enum Section {
     Box,
     /// Impulses by button.
     Push,
-    /// What is drawn.
+    /// Switches of the view.
     View,
     /// Number of boxes.
     Load,
@@ -98,7 +98,7 @@ pub enum Section {
 }
 
 impl Section {
-    /// From top to bottom.
+    /// Every section, from top to bottom.
     pub const ALL: [Self; 9] = [
         Self::Integrator,
         Self::Step,
@@ -111,7 +111,7 @@ impl Section {
         Self::Log,
     ];
 
-    /// Its heading.
+    /// Heading of the section.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Integrator => "INTEGRATOR",

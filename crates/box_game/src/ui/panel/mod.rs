@@ -43,12 +43,12 @@ use bevy_egui::egui::{Panel, Rect, Ui};
 use crate::action::Action;
 use crate::view::style;
 
-/// Where the panel left room.
+/// Room that the panel leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelLayout {
     /// For the picture \[points\]: times `pixels_per_point` for pixels. Never negative in size.
     pub central: Rect,
-    /// Where the open plot or table is \[points\].
+    /// The open plot or table \[points\].
     pub plot: Option<Rect>,
 }
 

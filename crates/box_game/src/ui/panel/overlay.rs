@@ -1,5 +1,4 @@
-//! What lies over or beside the picture: lesson, notices, the list of keys, and the one line that is left
-//! of a hidden panel.
+//! Texts over the picture: lesson, notices, the list of keys, and the one line of a hidden panel.
 
 use bevy_egui::egui::{
     Frame, Grid, Id, Label, Modal, Panel, RichText, ScrollArea, TextWrapMode, Ui, UiBuilder,
@@ -16,7 +15,7 @@ use crate::view::style;
 /// Below this height [points] the picture matters more than the lesson.
 const LESSON_ROOM: f32 = 150.0;
 
-/// How long a notice stays by itself \[s\].
+/// Time that a notice stays \[s\].
 const NOTICE_STAYS: f64 = 20.0;
 
 /// Lesson and newest notice, each until dismissed; a notice goes by itself after a while.
@@ -51,8 +50,7 @@ pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
     }
 }
 
-/// What the scene teaches and what to try, across the top of the picture; returns whether it was
-/// dismissed.
+/// Lesson and suggestions across the top of the picture; returns whether they were dismissed.
 fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
     let hints: Vec<&str> = (view.hints.iter())
         .map(String::as_str)

@@ -134,7 +134,7 @@ fn widgets(ui: &mut Ui, field: &Info, shown: f64, default: f64) -> (Option<f64>,
     )
 }
 
-/// As screen readers and tests call a widget: `Gravity [m/s²]`.
+/// Accessible name of a widget: `Gravity [m/s²]`.
 fn named(label: &str, unit: &str) -> String {
     if unit.is_empty() {
         label.to_owned()

@@ -8,7 +8,7 @@ use super::widgets::{named_button, toggle};
 use crate::action::Action;
 use crate::parameters::SPEEDS;
 
-/// Below this share of its target the clock is called behind.
+/// The clock is behind below this share of its target speed.
 const BEHIND: f64 = 0.95;
 
 /// Draws the bar: a row of controls over a row of read-outs; both wrap in a narrow window.
@@ -86,7 +86,7 @@ fn clock(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     }
 }
 
-/// How many steps a click means.
+/// Steps per click.
 fn ten(ui: &Ui) -> u32 {
     if ui.input(|i| i.modifiers.shift) {
         10

@@ -1,5 +1,5 @@
-//! What the panel shows: plain data, filled by the game, so that the panel is a pure function of it
-//! and is tested without a window.
+//! Content of the panel: plain data, filled by the game. The panel is a pure function of it and is tested
+//! without a window.
 
 use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::dissertation::Stepper;
@@ -16,13 +16,13 @@ pub struct PanelView {
     pub scenes: Vec<(String, String)>,
     /// Id of the scene being played, which may be in the list no longer.
     pub scene: String,
-    /// Its title.
+    /// Title of that scene.
     pub title: String,
     /// One or two sentences about the scene.
     pub lesson: String,
     /// The integrator in use.
     pub integrator: Integrator,
-    /// Whether the clock stands.
+    /// The clock is paused.
     pub paused: bool,
     /// Simulated time \[s\].
     pub time: f64,
@@ -38,7 +38,7 @@ pub struct PanelView {
     pub parameters: Parameters,
     /// The scene's own, for "reset" and tooltips.
     pub defaults: Parameters,
-    /// State of the hero box.
+    /// State of the main box.
     pub hero: HeroView,
     /// Timing of every integrator, in the order of the menu.
     pub timings: Vec<IntegratorTiming>,
@@ -56,11 +56,11 @@ pub struct PanelView {
     pub compare: CompareView,
     /// Scale and switches.
     pub preferences: Preferences,
-    /// Whether the key list is open.
+    /// The list of keys is open.
     pub show_help: bool,
-    /// Whether the panel is hidden.
+    /// The panel is hidden.
     pub hidden: bool,
-    /// Which plot the drawer shows.
+    /// Plot in the drawer.
     pub plot: Plot,
     /// The log being written: path, rows, bytes.
     pub log: Option<LogView>,
@@ -68,7 +68,7 @@ pub struct PanelView {
     pub software_rendering: bool,
     /// Messages for the person: the last error or file written, newest last.
     pub notices: Vec<String>,
-    /// What to try in this scene.
+    /// Suggestions for this scene.
     pub hints: [String; 2],
     /// Errors of scene files, a line each.
     pub scene_errors: Vec<String>,
@@ -76,7 +76,7 @@ pub struct PanelView {
     pub undoes: Option<&'static str>,
     /// Name of the next change to redo.
     pub redoes: Option<&'static str>,
-    /// Whether the list of scenes is open.
+    /// The list of scenes is open.
     pub show_picker: bool,
     /// The demo of 2012, in its scene.
     pub demo: Option<DemoView>,
@@ -85,15 +85,15 @@ pub struct PanelView {
 /// The demo of 2012.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DemoView {
-    /// Which of its steppers moves the hero; `None` for ours.
+    /// The stepper that moves the main box; `None` for the plugin.
     pub stepper: Option<Stepper>,
-    /// Its last integration cycle \[µs\].
+    /// The last integration cycle \[µs\].
     pub cycle_us: f64,
     /// The file of its cycle times and their number.
     pub log: Option<(String, u64)>,
 }
 
-/// The hero box now.
+/// The main box now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HeroView {
     /// ½mv² \[J\].

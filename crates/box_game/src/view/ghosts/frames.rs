@@ -10,13 +10,13 @@ use crate::action::compare::Layout;
 use crate::camera::views::{Fourth, PictureArea, Second, Third};
 use crate::compare::Comparison;
 
-/// How much of the past a trail shows \[s\], and how many points it has at most.
+/// Length of a trail \[s\], and its largest number of points.
 const TRAIL: f64 = 1.5;
 const TRAIL_POINTS: usize = 96;
 /// Dashes along an edge of the reference.
 const DASHES: usize = 6;
 
-/// Where the marked point of every trajectory has been, newest last; the hero's first.
+/// Past places of the marked point of every trajectory, newest last; the main box first.
 #[derive(Resource, Default)]
 pub(super) struct Trails {
     points: Vec<(Integrator, VecDeque<(f64, Vec3)>)>,
@@ -93,7 +93,7 @@ pub(super) fn draw_frames(
     }
 }
 
-/// What is drawn of one trajectory.
+/// Lines of one trajectory.
 struct Lines<'a> {
     body: &'a RigidBox,
     /// The box's own edges.

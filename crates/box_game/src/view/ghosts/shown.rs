@@ -1,4 +1,4 @@
-//! Which trajectories are drawn, and where.
+//! The trajectories that are drawn, and their places.
 
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Integrator};

@@ -91,7 +91,7 @@ pub(super) fn place_strips(
     }
 }
 
-/// What the lanes have done to the camera, to be undone when they go.
+/// Change of the camera by the row, to be undone with it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Moved {
     scene: String,

@@ -47,7 +47,7 @@ pub(super) fn error(ui: &mut Ui, view: &CompareView) {
     });
 }
 
-/// What should be constant: energy, |L| and the direction of L, less what is accounted for.
+/// Quantities that should be constant: energy, |L| and the direction of L, less what is accounted for.
 pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
     legend(ui, view, Quantity::Energy, "");
     let log = view.settings.logarithmic_energy;
@@ -177,7 +177,7 @@ fn in_words(view: &CompareView, quantity: Quantity) -> String {
     )
 }
 
-/// A thin line where something happened.
+/// A thin line for each event.
 fn rules(plot: &mut PlotUi<'_>, view: &CompareView) {
     let newest = view.rules.len().saturating_sub(MOST_RULES);
     let start = view

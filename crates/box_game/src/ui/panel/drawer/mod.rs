@@ -44,7 +44,7 @@ const TABS: [(Plot, &str, &str); 6] = [
     ),
 ];
 
-/// How long the plots stay frozen after the pointer has left them \[s\].
+/// Time that the plots stay frozen after the pointer has left them \[s\].
 const THAW: f64 = 0.3;
 
 /// A tab; returns whether it is to be opened.
@@ -136,7 +136,7 @@ pub(super) fn show(
     place
 }
 
-/// What can be chosen of the open tab.
+/// Options of the open tab.
 fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareAction>) {
     let settings = &view.settings;
     let over_time = matches!(plot, Plot::Error | Plot::Energy);

@@ -209,7 +209,7 @@ pub(super) fn line(
     }
 }
 
-/// Along the line on the screen of the last frame [points]; gaps count for nothing.
+/// Length of the line on the screen of the last frame [points], without gaps.
 fn path_length(plot: &PlotUi<'_>, points: &[[f64; 2]]) -> f32 {
     let scale = plot.transform().dpos_dvalue();
     points

@@ -39,7 +39,7 @@ fn active(view: &PanelView) -> Option<Integrator> {
     demo.is_none().then_some(view.integrator)
 }
 
-/// Whether the integrator runs beside the hero; returns whether that is to change.
+/// The checkbox that compares an integrator; returns whether it was changed.
 fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     let hero = integrator == view.integrator;
     let lanes = &view.compare.lanes;
