@@ -137,6 +137,11 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
         Attitude(Torque),
         &[("split", 2e-3), ("split4", 1e-7), ("rk4", 5e-4)],
     ),
+    (
+        "pub19",
+        Attitude(Rotation),
+        &[("split4", 1e-6), ("exact", 1e-11), ("rk4", 5e-4)],
+    ),
 ];
 
 fn integrator(id: &str) -> Integrator {

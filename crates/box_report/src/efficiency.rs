@@ -12,7 +12,7 @@ use crate::{files, text};
 const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
 /// An integrator beats another only if it is cheaper by more than this: what measurements of one machine
 /// cannot tell apart is no victory.
-const CLEARLY: f64 = 0.95;
+pub(crate) const CLEARLY: f64 = 0.95;
 /// Errors below this count as this: nobody needs less, and rounding would decide.
 const GOOD_ENOUGH: f64 = 1e-9;
 

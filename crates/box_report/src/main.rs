@@ -43,7 +43,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Error against time and force evaluations: diagrams of twelve families of motion
+    /// Error against time and force evaluations: diagrams of every family of motion
     WorkPrecision(report::Options),
     /// The cheapest way to stay below an error, and the integrators that nothing beats
     Efficiency(report::Options),

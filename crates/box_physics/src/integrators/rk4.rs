@@ -29,7 +29,7 @@ impl Integrate for Rk4 {
         },
         evaluations: Evaluations::fixed(4, 4),
         stability: Stability {
-            rotation: Limit::Below(2.8),
+            rotation: Limit::Below(1.5),
             drag: Limit::Below(2.785),
             oscillator: Limit::Below(2.828),
         },

@@ -1,4 +1,4 @@
-//! `work-precision`: error against time and against force evaluations, over twelve families of motion, every
+//! `work-precision`: error against time and against force evaluations, over every family of motion, every
 //! integrator and every step.
 
 mod figures;
@@ -146,7 +146,7 @@ fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints
         .iter()
         .map(|&k| {
             let p = &points[k];
-            herd::contender(
+            herd::many(
                 &family.setup,
                 &starts,
                 p.integrator,
@@ -175,7 +175,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         format!(
             "Each line is an integrator, each marker a step size. Down and left is better. The error is the largest \
              over the run, looked at every 1/15 s, against the reference named below each figure, at the time \
-             actually simulated. Time is that of a step of one body among eight stepped together (over a floor: of a whole \
+             actually simulated. Time is that of a step of one body among 16 along the plugin's path, in SIMD lanes under gravity alone (over a floor: of a whole \
              run with its impacts) on one core: {SAMPLES_IN_WORDS}; thin bars reach to the 95th percentile. The order in the legend \
              is fitted to the errors between lost and rounding. A run that diverged, is not finite or not sound \
              is a gap."

@@ -24,6 +24,9 @@ pub(super) fn families() -> Vec<Family> {
     let cube = solid([0.5; 3], 2.0);
     let tumble =
         BodyState::at(DVec3::Y * 2.0).with_body_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
+    let top = solid([3.0, 2.0, 1.0], 6.0);
+    let top_start =
+        BodyState::default().with_body_angular_velocity(&top, DVec3::new(1.0, 15.0, 1.0));
     let thrown = BodyState::at(DVec3::Y).with_velocity(DVec3::new(10.0, 12.0, 3.0));
     let drag = ForceSet {
         linear_drag: 1.0,
@@ -79,6 +82,14 @@ pub(super) fn families() -> Vec<Family> {
             "Symmetric top",
             "A square bar precesses steadily.",
             scene(crate::scenes::free::symmetric_top, 10.0),
+            &[Attitude, Energy],
+            60.0,
+        ),
+        family(
+            "free-top",
+            "Free top of van Zon and Schofield",
+            "Moments 10, 20, 26 kg m² at 15 rad/s near the middle axis, as in J. Comput. Phys. 225 (2007).",
+            Setup::new(top, top_start, ForceSet::none(), 4.0),
             &[Attitude, Energy],
             60.0,
         ),

@@ -1,4 +1,4 @@
-//! The twelve families of motion over which the report compares integrators: one setup each, with a reference
+//! The families of motion over which the report compares integrators: one setup each, with a reference
 //! and the errors that tell integrators apart there.
 
 mod list;
