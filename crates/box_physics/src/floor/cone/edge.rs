@@ -12,58 +12,37 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::geometry::{Corner3, DelassusOperator};
+use super::super::geometry::Corner3;
 use super::super::projection::{least_along, stopped_along};
-use super::{project, single};
+use super::{Cone, project, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
-/// Steps for the angle of one, the other corner solved in each.
-const SECANTS: u32 = 20;
 /// Largest turn in one of them \[rad\].
 const LARGEST_TURN: f64 = 0.7;
 
 /// b + Ap for two corners.
 pub(super) struct Edge<'a> {
-    /// From one corner to the other \[m\].
-    edge: DVec3,
-    own: [DMat3; 2],
-    /// A_01 and A_10.
-    other: [DMat3; 2],
-    b: &'a Corner3,
-    friction: f64,
-    /// A bound of A [1/kg].
-    norm: f64,
+    /// With the blocks of A.
+    pub(super) cone: &'a Cone<'a>,
+    pub(super) b: &'a Corner3,
     /// |w| to which the law is to hold [m/s].
-    target: f64,
+    pub(super) target: f64,
 }
 
-impl<'a> Edge<'a> {
-    pub(super) fn new(
-        operator: &DelassusOperator,
-        b: &'a Corner3,
-        alpha: f64,
-        friction: f64,
-        target: f64,
-    ) -> Self {
-        let cross = operator.block(0, 1, alpha);
-        Self {
-            edge: operator.lever[1] - operator.lever[0],
-            own: [operator.block(0, 0, alpha), operator.block(1, 1, alpha)],
-            other: [cross, cross.transpose()],
-            b,
-            friction,
-            norm: alpha * operator.norm_bound(),
-            target,
-        }
+impl Edge<'_> {
+    /// From one corner to the other \[m\].
+    fn direction(&self) -> DVec3 {
+        let r = &self.cone.operator.lever;
+        r[1] - r[0]
     }
 
     /// w = b + Ap.
     #[inline(always)]
-    pub(super) fn velocities(&self, p: [DVec3; 2]) -> [DVec3; 2] {
+    fn velocities(&self, p: [DVec3; 2]) -> [DVec3; 2] {
         [
-            self.b[0] + (self.own[0] * p[0] + self.other[0] * p[1]),
-            self.b[1] + (self.own[1] * p[1] + self.other[1] * p[0]),
+            self.b[0] + (self.cone.own[0] * p[0] + self.cone.other[0] * p[1]),
+            self.b[1] + (self.cone.own[1] * p[1] + self.cone.other[1] * p[0]),
         ]
     }
 
@@ -71,7 +50,7 @@ impl<'a> Edge<'a> {
     fn is_fast(&self) -> bool {
         let fast = |u: DVec3| u.x * u.x + u.z * u.z;
         let approach = (-self.b[0].y).max(-self.b[1].y);
-        let bound = 4.0 * self.friction * approach;
+        let bound = 4.0 * self.cone.friction * approach;
         fast(self.b[0]).min(fast(self.b[1])) > bound * bound
     }
 
@@ -95,14 +74,13 @@ impl<'a> Edge<'a> {
             .or_else(|| self.one_sticks(0))
             .or_else(|| self.one_sticks(1))
             .or_else(|| self.one_leaves(likely))
-            .or_else(|| self.one_after_the_other(smooth))
             .or_else(|| self.one_leaves(1 - likely))
     }
 
     /// The normal impulses that would stop both corners if there were no friction.
     fn smooth_normals(&self) -> [f64; 2] {
-        let [a, d] = self.own.map(|m| m.y_axis.y);
-        let c = self.other[0].y_axis.y;
+        let [a, d] = self.cone.own.map(|m| m.y_axis.y);
+        let c = self.cone.other[0].y_axis.y;
         let inverse = 1.0 / (a * d - c * c);
         let (x, y) = (-self.b[0].y, -self.b[1].y);
         [inverse * (d * x - c * y), inverse * (a * y - c * x)]
@@ -111,9 +89,10 @@ impl<'a> Edge<'a> {
     /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
     fn obeys(&self, p: [DVec3; 2]) -> bool {
         let w = self.velocities(p);
-        let step = 1.0 / self.norm;
-        let wrong = |i: usize| (p[i] - project(p[i] - step * w[i], self.friction)).length_squared();
-        self.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
+        let step = 1.0 / self.cone.norm;
+        let wrong =
+            |i: usize| (p[i] - project(p[i] - step * w[i], self.cone.friction)).length_squared();
+        self.cone.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
     }
 
     fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {
@@ -123,26 +102,22 @@ impl<'a> Edge<'a> {
     /// Corner `i` leaves.
     fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
         let j = 1 - i;
-        let (q, found) = single::solve(&self.own[j], self.b[j], self.friction);
         let mut p = [DVec3::ZERO; 2];
-        p[j] = q;
-        if !found {
-            return None;
-        }
+        p[j] = single::solve(&self.cone.own[j], self.b[j], self.cone.friction)?;
         self.checked(p)
     }
 
     /// Both stick: w_0 = 0 for p_0, then w_1 = 0. Of all that do it the
     /// smallest.
     fn both_stick(&self) -> Option<[DVec3; 2]> {
-        let mu = self.friction;
+        let mu = self.cone.friction;
         let holds = |p: DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
-        let inverse = self.own[0].inverse();
+        let inverse = self.cone.own[0].inverse();
         let (reduced, b) = self.without(0, &inverse);
-        let p1 = -(stopped_along(reduced, self.edge, self.own[1].y_axis.y) * b);
-        let p0 = -(inverse * (self.b[0] + self.other[0] * p1));
+        let p1 = -(stopped_along(reduced, self.direction(), self.cone.own[1].y_axis.y) * b);
+        let p0 = -(inverse * (self.b[0] + self.cone.other[0] * p1));
         let mut p = [p0, p1];
-        least_along(self.edge, &mut p);
+        least_along(self.direction(), &mut p);
         // No check: two corners that keep their distance can be stopped, to the rounding of b. That may be
         // more than the target, where b is what is left of large velocities.
         (holds(p[0]) && holds(p[1])).then_some(p)
@@ -151,20 +126,20 @@ impl<'a> Edge<'a> {
     /// A_jj − A_ji A_ii⁻¹ A_ij and b_j − A_ji A_ii⁻¹ b_i: corner j with corner `i` stuck.
     fn without(&self, i: usize, inverse: &DMat3) -> (DMat3, DVec3) {
         let j = 1 - i;
-        let through = self.other[j] * *inverse;
+        let through = self.cone.other[j] * *inverse;
         (
-            self.own[j] - through * self.other[i],
+            self.cone.own[j] - through * self.cone.other[i],
             self.b[j] - through * self.b[i],
         )
     }
 
     /// Corner `i` sticks, the other one slides.
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
-        let inverse = self.own[i].inverse();
+        let inverse = self.cone.own[i].inverse();
         let (reduced, b) = self.without(i, &inverse);
-        let slide = single::slide(&reduced, b, self.friction)?;
+        let slide = single::slide(&reduced, b, self.cone.friction)?;
         let mut p = [slide; 2];
-        p[i] = -(inverse * (self.b[i] + self.other[i] * slide));
+        p[i] = -(inverse * (self.b[i] + self.cone.other[i] * slide));
         self.checked(p)
     }
 
@@ -211,49 +186,9 @@ impl<'a> Edge<'a> {
         None
     }
 
-    /// The corner that slips faster slides along t̂_j, hardly turned by the other; with p_jn from w_jn = 0
-    /// that other one is alone with A_ii − A_ij s_j (n·A_ji)/D, D = n·A_jj s_j. It may slide slowly, stick or
-    /// leave. t̂_j × w_j = 0 is left for the angle of t̂_j: the secant method.
-    fn one_after_the_other(&self, smooth: [f64; 2]) -> Option<[DVec3; 2]> {
-        let start = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
-        let speed = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
-        let j = usize::from(speed(start[1]) > speed(start[0]));
-        let i = 1 - j;
-        let mut t = (start[j].x / speed(start[j]), start[j].z / speed(start[j]));
-        let (mut last, mut turn) = (f64::NAN, f64::NAN);
-        for _ in 0..SECANTS {
-            let s = DVec3::new(-self.friction * t.0, 1.0, -self.friction * t.1);
-            let column = self.other[i] * s;
-            let inverse = 1.0 / (self.own[j] * s).y;
-            // n·A_ji, the row that the corner's own column has by symmetry.
-            let row = inverse * self.other[i].y_axis;
-            let reduced =
-                self.own[i] - DMat3::from_cols(column * row.x, column * row.y, column * row.z);
-            let b = self.b[i] - column * (inverse * self.b[j].y);
-            let (q, found) = single::solve(&reduced, b, self.friction);
-            let push = -inverse * self.b[j].y - row.dot(q);
-            if !found || push.is_nan() || push <= 0.0 {
-                return None;
-            }
-            let mut p = [q; 2];
-            p[j] = push * s;
-            let w = self.velocities(p)[j];
-            let now = (t.0 * w.z - t.1 * w.x) / speed(w);
-            if now.abs() <= 1e-15 || turn.abs() <= 1e-15 {
-                return self.checked(p);
-            }
-            let slope = (now - last) / turn;
-            turn = if slope < -0.1 { -now / slope } else { now };
-            turn = turn.clamp(-LARGEST_TURN, LARGEST_TURN);
-            last = now;
-            t = single::on_circle(t.0 - turn * t.1, t.1 + turn * t.0);
-        }
-        None
-    }
-
     /// Everything as a function of the two directions: `None` if a normal impulse would not push.
     fn sliding(&self, t: [(f64, f64); 2]) -> Option<Sliding> {
-        let mu = self.friction;
+        let mu = self.cone.friction;
         // q_ij = A_ij s_j and its derivative by the angle of t̂_j
         let column = |a: &DMat3, (c, s): (f64, f64)| {
             (
@@ -261,10 +196,10 @@ impl<'a> Edge<'a> {
                 mu * (s * a.x_axis - c * a.z_axis),
             )
         };
-        let (q00, r00) = column(&self.own[0], t[0]);
-        let (q11, r11) = column(&self.own[1], t[1]);
-        let (q01, r01) = column(&self.other[0], t[1]);
-        let (q10, r10) = column(&self.other[1], t[0]);
+        let (q00, r00) = column(&self.cone.own[0], t[0]);
+        let (q11, r11) = column(&self.cone.own[1], t[1]);
+        let (q01, r01) = column(&self.cone.other[0], t[1]);
+        let (q10, r10) = column(&self.cone.other[1], t[0]);
         let determinant = q00.y * q11.y - q01.y * q10.y;
         if determinant.is_nan() || determinant <= 0.0 {
             return None;
