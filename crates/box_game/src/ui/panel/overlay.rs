@@ -189,9 +189,9 @@ pub(super) fn hud(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         text.push_str(" · PAUSED");
     }
     text.push_str(&format!(
-        " · t = {:.3} s · {} µs/step",
+        " · t = {:.3} s · {}/step",
         view.time,
-        number((view.step_time_us * 10.0).round() / 10.0)
+        view.step_time()
     ));
     if view.log.is_some() {
         text.push_str(" · ● REC");
