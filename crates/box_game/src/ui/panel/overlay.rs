@@ -6,7 +6,6 @@ use bevy_egui::egui::{
     WidgetInfo, WidgetType,
 };
 
-use super::format::number;
 use super::keys::KEYS;
 use super::memory::PanelMemory;
 use super::view::PanelView;
