@@ -65,7 +65,7 @@ fn lane(app: &App, integrator: Integrator) -> &box_game::compare::runner::Runner
     run(app)
         .lanes
         .iter()
-        .find(|r| r.lane.integrator == integrator)
+        .find(|r| r.lane.driver.integrator == integrator)
         .expect("a lane")
 }
 
@@ -121,11 +121,11 @@ fn the_hero_is_its_own_lane_bit_for_bit() {
                 twin.update();
                 let state = hero(&mut twin);
                 assert_eq!(
-                    lane(&app, integrator).lane.state,
+                    lane(&app, integrator).lane.driver.state,
                     state,
                     "{scene} {integrator} {k}"
                 );
-                assert_eq!(lane(&app, integrator).lane.time, run(&app).clock);
+                assert_eq!(lane(&app, integrator).lane.driver.time, run(&app).clock);
             }
         }
     }
@@ -167,7 +167,7 @@ fn a_teleport_takes_the_lanes_along() {
         transform.translation.y = 30.0;
     }
     app.update();
-    let euler = lane(&app, Integrator::ExplicitEuler).lane.state;
+    let euler = lane(&app, Integrator::ExplicitEuler).lane.driver.state;
     assert!((euler.position.y - 30.0).abs() < 0.5, "{}", euler.position);
     assert!(run(&app).hero.track.now.sample.get(Quantity::Position) < 1e-9);
 }
@@ -187,9 +187,9 @@ fn a_late_lane_catches_up_with_all_inputs() {
     updates(&mut early, 20);
     updates(&mut late, 20);
     let (a, b) = (lane(&early, Integrator::Rk4), lane(&late, Integrator::Rk4));
-    assert_eq!(a.lane.time, b.lane.time);
+    assert_eq!(a.lane.driver.time, b.lane.driver.time);
     // Its boundaries are sums of steps: the push may be a rounding away.
-    assert!((a.lane.state.position - b.lane.state.position).length() < 1e-9);
+    assert!((a.lane.driver.state.position - b.lane.driver.state.position).length() < 1e-9);
     compare(&mut late, CompareAction::ToggleLane(Integrator::Rk4));
     assert!(run(&late).lanes.is_empty());
     compare(&mut late, CompareAction::AllLanes);
@@ -206,7 +206,7 @@ fn a_diverged_lane_stops_at_its_last_good_state() {
         .track
         .diverged
         .expect("it diverges within three seconds");
-    assert!(t < 3.0 && lost.lane.state.is_valid());
+    assert!(t < 3.0 && lost.lane.driver.state.is_valid());
     assert!(run(&app).hero.track.diverged.is_none());
     assert!(run(&app).clock > 3.0);
     compare(&mut app, CompareAction::Resync);
@@ -228,7 +228,7 @@ fn hero_and_ghost_change_places() {
     euler.update();
     assert_eq!(hero(&mut app), hero(&mut euler));
     let split = lane(&app, Integrator::Split);
-    assert!((split.lane.state.position - before.position).length() < 1e-12);
+    assert!((split.lane.driver.state.position - before.position).length() < 1e-12);
     assert!(split.track.now.sample.get(Quantity::Attitude) < 0.1);
     assert!(run(&app).hero.track.now.sample.get(Quantity::Attitude) > 0.1);
     updates(&mut app, 10);
@@ -274,7 +274,7 @@ fn equal_evaluations_and_late_inputs() {
         ask(&mut app, push(DVec3::Y, false));
         updates(&mut app, 6);
         let r = lane(&app, Integrator::Rk4);
-        assert!(run(&app).clock - r.lane.time < 4.0 / 60.0 + 1e-9);
+        assert!(run(&app).clock - r.lane.driver.time < 4.0 / 60.0 + 1e-9);
         assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
     }
     let mut reader = csv::ReaderBuilder::new()
@@ -378,8 +378,8 @@ fn lanes_follow_the_clock_back() {
     let h = 1.0 / 60.0;
     let mut run = Run::new(&setup, Some(setup.reference()), Integrator::Split, h);
     run.choose([Integrator::Rk4, Integrator::ExplicitEuler]);
-    let law = box_game::compare::lane::Law::of(&setup);
-    let mut body = box_game::compare::lane::Lane::new(setup.initial, Integrator::Split);
+    let law = box_scenarios::Model::of(&setup);
+    let mut body = box_scenarios::Driver::new(setup.initial, Integrator::Split);
     let mut past = Vec::new();
     for n in 0..300 {
         let t = f64::from(n) * h;
@@ -387,7 +387,7 @@ fn lanes_follow_the_clock_back() {
         body.step(&law, h);
         run.after_step(t + h, h, &body.state, Integrator::Split);
         assert!(run.advance(None));
-        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.state).collect();
+        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.driver.state).collect();
         past.push((t + h, body.state, lanes, run.hero.track.now.sample));
     }
     for n in [250, 249, 100, 3] {
@@ -395,10 +395,14 @@ fn lanes_follow_the_clock_back() {
         run.rewind(*t, state);
         assert!(run.advance(None));
         for (r, state) in run.lanes.iter().zip(lanes) {
-            let apart = (r.lane.state.position - state.position).length();
-            assert!(apart < 1e-9, "{} at step {n}: {apart:e}", r.lane.integrator);
+            let apart = (r.lane.driver.state.position - state.position).length();
+            assert!(
+                apart < 1e-9,
+                "{} at step {n}: {apart:e}",
+                r.lane.driver.integrator
+            );
         }
-        let energy = run.hero.track.ledger.residual(&law, state).energy;
+        let energy = run.hero.balance.residual(&law, state).energy;
         assert!((energy - sample.get(Quantity::Energy)).abs() < 1e-9);
     }
 }
@@ -410,7 +414,7 @@ fn stepping_back_takes_the_lanes_along() {
     let mut app = game(&["contact", "--integrator", "split,rk4,semi-implicit-euler"]);
     let mut past = Vec::new();
     let note = |app: &mut App| {
-        let lanes: Vec<_> = run(app).lanes.iter().map(|r| r.lane.state).collect();
+        let lanes: Vec<_> = run(app).lanes.iter().map(|r| r.lane.driver.state).collect();
         (run(app).clock, hero(app), lanes)
     };
     for k in 0..150 {
@@ -454,10 +458,11 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
     updates(&mut app, 20);
     ask(&mut app, push(DVec3::X, false));
     updates(&mut app, 20);
-    let law = box_game::compare::lane::Law::of(&box_game::scene::session::Session::setup(
+    let law = box_scenarios::Model::of(&box_game::scene::session::Session::setup(
         app.world().resource::<box_game::scene::session::Session>(),
     ));
-    let [rk4, exact] = [Integrator::Rk4, Integrator::Exact].map(|i| lane(&app, i).lane.state);
+    let [rk4, exact] =
+        [Integrator::Rk4, Integrator::Exact].map(|i| lane(&app, i).lane.driver.state);
     // A parabola with the push, as the closed form has it.
     assert!((rk4.position - exact.position).length() < 1e-9);
     let strength = app
@@ -469,7 +474,7 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
     let fallen = -9.81 * run(&app).clock;
     assert!((rk4.velocity.y - fallen).abs() < 1e-6, "{}", rk4.velocity.y);
     for r in &run(&app).lanes {
-        assert!(r.track.now.worst.0 < 1e-9, "{}", r.lane.integrator);
+        assert!(r.track.now.worst.0 < 1e-9, "{}", r.lane.driver.integrator);
     }
     // It falls at 9.81 m/s from the start: three meters apart by now.
     assert!(run(&app).hero.track.now.worst.0 > 1.0);
@@ -478,7 +483,7 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
     compare(&mut app, CompareAction::Resync);
     updates(&mut app, 10);
     let apart =
-        (hero(&mut app).position - lane(&app, Integrator::Rk4).lane.state.position).length();
+        (hero(&mut app).position - lane(&app, Integrator::Rk4).lane.driver.state.position).length();
     assert!(apart < 1e-9, "{apart:e}");
 }
 
@@ -497,7 +502,7 @@ fn the_first_run_shows_something_in_five_seconds() {
     updates(&mut app, 300);
     assert!(run(&app).hero.track.now.worst.1 < 1.0, "the hero is right");
     for r in &run(&app).lanes {
-        assert!(r.track.now.worst.1 > 45.0, "{}", r.lane.integrator);
+        assert!(r.track.now.worst.1 > 45.0, "{}", r.lane.driver.integrator);
     }
     assert!(
         run(&app)

@@ -14,5 +14,6 @@ pub mod memory;
 pub mod options;
 pub mod plugin_world;
 pub mod rows;
+pub mod snapshot;
 pub mod suites;
 pub mod targets;

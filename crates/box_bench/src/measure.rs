@@ -83,7 +83,10 @@ const LONG: Duration = Duration::from_millis(200);
 pub fn interleaved(contenders: &mut [Contender<'_>], settings: &Settings) -> Vec<Cost> {
     let repeats: Vec<(u32, bool)> = contenders
         .iter_mut()
-        .map(|c| repeats(c, settings.shortest_sample))
+        .map(|c| {
+            let (repeats, elapsed) = fill(c, settings.shortest_sample);
+            (repeats, elapsed > LONG * repeats)
+        })
         .collect();
     let mut samples = vec![Vec::with_capacity(settings.samples); contenders.len()];
     for _ in 0..settings.samples.max(1) {
@@ -100,13 +103,20 @@ pub fn interleaved(contenders: &mut [Contender<'_>], settings: &Settings) -> Vec
     samples.iter().map(|s| Cost::of(s)).collect()
 }
 
-/// Calls that fill a sample, and whether one of them is [`LONG`].
-fn repeats(contender: &mut Contender<'_>, shortest: Duration) -> (u32, bool) {
+/// One sample of a contender that has no opponents [ns per unit]: its calls until they last at least `shortest`, after
+/// as many as that takes to find out.
+pub fn sample(contender: &mut Contender<'_>, shortest: Duration) -> f64 {
+    let (repeats, elapsed) = fill(contender, shortest);
+    elapsed.as_nanos() as f64 / (f64::from(repeats) * contender.units)
+}
+
+/// Calls that fill a sample, and how long they lasted.
+fn fill(contender: &mut Contender<'_>, shortest: Duration) -> (u32, Duration) {
     let mut repeats = 1;
     loop {
         let elapsed = time(contender, repeats);
         if elapsed >= shortest {
-            return (repeats, elapsed > LONG * repeats);
+            return (repeats, elapsed);
         }
         // A fifth more than needed, at most ten times as many as were tried.
         let wanted = 1.2 * shortest.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);

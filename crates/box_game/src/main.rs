@@ -8,7 +8,7 @@ use bevy::app::AppExit;
 use box_game::app;
 use box_game::cli::display::{self, Need};
 use box_game::cli::{self, Cli};
-use box_game::compare::headless::{self, Comparison};
+use box_game::compare::headless::{self, Headless};
 use box_game::scene::library;
 use box_game::scene::session::Session;
 use box_physics::prelude::Integrator;
@@ -70,14 +70,17 @@ fn compare(cli: &Cli) -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    let scenario = match wished(scenario, cli) {
+    let mut scenario = match wished(scenario, cli) {
         Ok(scenario) => scenario,
         Err(error) => {
             eprintln!("{error}");
             return ExitCode::from(2);
         }
     };
-    let comparison = Comparison {
+    if let Some(duration) = cli.duration {
+        scenario.setup.duration = duration;
+    }
+    let headless = Headless {
         scenario,
         integrators: if cli.integrator.is_empty() {
             Integrator::ALL.to_vec()
@@ -86,26 +89,30 @@ fn compare(cli: &Cli) -> ExitCode {
         },
         dt: cli.dt,
         substeps: cli.substeps,
-        duration: cli.duration,
         log: cli
             .log
             .clone()
             .unwrap_or_else(|| headless::default_log().to_owned()),
         seed: cli.seed,
     };
-    let results = match headless::compare(&comparison) {
-        Ok(results) => results,
+    let table = match headless.run() {
+        Ok(table) => table,
         Err(error) => {
             eprintln!("{error}");
             return ExitCode::FAILURE;
         }
     };
+    let every = match table.every {
+        1 => String::new(),
+        n => format!(" (every {n} steps)"),
+    };
     let said = say(&format!(
-        "{}\nThe whole course, step by step: {}\n",
-        headless::report(&comparison, &results),
-        comparison.log.display()
+        "{}\nFull time series: {}{every}\n",
+        headless.report(&table),
+        headless.log.display()
     ));
-    if cli.fail_on_divergence && results.iter().any(|r| r.diverged_at.is_some()) {
+    let mut results = table.result.integrators.iter();
+    if cli.fail_on_divergence && results.any(|r| r.status.is_diverged()) {
         return cli::diverged();
     }
     said

@@ -155,3 +155,27 @@ fn end(result: Result<(), Stop>) -> ExitCode {
 fn integrator(text: &str) -> Result<Integrator, UnknownIntegrator> {
     text.parse()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Text for people: no escapes and no markup of doc comments in any help page.
+    #[test]
+    fn help_pages_are_plain_text() {
+        fn pages(command: &mut clap::Command, found: &mut Vec<String>) {
+            found.push(command.render_long_help().to_string());
+            found.push(command.render_help().to_string());
+            for sub in command.get_subcommands_mut() {
+                pages(sub, found);
+            }
+        }
+        let mut found = Vec::new();
+        pages(&mut Cli::command(), &mut found);
+        for page in found {
+            for markup in ["\\", "`", "[[", "]("] {
+                assert!(!page.contains(markup), "{markup} in:\n{page}");
+            }
+        }
+    }
+}

@@ -148,8 +148,10 @@ pub struct Driver {
     pub time: f64,
     /// Cost so far.
     pub totals: Totals,
-    memory: IntegratorMemory,
-    contact: ContactState,
+    /// What the integrator remembers.
+    pub memory: IntegratorMemory,
+    /// Contact of the box with the floor at the end of the last step.
+    pub contact: ContactState,
 }
 
 impl Driver {
@@ -172,9 +174,9 @@ impl Driver {
         self
     }
 
-    /// Contact of the box with the floor at the end of the last step.
-    pub fn contact(&self) -> &ContactState {
-        &self.contact
+    /// Corners at the floor at the end of the last step.
+    pub fn contacts(&self) -> u32 {
+        self.contact.touching().count_ones()
     }
 
     /// Takes one step of `h` \[s\] and returns its outcome; `None` if it led to an invalid state, in which

@@ -126,6 +126,12 @@ impl ForceSet {
             || !self.springs.is_empty()
     }
 
+    /// Whether gravity is all that acts: the plugin's table has then no force component, and its loop is compiled for
+    /// that.
+    pub fn is_gravity_alone(&self) -> bool {
+        !self.has_wrench() && self.dissipation() == Dissipation::NONE && self.force == DVec3::ZERO
+    }
+
     /// Checks that every number is finite and every coefficient ≥ 0.
     ///
     /// # Errors

@@ -7,6 +7,8 @@
 //! - [`reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
 //! - [`driver`]: one box stepped as the plugin steps it; [`run`]: a whole setup, from sample to sample;
 //!   [`mod@simulate`]: against its reference; [`metrics`]: the errors.
+//! - [`live_reference`]: what to measure against while inputs come; [`balance`]: what energy and angular momentum
+//!   should be; [`runner`]: one integrator with its balance; [`comparison`]: all integrators against one reference.
 //! - [`families`]: the motions over which the report compares integrators.
 //! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
 //! - [`mod@contact_cases`]: what breaks contact.
@@ -27,39 +29,49 @@
 
 #![expect(clippy::doc_markdown, reason = "the formulas' subscripts are not code")]
 
+pub mod balance;
+pub mod comparison;
 pub mod contact_cases;
 pub mod dissertation;
 pub mod driver;
 pub mod families;
 pub mod forces;
 pub mod hard_cases;
+pub mod live_reference;
 pub mod metrics;
 pub mod oracle;
 pub mod random;
 pub mod reference;
 pub mod run;
+pub mod runner;
 pub mod scenario;
 pub mod scene_file;
 pub mod scenes;
 pub mod setup;
 pub mod simulate;
 pub mod statistics;
+pub mod status;
 pub mod step_size;
 pub mod style;
 pub mod trend;
 pub mod view;
 
+pub use balance::{Balance, Residual};
+pub use comparison::{ComparisonResult, IntegratorComparison, IntegratorResult, Moment};
 pub use contact_cases::{ContactCase, contact_cases};
 pub use driver::{Driver, Model, Totals};
 pub use families::{Family, FamilyRun, Metric, ReferenceTable};
 pub use forces::ForceSet;
 pub use hard_cases::{HardCase, hard_cases};
+pub use live_reference::{Change, LiveReference, Uncertainty};
 pub use metrics::{Errors, StateError};
 pub use reference::{ReferenceKind, ReferenceSolution};
 pub use run::{End, Plan, run_plan};
+pub use runner::{Runner, local_error};
 pub use scenario::{Scenario, UnknownScenario};
 pub use setup::{FloorSpec, Setup, TimedImpulse};
 pub use simulate::{Compared, Comparison, Expected, compare, simulate};
+pub use status::{Divergence, Reason, Status};
 pub use step_size::parse_step;
 pub use style::{Style, style};
 pub use view::{PlotPreset, SceneView};

@@ -19,15 +19,18 @@ pub struct StateError {
 }
 
 impl StateError {
+    /// Of a state that is not finite, or of none.
+    pub const LOST: Self = Self {
+        position: f64::INFINITY,
+        velocity: f64::INFINITY,
+        attitude: f64::INFINITY,
+        angular_momentum: f64::INFINITY,
+    };
+
     /// Between `state` and `reference`; infinite where `state` is not finite.
     pub fn between(state: &BodyState, reference: &BodyState) -> Self {
         if !state.is_finite() {
-            return Self {
-                position: f64::INFINITY,
-                velocity: f64::INFINITY,
-                attitude: f64::INFINITY,
-                angular_momentum: f64::INFINITY,
-            };
+            return Self::LOST;
         }
         let momentum = state.angular_momentum_world() - reference.angular_momentum_world();
         Self {

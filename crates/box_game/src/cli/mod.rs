@@ -298,6 +298,25 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// Text for people: no escapes and no markup of doc comments in any help page.
+    #[test]
+    fn help_pages_are_plain_text() {
+        fn pages(command: &mut clap::Command, found: &mut Vec<String>) {
+            found.push(command.render_long_help().to_string());
+            found.push(command.render_help().to_string());
+            for sub in command.get_subcommands_mut() {
+                pages(sub, found);
+            }
+        }
+        let mut found = Vec::new();
+        pages(&mut Cli::command(), &mut found);
+        for page in found {
+            for markup in ["\\", "`", "[[", "]("] {
+                assert!(!page.contains(markup), "{markup} in:\n{page}");
+            }
+        }
+    }
+
     #[test]
     fn steps_in_three_notations() {
         for (text, step) in [

@@ -22,7 +22,10 @@ pub fn window_csv(comparison: &Comparison) -> String {
         return text;
     };
     let window = comparison.settings.window.seconds();
-    let lanes = run.lanes.iter().map(|r| (r.lane.integrator, &r.track));
+    let lanes = run
+        .lanes
+        .iter()
+        .map(|r| (r.lane.driver.integrator, &r.track));
     for (integrator, track) in [(run.hero.integrator, &run.hero.track)]
         .into_iter()
         .chain(lanes)
@@ -76,13 +79,21 @@ pub fn table_csv(comparison: &Comparison) -> String {
     let Some(run) = &comparison.run else {
         return text;
     };
-    let lanes = run
-        .lanes
-        .iter()
-        .map(|r| (r.lane.integrator, false, r.factor * run.step, &r.track));
-    for (integrator, hero, dt, track) in [(run.hero.integrator, true, run.step, &run.hero.track)]
-        .into_iter()
-        .chain(lanes)
+    let lanes = run.lanes.iter().map(|r| {
+        let integrator = r.lane.driver.integrator;
+        (
+            integrator,
+            false,
+            r.factor * run.step,
+            &r.track,
+            r.lane.diverged,
+        )
+    });
+    let hero = &run.hero;
+    for (integrator, hero, dt, track, diverged) in
+        [(hero.integrator, true, run.step, &hero.track, hero.diverged)]
+            .into_iter()
+            .chain(lanes)
     {
         let sample = &track.now.sample;
         let _ = writeln!(
@@ -93,7 +104,7 @@ pub fn table_csv(comparison: &Comparison) -> String {
             track.now.worst.1,
             sample.get(Quantity::Energy),
             sample.get(Quantity::Momentum),
-            track.diverged.map_or_else(String::new, |t| t.to_string())
+            diverged.map_or_else(String::new, |d| d.t.to_string())
         );
     }
     text

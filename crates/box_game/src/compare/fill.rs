@@ -7,6 +7,7 @@ use crate::action::Plot;
 use crate::compare::sampling::IntegratorSamples;
 use crate::ui::panel::decimate::{NARROW, decimate_to};
 use box_physics::prelude::Integrator;
+use box_scenarios::Status;
 
 /// Which quantities a tab shows.
 fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
@@ -47,7 +48,7 @@ pub fn compare_view(
         hero: false,
         dt,
         skew: 0.0,
-        status: String::new(),
+        status: Status::default(),
         nanoseconds: samples.statistics(integrator),
         evaluations: samples.evaluations(integrator),
         now: track.now.sample.values,
@@ -63,39 +64,29 @@ pub fn compare_view(
             })
             .collect(),
     };
-    let touching = run.law.meets_floor(&run.hero.state, 0.0);
     view.lanes.push(LaneView {
         hero: true,
-        status: match run.hero.track.diverged {
-            Some(t) => diverged(t),
-            None if touching && still(&run.hero.state) => "resting".to_owned(),
-            None if touching => "contact".to_owned(),
-            None => "ok".to_owned(),
-        },
+        status: run.hero.status(),
         ..lane(run.hero.integrator, &run.hero.track, run.step)
     });
     for runner in &run.lanes {
         let dt = runner.factor * run.step;
-        let behind = run.clock - runner.lane.time > dt * (1.0 + SAME);
+        let driver = &runner.lane.driver;
+        let behind = run.clock - driver.time > dt * (1.0 + SAME);
+        let status = runner.lane.status();
         view.lanes.push(LaneView {
             skew: runner.skew,
-            status: match runner.track.diverged {
-                Some(t) => diverged(t),
-                None if behind => format!(
-                    "catching up, {:.0} %",
-                    100.0 * runner.lane.time / run.clock.max(1e-9)
-                ),
-                None if runner.lane.contacts() > 0 && still(&runner.lane.state) => {
-                    "resting".to_owned()
-                }
-                None if runner.lane.contacts() > 0 => "contact".to_owned(),
-                None => "ok".to_owned(),
+            status: if behind && !status.is_diverged() {
+                Status::CatchingUp(driver.time / run.clock.max(1e-9))
+            } else {
+                status
             },
-            ..lane(runner.lane.integrator, &runner.track, dt)
+            ..lane(driver.integrator, &runner.track, dt)
         });
     }
     view.attitude = run.attitude_says_more();
     view.reference = run.reference.description();
+    view.horizon = run.reference.horizon();
     view.rules = run.rules.iter().copied().collect();
     view.conservative = run.law.is_conservative()
         && run
@@ -106,12 +97,4 @@ pub fn compare_view(
         view.note = "The lanes simulate the first box alone, without the load.".to_owned();
     }
     view
-}
-
-fn diverged(t: f64) -> String {
-    format!("DIVERGED @ t = {t:.1} s")
-}
-
-fn still(state: &box_physics::prelude::BodyState) -> bool {
-    state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO
 }

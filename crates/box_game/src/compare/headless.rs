@@ -1,22 +1,24 @@
-//! The comparison without window and GPU: the same scene under every integrator, a table of error and
-//! cost, and the whole course as CSV.
+//! The comparison without window and GPU: the same scene under every integrator, a table of error and cost, and the
+//! time series as CSV.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use box_physics::prelude::{ContactSettings, Floor, Integrator};
-use box_scenarios::simulate::sanity;
-use box_scenarios::{ReferenceSolution, Scenario};
+use box_bench::measure::{Contender, Cost, Settings, interleaved};
+use box_bench::snapshot::Snapshot;
+use box_physics::floor::{ContactSettings, ContactState};
+use box_physics::prelude::Integrator;
+use box_scenarios::{ComparisonResult, Model, Scenario};
 
-use crate::compare::lane::{Lane, Law};
-use crate::compare::sampling;
-use crate::compare::track::{ReferenceStep, local_error};
 use crate::record::csv_log::{CsvLog, Row};
+
+/// Rows of the CSV per integrator at most; of longer runs it has every so many steps.
+const MOST_ROWS: u64 = 100_000;
 
 /// What to compare.
 #[derive(Clone, Debug)]
-pub struct Comparison {
-    /// The scene.
+pub struct Headless {
+    /// The scene; its setup's duration is how long it runs.
     pub scenario: Scenario,
     /// The integrators, in this order.
     pub integrators: Vec<Integrator>,
@@ -24,260 +26,191 @@ pub struct Comparison {
     pub dt: f64,
     /// Substeps per step.
     pub substeps: u32,
-    /// Simulated time \[s\]; the scene's own by default.
-    pub duration: Option<f64>,
     /// Where the CSV goes.
     pub log: PathBuf,
     /// For the CSV's header.
     pub seed: u64,
 }
 
-/// One line of the table.
+/// The table.
 #[derive(Clone, Debug, PartialEq)]
-pub struct IntegratorResult {
-    /// The integrator.
-    pub integrator: Integrator,
-    /// Largest distance from the trusted answer \[m\].
-    pub position: Option<f64>,
-    /// Largest angle to the trusted attitude \[rad\].
-    pub attitude: Option<f64>,
-    /// Largest |E − E₀|/|E₀|, where the energy should be constant.
-    pub energy: Option<f64>,
-    /// Force evaluations per step.
-    pub evaluations: f64,
-    /// Steps handed to `split`.
-    pub fallbacks: u32,
-    /// Iterations that ended at their cap.
-    pub unconverged: u32,
-    /// Time of the diverging step \[s\].
-    pub diverged_at: Option<f64>,
-    /// Shortest time [ns per body-step].
-    pub nanoseconds: f64,
+pub struct Table {
+    /// Errors and states.
+    pub result: ComparisonResult,
+    /// Cost [ns per body-step] in the order of the integrators.
+    pub costs: Vec<Cost>,
+    /// The CSV has every so many steps.
+    pub every: u64,
 }
 
-/// Runs the comparison and writes the CSV.
-///
-/// # Errors
-/// What the file system says of the CSV, with its path.
-pub fn compare(comparison: &Comparison) -> io::Result<Vec<IntegratorResult>> {
-    let setup = &comparison.scenario.setup;
-    let mut log = CsvLog::create(&comparison.log, comparison.scenario.id, comparison.seed)?;
-    let truth = ReferenceSolution::of(setup);
-    let costs = costs(comparison, Law::of(setup).floor.as_ref());
-    let mut results = Vec::new();
-    for (k, &integrator) in comparison.integrators.iter().enumerate() {
-        let mut result = run(comparison, integrator, k as u32, &truth, costs[k], &mut log)?;
-        result.nanoseconds = costs[k].0;
-        results.push(result);
-    }
-    Ok(results)
-}
-
-/// (Minimum, median) of 21 interleaved samples per integrator [ns per body-step].
-fn costs(comparison: &Comparison, floor: Option<&Floor>) -> Vec<(f64, f64)> {
-    let setup = &comparison.scenario.setup;
-    let law = setup.forces.forces(&setup.body);
-    let settings = ContactSettings::default();
-    let h = comparison.dt / f64::from(comparison.substeps);
-    let boxes = [setup.body; 64];
-    let states = [setup.initial; 64];
-    let mut samples = vec![Vec::new(); comparison.integrators.len()];
-    for round in 0..22 {
-        for (k, &integrator) in comparison.integrators.iter().enumerate() {
-            let floor = floor.map(|f| (f, &settings));
-            let sample = sampling::measure(integrator, boxes.iter().zip(&states), &law, floor, h);
-            // The first round warms up.
-            if let (Some(sample), true) = (sample, round > 0) {
-                samples[k].push(sample.nanoseconds);
-            }
-        }
-    }
-    samples
-        .into_iter()
-        .map(|mut s| {
-            s.sort_by(f64::total_cmp);
-            (s[0], s[s.len() / 2])
-        })
-        .collect()
-}
-
-fn run(
-    comparison: &Comparison,
-    integrator: Integrator,
-    number: u32,
-    truth: &ReferenceSolution,
-    (ns_min, ns_median): (f64, f64),
-    log: &mut CsvLog,
-) -> io::Result<IntegratorResult> {
-    let setup = &comparison.scenario.setup;
-    let substeps = comparison.substeps.max(1);
-    let duration = comparison.duration.unwrap_or(setup.duration);
-    let steps = (duration / comparison.dt).round().max(1.0) as u64;
-    let h = comparison.dt / f64::from(substeps);
-    let times = (0..=steps).map(|n| n as f64 * comparison.dt);
-    let trusted: Vec<_> = times.map(|t| truth.at(t)).collect();
-    let limits = sanity(setup, trusted.iter().flatten());
-    let conserves = setup.conserves_energy();
-    let turns_freely = setup.conserves_angular_momentum();
-    let e0 = setup.energy(&setup.initial);
-    let scale = if e0 != 0.0 {
-        e0.abs()
-    } else {
-        setup.initial.kinetic_energy(&setup.body)
-    };
-    let law = Law::of(setup);
-    let mut lane = Lane::new(setup.initial, integrator);
-    let mut impulses = setup.impulses.iter().peekable();
-    let mut diverged_at = None;
-    let (mut position, mut attitude, mut energy) = (None, None, None);
-    let worst = |now: &mut Option<f64>, x: f64| *now = Some(now.unwrap_or(0.0).max(x));
-    for n in 0..=steps {
-        let before = lane.outcome.evaluations;
-        if n > 0 && diverged_at.is_none() {
-            let sound = (0..substeps).all(|part| {
-                let t = (n - 1) as f64 * comparison.dt + f64::from(part) * h;
-                while let Some(i) = impulses.next_if(|i| i.t <= t + 1e-9 * h) {
-                    lane.state
-                        .apply_impulse_at_body_point(&law.body, i.impulse, i.body_point);
-                }
-                lane.step(&law, h).sound
-            });
-            if !sound || limits.is_diverged(&lane.state) {
-                diverged_at = Some(n as f64 * comparison.dt);
-            }
-        }
-        // Time is n·dt, not a sum.
-        let t = n as f64 * comparison.dt;
-        let reference = trusted[n as usize];
-        // Of a step with an impulse inside it the reference's beginning is not known.
-        let from = n.checked_sub(1).and_then(|k| trusted[k as usize]);
-        let local = match (from, reference) {
-            (Some(from), Some(to)) if setup.impulses.is_empty() && substeps == 1 => Some(
-                local_error(integrator, &law, &ReferenceStep { from, to }, h),
-            ),
-            _ => None,
+impl Headless {
+    /// Runs the comparison and writes the CSV. Needs the same memory however long it runs.
+    ///
+    /// # Errors
+    /// What the file system says of the CSV, with its path.
+    pub fn run(&self) -> io::Result<Table> {
+        let comparison = box_scenarios::IntegratorComparison {
+            setup: self.scenario.setup.clone(),
+            integrators: self.integrators.clone(),
+            dt: self.dt,
+            substeps: self.substeps,
         };
-        let e = setup.energy(&lane.state);
-        let distance = reference.map(|r| (lane.state.position - r.position).length());
-        let angle = reference.map(|r| lane.state.attitude_difference(&r));
-        let drift = conserves.then(|| (e - e0) / scale);
-        distance.iter().for_each(|&x| worst(&mut position, x));
-        angle.iter().for_each(|&x| worst(&mut attitude, x));
-        drift.iter().for_each(|&x| worst(&mut energy, x.abs()));
-        log.write(&Row {
-            run_id: format!("{}-{}", comparison.scenario.id, comparison.seed),
-            frame: n,
-            sim_t_s: t,
-            lane: number,
-            integrator: integrator.id().to_owned(),
-            dt_s: comparison.dt,
-            substeps,
-            rhs_evals: u64::from(lane.outcome.evaluations - before),
-            step_ns_min: Some(ns_min),
-            step_ns_med: Some(ns_median),
-            pos_err_m: distance,
-            rot_err_deg: angle.map(f64::to_degrees),
-            local_pos_err_m: local.map(|e| e.position),
-            energy_j: e,
-            energy_rel: drift,
-            angmom_rel: turns_freely.then(|| setup.angular_momentum_error(&lane.state)),
-            state: if diverged_at.is_some() {
-                "diverged"
-            } else {
-                "ok"
-            }
-            .to_owned(),
-            ..Row::default()
-        })?;
-        if diverged_at.is_some() {
-            break;
-        }
-    }
-    // What a diverged run reached says nothing.
-    let known = |x: Option<f64>| x.filter(|_| diverged_at.is_none());
-    Ok(IntegratorResult {
-        integrator,
-        position: known(position),
-        attitude: known(attitude),
-        energy: known(energy),
-        fallbacks: lane.outcome.fallbacks,
-        unconverged: lane.outcome.unconverged,
-        evaluations: f64::from(lane.outcome.evaluations) / lane.steps.max(1) as f64,
-        diverged_at,
-        nanoseconds: ns_min,
-    })
-}
-
-/// The table, and in words what it says.
-pub fn report(comparison: &Comparison, results: &[IntegratorResult]) -> String {
-    let setup = &comparison.scenario.setup;
-    let duration = comparison.duration.unwrap_or(setup.duration);
-    let mut text = format!(
-        "{}: {} s in steps of {:.5} s{}; largest errors against {}\n\n{:<21}{:>14}{:>14}{:>13}{:>12}{:>14}  {}\n",
-        comparison.scenario.title,
-        duration,
-        comparison.dt,
-        if comparison.substeps > 1 {
-            format!(" ({} substeps)", comparison.substeps)
-        } else {
-            String::new()
-        },
-        ReferenceSolution::of(setup).description(),
-        "integrator",
-        "position [m]",
-        "attitude [°]",
-        "energy [1]",
-        "evals/step",
-        "ns/body-step",
-        "state",
-    );
-    let figure = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"));
-    for r in results {
-        let state = match r.diverged_at {
-            Some(t) => format!("DIVERGED @ t = {t:.2} s"),
-            None => {
-                let mut state = "ok".to_owned();
-                for (count, what) in [(r.fallbacks, "fallbacks"), (r.unconverged, "not converged")]
-                {
-                    if count > 0 {
-                        state += &format!(", {count} {what}");
-                    }
-                }
-                state
-            }
-        };
-        text += &format!(
-            "{:<21}{:>14}{:>14}{:>13}{:>12.1}{:>14.1}  {}\n",
-            r.integrator.id(),
-            figure(r.position),
-            figure(r.attitude.map(f64::to_degrees)),
-            figure(r.energy),
-            r.evaluations,
-            r.nanoseconds,
-            state
+        let mut log = CsvLog::create(&self.log, self.scenario.id, self.seed)?;
+        let costs = self.costs();
+        let run_id = format!("{}-{}", self.scenario.id, self.seed);
+        let (last, every) = (
+            comparison.steps(),
+            comparison.steps().div_ceil(MOST_ROWS).max(1),
         );
+        let result = comparison.run(|now| {
+            let due = now.step.is_multiple_of(every) || now.step == last;
+            if !due && !now.status.is_diverged() {
+                return Ok(());
+            }
+            log.write(&Row {
+                run_id: run_id.clone(),
+                frame: now.step,
+                sim_t_s: now.t,
+                lane: now.number as u32,
+                integrator: now.integrator.id().to_owned(),
+                dt_s: self.dt,
+                substeps: self.substeps,
+                rhs_evals: now.evaluations,
+                step_ns_min: Some(costs[now.number].min),
+                step_ns_med: Some(costs[now.number].median),
+                pos_err_m: now.error.map(|e| e.position),
+                rot_err_deg: now.error.map(|e| e.attitude.to_degrees()),
+                local_pos_err_m: now.local.map(|e| e.position),
+                energy_j: now.energy,
+                energy_rel: Some(now.residual.energy),
+                angmom_rel: Some(now.residual.vector),
+                contacts: now.contacts,
+                state: now.status,
+                ..Row::default()
+            })
+        })?;
+        Ok(Table {
+            result,
+            costs,
+            every,
+        })
     }
-    text += &verdict(results);
-    text
+
+    /// A step of as many boxes as the scene has, at its start, by the path that the plugin takes for so many: 21
+    /// samples per integrator in turns.
+    fn costs(&self) -> Vec<Cost> {
+        let setup = &self.scenario.setup;
+        let boxes = self.scenario.boxes as usize;
+        let bodies =
+            std::iter::repeat_with(|| (&setup.body, &setup.initial, ContactState::default()));
+        let floor = Model::of(setup)
+            .floor
+            .map(|f| (f, ContactSettings::default()));
+        let h = self.dt / f64::from(self.substeps.max(1));
+        let Some(snapshot) = Snapshot::new(bodies.take(boxes.max(1)), &setup.forces, floor, h)
+        else {
+            return Vec::new();
+        };
+        let mut contenders: Vec<_> = self
+            .integrators
+            .iter()
+            .map(|&integrator| {
+                let mut snapshot = snapshot.clone();
+                Contender::new(snapshot.units(), move || {
+                    std::hint::black_box(snapshot.call(integrator));
+                })
+            })
+            .collect();
+        let settings = Settings {
+            samples: 21,
+            ..Settings::default()
+        };
+        interleaved(&mut contenders, &settings)
+    }
+
+    /// The table, and in words what it says.
+    pub fn report(&self, table: &Table) -> String {
+        let result = &table.result;
+        let u = result.uncertainty;
+        let substeps = match self.substeps {
+            0 | 1 => String::new(),
+            n => format!(" ({n} substeps)"),
+        };
+        let mut text = format!(
+            "{}: {} s in steps of {:.5} s{substeps}; largest errors against {}\n",
+            self.scenario.title, self.scenario.setup.duration, self.dt, result.reference,
+        );
+        if u.position > 0.0 || u.attitude > 0.0 {
+            text += &format!(
+                "reference good to {:.1e} m and {:.1e}°\n",
+                u.position,
+                u.attitude.to_degrees()
+            );
+        }
+        if let Some(end) = result.horizon {
+            text += &format!(
+                "errors until {end:.2} s; chaotic afterwards: there the reference disagrees with itself at half its step\n"
+            );
+        }
+        text += &format!(
+            "\n{:<21}{:>14}{:>14}{:>13}{:>13}{:>12}{:>14}  state\n",
+            "integrator",
+            "position [m]",
+            "attitude [°]",
+            "energy [1]",
+            "ang.mom. [1]",
+            "evals/step",
+            "ns/body-step",
+        );
+        let figure = |x: Option<f64>, least: f64| match x {
+            None => "-".to_owned(),
+            Some(x) if x < least => format!("<{least:.1e}"),
+            Some(x) => format!("{x:.1e}"),
+        };
+        for (r, cost) in result.integrators.iter().zip(&table.costs) {
+            let mut state = r.status.to_string();
+            for (count, what) in [
+                (r.totals.fallbacks, "fallbacks"),
+                (r.totals.unconverged, "not converged"),
+            ] {
+                if count > 0 {
+                    state += &format!(", {count} {what}");
+                }
+            }
+            text += &format!(
+                "{:<21}{:>14}{:>14}{:>13}{:>13}{:>12.1}{:>14.1}  {state}\n",
+                r.integrator.id(),
+                figure(r.position, u.position),
+                figure(r.attitude.map(f64::to_degrees), u.attitude.to_degrees()),
+                figure(r.energy, 0.0),
+                figure(r.momentum, 0.0),
+                r.totals.evaluations as f64 / r.totals.steps.max(1) as f64,
+                cost.min,
+            );
+        }
+        text + &verdict(table)
+    }
 }
 
 /// The default against what most engines do, in words.
-fn verdict(results: &[IntegratorResult]) -> String {
-    let find = |i| results.iter().find(|r| r.integrator == i);
-    let (Some(ours), Some(usual)) = (find(Integrator::Split), find(Integrator::SemiImplicitEuler))
+fn verdict(table: &Table) -> String {
+    let find = |i| {
+        let results = table.result.integrators.iter();
+        results.zip(&table.costs).find(|(r, _)| r.integrator == i)
+    };
+    let (Some((ours, cost)), Some((usual, usual_cost))) =
+        (find(Integrator::Split), find(Integrator::SemiImplicitEuler))
     else {
         return String::new();
     };
-    let ratio = |a: Option<f64>, b: Option<f64>| match (a, b) {
-        (Some(a), Some(b)) if a > 0.0 && b > 0.0 => Some(b / a),
-        _ => None,
-    };
-    let cost = ours.nanoseconds / usual.nanoseconds;
-    match ratio(ours.attitude, usual.attitude) {
-        Some(better) => format!(
-            "\nsplit: {better:.0}× smaller attitude error than semi-implicit-euler at {cost:.1}× its cost.\n"
+    let least = table.result.uncertainty.attitude;
+    match (ours.attitude, usual.attitude) {
+        (Some(a), Some(b)) if a > least && b > least => format!(
+            "\nsplit: {:.0}× smaller attitude error than semi-implicit-euler at {:.1}× its cost.\n",
+            b / a,
+            cost.min / usual_cost.min
         ),
-        None => String::new(),
+        _ => String::new(),
     }
 }
 
@@ -290,13 +223,12 @@ pub fn default_log() -> &'static Path {
 mod tests {
     use super::*;
 
-    fn comparison(folder: &Path) -> Comparison {
-        Comparison {
+    fn headless(folder: &Path) -> Headless {
+        Headless {
             scenario: Scenario::find("throw").expect("a scene"),
             integrators: Integrator::ALL.to_vec(),
             dt: 1.0 / 60.0,
             substeps: 1,
-            duration: None,
             log: folder.join("a.csv"),
             seed: 1,
         }
@@ -305,9 +237,9 @@ mod tests {
     #[test]
     fn split_is_a_hundred_times_better_than_semi_implicit_euler() {
         let folder = tempfile::tempdir().expect("a folder");
-        let comparison = comparison(folder.path());
-        let results = compare(&comparison).expect("writable");
-        let of = |i: Integrator| &results[i.index()];
+        let headless = headless(folder.path());
+        let table = headless.run().expect("writable");
+        let of = |i: Integrator| &table.result.integrators[i.index()];
         let (ours, usual) = (of(Integrator::Split), of(Integrator::SemiImplicitEuler));
         for (a, b) in [
             (ours.position, usual.position),
@@ -317,7 +249,7 @@ mod tests {
             let (a, b) = (a.expect("known"), b.expect("known"));
             assert!(a * 100.0 <= b, "{a:e} against {b:e}");
         }
-        let text = report(&comparison, &results);
+        let text = headless.report(&table);
         for i in Integrator::ALL {
             assert!(text.contains(i.id()));
         }
@@ -328,10 +260,10 @@ mod tests {
     fn two_runs_differ_in_timing_alone() {
         let folder = tempfile::tempdir().expect("a folder");
         let read = |name: &str| {
-            let mut c = comparison(folder.path());
-            c.duration = Some(0.5);
+            let mut c = headless(folder.path());
+            c.scenario.setup.duration = 0.5;
             c.log = folder.path().join(name);
-            compare(&c).expect("writable");
+            c.run().expect("writable");
             let mut reader = csv::ReaderBuilder::new()
                 .comment(Some(b'#'))
                 .from_path(&c.log)
@@ -357,17 +289,90 @@ mod tests {
     #[test]
     fn a_diverging_integrator_is_said_and_the_others_go_on() {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut c = comparison(folder.path());
+        let mut c = headless(folder.path());
         c.scenario = Scenario::find("stiff-drag").expect("a scene");
         c.dt = 0.1;
-        c.duration = Some(60.0);
-        let results = compare(&c).expect("writable");
+        c.scenario.setup.duration = 60.0;
+        let table = c.run().expect("writable");
+        let diverged = |i: Integrator| table.result.integrators[i.index()].status.is_diverged();
+        assert!(diverged(Integrator::ExplicitEuler) && !diverged(Integrator::Split));
+        assert!(c.report(&table).contains("DIVERGED @ t = 0."));
+    }
+
+    /// A table without a closed form: every figure is there, and what the reference is good for is said.
+    #[test]
+    fn a_tumbling_contact_has_a_table() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut c = headless(folder.path());
+        c.scenario = Scenario::find("contact").expect("a scene");
+        let table = c.run().expect("writable");
+        let text = c.report(&table);
         assert!(
-            results[Integrator::ExplicitEuler.index()]
-                .diverged_at
-                .is_some()
+            text.contains("against exact in steps of 1/3840 s"),
+            "{text}"
         );
-        assert!(results[Integrator::Split.index()].diverged_at.is_none());
-        assert!(report(&c, &results).contains("DIVERGED"));
+        assert!(
+            text.contains("reference good to ") && !text.contains("DIVERGED"),
+            "{text}"
+        );
+        let row = text.lines().find(|l| l.starts_with("rk4")).expect("a row");
+        assert!(!row.contains(" - ") && row.ends_with("resting"), "{row}");
+        assert!(!text.contains("chaotic"), "{text}");
+    }
+
+    /// A box that bounces for ever, corner by corner: chaotic. Errors end where the reference does, the balance of
+    /// energy goes on.
+    #[test]
+    fn chaos_is_named_and_its_moment() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut c = headless(folder.path());
+        c.scenario = Scenario::find("load").expect("a scene");
+        let floor = c.scenario.setup.floor.as_mut().expect("a floor");
+        (floor.restitution, floor.friction) = (1.0, 0.0);
+        c.scenario.setup.duration = 60.0;
+        c.integrators = vec![Integrator::Split, Integrator::Exact];
+        let table = c.run().expect("writable");
+        let end = table.result.horizon.expect("chaos");
+        let text = c.report(&table);
+        assert!(
+            text.contains(&format!("errors until {end:.2} s; chaotic afterwards")),
+            "{text}"
+        );
+        let exact = &table.result.integrators[1];
+        assert!(exact.attitude.expect("until then") < 0.1, "{exact:?}");
+        assert!(exact.energy.expect("to the end") < 1e-3, "{exact:?}");
+        let csv = std::fs::read_to_string(&c.log).expect("readable");
+        let last = csv.lines().last().expect("rows");
+        let cells: Vec<_> = last.split(',').collect();
+        assert_eq!(
+            (cells[2], cells[11]),
+            ("60.0", ""),
+            "no error after the reference ended"
+        );
+        assert!(cells[15].parse::<f64>().is_ok());
+    }
+
+    /// Of a long run the file has every so many steps, the last one among them.
+    #[test]
+    fn a_long_run_has_a_short_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut c = headless(folder.path());
+        c.integrators = vec![Integrator::Exact];
+        c.scenario.setup.duration = 2.5 * MOST_ROWS as f64 / 60.0;
+        let table = c.run().expect("writable");
+        assert_eq!(table.every, 3);
+        let csv = std::fs::read_to_string(&c.log).expect("readable");
+        let rows: Vec<_> = csv.lines().filter(|l| l.starts_with("throw-1,")).collect();
+        assert!(
+            (80_000..=MOST_ROWS as usize).contains(&rows.len()),
+            "{}",
+            rows.len()
+        );
+        assert!(
+            rows[1].starts_with("throw-1,3,")
+                && rows
+                    .last()
+                    .is_some_and(|r| r.starts_with("throw-1,250000,"))
+        );
     }
 }

@@ -1,31 +1,12 @@
 //! What is done to every lane alike: inputs with the simulated time at which they act.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
-use box_physics::prelude::{BodyState, DVec3};
-
-use crate::compare::lane::Law;
+use box_scenarios::Change;
 
 /// Inputs that are kept, so that a lane chosen later can be simulated from the start. Ten pushes a
 /// second for an hour.
 const MOST: usize = 36_000;
-
-/// Something done to the box.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Change {
-    /// The impulse J \[N s\], world axes, at a point in body axes from the center \[m\].
-    Impulse {
-        /// J \[N s\], world axes.
-        impulse: DVec3,
-        /// Where, body axes \[m\].
-        body_point: DVec3,
-    },
-    /// What acts is another from here on.
-    Law(Arc<Law>),
-    /// The box was put there by hand.
-    Place(BodyState),
-}
 
 /// A change and its time.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,6 +70,7 @@ impl Inputs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use box_physics::prelude::BodyState;
 
     fn at(t: f64) -> Input {
         Input {

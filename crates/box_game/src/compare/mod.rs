@@ -9,7 +9,9 @@
 //! ```
 //!
 //! - [`run`]: one run of a scene; [`runner`]: a lane with its clock; [`track`]: what is measured of it.
-//! - [`mod@reference`]: the trusted trajectory; [`ledger`]: the books; [`series`]: the past in fixed memory.
+//! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;
+//!   [`Balance`](box_scenarios::Balance): what energy and angular momentum should be; [`series`]: the past in fixed
+//!   memory.
 //! - [`input`]: what is done to all alike.
 //! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
@@ -19,10 +21,7 @@ pub mod copy;
 pub mod fill;
 pub mod headless;
 pub mod input;
-pub mod lane;
-pub mod ledger;
 pub mod plugin;
-pub mod reference;
 pub mod run;
 pub mod runner;
 pub mod sampling;
@@ -145,7 +144,7 @@ impl Comparison {
                 .copied()
                 .filter(|&i| i != run.hero.integrator)
         };
-        if !wanted().eq(run.lanes.iter().map(|r| r.lane.integrator)) {
+        if !wanted().eq(run.lanes.iter().map(|r| r.lane.driver.integrator)) {
             let wanted: Vec<_> = wanted().collect();
             run.choose(wanted);
         }
@@ -167,7 +166,7 @@ impl Comparison {
         let Some(run) = &mut self.run else {
             return;
         };
-        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.integrator).collect();
+        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.driver.integrator).collect();
         let key = (self.settings.fairness, lanes, run.hero.integrator);
         if self.fair.as_ref() == Some(&key) {
             return;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use box_physics::floor::ContactState;
+use box_physics::floor::{ContactSettings, ContactState};
 use box_physics::prelude::{
     AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyState, BodyTorque, ContactPhase,
     ExternalForce, Floor, FloorContact, GlobalIntegrator, GravityScale, ImpulsePoint, Integrator,
@@ -14,13 +14,13 @@ use box_physics::prelude::{
 };
 use box_scenarios::{ForceSet, ReferenceSolution};
 
-use super::input::Change;
 use super::{Comparison, RuleKind, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
-use crate::compare::lane::Law;
 use crate::compare::sampling::IntegratorSamples;
 use crate::scene::session::{Hero, Session};
+use box_scenarios::Change;
+use box_scenarios::Model;
 
 /// Compares the hero, a body marked [`Hero`], with other integrators. Needs `PhysicsPlugins`.
 pub struct ComparePlugin;
@@ -107,11 +107,13 @@ pub struct Scene<'w, 's> {
             &'static BodyState,
             HeroForces,
             Option<&'static BodyIntegrator>,
+            Option<&'static ContactState>,
         ),
         With<Hero>,
     >,
     gravity: Res<'w, WorldGravity>,
     floor: Option<Res<'w, Floor>>,
+    settings: Option<Res<'w, ContactSettings>>,
     integrator: Res<'w, GlobalIntegrator>,
     clock: Res<'w, PhysicsClock>,
     fixed: Option<Res<'w, Time<Fixed>>>,
@@ -120,15 +122,22 @@ pub struct Scene<'w, 's> {
 
 impl Scene<'_, '_> {
     /// (entity, state, law, integrator) of the first hero.
-    fn hero(&self) -> Option<(Entity, BodyState, Law, Integrator)> {
-        let (entity, body, state, forces, own) = self.hero.iter().next()?;
-        let law = Law {
+    fn hero(&self) -> Option<(Entity, BodyState, Model, Integrator)> {
+        let (entity, body, state, forces, own, _) = self.hero.iter().next()?;
+        let law = Model {
             body: *body,
             forces: forces.set(self.gravity.0),
             floor: self.floor.as_deref().copied(),
+            settings: self.settings.as_deref().cloned().unwrap_or_default(),
         };
         let integrator = own.map_or(self.integrator.0, |own| own.0);
         Some((entity, *state, law, integrator))
+    }
+
+    /// Corners of the first hero at the floor.
+    fn contacts(&self) -> u32 {
+        let contact = self.hero.iter().next().and_then(|hero| hero.5);
+        contact.map_or(0, |c| c.touching().count_ones())
     }
 
     /// The clock's (sub)step \[s\].
@@ -142,7 +151,7 @@ impl Scene<'_, '_> {
 
     /// Begins a new run where there is a new hero. A session knows the scene; otherwise it is what the
     /// hero's components say.
-    fn begin(&self, comparison: &mut Comparison, new: (Entity, BodyState, &Law, Integrator)) {
+    fn begin(&self, comparison: &mut Comparison, new: (Entity, BodyState, &Model, Integrator)) {
         let (entity, state, law, integrator) = new;
         if comparison.hero == Some(entity) {
             return;
@@ -234,7 +243,7 @@ pub(crate) fn after_step(
     if met > 0 {
         run.rule(t, RuleKind::Contact);
     }
-    run.after_step(t, h, &state, integrator);
+    run.after_step(t, h, (&state, scene.contacts()), integrator);
     comparison.spent += start.elapsed();
     comparison.settle();
     comparison.advance();

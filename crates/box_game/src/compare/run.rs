@@ -9,22 +9,21 @@ use std::time::Instant;
 
 use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
-use box_scenarios::metrics::Sanity;
-use box_scenarios::simulate::sanity;
-use box_scenarios::{ReferenceSolution, Setup, StateError, TimedImpulse};
+use box_scenarios::{
+    Balance, Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup,
+    StateError, Status, TimedImpulse, local_error,
+};
 
-use super::input::{Change, Input, Inputs};
-use super::reference::Reference;
+use super::input::{Input, Inputs};
 use super::runner::{Runner, SAME, Shared};
-use super::track::{ReferenceStep, Track, local_error};
-use crate::compare::lane::Law;
+use super::track::Track;
 use past::Checkpoint;
 
 /// Vertical lines in the plots that are kept.
 const RULES: usize = 512;
 /// Contacts closer than this are one line \[s\].
 const RULE_SPACING: f64 = 0.02;
-/// Lane steps between two looks at the clock.
+/// Simulation steps between two looks at the clock.
 const BATCH: u32 = 16;
 
 /// What a vertical line in the plots stands for.
@@ -56,10 +55,16 @@ pub struct Rule {
 pub struct HeroTrack {
     /// Its integrator.
     pub integrator: Integrator,
-    /// Books and past.
+    /// What its energy and angular momentum should be.
+    pub balance: Balance,
+    /// When and why it diverged, although the plugin goes on with it.
+    pub diverged: Option<Divergence>,
+    /// Past and present.
     pub track: Track,
     /// At the end of its last step.
     pub state: BodyState,
+    /// Corners at the floor, then.
+    pub contacts: u32,
     before: BodyState,
     reference: Option<BodyState>,
     next_impulse: usize,
@@ -75,22 +80,26 @@ pub struct Run {
     /// See `clock`.
     pub step: f64,
     /// What acts now.
-    pub law: Arc<Law>,
+    pub law: Arc<Model>,
     /// The hero.
     pub hero: HeroTrack,
     /// The lanes beside it.
     pub lanes: Vec<Runner>,
     /// What is trusted.
-    pub reference: Reference,
+    pub reference: LiveReference,
     /// Vertical lines, oldest first.
     pub rules: VecDeque<Rule>,
-    start: (Arc<Law>, BodyState),
+    start: (Arc<Model>, BodyState),
     impulses: Arc<[TimedImpulse]>,
     inputs: Inputs,
-    limits: Sanity,
-    /// Fastest and largest angular momentum of the reference so far.
-    envelope: BodyState,
     checkpoints: VecDeque<Checkpoint>,
+}
+
+impl HeroTrack {
+    /// What can be said of it.
+    pub fn status(&self) -> Status {
+        Status::of(&self.state, self.contacts, self.diverged)
+    }
 }
 
 impl Run {
@@ -101,40 +110,31 @@ impl Run {
         hero: Integrator,
         step: f64,
     ) -> Self {
-        let law = Arc::new(Law::of(setup));
+        let law = Arc::new(Model::of(setup));
         let state = setup.initial;
         let impulses: Arc<[TimedImpulse]> = setup.impulses.as_slice().into();
-        // A fall of a second, and a blow at a corner with that speed, are sane from the start.
-        let body = &setup.body;
-        let speed =
-            setup.forces.acceleration(body).length() + state.velocity.length() + body.radius();
-        let mut envelope = state;
-        envelope.velocity = glam::DVec3::X * speed;
-        envelope.angular_momentum = glam::DVec3::X
-            * state
-                .angular_momentum
-                .length()
-                .max(body.mass() * body.radius() * speed);
+        let balance = Balance::new(&law, &state);
         Self {
             clock: 0.0,
             step,
             hero: HeroTrack {
                 integrator: hero,
-                track: Track::new(&law, &state, 0.0),
+                track: Track::new(&law, &balance, &state, 0.0),
+                balance,
+                diverged: None,
                 state,
+                contacts: 0,
                 before: state,
                 reference: Some(state),
                 next_impulse: 0,
                 kicked: false,
             },
             lanes: Vec::new(),
-            reference: Reference::new(&law, state, &impulses, truth, step),
+            reference: LiveReference::new(&law, state, &impulses, truth, step),
             rules: VecDeque::new(),
             start: (law.clone(), state),
             impulses,
             inputs: Inputs::default(),
-            limits: sanity(setup, [&envelope]),
-            envelope,
             checkpoints: VecDeque::new(),
             law,
         }
@@ -150,7 +150,9 @@ impl Run {
     pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
         let mut old = core::mem::take(&mut self.lanes);
         for integrator in integrators {
-            let kept = old.iter().position(|r| r.lane.integrator == integrator);
+            let kept = old
+                .iter()
+                .position(|r| r.lane.driver.integrator == integrator);
             let runner = match kept {
                 Some(k) => old.swap_remove(k),
                 None if self.inputs.is_whole() => Runner::new(
@@ -163,7 +165,8 @@ impl Run {
                 ),
                 // The beginning is forgotten: begin at the reference.
                 None => {
-                    let state = self.reference.at(self.clock).unwrap_or(self.hero.state);
+                    let known = self.reference.follow(self.clock);
+                    let state = known.unwrap_or(self.hero.state);
                     let next = self.inputs.end();
                     Runner::new(
                         integrator,
@@ -233,7 +236,7 @@ impl Run {
     pub fn before_step(
         &mut self,
         t: f64,
-        law: Law,
+        law: Model,
         state: &BodyState,
         pushes: impl FnOnce(&mut BodyState) -> Vec<Change>,
     ) {
@@ -259,21 +262,24 @@ impl Run {
         let old = self.law.clone();
         if *self.law != law {
             self.law = Arc::new(law);
-            self.push(t, Change::Law(self.law.clone()));
+            self.push(t, Change::Model(self.law.clone()));
         }
         if self.inputs.end() != inputs || self.hero.kicked {
             let before = self.hero.state;
-            self.hero
-                .track
-                .ledger
-                .input((&old, &before), (&self.law, state));
+            self.hero.balance.input((&old, &before), (&self.law, state));
             self.hero.reference = self.reference.at(t);
         }
         self.hero.before = *state;
     }
 
     /// The hero stands in `state` at `t` \[s\], at the end of a step of `h` \[s\].
-    pub fn after_step(&mut self, t: f64, h: f64, state: &BodyState, integrator: Integrator) {
+    pub fn after_step(
+        &mut self,
+        t: f64,
+        h: f64,
+        (state, contacts): (&BodyState, u32),
+        integrator: Integrator,
+    ) {
         if integrator != self.hero.integrator {
             self.hero.integrator = integrator;
             self.rule(self.clock, RuleKind::Integrator);
@@ -281,38 +287,22 @@ impl Run {
         self.set_step(h);
         self.clock = t;
         let hero = &mut self.hero;
-        hero.track.ledger.step(&self.law, &hero.before, h);
+        hero.balance.step(&self.law, &hero.before, h);
         let to = self.reference.at(t);
         let local: Option<StateError> = match (hero.reference, to) {
             (Some(from), Some(to)) if !hero.kicked => {
-                let ends = ReferenceStep { from, to };
-                Some(local_error(integrator, &self.law, &ends, h))
+                Some(local_error(integrator, &self.law, from, &to, h))
             }
             _ => None,
         };
-        hero.track.observe(&self.law, state, t, to.as_ref(), local);
-        hero.state = *state;
+        if hero.diverged.is_none() && hero.balance.is_exceeded(&self.law, state) {
+            let reason = Reason::Energy;
+            hero.diverged = Some(Divergence { t, reason });
+        }
+        let books = (&*self.law, &hero.balance);
+        hero.track.observe(books, state, t, to.as_ref(), local);
+        (hero.state, hero.contacts) = (*state, contacts);
         hero.reference = to;
-        if hero.track.diverged.is_none() && self.limits.is_diverged(state) {
-            hero.track.diverged = Some(t);
-        }
-        if let Some(to) = to {
-            self.widen(&to);
-        }
-    }
-
-    /// What the reference does is sane.
-    fn widen(&mut self, reference: &BodyState) {
-        let (v, l) = (
-            reference.velocity.length(),
-            reference.angular_momentum.length(),
-        );
-        let e = &mut self.envelope;
-        if v > 1.01 * e.velocity.length() || l > 1.01 * e.angular_momentum.length() {
-            e.velocity = glam::DVec3::X * v.max(e.velocity.length());
-            e.angular_momentum = glam::DVec3::X * l.max(e.angular_momentum.length());
-            self.limits = sanity(&self.law.setup(self.start.1, 1.0), [&self.envelope]);
-        }
     }
 
     /// Simulates the lanes up to the clock's time, the one that is farthest behind first, but not past
@@ -323,7 +313,6 @@ impl Run {
             inputs,
             impulses,
             reference,
-            limits,
             clock,
             step,
             ..
@@ -332,15 +321,14 @@ impl Run {
             inputs,
             impulses,
             reference,
-            limits,
             clock: *clock,
         };
         for n in 1_u32.. {
             let due = |r: &&mut Runner| {
-                let end = r.lane.time + r.factor * *step;
-                r.track.diverged.is_none() && end <= *clock + SAME * *step
+                let end = r.lane.driver.time + r.factor * *step;
+                r.lane.diverged.is_none() && end <= *clock + SAME * *step
             };
-            let end = |r: &&mut Runner| r.lane.time + r.factor * *step;
+            let end = |r: &&mut Runner| r.lane.driver.time + r.factor * *step;
             let next = lanes
                 .iter_mut()
                 .filter(due)
@@ -359,12 +347,16 @@ impl Run {
 
     /// Puts every lane into the reference's state and opens new books; returns that state for the hero.
     pub fn resync(&mut self) -> Option<BodyState> {
-        let state = self.reference.at(self.clock)?;
+        let state = self.reference.follow(self.clock)?;
+        self.reference.push(self.clock, &Change::Place(state));
         let (t, next) = (self.clock, self.inputs.end());
         for runner in &mut self.lanes {
             runner.resync(&self.law, state, t, next);
         }
-        self.hero.track.reopen(&self.law, &state, t);
+        self.hero.balance = Balance::new(&self.law, &state);
+        self.hero.diverged = None;
+        let books = &self.hero.balance;
+        self.hero.track.reopen(&self.law, books, &state, t);
         (self.hero.state, self.hero.before) = (state, state);
         self.hero.reference = Some(state);
         self.rule(t, RuleKind::Resync);
@@ -379,9 +371,9 @@ impl Run {
         (state, memory, contact): (&mut BodyState, &mut IntegratorMemory, &mut ContactState),
     ) -> bool {
         let here = |r: &&mut Runner| {
-            r.lane.integrator == integrator
-                && r.track.diverged.is_none()
-                && (r.lane.time - self.clock).abs() <= SAME * self.step
+            r.lane.driver.integrator == integrator
+                && r.lane.diverged.is_none()
+                && (r.lane.driver.time - self.clock).abs() <= SAME * self.step
         };
         let Some(runner) = self.lanes.iter_mut().find(here) else {
             return false;
@@ -391,16 +383,18 @@ impl Run {
             return false;
         }
         let hero = &mut self.hero;
-        core::mem::swap(&mut runner.lane.state, state);
-        core::mem::swap(&mut runner.lane.memory, memory);
-        core::mem::swap(&mut runner.lane.contact, contact);
+        core::mem::swap(&mut runner.lane.driver.state, state);
+        core::mem::swap(&mut runner.lane.driver.memory, memory);
+        core::mem::swap(&mut runner.lane.driver.contact, contact);
         core::mem::swap(&mut runner.track, &mut hero.track);
-        runner.lane.integrator = core::mem::replace(&mut hero.integrator, integrator);
+        core::mem::swap(&mut runner.lane.balance, &mut hero.balance);
+        core::mem::swap(&mut runner.lane.diverged, &mut hero.diverged);
+        runner.lane.driver.integrator = core::mem::replace(&mut hero.integrator, integrator);
         (hero.state, hero.before) = (*state, *state);
         // Both stand at the same input.
         runner.next_input = self.inputs.end();
-        runner.law = self.law.clone();
-        core::mem::swap(&mut runner.next_impulse, &mut hero.next_impulse);
+        runner.lane.model = self.law.clone();
+        core::mem::swap(&mut runner.lane.next_impulse, &mut hero.next_impulse);
         core::mem::swap(&mut runner.reference, &mut hero.reference);
         self.checkpoints.clear();
         true

@@ -1,28 +1,30 @@
-//! Live timing of **every** integrator, not only of the one in use: each frame one integrator's turn comes, and
-//! it steps a copy of the scene's boxes under the scene's forces, a batch large enough for the clock.
+//! Live timing, two figures: what a step of this scene costs in the plugin, by its own clock, and what it would cost
+//! under **every** integrator, on one snapshot of the scene's bodies in turns ([`Snapshot`]). Neither is older than two
+//! seconds, and both begin again where scene, step or load change.
 
 use std::collections::VecDeque;
-use std::time::Instant;
+use std::time::Duration;
 
 use bevy::prelude::*;
-use box_physics::floor::{
-    ContactSettings, ContactState, Floor, FloorContext, may_touch, step_on_floor,
-};
-use box_physics::integrators::{Integrate, IntegratorVisitor};
-use box_physics::prelude::{
-    BodyState, ForceModel, Forces, Gravity, Integrator, IntegratorMemory, PhysicsClock, RigidBox,
-    StepOutcome,
-};
+use box_bench::measure::Cost;
+use box_bench::snapshot::{Sample, Snapshot};
+use box_physics::floor::{ContactSettings, ContactState, Floor};
+use box_physics::plugin::Stage;
+use box_physics::prelude::{BodyState, Integrator, PhysicsClock, PhysicsTimings, RigidBox};
 
 use crate::compare::Comparison;
+use crate::scene::session::Session;
 
-/// Samples per integrator from which minimum, median and 95th percentile are taken.
-const WINDOW: usize = 60;
-/// Bodies in a batch at most: they fit the first-level cache, and a batch at the floor stays within a
-/// millisecond.
-const BATCH: usize = 128;
-/// A sample lasts at least this long \[ns\].
-const SHORTEST: f64 = 100_000.0;
+/// Figures come from the last two seconds \[s\].
+const WINDOW: f64 = 2.0;
+/// Steps of the plugin that are kept: a step in each of 120 frames a second, or the last of many in a frame.
+const STEPS: usize = 240;
+/// A sample lasts at least this long.
+const SHORTEST: Duration = Duration::from_micros(100);
+/// Time for samples in a frame; at least one integrator has its turn.
+const BUDGET: Duration = Duration::from_micros(300);
+/// Points of the plotted past per integrator: five minutes at least.
+const HISTORY: usize = 3600;
 
 /// Times every integrator live.
 pub struct SamplingPlugin;
@@ -34,15 +36,31 @@ impl Plugin for SamplingPlugin {
     }
 }
 
-/// The samples of every integrator.
+/// The recent samples of every integrator and of the plugin.
 #[derive(Resource)]
 pub struct IntegratorSamples {
-    recent: Vec<VecDeque<f64>>,
+    recent: Vec<VecDeque<(f64, f64)>>,
     evaluations: Vec<f64>,
     /// Medians over time: (time since start \[s\], ns), per integrator.
     history: Vec<VecDeque<(f64, f64)>>,
+    /// Time since start \[s\], and each stage of one step \[µs\].
+    plugin: VecDeque<(f64, [f64; Stage::ALL.len()])>,
+    /// Steps of the plugin at its last sample.
+    steps: u64,
     next: usize,
-    batch: Batch,
+    snapshot: Option<Snapshot>,
+    load: Option<Load>,
+}
+
+/// What the samples belong to.
+#[derive(Clone, Debug, PartialEq)]
+struct Load {
+    scene: Option<String>,
+    h: f64,
+    boxes: usize,
+    floor: bool,
+    /// Whether the forces are more than gravity.
+    forced: bool,
 }
 
 impl Default for IntegratorSamples {
@@ -52,23 +70,22 @@ impl Default for IntegratorSamples {
             recent: vec![VecDeque::new(); n],
             evaluations: vec![0.0; n],
             history: vec![VecDeque::new(); n],
+            plugin: VecDeque::new(),
+            steps: 0,
             next: 0,
-            batch: Batch::default(),
+            snapshot: None,
+            load: None,
         }
     }
 }
 
 impl IntegratorSamples {
-    /// Minimum, median and 95th percentile [ns per body-step].
+    /// Minimum, median and 95th percentile [ns per body-step] of the last two seconds.
     pub fn statistics(&self, integrator: Integrator) -> Option<(f64, f64, f64)> {
         let recent = &self.recent[integrator.index()];
-        if recent.is_empty() {
-            return None;
-        }
-        let mut sorted: Vec<f64> = recent.iter().copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        let at = |q: f64| sorted[((sorted.len() - 1) as f64 * q).round() as usize];
-        Some((sorted[0], at(0.5), at(0.95)))
+        let recent: Vec<f64> = recent.iter().map(|s| s.1).collect();
+        let cost = (!recent.is_empty()).then(|| Cost::of(&recent))?;
+        Some((cost.min, cost.median, cost.p95))
     }
 
     /// Force evaluations per body-step, measured.
@@ -81,243 +98,170 @@ impl IntegratorSamples {
         self.history[integrator.index()].iter().copied()
     }
 
+    /// What each stage of a step took in the plugin \[µs\], the median of the last two seconds.
+    pub fn plugin(&self) -> Option<[f64; Stage::ALL.len()]> {
+        let stage = |k: usize| {
+            let recent: Vec<f64> = self.plugin.iter().map(|s| s.1[k]).collect();
+            Cost::of(&recent).median
+        };
+        (!self.plugin.is_empty()).then(|| core::array::from_fn(stage))
+    }
+
+    /// Age \[s\] at `time` \[s\] of the oldest sample that a figure is made from.
+    pub fn oldest(&self, time: f64) -> f64 {
+        let first = self.recent.iter().filter_map(|r| r.front().map(|s| s.0));
+        first
+            .chain(self.plugin.front().map(|s| s.0))
+            .fold(0.0, |age: f64, t| age.max(time - t))
+    }
+
+    /// Drops what is too old, or everything if the load is another.
+    fn begin(&mut self, time: f64, load: Load) {
+        if self.load.as_ref() != Some(&load) {
+            self.recent.iter_mut().for_each(VecDeque::clear);
+            self.plugin.clear();
+            self.snapshot = None;
+            self.load = Some(load);
+        }
+        let old = |t: f64| time - t > WINDOW;
+        for recent in &mut self.recent {
+            while recent.front().is_some_and(|s| old(s.0)) {
+                recent.pop_front();
+            }
+        }
+        while self.plugin.front().is_some_and(|s| old(s.0)) || self.plugin.len() >= STEPS {
+            self.plugin.pop_front();
+        }
+    }
+
     fn record(&mut self, integrator: Integrator, time: f64, sample: Sample) {
         let k = integrator.index();
-        let recent = &mut self.recent[k];
-        recent.push_back(sample.nanoseconds);
-        if recent.len() > WINDOW {
-            recent.pop_front();
-        }
+        self.recent[k].push_back((time, sample.nanoseconds));
         self.evaluations[k] = sample.evaluations;
         if let Some((_, median, _)) = self.statistics(integrator) {
             let history = &mut self.history[k];
             history.push_back((time, median));
-            // At 60 frames a second and five integrators or more: at least five minutes.
-            if history.len() > 3600 {
+            if history.len() > HISTORY {
                 history.pop_front();
             }
         }
     }
-}
 
-/// A copy of the scene's boxes, cycled up to a useful number.
-#[derive(Default)]
-struct Batch {
-    bodies: Vec<RigidBox>,
-    start: Vec<BodyState>,
-    states: Vec<BodyState>,
-    memories: Vec<IntegratorMemory>,
-    contacts: Vec<ContactState>,
-}
-
-impl Batch {
-    fn load<'a>(&mut self, boxes: impl Iterator<Item = (&'a RigidBox, &'a BodyState)> + Clone) {
-        self.bodies.clear();
-        self.start.clear();
-        let present = boxes.clone().count().min(BATCH);
-        if present == 0 {
-            return;
-        }
-        // Whole cycles, at least 64 bodies.
-        let cycles = 64_usize.div_ceil(present);
-        for (body, state) in boxes.take(BATCH).cycle().take(present * cycles) {
-            self.bodies.push(*body);
-            self.start.push(*state);
-        }
-        let n = self.bodies.len();
-        self.memories = vec![IntegratorMemory::default(); n];
-        self.contacts = vec![ContactState::default(); n];
-    }
-}
-
-/// One measurement.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sample {
-    /// ns per body-step.
-    pub nanoseconds: f64,
-    /// Force evaluations per body-step.
-    pub evaluations: f64,
-}
-
-/// Times `passes` steps of the whole batch.
-struct Passes<'a, F> {
-    batch: &'a mut Batch,
-    law: &'a F,
-    floor: Option<(&'a Floor, &'a ContactSettings)>,
-    h: f64,
-    passes: u32,
-}
-
-impl<F: ForceModel> IntegratorVisitor for Passes<'_, F> {
-    type Output = Sample;
-
-    fn visit<S: Integrate>(self) -> Sample {
-        let Batch {
-            bodies,
-            start,
-            states,
-            memories,
-            contacts,
-        } = self.batch;
-        states.clone_from(start);
-        let mut outcome = StepOutcome::default();
-        let clock = Instant::now();
-        for _ in 0..self.passes {
-            for i in 0..bodies.len() {
-                let (body, state, memory) = (&bodies[i], &mut states[i], &mut memories[i]);
-                outcome += match self.floor {
-                    Some((floor, settings)) if may_touch(floor, body, state, self.law, self.h) => {
-                        let contact = &mut contacts[i];
-                        step_on_floor::<S, F>(
-                            &FloorContext {
-                                floor,
-                                settings,
-                                body,
-                                force: self.law,
-                            },
-                            state,
-                            self.h,
-                            memory,
-                            contact,
-                            None,
-                        )
-                        .step
-                    }
-                    _ => S::step(body, state, self.law, self.h, memory),
-                };
-            }
-        }
-        let elapsed = clock.elapsed().as_nanos() as f64;
-        std::hint::black_box(&states);
-        let count = f64::from(self.passes) * bodies.len() as f64;
-        Sample {
-            nanoseconds: elapsed / count,
-            evaluations: f64::from(outcome.evaluations) / count,
+    fn record_plugin(&mut self, time: f64, steps: u64, timings: &PhysicsTimings) {
+        // A paused clock takes no step that could be measured.
+        if steps != self.steps {
+            self.steps = steps;
+            let stages = Stage::ALL.map(|s| timings.stage(s) as f64 * 1e-3);
+            self.plugin.push_back((time, stages));
         }
     }
 }
 
-/// A sample of at least 100 µs of one integrator on these boxes.
-pub fn measure<'a>(
-    integrator: Integrator,
-    boxes: impl Iterator<Item = (&'a RigidBox, &'a BodyState)> + Clone,
-    law: &Forces,
-    floor: Option<(&Floor, &ContactSettings)>,
-    h: f64,
-) -> Option<Sample> {
-    let mut batch = Batch::default();
-    batch.load(boxes);
-    sample(&mut batch, integrator, law, floor, h)
-}
-
-fn sample(
-    batch: &mut Batch,
-    integrator: Integrator,
-    law: &Forces,
-    floor: Option<(&Floor, &ContactSettings)>,
-    h: f64,
-) -> Option<Sample> {
-    if batch.bodies.is_empty() || h <= 0.0 {
-        return None;
-    }
-    let free = !law.has_wrench() && law.dissipation() == Default::default();
-    let mut passes = 1;
-    loop {
-        // What the plugin does: gravity alone has a loop of its own.
-        let sample = if free {
-            let law = &Gravity(law.acceleration);
-            integrator.dispatch(Passes {
-                batch,
-                law,
-                floor,
-                h,
-                passes,
-            })
-        } else {
-            integrator.dispatch(Passes {
-                batch,
-                law,
-                floor,
-                h,
-                passes,
-            })
-        };
-        let total = sample.nanoseconds * f64::from(passes) * batch.bodies.len() as f64;
-        if total >= SHORTEST || passes >= 4096 {
-            return Some(sample);
-        }
-        passes = (f64::from(passes) * (1.2 * SHORTEST / total.max(1.0)))
-            .ceil()
-            .min(4096.0) as u32;
-    }
-}
-
-/// One integrator's turn.
+/// The next integrators' turns; a snapshot is taken before the first of them.
 pub fn sample_integrators(
     mut samples: ResMut<IntegratorSamples>,
-    boxes: Query<(&RigidBox, &BodyState)>,
+    boxes: Query<(&RigidBox, &BodyState, Option<&ContactState>)>,
     comparison: Res<Comparison>,
     clock: Res<PhysicsClock>,
     fixed: Res<Time<Fixed>>,
     floor: Option<Res<Floor>>,
     settings: Res<ContactSettings>,
+    (timings, session): (Option<Res<PhysicsTimings>>, Option<Res<Session>>),
     time: Res<Time<Real>>,
 ) {
     let Some(run) = &comparison.run else {
         return;
     };
     let samples = &mut *samples;
-    let integrator = Integrator::ALL[samples.next % Integrator::ALL.len()];
-    samples.next += 1;
-    samples.batch.load(boxes.iter());
-    let law = run.law.forces.forces(&run.law.body);
-    let floor = floor.as_deref().map(|f| (f, &*settings));
+    let now = time.elapsed_secs_f64();
     let h = fixed.timestep().as_secs_f64() / f64::from(clock.substeps.max(1));
-    if let Some(sample) = sample(&mut samples.batch, integrator, &law, floor, h) {
-        samples.record(integrator, time.elapsed_secs_f64(), sample);
+    samples.begin(
+        now,
+        Load {
+            scene: session.map(|s| s.run_id()),
+            h,
+            boxes: boxes.iter().len(),
+            floor: floor.is_some(),
+            forced: !run.law.forces.is_gravity_alone(),
+        },
+    );
+    if let Some(timings) = &timings {
+        samples.record_plugin(now, clock.steps(), timings);
+    }
+    let started = std::time::Instant::now();
+    loop {
+        if samples.next == 0 || samples.snapshot.is_none() {
+            let floor = floor.as_deref().map(|f| (*f, settings.clone()));
+            let boxes = boxes.iter();
+            let boxes = boxes
+                .map(|(body, state, contact)| (body, state, contact.cloned().unwrap_or_default()));
+            samples.snapshot = Snapshot::new(boxes, &run.law.forces, floor, h);
+        }
+        let Some(snapshot) = &mut samples.snapshot else {
+            return;
+        };
+        let integrator = Integrator::ALL[samples.next];
+        let sample = snapshot.time(integrator, SHORTEST);
+        samples.record(integrator, now, sample);
+        samples.next = (samples.next + 1) % Integrator::ALL.len();
+        if started.elapsed() >= BUDGET {
+            return;
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use box_physics::prelude::DVec3;
 
-    #[test]
-    fn every_integrator_can_be_sampled_on_any_load() {
-        let bodies = [RigidBox::default(); 3];
-        let states = [BodyState::at(DVec3::Y * 9.0); 3];
-        let law = Forces {
-            acceleration: DVec3::NEG_Y,
-            ..Default::default()
-        };
-        let mut samples = IntegratorSamples::default();
-        for &i in Integrator::ALL {
-            let sample = measure(i, bodies.iter().zip(&states), &law, None, 1.0 / 60.0)
-                .expect("three boxes");
-            assert!(sample.nanoseconds > 0.0 && sample.nanoseconds.is_finite());
-            assert!(sample.evaluations >= 1.0, "{i}");
-            samples.record(i, 1.0, sample);
-            let (low, median, high) = samples.statistics(i).expect("one sample");
-            assert!(low <= median && median <= high);
+    fn load(h: f64) -> Load {
+        Load {
+            scene: None,
+            h,
+            boxes: 1,
+            floor: false,
+            forced: false,
         }
-        assert!(measure(Integrator::Split, [].into_iter(), &law, None, 0.1).is_none());
+    }
+
+    fn sample(nanoseconds: f64) -> Sample {
+        Sample {
+            nanoseconds,
+            evaluations: 1.0,
+        }
+    }
+
+    /// A second after a change nothing of before is in the figures, and at no time anything older than two seconds.
+    #[test]
+    fn nothing_is_older_than_two_seconds_or_of_another_load() {
+        let mut samples = IntegratorSamples::default();
+        let split = Integrator::Split;
+        for n in 0_u32..600 {
+            let time = f64::from(n) / 60.0;
+            samples.begin(time, load(0.1));
+            samples.record(split, time, sample(if n < 300 { 900.0 } else { 20.0 }));
+            samples.record_plugin(time, n.into(), &PhysicsTimings::default());
+            assert!(samples.oldest(time) <= WINDOW);
+        }
+        assert_eq!(samples.statistics(split), Some((20.0, 20.0, 20.0)));
+        assert!(samples.plugin().is_some());
+        samples.begin(10.0, load(0.2));
+        assert_eq!(samples.statistics(split), None);
+        assert_eq!(samples.plugin(), None);
+        samples.record(split, 10.0, sample(5.0));
+        assert_eq!(samples.statistics(split), Some((5.0, 5.0, 5.0)));
     }
 
     #[test]
     fn memory_stays_flat() {
         let mut samples = IntegratorSamples::default();
-        for n in 0..10_000 {
-            samples.record(
-                Integrator::Split,
-                f64::from(n),
-                Sample {
-                    nanoseconds: 50.0,
-                    evaluations: 1.0,
-                },
-            );
+        for n in 0_u32..10_000 {
+            samples.begin(f64::from(n) * 1e-3, load(0.1));
+            samples.record(Integrator::Split, f64::from(n) * 1e-3, sample(50.0));
+            samples.record_plugin(f64::from(n) * 1e-3, n.into(), &PhysicsTimings::default());
         }
-        assert_eq!(samples.history(Integrator::Split).count(), 3600);
-        assert_eq!(samples.recent[0].len(), WINDOW);
+        assert_eq!(samples.history(Integrator::Split).count(), HISTORY);
+        assert!(samples.recent[0].len() <= 2001);
+        assert!(samples.plugin.len() <= STEPS);
     }
 }

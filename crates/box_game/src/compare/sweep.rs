@@ -6,12 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use box_physics::prelude::Integrator;
-use box_scenarios::simulate::sanity;
-use box_scenarios::{ReferenceSolution, Setup, StateError};
-
-use super::reference::Reference;
-use crate::compare::lane::{Lane, Law};
+use box_physics::prelude::{BodyState, Integrator};
+use box_scenarios::runner::DUE;
+use box_scenarios::{LiveReference, Model, Plan, Runner, Setup, StateError, run_plan};
 
 /// Rates of the steps [1/s], coarsest first; every step fits a whole number of times into the first.
 pub const RATES: [u32; 8] = [15, 30, 60, 120, 240, 480, 960, 1920];
@@ -127,16 +124,9 @@ impl Drop for Sweep {
 }
 
 fn run(setup: &Setup, integrators: &[Integrator], shared: &Shared) {
-    let law = Arc::new(Law::of(setup));
-    let truth = ReferenceSolution::of(setup);
+    let model = Arc::new(Model::of(setup));
     // Fine enough for the finest step: 1/30720 s.
-    let mut reference = Reference::new(
-        &law,
-        setup.initial,
-        &setup.impulses,
-        Some(truth),
-        1.0 / 480.0,
-    );
+    let mut reference = LiveReference::of(setup, 1.0 / 480.0);
     let seconds = setup.duration.min(LONGEST);
     let samples = (seconds * f64::from(RATES[0])).floor().max(1.0) as u32;
     let mut trusted = Vec::new();
@@ -149,7 +139,9 @@ fn run(setup: &Setup, integrators: &[Integrator], shared: &Shared) {
             None => break,
         }
     }
-    let limits = sanity(setup, &trusted);
+    let times: Vec<f64> = (0..trusted.len())
+        .map(|k| k as f64 / f64::from(RATES[0]))
+        .collect();
     let radius = setup.body.radius();
     for &integrator in integrators {
         let mut points = Vec::new();
@@ -158,41 +150,16 @@ fn run(setup: &Setup, integrators: &[Integrator], shared: &Shared) {
                 break;
             }
             let (dt, parts) = (1.0 / f64::from(rate), rate / RATES[0]);
-            let mut point = SweepPoint {
+            let errors = errors(setup, &model, integrator, dt, parts, &trusted);
+            let cost =
+                errors.map(|_| cost(setup, integrator, &Plan::new(&times, &setup.impulses, dt)));
+            let simulated = times.last().copied().unwrap_or(0.0);
+            points.push(SweepPoint {
                 dt,
-                position: 0.0,
-                attitude: 0.0,
-                cost: f64::NAN,
-            };
-            let diverged = simulate(setup, &law, integrator, dt, parts, trusted.len(), |k, s| {
-                let error = StateError::between(s, &trusted[k]);
-                point.position = point.position.max(error.position);
-                point.attitude = point.attitude.max(error.attitude.to_degrees());
-                !limits.is_diverged(s)
+                position: errors.map_or(f64::NAN, |e| e.0),
+                attitude: errors.map_or(f64::NAN, |e| e.1.to_degrees()),
+                cost: cost.map_or(f64::NAN, |c| c.as_nanos() as f64 / simulated),
             });
-            if diverged {
-                (point.position, point.attitude) = (f64::NAN, f64::NAN);
-            } else {
-                let time = || {
-                    let start = Instant::now();
-                    simulate(setup, &law, integrator, dt, parts, trusted.len(), |_, _| {
-                        true
-                    });
-                    start.elapsed()
-                };
-                let began = Instant::now();
-                let mut best = time();
-                for n in 1..REPEATS {
-                    // Three at least: one may fall into another process's turn.
-                    if n >= 3 && began.elapsed() > PATIENCE {
-                        break;
-                    }
-                    best = best.min(time());
-                }
-                let simulated = (trusted.len() - 1) as f64 / f64::from(RATES[0]);
-                point.cost = best.as_nanos() as f64 / simulated;
-            }
-            points.push(point);
             shared.done.fetch_add(1, Ordering::Relaxed);
         }
         let fit = |error: fn(&SweepPoint) -> f64, unit: f64| {
@@ -212,39 +179,46 @@ fn run(setup: &Setup, integrators: &[Integrator], shared: &Shared) {
     }
 }
 
-/// Steps through the scene and shows the state at every sample to `look`, which says whether to go on.
-/// Returns whether it went wrong.
-fn simulate(
+/// Largest distance \[m\] and angle \[rad\] from the `trusted` states; `None` if it diverged.
+fn errors(
     setup: &Setup,
-    law: &Law,
+    model: &Arc<Model>,
     integrator: Integrator,
     dt: f64,
     parts: u32,
-    samples: usize,
-    mut look: impl FnMut(usize, &box_physics::prelude::BodyState) -> bool,
-) -> bool {
-    let mut lane = Lane::new(setup.initial, integrator);
-    let mut impulses = setup.impulses.iter().peekable();
-    for k in 0..samples {
-        if !look(k, &lane.state) {
-            return true;
+    trusted: &[BodyState],
+) -> Option<(f64, f64)> {
+    let mut runner = Runner::new(integrator, model, setup.initial, 0.0, &setup.impulses);
+    let mut worst = (0.0_f64, 0.0_f64);
+    for (k, expected) in trusted.iter().enumerate() {
+        for part in 0..if k > 0 { parts } else { 0 } {
+            let t = (k - 1) as f64 / f64::from(RATES[0]) + f64::from(part) * dt;
+            runner.take_impulses(&setup.impulses, t + DUE * dt);
+            runner.driver.time = t;
+            if !runner.step(dt) {
+                return None;
+            }
         }
-        if k + 1 == samples {
+        let error = StateError::between(&runner.driver.state, expected);
+        worst = (worst.0.max(error.position), worst.1.max(error.attitude));
+    }
+    Some(worst)
+}
+
+/// The shortest time of a few runs.
+fn cost(setup: &Setup, integrator: Integrator, plan: &Plan) -> Duration {
+    let began = Instant::now();
+    let mut best = Duration::MAX;
+    for n in 0..REPEATS {
+        // Three at least: one may fall into another process's turn.
+        if n >= 3 && began.elapsed() > PATIENCE {
             break;
         }
-        for part in 0..parts {
-            let t = (k as f64) / f64::from(RATES[0]) + f64::from(part) * dt;
-            while let Some(i) = impulses.next_if(|i| i.t <= t + 1e-9 * dt) {
-                lane.state
-                    .apply_impulse_at_body_point(&law.body, i.impulse, i.body_point);
-            }
-            if !lane.step(law, dt).sound {
-                return true;
-            }
-        }
+        let start = Instant::now();
+        run_plan(setup, integrator, plan, |_, _| true);
+        best = best.min(start.elapsed());
     }
-    std::hint::black_box(&lane);
-    false
+    best
 }
 
 /// The slope of log error over log dt, by least squares along the finest stretch of four neighboring

@@ -1,6 +1,7 @@
 //! What the panel shows of the comparison: plain data.
 
 use box_physics::prelude::Integrator;
+use box_scenarios::Status;
 
 use super::run::Rule;
 use super::series::Quantity;
@@ -51,6 +52,8 @@ pub struct CompareView {
     pub attitude: bool,
     /// Where the trusted answer comes from.
     pub reference: String,
+    /// After this time \[s\] the motion is chaotic, and there are no errors.
+    pub horizon: Option<f64>,
     /// Vertical lines in the plots.
     pub rules: Vec<Rule>,
     /// Whether nothing but inputs should change the energy.
@@ -76,8 +79,8 @@ pub struct LaneView {
     pub dt: f64,
     /// By how much it took the last input late \[s\].
     pub skew: f64,
-    /// In words: `ok`, `contact`, `resting`, `catching up`, `DIVERGED @ t = 3.2 s`.
-    pub status: String,
+    /// What can be said of it.
+    pub status: Status,
     /// Shortest, median, 95th percentile [ns per step].
     pub nanoseconds: Option<(f64, f64, f64)>,
     /// Force evaluations per step.
@@ -100,7 +103,7 @@ impl LaneView {
 
     /// Whether it was given up.
     pub fn diverged(&self) -> bool {
-        self.status.starts_with("DIVERGED")
+        self.status.is_diverged()
     }
 }
 
@@ -193,7 +196,7 @@ mod tests {
             hero,
             dt: 1.0 / 60.0,
             skew: 0.0,
-            status: "ok".into(),
+            status: Status::Ok,
             nanoseconds: Some((ns, ns, ns)),
             evaluations: 1.0,
             now: [0.0; Quantity::ALL.len()],
@@ -228,7 +231,10 @@ mod tests {
         );
         assert!(verdict(&with((0.0, 0.0), (0.0, 0.0))).contains("both right to rounding"));
         let mut view = with((0.0, 0.1), (0.0, 31.0));
-        view.lanes[1].status = "DIVERGED @ t = 3.2 s".into();
+        view.lanes[1].status = Status::Diverged(box_scenarios::Divergence {
+            t: 3.2,
+            reason: box_scenarios::Reason::Energy,
+        });
         assert_eq!(
             verdict(&view),
             "Semi-implicit Euler has diverged, RK4 has not."

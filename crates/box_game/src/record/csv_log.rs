@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::Resource;
+use box_scenarios::Status;
 use serde::Serialize;
 
 /// One row. Columns without a figure are empty.
@@ -41,16 +42,15 @@ pub struct Row {
     pub local_pos_err_m: Option<f64>,
     /// Kinetic and potential energy \[J\].
     pub energy_j: f64,
-    /// Energy that inputs, forces and floor do not account for, over |E₀|; headless (E − E₀)/|E₀|, where
-    /// the energy should be constant.
+    /// Energy that inputs, forces and floor do not account for, over |E₀|.
     pub energy_rel: Option<f64>,
-    /// |L| that they do not account for, over |L₀|; headless |L − L₀|/|L₀| in world axes, where it should
-    /// be constant.
+    /// Angular momentum (vector, world axes) that they do not account for, over |L₀|.
     pub angmom_rel: Option<f64>,
     /// Corners at the floor.
     pub contacts: u32,
     /// ok, contact, resting, quarantined or diverged.
-    pub state: String,
+    #[serde(serialize_with = "id")]
+    pub state: Status,
     /// CPU of this process [% of all cores].
     pub cpu_process_pct: Option<f64>,
     /// CPU of the system \[%\].
@@ -59,6 +59,10 @@ pub struct Row {
     pub frame_ms: Option<f64>,
     /// Pushes, switches and changes before this step.
     pub event: String,
+}
+
+fn id<S: serde::Serializer>(status: &Status, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(status.id())
 }
 
 /// An open log.

@@ -4,20 +4,19 @@
 use bevy::diagnostic::{DiagnosticsStore, FrameCount};
 use bevy::prelude::*;
 use box_physics::prelude::{
-    BodyState, ContactPhase, FloorContact, GlobalIntegrator, Integrator, PhysicsClock,
-    PhysicsTimings, Quarantined,
+    BodyState, GlobalIntegrator, Integrator, PhysicsClock, PhysicsTimings, Quarantined,
 };
 
 use super::csv_log::{CsvLog, Row};
 use super::history::{History, frame_time};
 use super::screenshot::next_free;
 use crate::action::Action;
-use crate::compare::lane::Law;
 use crate::compare::runner::Runner;
 use crate::compare::sampling::IntegratorSamples;
 use crate::compare::track::Track;
 use crate::compare::{Comparison, Quantity};
 use crate::scene::session::{Hero, Session};
+use box_scenarios::{Model, Status};
 
 /// Observes the switch of the log.
 pub(super) fn on_action(
@@ -66,7 +65,6 @@ pub(super) fn write_rows(
         Option<Res<FrameCount>>,
         Option<Res<Time<Real>>>,
     ),
-    mut contacts: MessageReader<FloorContact>,
     mut commands: Commands,
 ) {
     if let Some(timings) = &timings {
@@ -77,10 +75,6 @@ pub(super) fn write_rows(
         }
     }
     let event = core::mem::take(&mut session.events).join("; ");
-    let touching = contacts
-        .read()
-        .filter(|c| c.phase != ContactPhase::Ended)
-        .count() as u32;
     let (Some(mut log), Some((state, quarantined))) = (log, hero.iter().next()) else {
         return;
     };
@@ -104,15 +98,12 @@ pub(super) fn write_rows(
         dt_s: clock.step() * f64::from(substeps),
         substeps,
         rhs_evals: outcome.map_or(0, |o| u64::from(o.evaluations)),
-        contacts: touching,
-        state: match (quarantined, touching) {
-            (true, _) => "quarantined",
-            _ if run.hero.track.diverged.is_some() => "diverged",
-            (false, 0) => "ok",
-            (false, _) if state.velocity.length() == 0.0 => "resting",
-            (false, _) => "contact",
-        }
-        .to_owned(),
+        contacts: run.hero.contacts,
+        state: if quarantined {
+            Status::Quarantined
+        } else {
+            run.hero.status()
+        },
         event,
         ..measured(
             &common,
@@ -125,9 +116,9 @@ pub(super) fn write_rows(
         )
     }];
     for (k, runner) in run.lanes.iter_mut().enumerate() {
-        if runner.lane.steps != runner.logged {
+        if runner.lane.driver.totals.steps != runner.logged {
             rows.push(lane_row(&common, k as u32 + 1, runner, run.step, &samples));
-            runner.logged = runner.lane.steps;
+            runner.logged = runner.lane.driver.totals.steps;
         }
     }
     for row in rows {
@@ -146,21 +137,15 @@ fn lane_row(
     step: f64,
     samples: &IntegratorSamples,
 ) -> Row {
-    let lane = &runner.lane;
+    let lane = &runner.lane.driver;
     let skew = core::mem::take(&mut runner.skew);
     Row {
         sim_t_s: lane.time,
         dt_s: runner.factor * step,
         substeps: 1,
-        rhs_evals: u64::from(lane.outcome.evaluations) / lane.steps.max(1),
+        rhs_evals: lane.totals.evaluations / lane.totals.steps.max(1),
         contacts: lane.contacts(),
-        state: match runner.track.diverged {
-            Some(_) => "diverged",
-            None if lane.contacts() == 0 => "ok",
-            None if lane.state.velocity.length() == 0.0 => "resting",
-            None => "contact",
-        }
-        .to_owned(),
+        state: runner.lane.status(),
         event: if skew > 0.0 {
             format!("input {skew:e} s late")
         } else {
@@ -170,7 +155,7 @@ fn lane_row(
             common,
             number,
             lane.integrator,
-            &runner.law,
+            &runner.lane.model,
             &lane.state,
             &runner.track,
             samples,
@@ -183,7 +168,7 @@ fn measured(
     common: &Row,
     lane: u32,
     integrator: Integrator,
-    law: &Law,
+    law: &Model,
     state: &BodyState,
     track: &Track,
     samples: &IntegratorSamples,
@@ -200,7 +185,7 @@ fn measured(
         local_pos_err_m: known(Quantity::LocalPosition),
         energy_j: law.energy(state),
         energy_rel: known(Quantity::Energy),
-        angmom_rel: known(Quantity::Momentum),
+        angmom_rel: Some(track.now.momentum).filter(|v| v.is_finite()),
         ..common.clone()
     }
 }

@@ -7,8 +7,7 @@ use bevy::render::renderer::RenderAdapterInfo;
 use box_physics::energy::potential_energy;
 use box_physics::prelude::Floor;
 use box_physics::prelude::{
-    BodyState, GlobalIntegrator, Integrator, PhysicsClock, PhysicsTimings, Quarantined, RigidBox,
-    WorldAabb,
+    BodyState, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox, WorldAabb,
 };
 
 use crate::compare::Comparison;
@@ -32,7 +31,6 @@ pub struct Sources<'w, 's> {
     clock: Res<'w, PhysicsClock>,
     history: Res<'w, History>,
     samples: Res<'w, IntegratorSamples>,
-    timings: Option<Res<'w, PhysicsTimings>>,
     diagnostics: Option<Res<'w, DiagnosticsStore>>,
     log: Option<Res<'w, CsvLog>>,
     floor: Option<Res<'w, Floor>>,
@@ -84,7 +82,7 @@ pub fn view(s: &Sources) -> PanelView {
             .collect(),
         fallbacks: session.fallbacks,
         unconverged: session.unconverged,
-        step_time_us: s.timings.as_ref().map_or(0.0, |t| t.total() as f64 * 1e-3),
+        stages_us: s.samples.plugin(),
         frame_time_ms: frame_time(s.diagnostics.as_deref()).unwrap_or(0.0),
         history: if open {
             history(s)

@@ -34,6 +34,16 @@ impl Stage {
     /// Every stage, in the order of a step.
     pub const ALL: [Self; 4] = [Self::Integrate, Self::Contact, Self::Refit, Self::Writeback];
 
+    /// As shown.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Integrate => "integrate",
+            Self::Contact => "contact",
+            Self::Refit => "refit",
+            Self::Writeback => "writeback",
+        }
+    }
+
     /// Its diagnostic: `box_physics/integrate`, … in microseconds.
     pub fn path(self) -> DiagnosticPath {
         DiagnosticPath::new(match self {

@@ -3,14 +3,10 @@
 use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, Integrator};
-use box_scenarios::ReferenceSolution;
+use box_scenarios::{Balance, Change, LiveReference, Model, ReferenceSolution};
 
 use super::Run;
 use crate::compare::Quantity;
-use crate::compare::input::Change;
-use crate::compare::lane::Law;
-use crate::compare::ledger::Ledger;
-use crate::compare::reference::Reference;
 use crate::compare::runner::{Runner, SAME, Saved};
 use crate::compare::track::Track;
 
@@ -21,9 +17,9 @@ const CHECKPOINTS: usize = 240;
 #[derive(Clone, Debug)]
 pub(super) struct Checkpoint {
     t: f64,
-    reference: Reference,
-    law: Arc<Law>,
-    hero: (Ledger, (f64, f64)),
+    reference: LiveReference,
+    law: Arc<Model>,
+    hero: (Balance, (f64, f64)),
     lanes: Vec<Saved>,
 }
 
@@ -35,12 +31,12 @@ impl Run {
             .back()
             .is_none_or(|last| self.clock >= last.t + CHECKPOINT);
         if due {
-            let track = &self.hero.track;
+            let hero = &self.hero;
             self.checkpoints.push_back(Checkpoint {
                 t: self.clock,
                 reference: self.reference.clone(),
                 law: self.law.clone(),
-                hero: (track.ledger, track.now.worst),
+                hero: (hero.balance, hero.track.now.worst),
                 lanes: self.lanes.iter().map(Runner::save).collect(),
             });
             if self.checkpoints.len() > CHECKPOINTS {
@@ -60,10 +56,14 @@ impl Run {
         while self.rules.back().is_some_and(|r| r.t > t + margin) {
             self.rules.pop_back();
         }
-        let integrators: Vec<Integrator> = self.lanes.iter().map(|r| r.lane.integrator).collect();
+        let integrators: Vec<Integrator> = self
+            .lanes
+            .iter()
+            .map(|r| r.lane.driver.integrator)
+            .collect();
         let Some(c) = self.checkpoints.back().cloned() else {
             // Before the first: anew from the start.
-            self.reference = Reference::new(
+            self.reference = LiveReference::new(
                 &self.start.0,
                 self.start.1,
                 &self.impulses,
@@ -77,7 +77,8 @@ impl Run {
             self.law = self.start.0.clone();
             self.lanes.clear();
             self.choose(integrators);
-            self.hero.track = Track::new(&self.law, &self.start.1, 0.0);
+            self.hero.balance = Balance::new(&self.law, &self.start.1);
+            self.hero.track = Track::new(&self.law, &self.hero.balance, &self.start.1, 0.0);
             self.arrive(t, state);
             return;
         };
@@ -85,13 +86,16 @@ impl Run {
         self.law = c.law.clone();
         let mut lanes = core::mem::take(&mut self.lanes);
         lanes.retain_mut(|r| {
-            let saved = c.lanes.iter().find(|s| s.integrator() == r.lane.integrator);
+            let saved = c
+                .lanes
+                .iter()
+                .find(|s| s.integrator() == r.lane.driver.integrator);
             saved.map(|s| r.restore(s)).is_some()
         });
         self.lanes = lanes;
         self.choose(integrators);
-        let track = &mut self.hero.track;
-        (track.ledger, track.now.worst) = c.hero;
+        let hero = &mut self.hero;
+        (hero.balance, hero.track.now.worst) = c.hero;
         self.arrive(t, state);
     }
 
@@ -102,7 +106,7 @@ impl Run {
         for n in 0..self.inputs.end() {
             if let Some(input) = self.inputs.get(n).filter(|i| i.t >= from - 1e-12).cloned() {
                 self.reference.push(input.t, &input.change);
-                if let Change::Law(law) = input.change {
+                if let Change::Model(law) = input.change {
                     self.law = law;
                 }
             }
@@ -114,8 +118,8 @@ impl Run {
             let energy = s.get(Quantity::Energy);
             if energy.is_finite() { energy } else { 0.0 }
         });
-        self.hero.track.ledger.rebase(&self.law, state, left);
-        self.hero.track.diverged = self.hero.track.diverged.filter(|d| *d <= t);
+        self.hero.balance.rebase(&self.law, state, left);
+        self.hero.diverged = self.hero.diverged.filter(|d| d.t <= t);
         self.hero.state = *state;
         self.hero.before = *state;
         self.hero.reference = self.reference.at(t);

@@ -5,7 +5,6 @@ use bevy_egui::egui::{
     WidgetInfo, WidgetType,
 };
 
-use super::format::number;
 use super::keys::KEYS;
 use super::memory::PanelMemory;
 use super::view::PanelView;
@@ -187,9 +186,9 @@ pub(super) fn hud(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         text.push_str(" · PAUSED");
     }
     text.push_str(&format!(
-        " · t = {:.3} s · {} µs/step",
+        " · t = {:.3} s · {}/step",
         view.time,
-        number((view.step_time_us * 10.0).round() / 10.0)
+        view.step_time()
     ));
     if view.log.is_some() {
         text.push_str(" · ● REC");

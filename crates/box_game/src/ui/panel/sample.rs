@@ -69,7 +69,7 @@ pub fn sample_view() -> PanelView {
             .collect(),
         fallbacks: 0,
         unconverged: 0,
-        step_time_us: 0.8,
+        stages_us: Some([0.5, 0.1, 0.1, 0.1]),
         frame_time_ms: 16.7,
         history: HistoryView {
             timing: (0..Integrator::ALL.len())
@@ -116,7 +116,7 @@ fn sample_comparison() -> CompareView {
                     hero: k == 0,
                     dt: 1.0 / 60.0,
                     skew: 0.0,
-                    status: "ok".into(),
+                    status: Default::default(),
                     nanoseconds: Some((50.0, 60.0, 80.0)),
                     evaluations: 1.0,
                     now: [error; Quantity::ALL.len()],

@@ -1,9 +1,11 @@
 //! Content of the panel: plain data, filled by the game. The panel is a pure function of it and is tested
 //! without a window.
 
+use box_physics::plugin::Stage;
 use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::dissertation::Stepper;
 
+use super::format::number;
 use crate::action::Plot;
 use crate::compare::CompareView;
 use crate::parameters::Parameters;
@@ -46,9 +48,9 @@ pub struct PanelView {
     pub fallbacks: u64,
     /// Body-steps since then whose iteration ended at its cap.
     pub unconverged: u64,
-    /// Time of the plugin's last step, all bodies \[µs\], and of the frame \[ms\].
-    pub step_time_us: f64,
-    /// See `step_time_us`.
+    /// Time of each stage of a step in the plugin, all bodies \[µs\]; `None` while it takes no steps.
+    pub stages_us: Option<[f64; Stage::ALL.len()]>,
+    /// Time of the last frame \[ms\].
     pub frame_time_ms: f64,
     /// Histories for the plots.
     pub history: HistoryView,
@@ -80,6 +82,21 @@ pub struct PanelView {
     pub show_picker: bool,
     /// The demo of 2012, in its scene.
     pub demo: Option<DemoView>,
+}
+
+impl PanelView {
+    /// Time of a step in the plugin, as shown: `0.8 µs`.
+    pub fn step_time(&self) -> String {
+        self.stages_us.map_or_else(
+            || "– µs".to_owned(),
+            |stages| {
+                format!(
+                    "{} µs",
+                    number((stages.iter().sum::<f64>() * 10.0).round() / 10.0)
+                )
+            },
+        )
+    }
 }
 
 /// The demo of 2012.

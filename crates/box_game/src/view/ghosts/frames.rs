@@ -106,7 +106,7 @@ impl Lines<'_> {
     fn draw<G: GizmoConfigGroup>(
         &self,
         gizmos: &mut Gizmos<G>,
-        (integrator, state, _, offset): Shown<'_>,
+        (integrator, state, _, offset, _): Shown<'_>,
     ) {
         if self.edges {
             for [a, b] in edges(self.body, state, offset) {

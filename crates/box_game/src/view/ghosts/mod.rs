@@ -107,7 +107,7 @@ fn place_ghosts(
             visibility.set_if_neq(Visibility::Hidden);
             continue;
         };
-        let ((integrator, state, _, offset), k) = missing.swap_remove(n);
+        let ((integrator, state, _, offset, _), k) = missing.swap_remove(n);
         *transform = pose(state, *offset);
         visibility.set_if_neq(Visibility::Visible);
         let [clear, solid] = tint(*integrator);
@@ -124,7 +124,7 @@ fn place_ghosts(
         }
         layers.set_if_neq(views::only(view));
     }
-    for ((integrator, state, _, offset), _) in missing {
+    for ((integrator, state, _, offset, _), _) in missing {
         commands.spawn((
             Ghost(*integrator),
             Mesh3d(plain.clone()),

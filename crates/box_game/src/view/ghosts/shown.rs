@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Integrator};
+use box_scenarios::Status;
 
 use crate::action::compare::Layout;
 use crate::camera::views;
@@ -12,8 +13,8 @@ use crate::view::style;
 /// Distance of two lanes in radii of the box.
 const PITCH: f32 = 2.7;
 
-/// A trajectory that is drawn: integrator, state, books, by how much its picture is shifted.
-pub(super) type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3);
+/// A trajectory that is drawn: integrator, state, what is measured of it, by how much its picture is shifted, status.
+pub(super) type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3, Status);
 
 /// Every trajectory that is drawn, the hero's first.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
@@ -22,6 +23,7 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
         &run.hero.state,
         &run.hero.track,
         Vec3::ZERO,
+        run.hero.status(),
     );
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
     let lanes = run.lanes.iter().enumerate().map(|(k, r)| {
@@ -29,7 +31,9 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
             Layout::Lanes => side * place(k),
             Layout::Solo | Layout::Ghosts | Layout::Views => Vec3::ZERO,
         };
-        (r.lane.integrator, &r.lane.state, &r.track, offset)
+        let driver = &r.lane.driver;
+        let (integrator, state) = (driver.integrator, &driver.state);
+        (integrator, state, &r.track, offset, r.lane.status())
     });
     let beside = match layout {
         Layout::Solo => 0,

@@ -11,6 +11,7 @@ use crate::compare::{Comparison, Quantity};
 use crate::demo_2012::Demo2012;
 use crate::scene::session::Session;
 use crate::view::style;
+use box_scenarios::Status;
 
 /// In a picture narrower than this \[points\] a tag is the integrator's mark without its name: it would cover
 /// the box.
@@ -73,13 +74,13 @@ pub(super) fn draw_tags(
     let narrow = cells.first().unwrap_or(&view).width() < NARROW;
     let line = if hidden { 46.0 } else { 10.0 };
     let mut next = view.top() + line;
-    for (k, (integrator, state, track, offset)) in lanes.into_iter().enumerate() {
+    for (k, (integrator, state, track, offset, status)) in lanes.into_iter().enumerate() {
         let name = match stepper {
             Some(stepper) if k == 0 => stepper.name().to_owned(),
             _ if narrow => style::of(integrator).glyph.to_owned(),
             _ => style::tagged(integrator),
         };
-        let text = tag(name, k == 0 && !narrow, track, attitude);
+        let text = tag(name, k == 0 && !narrow, track, status, attitude);
         let center = state.position.as_vec3() + offset;
         let font = egui::FontId::proportional(13.0);
         let looks = style::of(integrator).color();
@@ -123,7 +124,7 @@ pub(super) fn draw_tags(
         };
         let place = egui::Rect::from_min_size(corner, size);
         taken.push(place);
-        painter.rect_filled(place, 4.0, heat(track, attitude));
+        painter.rect_filled(place, 4.0, heat(track, status, attitude));
         painter.rect_stroke(
             place,
             4.0,
@@ -136,12 +137,12 @@ pub(super) fn draw_tags(
 }
 
 /// `■ RK4 · 0.13°`.
-fn tag(mut text: String, hero: bool, track: &Track, attitude: bool) -> String {
+fn tag(mut text: String, hero: bool, track: &Track, status: Status, attitude: bool) -> String {
     if hero {
         text.push_str(" (main)");
     }
-    if let Some(t) = track.diverged {
-        return format!("{text} · DIVERGED @ t = {t:.1} s");
+    if status.is_diverged() {
+        return format!("{text} · {status}");
     }
     let (value, unit) = now(track, attitude);
     if value.is_finite() {
@@ -171,11 +172,11 @@ fn now(track: &Track, attitude: bool) -> (f64, &'static str) {
 }
 
 /// The tag's ground: dark green where the error cannot be seen, dark red where the pose is lost.
-fn heat(track: &Track, attitude: bool) -> egui::Color32 {
+fn heat(track: &Track, status: Status, attitude: bool) -> egui::Color32 {
     let (value, _) = now(track, attitude);
     let lost = if attitude { 90.0 } else { 1.0 };
     // Four decades from harmless to lost.
-    let share = if track.diverged.is_some() {
+    let share = if status.is_diverged() {
         1.0
     } else {
         ((value.max(1e-12) / lost).log10() / 4.0 + 1.0).clamp(0.0, 1.0) as f32

@@ -12,6 +12,7 @@ use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::plots::{describe, frame, line, scrolled, time_and};
 use crate::compare::{CompareView, LaneView, Quantity, RuleKind};
 use crate::view::style;
+use box_scenarios::Status;
 
 /// Plots stand side by side if each has this width, else one above the other [points].
 const NARROWEST: f32 = 200.0;
@@ -78,7 +79,7 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
             if value.is_finite() {
                 text.push_str(&format!(" {}{unit}", number(value)));
             }
-            if lane.status != "ok" {
+            if lane.status != Status::Ok {
                 text.push_str(&format!(" · {}", lane.status));
             }
             let color = style::of(lane.integrator).color();
@@ -92,7 +93,10 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
                 "excludes work by forces, contact and pushes; what remains is numerical error"
                     .to_owned()
             }
-            _ => format!("reference: {}", view.reference),
+            _ => match view.horizon {
+                Some(t) => format!("reference: {} · chaotic after {t:.1} s", view.reference),
+                None => format!("reference: {}", view.reference),
+            },
         };
         ui.add(Label::new(RichText::new(caption).small().weak()).truncate());
     });
@@ -276,6 +280,6 @@ pub(super) fn state(lane: &LaneView) -> String {
     if lane.skew > 0.0 {
         format!("{} · input {} s late", lane.status, number(lane.skew))
     } else {
-        lane.status.clone()
+        lane.status.to_string()
     }
 }

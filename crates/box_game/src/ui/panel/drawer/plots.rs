@@ -23,14 +23,14 @@ const PLOT_BESIDE_LEGEND: f32 = 220.0;
 /// A plot lower than this is no use; the drawer scrolls instead.
 const LOWEST: f32 = 90.0;
 
-/// Median cost of a body-step of every integrator, on a log axis. The legend stands beside the plot, as
+/// Median cost of a body-step of every integrator on the scene's bodies, on a log axis. The legend stands beside the plot, as
 /// with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     ui.add(
         Label::new(
             RichText::new(format!(
-                "physics {} µs · comparisons {} µs · panel {} µs · frame {} ms",
-                number(view.step_time_us),
+                "plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms",
+                view.step_time(),
                 number(view.compare.lanes_ms * 1e3),
                 number(view.compare.panel_ms * 1e3),
                 number(view.frame_time_ms),

@@ -1,6 +1,7 @@
 //! The sections that set numbers: each row sends one action, each section ends in its reset.
 
 use bevy_egui::egui::{Button, Response, Ui, WidgetInfo, WidgetType, vec2};
+use box_physics::plugin::Stage;
 use box_physics::prelude::DVec3;
 
 use super::super::format::{number, step_size};
@@ -151,8 +152,14 @@ fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_center: bool, world: b
 
 pub(super) fn load(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     rows(ui, view, &[Parameter::Boxes], memory, out);
+    ui.label(format!("one step in the plugin: {}", view.step_time()))
+        .on_hover_text("Median of the last two seconds, all boxes, by the plugin's own clock.");
+    if let Some(stages) = view.stages_us {
+        for (stage, time) in Stage::ALL.into_iter().zip(stages) {
+            ui.label(format!("  {}: {} µs", stage.name(), number(time)));
+        }
+    }
     for text in [
-        format!("one step, all boxes: {} µs", number(view.step_time_us)),
         format!("one frame: {} ms", number(view.frame_time_ms)),
         format!("dropped by slow frames: {} s", number(view.dropped)),
     ] {

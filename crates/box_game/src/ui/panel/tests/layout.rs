@@ -9,6 +9,7 @@ use super::{Person, TALL, sample_view};
 use crate::action::{Action, Plot};
 use crate::compare::CompareView;
 use crate::parameters::Parameter;
+use box_scenarios::{Divergence, Reason, Status};
 
 /// In a narrow drawer these scroll.
 const SCROLLED: [Plot; 3] = [Plot::Error, Plot::Energy, Plot::WorkPrecision];
@@ -53,7 +54,10 @@ fn long() -> PanelView {
     view.notices = vec!["cannot write /a/b/c.csv: no space left on device".into()];
     view.parameters.linear_drag = 1.234e-5;
     for (k, lane) in view.compare.lanes.iter_mut().enumerate() {
-        lane.status = "DIVERGED @ t = 12345.6 s".into();
+        lane.status = Status::Diverged(Divergence {
+            t: 12345.6,
+            reason: Reason::Energy,
+        });
         lane.skew = 0.012_345 * k as f64;
         lane.now = [-1.234_567e-9; 7];
     }
@@ -205,7 +209,8 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     let mut broken = long();
     (broken.time, broken.speed, broken.actual_speed) = (nan, nan, Some(nan));
     broken.parameters.step = nan;
-    (broken.step_time_us, broken.frame_time_ms, broken.dropped) = (nan, f64::INFINITY, nan);
+    (broken.stages_us, broken.frame_time_ms, broken.dropped) =
+        (Some([nan; 4]), f64::INFINITY, nan);
     broken.scene = "deleted".into();
     broken.parameters.gravity = nan;
     broken.parameters.friction = Some(f64::INFINITY);

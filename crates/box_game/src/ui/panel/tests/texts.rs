@@ -60,7 +60,7 @@ fn read_outs_carry_units() {
     ] {
         assert!(person.sees_part(part), "{part}");
     }
-    assert!(person.sees("free") && person.sees("one step, all boxes: 0.8 µs"));
+    assert!(person.sees("free") && person.sees("one step in the plugin: 0.8 µs"));
 }
 
 #[test]

@@ -9,11 +9,13 @@
 //! from the lane's own state at the beginning of that step: a simulation in finer steps by the integrator of
 //! [`best_integrator`]. Under conservative forces away from the floor nothing is booked and nothing computed.
 
+use box_physics::force::rates;
 use box_physics::prelude::{BodyState, DVec3};
-use box_scenarios::metrics::{energy_scale, momentum_scale};
 
-use super::reference::best_integrator;
-use crate::compare::lane::{Lane, Law};
+use crate::driver::Driver;
+use crate::driver::Model;
+use crate::live_reference::best_integrator;
+use crate::metrics::{energy_scale, momentum_scale};
 
 /// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
 /// 4096 times smaller than the lane's would be with the same.
@@ -21,7 +23,7 @@ const PARTS: u32 = 8;
 
 /// The books of one lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ledger {
+pub struct Balance {
     /// Energy at the start \[J\].
     pub start: f64,
     /// By pushes, changed parameters and placing by hand \[J\].
@@ -30,10 +32,15 @@ pub struct Ledger {
     pub forces: f64,
     /// By the floor \[J\]; in a step that meets it, by everything.
     pub contact: f64,
+    /// The most energy that it could have been given so far: at the start, by inputs, and by torques and springs where
+    /// those gave any \[J\].
+    pub given: f64,
     /// The angular momentum that would be right, world axes [kg m²/s].
     pub momentum: DVec3,
     energy_scale: f64,
     momentum_scale: f64,
+    /// The most kinetic energy that it could have had so far \[J\].
+    kinetic_scale: f64,
 }
 
 /// What is left over.
@@ -43,20 +50,24 @@ pub struct Residual {
     pub energy: f64,
     /// |L| less what it should be, over its scale.
     pub momentum: f64,
+    /// |L − L_right|, vectors in world axes, over its scale.
+    pub vector: f64,
     /// Angle between L and what it should be \[°\].
     pub direction: f64,
 }
 
-impl Ledger {
+impl Balance {
     /// Opens the books.
-    pub fn new(law: &Law, state: &BodyState) -> Self {
+    pub fn new(law: &Model, state: &BodyState) -> Self {
         let start = law.energy(state);
         let momentum = state.angular_momentum_world();
         Self {
             start,
+            given: start,
             momentum,
             energy_scale: energy_scale(start, state.kinetic_energy(&law.body)),
             momentum_scale: momentum_scale(momentum.length(), 0.0),
+            kinetic_scale: state.kinetic_energy(&law.body).max(reach(law, state)),
             ..Self::default()
         }
     }
@@ -67,30 +78,39 @@ impl Ledger {
     }
 
     /// Books an input: everything that it changed.
-    pub fn input(&mut self, before: (&Law, &BodyState), after: (&Law, &BodyState)) {
-        self.inputs += after.0.energy(after.1) - before.0.energy(before.1);
+    pub fn input(&mut self, before: (&Model, &BodyState), after: (&Model, &BodyState)) {
+        let change = after.0.energy(after.1) - before.0.energy(before.1);
+        self.inputs += change;
+        self.given += change;
         self.momentum += after.1.angular_momentum_world() - before.1.angular_momentum_world();
         // A box that was at rest has no scale before it is pushed.
         let kinetic = after.1.kinetic_energy(&after.0.body);
         self.energy_scale = self.energy_scale.max(self.expected().abs()).max(kinetic);
+        self.kinetic_scale = self.kinetic_scale.max(kinetic).max(reach(after.0, after.1));
         self.momentum_scale = self.momentum_scale.max(self.momentum.length());
     }
 
     /// Books what forces and floor do in a step of `h` \[s\] from `state`.
-    pub fn step(&mut self, law: &Law, state: &BodyState, h: f64) {
-        let meets = law.meets_floor(state, h);
+    pub fn step(&mut self, law: &Model, state: &BodyState, h: f64) {
+        let meets = law.may_touch(state, h);
         let d = law.forces.dissipation();
         let turns = law.forces.has_wrench() || d.angular_damping != 0.0 || d.angular_drag != 0.0;
         if !meets && !turns && law.is_conservative() {
             return;
         }
-        let mut flow = Lane::new(*state, best_integrator(law));
+        let mut flow = Driver::new(*state, best_integrator(law));
         for _ in 0..PARTS {
-            if !flow.step(law, h / f64::from(PARTS)).sound {
+            if flow.step(law, h / f64::from(PARTS)).is_none() {
                 return;
             }
         }
-        let change = law.energy(&flow.state) - law.energy(state);
+        let mut change = law.energy(&flow.state) - law.energy(state);
+        if law.forces.has_wrench() {
+            self.given += change.max(0.0);
+        } else {
+            // Drag and floor only take.
+            change = change.min(0.0);
+        }
         if meets {
             self.contact += change;
         } else if !law.is_conservative() {
@@ -100,19 +120,31 @@ impl Ledger {
         self.momentum_scale = self.momentum_scale.max(self.momentum.length());
     }
 
+    /// Whether `state` has more energy than it could have been given, whatever the error of the motion: kinetic energy
+    /// beyond what is left of the energy given at this place, by more than the most that there ever was.
+    pub fn is_exceeded(&mut self, model: &Model, state: &BodyState) -> bool {
+        let kinetic = state.kinetic_energy(&model.body);
+        let left = self.given - (model.energy(state) - kinetic);
+        self.kinetic_scale = self.kinetic_scale.max(left);
+        // Written so that NaN is exceeded.
+        !(kinetic <= left + self.kinetic_scale)
+    }
+
     /// Opens the books in `state` with `energy` (over its scale) already left over.
-    pub(crate) fn rebase(&mut self, law: &Law, state: &BodyState, energy: f64) {
+    pub fn rebase(&mut self, law: &Model, state: &BodyState, energy: f64) {
         self.inputs += law.energy(state) - self.expected() - energy * self.energy_scale;
+        self.given = self.given.max(law.energy(state));
         self.momentum = state.angular_momentum_world();
     }
 
     /// What is left over in `state`.
-    pub fn residual(&self, law: &Law, state: &BodyState) -> Residual {
+    pub fn residual(&self, law: &Model, state: &BodyState) -> Residual {
         let l = state.angular_momentum_world();
         let right = self.momentum;
         Residual {
             energy: (law.energy(state) - self.expected()) / self.energy_scale,
             momentum: (l.length() - right.length()) / self.momentum_scale,
+            vector: (l - right).length() / self.momentum_scale,
             direction: if l.length().min(right.length()) > 1e-9 * self.momentum_scale {
                 l.cross(right).length().atan2(l.dot(right)).to_degrees()
             } else {
@@ -122,25 +154,32 @@ impl Ledger {
     }
 }
 
+/// The kinetic energy \[J\] that the forces at `state` give within a radius of the box, or a radian: what a motion that
+/// starts from rest is measured by.
+fn reach(model: &Model, state: &BodyState) -> f64 {
+    let (acceleration, torque) = rates(&model.body, state, &model.forces.forces(&model.body));
+    model.body.mass() * acceleration.length() * model.body.radius() + torque.length()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Scenario;
     use box_physics::prelude::Integrator;
-    use box_scenarios::Scenario;
 
     const H: f64 = 1.0 / 60.0;
 
     /// Runs a scene with its books and returns the largest residual of the energy.
     fn worst(id: &str, integrator: Integrator, seconds: f64) -> f64 {
         let setup = Scenario::find(id).expect("a scene").setup;
-        let law = Law::of(&setup);
-        let mut lane = Lane::new(setup.initial, integrator);
-        let mut ledger = Ledger::new(&law, &lane.state);
+        let law = Model::of(&setup);
+        let mut lane = Driver::new(setup.initial, integrator);
+        let mut balance = Balance::new(&law, &lane.state);
         let mut worst = 0.0_f64;
         for _ in 0..(seconds / H) as u32 {
-            ledger.step(&law, &lane.state, H);
+            balance.step(&law, &lane.state, H);
             lane.step(&law, H);
-            worst = worst.max(ledger.residual(&law, &lane.state).energy.abs());
+            worst = worst.max(balance.residual(&law, &lane.state).energy.abs());
         }
         worst
     }
@@ -172,13 +211,13 @@ mod tests {
     #[test]
     fn a_push_is_booked() {
         let setup = Scenario::find("playground").expect("a scene").setup;
-        let law = Law::of(&setup);
-        let mut ledger = Ledger::new(&law, &setup.initial);
+        let law = Model::of(&setup);
+        let mut balance = Balance::new(&law, &setup.initial);
         let mut pushed = setup.initial;
         pushed.apply_impulse_at_body_point(&law.body, DVec3::X * 3.0, DVec3::Z * 0.5);
-        ledger.input((&law, &setup.initial), (&law, &pushed));
-        assert!(ledger.inputs > 2.0);
-        let left = ledger.residual(&law, &pushed);
+        balance.input((&law, &setup.initial), (&law, &pushed));
+        assert!(balance.inputs > 2.0);
+        let left = balance.residual(&law, &pushed);
         assert!(left.energy.abs() < 1e-15 && left.momentum == 0.0 && left.direction == 0.0);
     }
 }

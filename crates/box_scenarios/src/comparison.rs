@@ -1,0 +1,440 @@
+//! A setup under several integrators at once, step by step, against one reference: what the table without a window
+//! shows. Needs the same memory however long it runs.
+
+use std::sync::Arc;
+
+use box_physics::prelude::{BodyState, Integrator};
+
+use crate::balance::Residual;
+use crate::driver::Model;
+use crate::driver::Totals;
+use crate::live_reference::{LiveReference, Uncertainty};
+use crate::metrics::StateError;
+use crate::runner::{DUE, Runner, local_error};
+use crate::setup::Setup;
+use crate::status::Status;
+
+/// What to compare.
+#[derive(Clone, Debug)]
+pub struct IntegratorComparison {
+    /// The scene.
+    pub setup: Setup,
+    /// The integrators, in this order.
+    pub integrators: Vec<Integrator>,
+    /// Step \[s\].
+    pub dt: f64,
+    /// Substeps per step, ≥ 1.
+    pub substeps: u32,
+}
+
+/// One integrator at the end of one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Steps so far.
+    pub step: u64,
+    /// Simulated time \[s\].
+    pub t: f64,
+    /// Place in the list of integrators.
+    pub number: usize,
+    /// The integrator.
+    pub integrator: Integrator,
+    /// Its state.
+    pub state: &'a BodyState,
+    /// Against the reference, up to its horizon.
+    pub error: Option<StateError>,
+    /// Of this step alone; not known where an impulse falls into it, nor with substeps.
+    pub local: Option<StateError>,
+    /// Kinetic and potential energy \[J\].
+    pub energy: f64,
+    /// Energy and angular momentum that nothing accounts for.
+    pub residual: Residual,
+    /// Force evaluations in this step.
+    pub evaluations: u64,
+    /// Corners at the floor.
+    pub contacts: u32,
+    /// What can be said of it.
+    pub status: Status,
+}
+
+/// One line of the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IntegratorResult {
+    /// The integrator.
+    pub integrator: Integrator,
+    /// Largest distance from the reference \[m\], up to its horizon; `None` if it diverged.
+    pub position: Option<f64>,
+    /// Largest angle to the reference \[rad\], up to its horizon; `None` if it diverged.
+    pub attitude: Option<f64>,
+    /// Largest energy that nothing accounts for, over its scale; `None` if it diverged.
+    pub energy: Option<f64>,
+    /// Largest angular momentum (vector) that nothing accounts for, over its scale; `None` if it diverged.
+    pub momentum: Option<f64>,
+    /// Steps and cost.
+    pub totals: Totals,
+    /// At the end.
+    pub status: Status,
+}
+
+/// The table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparisonResult {
+    /// In the order of the integrators.
+    pub integrators: Vec<IntegratorResult>,
+    /// Where the reference comes from, in words.
+    pub reference: String,
+    /// Up to when \[s\] there are errors, if the reference ended before the scene.
+    pub horizon: Option<f64>,
+    /// Smaller errors say nothing.
+    pub uncertainty: Uncertainty,
+}
+
+impl IntegratorComparison {
+    /// Steps in the setup's duration, at least one.
+    pub fn steps(&self) -> u64 {
+        (self.setup.duration / self.dt).round().max(1.0) as u64
+    }
+
+    /// Runs to the end of the setup and shows every integrator at the start and after each of its steps to `look`.
+    ///
+    /// # Errors
+    /// The first error of `look`, which ends the run.
+    pub fn run<E>(
+        &self,
+        mut look: impl FnMut(&Moment<'_>) -> Result<(), E>,
+    ) -> Result<ComparisonResult, E> {
+        let setup = &self.setup;
+        let model = Arc::new(Model::of(setup));
+        let substeps = self.substeps.max(1);
+        let h = self.dt / f64::from(substeps);
+        let mut reference = LiveReference::of(setup, self.dt);
+        let mut before = Some(setup.initial);
+        let mut trials: Vec<Trial> = self
+            .integrators
+            .iter()
+            .map(|&i| Trial {
+                runner: Runner::new(i, &model, setup.initial, 0.0, &setup.impulses),
+                worst: None,
+                residual: Residual::default(),
+            })
+            .collect();
+        for n in 0..=self.steps() {
+            // Time is n·dt, not a sum.
+            let t = n as f64 * self.dt;
+            let now = reference.at(t);
+            let alone = n > 0 && substeps == 1 && setup.impulses.is_empty();
+            let ends = before.zip(now).filter(|_| alone);
+            for (number, trial) in trials.iter_mut().enumerate() {
+                if trial.runner.diverged.is_some() {
+                    continue;
+                }
+                let evaluations = trial.runner.driver.totals.evaluations;
+                if n > 0 {
+                    let start = (n - 1) as f64 * self.dt;
+                    for part in 0..substeps {
+                        let from = start + f64::from(part) * h;
+                        trial.runner.take_impulses(&setup.impulses, from + DUE * h);
+                        trial.runner.driver.time = from;
+                        if !trial.runner.step(h) {
+                            break;
+                        }
+                    }
+                }
+                let runner = &trial.runner;
+                let (integrator, state) = (runner.driver.integrator, &runner.driver.state);
+                let residual = runner.balance.residual(&model, state);
+                let error = now.map(|r| StateError::between(state, &r));
+                let moment = Moment {
+                    step: n,
+                    t,
+                    number,
+                    integrator,
+                    state,
+                    error,
+                    local: ends.map(|(from, to)| local_error(integrator, &model, from, &to, h)),
+                    energy: model.energy(state),
+                    residual,
+                    evaluations: runner.driver.totals.evaluations - evaluations,
+                    contacts: runner.driver.contacts(),
+                    status: runner.status(),
+                };
+                look(&moment)?;
+                trial.see(n, error.as_ref(), &residual);
+            }
+            before = now;
+        }
+        Ok(ComparisonResult {
+            integrators: trials.iter().map(Trial::result).collect(),
+            reference: reference.description(),
+            horizon: reference.horizon(),
+            uncertainty: reference.uncertainty(),
+        })
+    }
+}
+
+struct Trial {
+    runner: Runner,
+    /// Position \[m\] and attitude \[rad\]; known once the reference lasts for a step.
+    worst: Option<(f64, f64)>,
+    residual: Residual,
+}
+
+impl Trial {
+    fn see(&mut self, step: u64, error: Option<&StateError>, residual: &Residual) {
+        if let (Some(e), true) = (error, step > 0) {
+            let (x, a) = self.worst.unwrap_or_default();
+            self.worst = Some((x.max(e.position), a.max(e.attitude)));
+        }
+        let worst = &mut self.residual;
+        worst.energy = worst.energy.max(residual.energy.abs());
+        worst.vector = worst.vector.max(residual.vector);
+    }
+
+    /// What a diverged run reached says nothing.
+    fn result(&self) -> IntegratorResult {
+        let alive = self.runner.diverged.is_none();
+        let worst = self.worst.filter(|_| alive);
+        IntegratorResult {
+            integrator: self.runner.driver.integrator,
+            position: worst.map(|w| w.0),
+            attitude: worst.map(|w| w.1),
+            energy: alive.then_some(self.residual.energy),
+            momentum: alive.then_some(self.residual.vector),
+            totals: self.runner.driver.totals,
+            status: self.runner.status(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+    use crate::scene_file;
+    use box_physics::integrators::{EnergyBehavior, Limit, Order};
+
+    const H: f64 = 1.0 / 60.0;
+    /// Long enough for several impacts, or for the motion that a scene is about.
+    const SECONDS: f64 = 6.0;
+
+    /// Every scene of the list and every file that is shipped.
+    fn scenes() -> Vec<(String, Setup)> {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
+        let files = std::fs::read_dir(folder).expect("shipped").map(|entry| {
+            let path = entry.expect("readable").path();
+            let scene = scene_file::load(&path).unwrap_or_else(|e| panic!("{e}"));
+            (scene.id.to_owned(), scene.setup)
+        });
+        let built_in = Scenario::ALL.iter().map(|build| build());
+        built_in
+            .map(|s| (s.id.to_owned(), s.setup))
+            .chain(files)
+            .map(|(id, mut setup)| {
+                setup.duration = setup.duration.min(SECONDS);
+                (id, setup)
+            })
+            .collect()
+    }
+
+    fn table(setup: &Setup, dt: f64) -> ComparisonResult {
+        let comparison = IntegratorComparison {
+            setup: setup.clone(),
+            integrators: Integrator::ALL.to_vec(),
+            dt,
+            substeps: 1,
+        };
+        comparison
+            .run(|_| Ok::<(), ()>(()))
+            .expect("nobody stops it")
+    }
+
+    /// The dimensionless steps of a scene at `dt`: |ω|h, c₁h/m, √(k/m)h.
+    fn steps(setup: &Setup, dt: f64) -> [f64; 3] {
+        let (body, f) = (&setup.body, &setup.forces);
+        let spin = setup.initial.body_angular_velocity(body).length();
+        let stiffness: f64 = f.springs.iter().map(|s| s.stiffness).sum();
+        [
+            spin * dt,
+            f.linear_drag * dt * body.inverse_mass(),
+            (stiffness * body.inverse_mass()).sqrt() * dt,
+        ]
+    }
+
+    /// Whether what the integrator says of itself lets it diverge in a scene: a step beyond its stable range, or an
+    /// energy that grows.
+    fn may_diverge(integrator: Integrator, setup: &Setup, dt: f64) -> bool {
+        let stable = integrator.info().stability;
+        let limits = [stable.rotation, stable.drag, stable.oscillator];
+        limits.into_iter().zip(steps(setup, dt)).any(|(limit, step)| match limit {
+            Limit::None => false,
+            Limit::Below(most) => step >= most,
+            Limit::AlwaysGrows => step > 0.0,
+        })
+        // A bounce under explicit Euler gains energy in every flight.
+        || (setup.floor.is_some() && integrator.info().orders.gravity == Order::Of(1))
+    }
+
+    /// Every scene under every integrator: the state is the one that the integrator's own limits allow, and there is a
+    /// figure in every column.
+    #[test]
+    fn nothing_is_called_diverged_that_is_not() {
+        for (id, setup) in scenes() {
+            let result = table(&setup, H);
+            assert!(
+                result.horizon.is_none(),
+                "{id}: chaotic after {:?}",
+                result.horizon
+            );
+            for r in &result.integrators {
+                let name = format!("{} on {id}: {r:?}", r.integrator);
+                if let Status::Diverged(d) = r.status {
+                    assert!(may_diverge(r.integrator, &setup, H), "{name}");
+                    assert_diverges(r.integrator, &setup, d.t, &name);
+                    assert_eq!(
+                        (r.position, r.attitude, r.energy, r.momentum),
+                        (None, None, None, None),
+                        "{name}"
+                    );
+                } else {
+                    let known = [r.position, r.attitude, r.energy, r.momentum];
+                    assert!(
+                        known.into_iter().all(|x| x.is_some_and(f64::is_finite)),
+                        "{name}"
+                    );
+                    let energy = r.energy.expect("known");
+                    assert!(energy <= 2.0, "{name}");
+                }
+            }
+        }
+    }
+
+    /// Without the balance, by the motion alone: at the moment at which it was given up the box is faster than the
+    /// reference ever was.
+    fn assert_diverges(integrator: Integrator, setup: &Setup, t: f64, name: &str) {
+        let model = Model::of(setup);
+        let mut reference = LiveReference::of(setup, H);
+        let mut runner = Runner::new(
+            integrator,
+            &Arc::new(model),
+            setup.initial,
+            0.0,
+            &setup.impulses,
+        );
+        let kinetic = |s: &BodyState| s.kinetic_energy(&setup.body);
+        let mut most = kinetic(&setup.initial);
+        let n = (t / H).round() as u64;
+        for k in 0..n {
+            runner.take_impulses(&setup.impulses, k as f64 * H + DUE * H);
+            most = most.max(reference.at(k as f64 * H).map_or(0.0, |r| kinetic(&r)));
+            runner.driver.step(&runner.model, H);
+        }
+        let now = kinetic(&runner.driver.state);
+        assert!(now > 1.3 * most, "{name}: {now:e} J against {most:e} J");
+    }
+
+    /// What an integrator keeps and what it does exactly, in the columns of the scenes where that is all there is.
+    #[test]
+    fn errors_are_those_that_the_integrator_claims() {
+        for (id, setup) in scenes() {
+            let result = table(&setup, H);
+            let free = setup.conserves_angular_momentum() && setup.forces.linear_drag == 0.0;
+            let spins = setup.initial.angular_momentum.length() > 0.0;
+            for r in result
+                .integrators
+                .iter()
+                .filter(|r| !r.status.is_diverged())
+            {
+                let info = r.integrator.info();
+                let name = format!("{} on {id}: {r:?}", r.integrator);
+                let [position, attitude, energy, momentum] =
+                    [r.position, r.attitude, r.energy, r.momentum].map(|x| x.expect("known"));
+                // Gravity alone, in flight: a parabola, exact from the second order on, and wrong by g h t / 2 in the
+                // first.
+                if free && setup.forces.quadratic_drag == 0.0 {
+                    let g = setup.forces.acceleration(&setup.body).length();
+                    match info.orders.gravity {
+                        Order::Exact => assert!(position < 1e-11 * (1.0 + g * 36.0), "{name}"),
+                        Order::Of(_) => {
+                            let expected = 0.5 * g * H * setup.duration;
+                            assert!(
+                                (position - expected).abs() <= 1e-9 + 0.02 * expected,
+                                "{name}"
+                            );
+                        }
+                    }
+                    if info.orders.rotation == Order::Exact {
+                        assert!(attitude < 1e-11, "{name}");
+                    }
+                    if info.keeps.momentum {
+                        assert!(momentum < 1e-12, "{name}");
+                    }
+                    if info.keeps.energy == EnergyBehavior::Exact
+                        && (g == 0.0 || info.orders.gravity == Order::Exact)
+                    {
+                        assert!(energy < 1e-12, "{name}");
+                    }
+                    if info.keeps.energy == EnergyBehavior::Gains && spins && id == "thin-plate" {
+                        assert!(energy > 1e-6, "{name}");
+                    }
+                }
+                // At the floor: whoever is right about the fall is right about the energy.
+                if setup.floor.is_some()
+                    && info.orders.gravity == Order::Exact
+                    && matches!(info.orders.rotation, Order::Exact | Order::Of(4..))
+                {
+                    assert!(energy < 1e-3, "{name}");
+                }
+            }
+        }
+    }
+
+    /// In the scenes that end at rest every integrator ends there.
+    #[test]
+    fn what_lies_is_called_resting() {
+        for id in [
+            "playground",
+            "drop",
+            "slide",
+            "contact",
+            "dissertation-2012",
+        ] {
+            let mut setup = Scenario::find(id).expect("a scene").setup;
+            setup.duration = setup.duration.min(12.0);
+            for r in table(&setup, H).integrators {
+                // Explicit Euler gains in each bounce what restitution takes.
+                let bounces = r.integrator == Integrator::ExplicitEuler
+                    && matches!(id, "drop" | "dissertation-2012");
+                assert_eq!(
+                    r.status == Status::Resting,
+                    !bounces,
+                    "{} on {id}: {}",
+                    r.integrator,
+                    r.status
+                );
+            }
+        }
+    }
+
+    /// Half the step, half the error to the power of the order, in what a scene is about: read from the table's columns.
+    #[test]
+    fn errors_fall_with_the_order() {
+        for id in ["dzhanibekov", "thin-plate", "throw"] {
+            let mut setup = Scenario::find(id).expect("a scene").setup;
+            setup.duration = 2.0;
+            let (coarse, fine) = (table(&setup, H / 4.0), table(&setup, H / 8.0));
+            for (a, b) in coarse.integrators.iter().zip(&fine.integrators) {
+                let Order::Of(p) = a.integrator.info().orders.rotation else {
+                    continue;
+                };
+                let (x, y) = (a.attitude.expect("known"), b.attitude.expect("known"));
+                if y > 1e-11 && x < 0.1 {
+                    let order = (x / y).log2();
+                    assert!(
+                        order > f64::from(p) - 0.25,
+                        "{} on {id}: {order:.2}",
+                        a.integrator
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! One integrator through the impulses of a setup, with the balance of its energy and angular momentum.
+
+use std::sync::Arc;
+
+use box_physics::prelude::{BodyState, Integrator};
+
+use crate::balance::Balance;
+use crate::driver::Driver;
+use crate::driver::Model;
+use crate::live_reference::Change;
+use crate::metrics::StateError;
+use crate::setup::TimedImpulse;
+use crate::status::{Divergence, Reason, Status};
+
+/// An impulse or input this part of a step after a boundary still belongs to it.
+pub const DUE: f64 = 1e-9;
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Runner {
+    /// The simulation.
+    pub driver: Driver,
+    /// What acts on it now.
+    pub model: Arc<Model>,
+    /// What its energy and angular momentum should be.
+    pub balance: Balance,
+    /// When it was given up.
+    pub diverged: Option<Divergence>,
+    /// Number of the next impulse of the setup.
+    pub next_impulse: usize,
+}
+
+impl Runner {
+    /// In `state` at `t` \[s\]; of the setup's `impulses` those before `t` have happened.
+    pub fn new(
+        integrator: Integrator,
+        model: &Arc<Model>,
+        state: BodyState,
+        t: f64,
+        impulses: &[TimedImpulse],
+    ) -> Self {
+        Self {
+            driver: Driver::new(state, integrator).at_time(t),
+            model: model.clone(),
+            balance: Balance::new(model, &state),
+            diverged: None,
+            next_impulse: impulses.partition_point(|i| i.t < t - DUE),
+        }
+    }
+
+    /// The same integrator begins again in `state` at `t` \[s\] under `model`.
+    pub fn restart(&mut self, model: &Arc<Model>, state: BodyState, t: f64) {
+        let (integrator, totals) = (self.driver.integrator, self.driver.totals);
+        self.driver = Driver::new(state, integrator).at_time(t);
+        self.driver.totals = totals;
+        self.model = model.clone();
+        self.balance = Balance::new(model, &state);
+        self.diverged = None;
+    }
+
+    /// The setup's impulses up to `until` \[s\]; returns whether there were any.
+    pub fn take_impulses(&mut self, impulses: &[TimedImpulse], until: f64) -> bool {
+        let first = self.next_impulse;
+        while let Some(i) = impulses.get(self.next_impulse).filter(|i| i.t <= until) {
+            self.change(&Change::Impulse {
+                impulse: i.impulse,
+                body_point: i.body_point,
+            });
+            self.next_impulse += 1;
+        }
+        self.next_impulse > first
+    }
+
+    /// Something is done to the box.
+    pub fn change(&mut self, change: &Change) {
+        let (model, before) = (self.model.clone(), self.driver.state);
+        match change {
+            Change::Impulse {
+                impulse,
+                body_point,
+            } => self
+                .driver
+                .state
+                .apply_impulse_at_body_point(&model.body, *impulse, *body_point),
+            Change::Model(model) => self.model = model.clone(),
+            Change::Place(state) => self.driver.state = *state,
+        }
+        self.balance
+            .input((&model, &before), (&self.model, &self.driver.state));
+    }
+
+    /// One step of `h` \[s\], unless it was given up before; returns whether it goes on. One that is given up stays
+    /// at its last state before that.
+    pub fn step(&mut self, h: f64) -> bool {
+        if self.diverged.is_some() {
+            return false;
+        }
+        let before = self.driver.state;
+        self.balance.step(&self.model, &before, h);
+        let stepped = self.driver.step(&self.model, h);
+        let reason = if stepped.is_none() {
+            Some(Reason::Invalid)
+        } else if self.balance.is_exceeded(&self.model, &self.driver.state) {
+            Some(Reason::Energy)
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            let t = self.driver.time;
+            self.driver.state = before;
+            self.diverged = Some(Divergence { t, reason });
+        }
+        self.diverged.is_none()
+    }
+
+    /// Its status now.
+    pub fn status(&self) -> Status {
+        Status::of(&self.driver.state, self.driver.contacts(), self.diverged)
+    }
+}
+
+/// The error of one step of `h` \[s\] alone: from the reference's state at its beginning, against the reference at its
+/// end.
+pub fn local_error(
+    integrator: Integrator,
+    model: &Model,
+    from: BodyState,
+    to: &BodyState,
+    h: f64,
+) -> StateError {
+    let mut one = Driver::new(from, integrator);
+    one.step(model, h);
+    StateError::between(&one.state, to)
+}
