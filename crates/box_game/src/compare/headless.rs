@@ -46,9 +46,9 @@ pub struct IntegratorResult {
     /// Force evaluations per step.
     pub evaluations: f64,
     /// Steps handed to `split`.
-    pub fallbacks: u32,
+    pub fallbacks: u64,
     /// Iterations that ended at their cap.
-    pub unconverged: u32,
+    pub unconverged: u64,
     /// Time of the diverging step \[s\].
     pub diverged_at: Option<f64>,
     /// Shortest time [ns per body-step].
@@ -172,7 +172,7 @@ fn run(
             integrator: integrator.id().to_owned(),
             dt_s: comparison.dt,
             substeps,
-            rhs_evals: u64::from(lane.outcome.evaluations - before),
+            rhs_evals: lane.outcome.evaluations - before,
             step_ns_min: Some(ns_min),
             step_ns_med: Some(ns_median),
             pos_err_m: distance,
@@ -202,7 +202,7 @@ fn run(
         energy: known(energy),
         fallbacks: lane.outcome.fallbacks,
         unconverged: lane.outcome.unconverged,
-        evaluations: f64::from(lane.outcome.evaluations) / lane.steps.max(1) as f64,
+        evaluations: lane.outcome.evaluations as f64 / lane.steps.max(1) as f64,
         diverged_at,
         nanoseconds: ns_min,
     })

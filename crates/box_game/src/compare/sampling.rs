@@ -192,7 +192,7 @@ impl<F: ForceModel> IntegratorVisitor for Passes<'_, F> {
         let count = f64::from(self.passes) * bodies.len() as f64;
         Sample {
             nanoseconds: elapsed / count,
-            evaluations: f64::from(outcome.evaluations) / count,
+            evaluations: outcome.evaluations as f64 / count,
         }
     }
 }

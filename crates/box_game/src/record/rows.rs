@@ -72,8 +72,8 @@ pub(super) fn write_rows(
     if let Some(timings) = &timings {
         for &i in Integrator::ALL {
             let outcome = timings.integrator(i).outcome;
-            session.fallbacks += u64::from(outcome.fallbacks);
-            session.unconverged += u64::from(outcome.unconverged);
+            session.fallbacks += outcome.fallbacks;
+            session.unconverged += outcome.unconverged;
         }
     }
     let event = core::mem::take(&mut session.events).join("; ");
@@ -103,7 +103,7 @@ pub(super) fn write_rows(
         sim_t_s: clock.time(),
         dt_s: clock.step() * f64::from(substeps),
         substeps,
-        rhs_evals: outcome.map_or(0, |o| u64::from(o.evaluations)),
+        rhs_evals: outcome.map_or(0, |o| o.evaluations),
         contacts: touching,
         state: match (quarantined, touching) {
             (true, _) => "quarantined",
@@ -152,7 +152,7 @@ fn lane_row(
         sim_t_s: lane.time,
         dt_s: runner.factor * step,
         substeps: 1,
-        rhs_evals: u64::from(lane.outcome.evaluations) / lane.steps.max(1),
+        rhs_evals: lane.outcome.evaluations / lane.steps.max(1),
         contacts: lane.contacts(),
         state: match runner.track.diverged {
             Some(_) => "diverged",
