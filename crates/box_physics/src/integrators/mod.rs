@@ -270,6 +270,10 @@ integrators! {
     SemiImplicitEuler = semi_implicit_euler,
     EngineRescaled = engine_rescaled,
     EngineNewton = engine_newton,
+    Avian993 = avian_993,
+    AdamsBashforth2 = adams_bashforth_2,
+    Buss = buss,
+    BussAugmented = buss_augmented,
     Heun2012 = heun_2012,
 }
 
