@@ -1,9 +1,9 @@
 //! The numerical integrators. **One integrator is one file and one line in the list below**; the menu, the
 //! report, the benchmarks and the convergence tests follow from the list.
 //!
-//! To add one: write `my_integrator.rs` beside the others (copy `explicit_euler.rs`), with a unit type, its
-//! formula and source, an [`impl Integrate`](Integrate) and its tests; add `MyIntegrator = my_integrator,` to
-//! `integrators!`. The tests in `tests/` then hold it to what its [`IntegratorInfo`] claims.
+//! To add one: write `my_integrator.rs` beside the others, with a unit type, its formula and source, an
+//! [`impl Integrate`](Integrate) and its tests; add `MyIntegrator = my_integrator,` to `integrators!`. The tests
+//! then hold it to what its [`IntegratorInfo`] claims. `ARCHITECTURE.md` has the steps and a model of each kind.
 
 mod batch;
 mod implicit_stage;
