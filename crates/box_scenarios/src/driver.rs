@@ -113,9 +113,9 @@ impl Totals {
     #[inline(always)]
     fn count(&mut self, outcome: StepOutcome) {
         self.steps += 1;
-        self.evaluations += u64::from(outcome.evaluations);
-        self.fallbacks += u64::from(outcome.fallbacks);
-        self.unconverged += u64::from(outcome.unconverged);
+        self.evaluations += outcome.evaluations;
+        self.fallbacks += outcome.fallbacks;
+        self.unconverged += outcome.unconverged;
     }
 
     /// Force evaluations per step; 0 before the first step.

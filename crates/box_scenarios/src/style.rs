@@ -78,7 +78,7 @@ type Row = (&'static str, Option<u8>, Style);
 
 /// By id. Every (color, dash) pair and every (color, marker) pair occurs once, here and in [`SPARE`].
 const TABLE: &[Row] = {
-    use Dash::{Dashed, Dotted, Solid};
+    use Dash::{Dashed, Dotted, Long, Solid};
     &[
         row("split", 1, look(VERMILLION, Solid, Marker::Circle)),
         row("exact", 2, look(ORANGE, Solid, Marker::Asterisk)),
@@ -96,6 +96,10 @@ const TABLE: &[Row] = {
         row("semi-implicit-euler", 0, look(BLUE, Solid, Marker::Up)),
         row("engine-rescaled", 0, look(GREEN, Dashed, Marker::Left)),
         row("engine-newton", 0, look(GREEN, Dotted, Marker::Right)),
+        row("avian-993", 0, look(PURPLE, Dashed, Marker::Asterisk)),
+        row("adams-bashforth-2", 0, look(BLUE, Dotted, Marker::Down)),
+        row("buss", 0, look(BLUE, Long, Marker::Plus)),
+        row("buss-augmented", 0, look(PURPLE, Long, Marker::Cross)),
         row("heun-2012", 0, look(ORANGE, Dashed, Marker::Square)),
         row("explicit-euler", 0, look(ORANGE, Dotted, Marker::Circle)),
     ]

@@ -70,8 +70,8 @@ pub(super) fn write_rows(
     if let Some(timings) = &timings {
         for &i in Integrator::ALL {
             let outcome = timings.integrator(i).outcome;
-            session.fallbacks += u64::from(outcome.fallbacks);
-            session.unconverged += u64::from(outcome.unconverged);
+            session.fallbacks += outcome.fallbacks;
+            session.unconverged += outcome.unconverged;
         }
     }
     let event = core::mem::take(&mut session.events).join("; ");
@@ -97,7 +97,7 @@ pub(super) fn write_rows(
         sim_t_s: clock.time(),
         dt_s: clock.step() * f64::from(substeps),
         substeps,
-        rhs_evals: outcome.map_or(0, |o| u64::from(o.evaluations)),
+        rhs_evals: outcome.map_or(0, |o| o.evaluations),
         contacts: run.hero.contacts,
         state: if quarantined {
             Status::Quarantined

@@ -31,7 +31,7 @@ const SHORTEST_STOP: f64 = 1e-2;
 /// Rounds of the loop in one step.
 const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
 /// Force evaluations in one step.
-const MAX_EVALUATIONS: u32 = 40_000;
+const MAX_EVALUATIONS: u64 = 40_000;
 /// Solver iterations in one step, over all events: what bounds the work when nothing converges.
 const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 

@@ -156,9 +156,9 @@ impl Group<'_> {
                 }
             }
             let refused = &refused[..block.len()];
-            let exceptions = refused.iter().sum::<f64>() as u32;
+            let exceptions = refused.iter().sum::<f64>() as u64;
             total +=
-                StepOutcome::plain(S::INFO.evaluations.free) * (block.len() as u32 - exceptions);
+                StepOutcome::plain(S::INFO.evaluations.free) * (block.len() as u64 - exceptions);
             if exceptions > 0 {
                 total += self.step_refused::<S>(start, refused, h);
             }

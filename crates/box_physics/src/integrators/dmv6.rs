@@ -76,9 +76,8 @@ impl Integrate for Dmv6 {
         };
         let evaluations = split_step(body, state, force, h, &mut flow);
         StepOutcome {
-            evaluations,
             fallbacks: flow.fallbacks,
-            unconverged: 0,
+            ..StepOutcome::plain(evaluations)
         }
     }
 }
@@ -86,7 +85,7 @@ impl Integrate for Dmv6 {
 /// The algorithm, or `split`'s flow where it does not apply, counted.
 struct MoserVeselov<'a, T> {
     trigonometry: &'a mut T,
-    fallbacks: u32,
+    fallbacks: u64,
 }
 
 impl<T: Trigonometry> FreeRotationFlow for MoserVeselov<'_, T> {

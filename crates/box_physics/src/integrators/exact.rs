@@ -73,9 +73,8 @@ impl Integrate for Exact {
         if force.has_wrench() || d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
             let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
             return StepOutcome {
-                evaluations,
                 fallbacks: 1,
-                unconverged: 0,
+                ..StepOutcome::plain(evaluations)
             };
         }
         let law = FreeFlight::new(body, force.acceleration(), &d);

@@ -64,7 +64,7 @@ fn in_parts<F: ForceModel>(
     let start = *state;
     let mut parts = 1;
     while let Attempt::Unconverged(evaluations) = failed {
-        outcome.evaluations += evaluations;
+        outcome.evaluations += u64::from(evaluations);
         outcome.unconverged = 1;
         if parts == MOST_PARTS {
             break;
@@ -74,7 +74,7 @@ fn in_parts<F: ForceModel>(
         let mut left = parts;
         while left > 0 {
             match one(body, state, force, h / f64::from(parts)) {
-                Attempt::Solved(stage) => outcome.evaluations += stage.evaluations,
+                Attempt::Solved(stage) => outcome.evaluations += u64::from(stage.evaluations),
                 other => {
                     failed = other;
                     break;
@@ -87,7 +87,13 @@ fn in_parts<F: ForceModel>(
         }
     }
     *state = start;
-    outcome.evaluations += split_step(body, state, force, h, &mut Strang(&mut AnyArgument));
+    outcome.evaluations += u64::from(split_step(
+        body,
+        state,
+        force,
+        h,
+        &mut Strang(&mut AnyArgument),
+    ));
     outcome.fallbacks = 1;
     outcome
 }

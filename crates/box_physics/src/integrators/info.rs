@@ -202,6 +202,8 @@ pub struct Evaluations {
     pub free: u32,
     /// With a state-dependent force.
     pub forced: u32,
+    /// Added by a step without a memory to go by: the first, and each after a change from outside.
+    pub starting: u32,
     /// Whether the integrator iterates: then both are per iteration.
     pub per_iteration: bool,
 }
@@ -212,8 +214,15 @@ impl Evaluations {
         Self {
             free,
             forced,
+            starting: 0,
             per_iteration: false,
         }
+    }
+
+    /// The same with a first step that costs so many more.
+    #[must_use]
+    pub const fn starting(self, starting: u32) -> Self {
+        Self { starting, ..self }
     }
 
     /// An integrator that iterates to convergence.
@@ -221,6 +230,7 @@ impl Evaluations {
         Self {
             free,
             forced,
+            starting: 0,
             per_iteration: true,
         }
     }

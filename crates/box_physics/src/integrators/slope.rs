@@ -8,7 +8,8 @@ use crate::rotation::quaternion_rate;
 use crate::state::BodyState;
 
 /// The time derivative of the whole state: (x', q', v', L').
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Slope {
     pub(crate) position: DVec3,
     pub(crate) rotation: DQuat,

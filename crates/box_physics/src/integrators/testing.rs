@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 use super::{Integrate, IntegratorMemory, Rk4, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, Forces, Frame, PointForce};
+use crate::free_motion::FreeRotation;
 use crate::state::BodyState;
 
 /// `n` steps of `S` over the time `t` \[s\].
@@ -80,6 +81,21 @@ impl Case {
         }
     }
 
+    /// The free top of van Zon and Schofield (J. Comput. Phys. 225 (2007) 145): moments of 10, 20 and 26 kg m², 4 s.
+    pub(crate) fn van_zon_schofield() -> Self {
+        let body = RigidBox::new(DVec3::new(3.0, 2.0, 1.0), 6.0).expect("valid");
+        let start =
+            BodyState::default().with_body_angular_velocity(&body, DVec3::new(1.0, 15.0, 1.0));
+        let free = FreeRotation::new(body.inertia(), start.rotation, start.angular_momentum);
+        Self {
+            answer: free.at(4.0).0,
+            body,
+            start,
+            pair: Vec::new(),
+            seconds: 4,
+        }
+    }
+
     /// The same box in the field (0, 1, ½) with the dipole (0, 1.5, ½), ω = (1, 4, −2), 6 s; the
     /// reference is RK4 with 1/3840 s (its error there: 4e-13 rad).
     pub(crate) fn dipole() -> Self {
@@ -129,9 +145,15 @@ impl Case {
             n,
         );
         assert!(end.is_finite());
-        let mut answer = end;
-        answer.rotation = self.answer;
-        end.attitude_difference(&answer)
+        self.attitude_error(&end)
+    }
+
+    /// Attitude error of `end` \[rad\].
+    pub(crate) fn attitude_error(&self, end: &BodyState) -> f64 {
+        end.attitude_difference(&BodyState {
+            rotation: self.answer,
+            ..*end
+        })
     }
 
     /// The error falls by 2^order from `rate` to twice the rate, within a fifth of an order.

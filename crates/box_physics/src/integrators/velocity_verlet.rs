@@ -70,7 +70,12 @@ impl Integrate for VelocityVerlet {
 
 /// Everything but the gyroscopic term at the state as it is: one evaluation.
 #[inline(always)]
-fn half_kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
+pub(super) fn half_kick<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    tau: f64,
+) {
     let (dv, torque) = applied_rates(body, state, force);
     state.velocity += tau * dv;
     state.angular_momentum += tau * torque;

@@ -209,8 +209,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     let mut broken = long();
     (broken.time, broken.speed, broken.actual_speed) = (nan, nan, Some(nan));
     broken.parameters.step = nan;
-    (broken.stages_us, broken.frame_time_ms, broken.dropped) =
-        (Some([nan; 4]), f64::INFINITY, nan);
+    (broken.stages_us, broken.frame_time_ms, broken.dropped) = (Some([nan; 4]), f64::INFINITY, nan);
     broken.scene = "deleted".into();
     broken.parameters.gravity = nan;
     broken.parameters.friction = Some(f64::INFINITY);
