@@ -3,7 +3,7 @@
 //!
 //! The contact force is constant over the segment and is found from the **mean** motion of the corners,
 //! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
-//! over time, taken from a `split` step, so that the force does not depend on the integrator),
+//! over time, taken from `impulse_step`, so that the force does not depend on the integrator),
 //!
 //! ```text
 //! ū_k = d_k + ½ W p,   0 ≤ p_n ⊥ ū_n ≥ 0,   friction in the cone against ū_t,
@@ -23,8 +23,8 @@ use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spa
 use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
-use crate::integrators::{Integrate, IntegratorMemory, Split, StepOutcome};
+use crate::force::{Damping, Dissipation, ForceModel, Wrench};
+use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, impulse_step};
 use crate::state::BodyState;
 
 /// The law plus the floor's constant force and torque, world axes.
@@ -74,8 +74,8 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
         total
     }
 
-    fn damp(&self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        self.inner.damp(body, state, h);
+    fn damping(&self) -> Damping {
+        self.inner.damping()
     }
 }
 
@@ -153,13 +153,7 @@ impl<F: ForceModel> Start<'_, F> {
         } = self.context;
         let start = &self.state;
         let mut free = *start;
-        let mut outcome = Split::step(
-            body,
-            &mut free,
-            force,
-            tau,
-            &mut IntegratorMemory::default(),
-        );
+        let mut outcome = StepOutcome::plain(impulse_step(body, &mut free, force, tau));
         let middle = middle_attitude(start, &free);
         let levers = levers(body, middle, self.candidates);
         let operator = DelassusOperator::new(body, middle, &levers, self.candidates);
