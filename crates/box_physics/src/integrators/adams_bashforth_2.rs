@@ -40,6 +40,7 @@ impl Integrate for AdamsBashforth2 {
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(1.0),
+            damper: Limit::Below(1.0),
             oscillator: Limit::AlwaysGrows,
         },
         keeps: Keeps {

@@ -40,6 +40,7 @@ impl Integrate for Avian993 {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

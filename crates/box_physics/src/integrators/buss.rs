@@ -43,6 +43,7 @@ impl Integrate for Buss {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::Below(4.0),
+            damper: Limit::Below(4.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
-use super::split::{FreeRotationFlow, Strang, split_step};
+use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
+use crate::free_motion::free_rotation_by;
 use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose, renormalize};
 use crate::state::BodyState;
@@ -48,6 +49,7 @@ impl Integrate for Dmv6 {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
@@ -74,7 +76,7 @@ impl Integrate for Dmv6 {
             trigonometry,
             fallbacks: 0,
         };
-        let evaluations = split_step(body, state, force, h, &mut flow);
+        let evaluations = kick_drift_kick(body, state, force, h, &mut flow);
         StepOutcome {
             fallbacks: flow.fallbacks,
             ..StepOutcome::plain(evaluations)
@@ -92,7 +94,7 @@ impl<T: Trigonometry> FreeRotationFlow for MoserVeselov<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
         if !free_rotation_dmv6(body, state, h) {
-            Strang(self.trigonometry).flow(body, state, h);
+            free_rotation_by(body, state, h, self.trigonometry);
             self.fallbacks += 1;
         }
     }
@@ -225,8 +227,7 @@ mod tests {
     use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces, Gravity};
-    use crate::free_motion::FreeRotation;
-    use crate::math::AnyArgument;
+    use crate::free_motion::{FreeRotation, free_rotation};
     use proptest::prelude::*;
 
     const FREE: Gravity = Gravity(DVec3::ZERO);
@@ -336,7 +337,7 @@ mod tests {
             for _ in 0..100 {
                 let outcome = Dmv6::step(&body, &mut a, &FREE, h, &mut IntegratorMemory::default());
                 assert_eq!((outcome.fallbacks, outcome.unconverged), (1, 0));
-                Strang(&mut AnyArgument).flow(&body, &mut b, h);
+                free_rotation(&body, &mut b, h);
             }
             assert_eq!(
                 (a.rotation, a.angular_momentum),

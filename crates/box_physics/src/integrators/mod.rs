@@ -6,6 +6,8 @@
 //! then hold it to what its [`IntegratorInfo`] claims. `ARCHITECTURE.md` has the steps and a model of each kind.
 
 mod batch;
+mod damped_kick;
+mod flows;
 mod implicit_stage;
 mod info;
 mod memory;
@@ -23,8 +25,9 @@ pub use info::{
 };
 pub use memory::{IntegratorMemory, MemorySlot, Remember};
 
+pub(crate) use flows::impulse_step;
 #[cfg(test)]
-pub(crate) use split::{FreeRotationFlow, split_step};
+pub(crate) use flows::{FreeRotationFlow, kick_drift_kick};
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -261,6 +264,7 @@ integrators! {
     Exact = exact,
     Split4 = split4,
     Dmv6 = dmv6,
+    SymmetricTop = symmetric_top,
     Rk4 = rk4,
     ImplicitMidpoint = implicit_midpoint,
     VelocityVerlet = velocity_verlet,
