@@ -394,7 +394,7 @@ fn the_log_has_a_row_per_step_and_says_what_was_done() {
         .expect("readable");
     let columns = reader.headers().expect("a header").clone();
     let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
-    // The hero's rows; the lanes beside it have their own.
+    // The main box's rows; the comparisons have their own.
     let rows = reader.records().map(|r| r.expect("a row"));
     let rows: Vec<_> = rows.filter(|r| &r[at("lane")] == "0").collect();
     assert_eq!(rows.len(), 4);

@@ -94,7 +94,7 @@ impl Snapshot {
 
     /// One sample of at least `shortest` under `integrator`.
     pub fn time(&mut self, integrator: Integrator, shortest: Duration) -> Sample {
-        let evaluations = f64::from(self.call(integrator).evaluations) / self.units();
+        let evaluations = self.call(integrator).evaluations as f64 / self.units();
         let mut contender = Contender::new(self.units(), || {
             std::hint::black_box(self.call(integrator));
         });

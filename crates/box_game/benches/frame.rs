@@ -1,5 +1,5 @@
 //! What a frame of the game costs the processor, without window and renderer: all of the game's systems
-//! (physics, lanes and their measurement, timing of every integrator, log off), the panel with a plot open,
+//! (physics, comparisons and their measurement, timing of every integrator, log off), the panel with a plot open,
 //! and its tessellation. `cargo bench --bench frame` prints the minimum and the median for every tab.
 
 use std::time::Instant;

@@ -213,7 +213,7 @@ pub fn move_camera(
         **orbit = orbit.zoomed(0.9_f32.powf(notches), under_cursor(orbit, lens, window));
     }
     // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
-    // with the hero.
+    // with the main box.
     let stays = floor.is_some() || session.scenario.view.target.is_some();
     let at = hero.iter().next().map(|state| state.position.as_vec3());
     if let (false, Some(now), Some(before)) = (stays, at, *seen) {
@@ -224,7 +224,7 @@ pub fn move_camera(
         match *request {
             CameraRequest::Home => {
                 **orbit = OrbitCamera::home(&session);
-                // The hero may have moved on since the start.
+                // The main box may have moved on since the start.
                 if let (false, Some(now)) = (stays, at) {
                     let start = session.setup().initial.position.as_vec3();
                     orbit.target += now - start;

@@ -17,8 +17,7 @@ const GAP: u32 = 2;
 /// The layer of what is in every view.
 const COMMON: usize = MOST;
 
-/// The room for the picture \[pixels\], which a panel leaves. Where there is none, views are drawn as
-/// ghosts.
+/// The room that the panel leaves for the picture \[pixels\]. Without it, views are drawn in one place.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PictureArea(pub URect);
 

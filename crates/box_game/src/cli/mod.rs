@@ -42,7 +42,7 @@ pub struct Cli {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
 
-    /// How the integrators are shown together: solo, ghosts, lanes or views.
+    /// How the integrators are shown together: solo, ghosts (in one place), lanes (side by side) or views.
     #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
     pub layout: Layout,
 

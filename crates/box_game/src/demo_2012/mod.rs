@@ -1,4 +1,4 @@
-//! The demo of 2012 on screen: in its scene the hero moves as [`box_scenarios::dissertation`] has it, or,
+//! The demo of 2012 on screen: in its scene the main box moves as [`box_scenarios::dissertation`] has it, or,
 //! at the press of a button, as ours.
 
 use std::fs::File;
@@ -28,7 +28,7 @@ pub const FAULTS: [&str; 5] = [
     "contact lifts the bounding box out of the floor: no bounce, no friction, a tilted cube stands on its corner",
 ];
 
-/// Moves the hero by the demo in its scene.
+/// Moves the main box by the demo in its scene.
 pub struct Demo2012Plugin;
 
 impl Plugin for Demo2012Plugin {
@@ -132,7 +132,7 @@ impl CycleLog {
     }
 }
 
-/// Moves the hero by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
+/// Moves the main box by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
 /// Runs after *Writeback*: a system among the plugin's own would make it go over all bodies more than once.
 fn run_cycle(
     session: Res<Session>,

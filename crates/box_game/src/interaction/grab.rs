@@ -70,7 +70,7 @@ pub fn impulse(hold: &Hold, body: &RigidBox, state: &BodyState, h: f64) -> DVec3
     wanted.clamp_length_max(h * FORCE_CAP * mass * 9.81)
 }
 
-/// Pulls the hero while it is held, once a tick of the clock.
+/// Pulls the main box while it is held, once a tick of the clock.
 pub fn pull(
     grip: Res<Grip>,
     clock: Res<PhysicsClock>,

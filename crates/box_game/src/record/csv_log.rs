@@ -20,7 +20,7 @@ pub struct Row {
     pub sim_t_s: f64,
     /// Time since the program started \[s\].
     pub wall_t_s: Option<f64>,
-    /// 0 for the hero, then the lanes beside it; in the headless comparison one per integrator.
+    /// 0 for the main box, then the comparisons; in the headless comparison one per integrator.
     pub lane: u32,
     /// Id of the integrator.
     pub integrator: String,
@@ -28,7 +28,7 @@ pub struct Row {
     pub dt_s: f64,
     /// Substeps per step.
     pub substeps: u32,
-    /// Force evaluations of this row's step: all boxes (hero), a step's mean (other lanes).
+    /// Force evaluations of this row's step: all boxes (main box), a step's mean (other comparisons).
     pub rhs_evals: u64,
     /// Shortest recent time [ns per body-step].
     pub step_ns_min: Option<f64>,

@@ -1,5 +1,5 @@
-//! After every step: its counts, and the rows of the log while one is open: one for the hero, one for
-//! each lane that has taken a step.
+//! After every step: its counts, and the rows of the log while one is open: one for the main box, one for
+//! each comparison that has taken a step.
 
 use bevy::diagnostic::{DiagnosticsStore, FrameCount};
 use bevy::prelude::*;

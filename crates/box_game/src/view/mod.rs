@@ -34,7 +34,7 @@ impl Plugin for ViewPlugin {
     }
 }
 
-/// The switches of the panel: boxes of all bodies, the rest of the hero alone.
+/// The switches of the panel: boxes of all bodies, the rest of the main box alone.
 fn switch_gizmos(
     preferences: Res<Preferences>,
     hero: Query<Entity, With<Hero>>,

@@ -171,7 +171,7 @@ pub(crate) fn box_color(integrator: Integrator) -> Color {
     Color::srgb_u8(r, g, b)
 }
 
-/// Paints the hero in the color of the integrator that moves it; white where that is none of ours.
+/// Paints the main box in the color of the integrator that moves it; white where that is none of ours.
 pub(super) fn tint_hero(
     hero: Query<Option<&BodyIntegrator>, With<Hero>>,
     global: Res<GlobalIntegrator>,

@@ -98,7 +98,7 @@ pub fn sample_view() -> PanelView {
     }
 }
 
-/// The hero and two lanes, two seconds in.
+/// The main box and two comparisons, two seconds in.
 fn sample_comparison() -> CompareView {
     let lanes = [
         Integrator::default(),

@@ -1,4 +1,4 @@
-//! Lines over the picture: the edges of the ghosts, the reference dashed, the fading trails.
+//! Lines over the picture: the edges of the comparisons, the reference dashed, the fading trails.
 
 use std::collections::VecDeque;
 
@@ -59,7 +59,7 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
     }
 }
 
-/// Edges of ghosts and of the reference, and the trails, each in its view.
+/// Edges of comparisons and of the reference, and the trails, each in its view.
 pub(super) fn draw_frames(
     comparison: Res<Comparison>,
     trails: Res<Trails>,

@@ -1,7 +1,7 @@
-//! The lanes as pictures: translucent boxes over the hero or boxes in strips beside it, the reference as
-//! a dashed white frame, fading trails, and a tag with name and error for each.
+//! The comparisons as pictures: translucent boxes over the main box or boxes in strips beside it, the reference as
+//! a dashed white frame, fading trails, and a label with name and error for each.
 //!
-//! Nothing here is simulated or read back: in the lanes layout only the picture is shifted.
+//! Nothing here is simulated or read back: side by side, only the picture is shifted.
 
 mod frames;
 mod shown;
@@ -19,11 +19,11 @@ use crate::compare::Comparison;
 use crate::view::visuals::{box_color, shaded_cuboid};
 use shown::{color, drawn, shown};
 
-/// Opacity of a ghost.
+/// Opacity of a comparison.
 const GHOST: f32 = 0.16;
 
-/// Draws the lanes of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
-/// [`ComparePlugin`](crate::compare::ComparePlugin); tags need `EguiPlugin`.
+/// Draws the comparisons of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
+/// [`ComparePlugin`](crate::compare::ComparePlugin); labels need `EguiPlugin`.
 pub(super) struct GhostPlugin;
 
 impl Plugin for GhostPlugin {
@@ -44,11 +44,11 @@ impl Plugin for GhostPlugin {
     }
 }
 
-/// The box of a lane; once spawned it stays, and is hidden when it is not wanted.
+/// The box of a comparison; once spawned it stays, and is hidden when it is not wanted.
 #[derive(Component, Clone, Copy, Debug)]
 pub(super) struct Ghost(pub Integrator);
 
-/// A box for every lane, where the lane is.
+/// A box for every comparison, where the comparison is.
 fn place_ghosts(
     comparison: Res<Comparison>,
     mut ghosts: Query<(

@@ -10,13 +10,13 @@ use crate::compare::track::Track;
 use crate::compare::{Comparison, Run};
 use crate::view::style;
 
-/// Distance of two lanes in radii of the box.
+/// Distance of two comparisons in radii of the box.
 const PITCH: f32 = 2.7;
 
 /// A trajectory that is drawn: integrator, state, what is measured of it, by how much its picture is shifted, status.
 pub(super) type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3, Status);
 
-/// Every trajectory that is drawn, the hero's first.
+/// Every trajectory that is drawn, the main box's first.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     let hero = (
         run.hero.integrator,
@@ -43,7 +43,7 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     [hero].into_iter().chain(lanes.take(beside)).collect()
 }
 
-/// Right, left, right, left of the hero.
+/// Right, left, right, left of the main box.
 fn place(k: usize) -> f32 {
     let ring = (k / 2 + 1) as f32;
     if k.is_multiple_of(2) { ring } else { -ring }
@@ -65,7 +65,7 @@ pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
     Color::srgb_u8(r, g, b).with_alpha(alpha)
 }
 
-/// The layout as it is drawn: without a room of its own for the picture, views are ghosts.
+/// The layout as it is drawn: views need a room for the picture, and are else drawn in one place.
 pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
     match comparison.settings.layout {
         Layout::Views if !area => Layout::Ghosts,
@@ -73,7 +73,7 @@ pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
     }
 }
 
-/// The point that trails and tags follow, body axes \[m\].
+/// The point that trails and labels follow, body axes \[m\].
 pub(super) fn tip(run: &Run) -> bevy::math::DVec3 {
     let start = run.start();
     let travels = start.velocity.length() > 0.1

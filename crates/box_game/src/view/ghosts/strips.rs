@@ -1,4 +1,4 @@
-//! The ground under the lanes, and the camera far enough away to show them all.
+//! The ground under the comparisons, and the camera far enough away to show them all.
 
 use bevy::prelude::*;
 use box_physics::prelude::Integrator;
@@ -11,18 +11,18 @@ use crate::scene::session::Session;
 
 /// Width of a strip in radii of the box.
 const STRIP: f32 = 2.3;
-/// The picture goes this much farther away for each lane beside the hero.
+/// The picture goes this much farther away for each comparison beside the main box.
 const STEP_BACK: f32 = 0.4;
-/// Cosine of the angle between the view and the row of lanes above which one hides the other, and how much
+/// Cosine of the angle between the view and the row of comparisons above which one hides the other, and how much
 /// higher the camera then stands \[rad\].
 const ALONG: f32 = 0.75;
 const LIFT: f32 = 0.5;
 
-/// The ground under a lane.
+/// The ground under a comparison.
 #[derive(Component, Clone, Copy, Debug)]
 pub(super) struct Strip(pub Integrator);
 
-/// The ground under every lane: along the motion over a floor, else a plate under a box that stays.
+/// The ground under every comparison: along the motion over a floor, else a plate under a box that stays.
 pub(super) fn place_strips(
     comparison: Res<Comparison>,
     mut strips: Query<(&Strip, &mut Transform, &mut Visibility)>,
@@ -101,7 +101,7 @@ pub(super) struct Moved {
     lift: f32,
 }
 
-/// The camera far enough away to show every lane, and higher where it would look along their row and see
+/// The camera far enough away to show every comparison, and higher where it would look along their row and see
 /// the nearest alone.
 pub(super) fn step_back(
     comparison: Res<Comparison>,

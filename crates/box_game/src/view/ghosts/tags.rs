@@ -1,4 +1,4 @@
-//! Name and error of every lane, in words over the picture.
+//! Name and error of every comparison, in words over the picture.
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
@@ -13,11 +13,11 @@ use crate::scene::session::Session;
 use crate::view::style;
 use box_scenarios::Status;
 
-/// In a picture narrower than this \[points\] a tag is the integrator's mark without its name: it would cover
+/// In a picture narrower than this \[points\] a label is the integrator's mark without its name: it would cover
 /// the box.
 const NARROW: f32 = 460.0;
 
-/// Name and error at every box. The tags of ghosts, which are all in one place, stand in a column
+/// Name and error at every box. The labels of comparisons, which are all in one place, stand in a column
 /// beside them, each with a line to its box.
 pub(super) fn draw_tags(
     comparison: Res<Comparison>,
@@ -151,7 +151,7 @@ fn tag(mut text: String, hero: bool, track: &Track, status: Status, attitude: bo
     text
 }
 
-/// Two significant digits; a tag is read in passing.
+/// Two significant digits; a label is read in passing.
 fn short(value: f64) -> String {
     match value {
         v if v < 1e-11 => "0".to_owned(),
@@ -171,7 +171,7 @@ fn now(track: &Track, attitude: bool) -> (f64, &'static str) {
     }
 }
 
-/// The tag's ground: dark green where the error cannot be seen, dark red where the pose is lost.
+/// The label's ground: dark green where the error cannot be seen, dark red where the pose is lost.
 fn heat(track: &Track, status: Status, attitude: bool) -> egui::Color32 {
     let (value, _) = now(track, attitude);
     let lost = if attitude { 90.0 } else { 1.0 };

@@ -147,7 +147,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
     let response = plot
         .show(ui, |plot| {
             rules(plot, view);
-            // The hero last, over the others.
+            // The main box last, over the others.
             for lane in view.lanes.iter().rev() {
                 let width = if lane.hero { 2.5 } else { 1.6 };
                 let name = style::tagged(lane.integrator);
@@ -275,7 +275,7 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     }
 }
 
-/// Figures of a lane that stand for all of it in a row of text.
+/// Figures of a comparison that stand for all of it in a row of text.
 pub(super) fn state(lane: &LaneView) -> String {
     if lane.skew > 0.0 {
         format!("{} · input {} s late", lane.status, number(lane.skew))

@@ -1,4 +1,4 @@
-//! Error against cost, both logarithmic: down and left is better. The dots are the lanes as they run;
+//! Error against cost, both logarithmic: down and left is better. The dots are the comparisons as they run;
 //! the lines are the sweep over step sizes.
 
 use bevy_egui::egui::{Label, ProgressBar, Rect, RichText, Ui, UiBuilder, pos2, vec2};
@@ -195,7 +195,7 @@ fn place(p: &SweepPoint, position: bool) -> [f64; 2] {
     [to_axis(error), to_axis(p.cost * 1e-3)]
 }
 
-/// A lane as it runs: its largest error so far, its median cost.
+/// A comparison as it runs: its largest error so far, its median cost.
 fn now(lane: &LaneView, position: bool) -> Option<[f64; 2]> {
     let (_, median, _) = lane.nanoseconds?;
     let error = if position { lane.worst.0 } else { lane.worst.1 };

@@ -1,5 +1,5 @@
-//! Every integrator as a row: whether it runs beside the hero, its looks, name, and what it costs now; and how
-//! those that run are shown and made comparable.
+//! A row for every integrator: checkbox, mark, name and present cost; below, layout and fairness of the
+//! comparisons.
 
 use bevy_egui::egui::{AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2};
 use box_physics::prelude::Integrator;

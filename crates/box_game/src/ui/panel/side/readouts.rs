@@ -1,4 +1,4 @@
-//! The sections that show: what is drawn, the hero box in numbers, the log.
+//! The sections that show: what is drawn, the main box in numbers, the log.
 
 use bevy_egui::egui::{Grid, Label, RichText, Ui};
 
