@@ -204,7 +204,7 @@ pub struct Evaluations {
     pub free: u32,
     /// With a state-dependent force.
     pub forced: u32,
-    /// Added by a step without a memory to go by: the first, and each after a change from outside.
+    /// At most this many more in a step without enough of a memory: the first, and after a change from outside.
     pub starting: u32,
     /// Whether the integrator iterates: then both are per iteration.
     pub per_iteration: bool,
@@ -221,7 +221,7 @@ impl Evaluations {
         }
     }
 
-    /// The same with a first step that costs so many more.
+    /// The same with first steps that cost so many more.
     #[must_use]
     pub const fn starting(self, starting: u32) -> Self {
         Self { starting, ..self }
