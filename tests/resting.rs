@@ -16,16 +16,10 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(states: [(BodyState, ContactState); 3], apart: bool) -> Self {
+    fn new(states: [(BodyState, ContactState); 3]) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
             .insert_resource(Floor::default());
-        if apart {
-            let between = (|| ())
-                .after(PhysicsSystems::Contact)
-                .before(PhysicsSystems::Refit);
-            app.add_systems(PhysicsSchedule, between);
-        }
         let bodies = states.map(|(state, contact)| {
             let parts = (brick(), state, contact);
             app.world_mut().spawn(parts).id()
@@ -34,13 +28,13 @@ impl Scene {
     }
 
     /// Dropped, and at rest long enough to be known to rest.
-    fn at_rest(apart: bool) -> Self {
+    fn at_rest() -> Self {
         let start = [0.0, 3.0, 6.0].map(|x| {
             let state =
                 BodyState::at(DVec3::new(x, 0.3, 0.0)).with_velocity(DVec3::new(0.1, 0.0, 0.0));
             (state, ContactState::default())
         });
-        let mut scene = Self::new(start, apart);
+        let mut scene = Self::new(start);
         scene.step(120);
         for body in scene.bodies {
             let state = scene.get::<BodyState>(body);
@@ -50,11 +44,11 @@ impl Scene {
     }
 
     /// The same boxes, put there a moment ago.
-    fn put_there(&self, apart: bool) -> Self {
+    fn put_there(&self) -> Self {
         let parts = self
             .bodies
             .map(|body| (self.get(body), self.get::<ContactState>(body)));
-        let mut scene = Self::new(parts, apart);
+        let mut scene = Self::new(parts);
         // The step in which it is found that they rest.
         scene.step(1);
         scene
@@ -93,23 +87,21 @@ impl Scene {
 /// middle one, and whether it moved the others.
 fn compare(what: &str, disturb: impl Fn(&mut Scene)) -> (bool, bool) {
     let mut moved = (false, false);
-    for apart in [false, true] {
-        let mut known = Scene::at_rest(apart);
-        let mut new = known.put_there(apart);
-        assert!(known.seen() == new.seen(), "{what}: at the start");
-        let before = known.seen();
-        for scene in [&mut known, &mut new] {
-            disturb(scene);
-        }
-        for step in 0..90 {
-            known.step(1);
-            new.step(1);
-            let same = known.seen() == new.seen();
-            assert!(same, "{what}, step {step}, apart: {apart}");
-            let now = known.seen();
-            moved.0 |= now[1].0 != before[1].0;
-            moved.1 |= now[0].0 != before[0].0 || now[2].0 != before[2].0;
-        }
+    let mut known = Scene::at_rest();
+    let mut new = known.put_there();
+    assert!(known.seen() == new.seen(), "{what}: at the start");
+    let before = known.seen();
+    for scene in [&mut known, &mut new] {
+        disturb(scene);
+    }
+    for step in 0..90 {
+        known.step(1);
+        new.step(1);
+        let same = known.seen() == new.seen();
+        assert!(same, "{what}, step {step}");
+        let now = known.seen();
+        moved.0 |= now[1].0 != before[1].0;
+        moved.1 |= now[0].0 != before[0].0 || now[2].0 != before[2].0;
     }
     moved
 }
@@ -219,7 +211,7 @@ fn a_box_that_was_left_out_is_looked_at_again() {
 /// A force that held it is gone.
 #[test]
 fn a_box_that_was_held_is_let_go() {
-    let mut scene = Scene::at_rest(false);
+    let mut scene = Scene::at_rest();
     let up = ExternalForce {
         force: DVec3::new(-8.0 * brick().mass(), 0.0, 0.0),
         torque: DVec3::ZERO,
@@ -242,32 +234,30 @@ fn a_box_that_was_held_is_let_go() {
     assert!(scene.seen()[1].0.position.x > before[1].0.position.x + 0.01);
 }
 
-/// A pose that was overwritten after teleports were taken is put right in the same step; one that is no
+/// A pose that was overwritten after teleports were taken is written again in the same step; one that is no
 /// teleport, but not what was shown either, in the next.
 #[test]
 fn a_pose_overwritten_is_shown_again() {
-    for apart in [false, true] {
-        let mut scene = Scene::at_rest(apart);
-        let shown = scene.seen();
-        let smear = |mut transforms: Query<&mut Transform>| {
-            for mut transform in &mut transforms {
-                transform.translation.y = 7.0;
-            }
-        };
-        scene
-            .app
-            .add_systems(PhysicsSchedule, smear.in_set(PhysicsSystems::Forces));
-        for _ in 0..3 {
-            scene.step(1);
-            assert!(scene.seen() == shown, "apart: {apart}");
+    let mut scene = Scene::at_rest();
+    let shown = scene.seen();
+    let smear = |mut transforms: Query<&mut Transform>| {
+        for mut transform in &mut transforms {
+            transform.translation.y = 7.0;
         }
+    };
+    scene
+        .app
+        .add_systems(PhysicsSchedule, smear.in_set(PhysicsSystems::Forces));
+    for _ in 0..3 {
+        scene.step(1);
+        assert!(scene.seen() == shown);
     }
 }
 
 /// What is set between *Integrate* and *Contact* counts in this step.
 #[test]
 fn between_the_sets_a_box_can_still_be_moved() {
-    let mut scene = Scene::at_rest(false);
+    let mut scene = Scene::at_rest();
     let before = scene.seen();
     let raise = |mut states: Query<&mut BodyState>| {
         for mut state in &mut states {

@@ -2,7 +2,7 @@
 
 use bevy::MinimalPlugins;
 use bevy::app::{App, FixedFirst, FixedLast};
-use bevy::ecs::schedule::{IntoScheduleConfigs, ScheduleLabel, SingleThreadedExecutor};
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::ecs::system::Command;
 use bevy::time::{Fixed, Time};
 use box_physics::plugin::PhysicsThreads;
@@ -70,16 +70,6 @@ impl PluginWorld {
     /// At most so many threads from now on.
     pub fn use_threads(&mut self, most: usize) {
         self.app.world_mut().resource_mut::<PhysicsThreads>().most = most;
-    }
-
-    /// Puts a system that does nothing between *Integrate* and *Contact*: then the plugin may no longer
-    /// show a body right after its step, and goes over all bodies once for each of its sets.
-    pub fn keep_passes_apart(&mut self) {
-        let between = (|| ())
-            .after(PhysicsSystems::Integrate)
-            .before(PhysicsSystems::Contact);
-        self.app.add_systems(PhysicsSchedule, between);
-        self.step();
     }
 
     /// One step of the plugin's schedule.

@@ -142,36 +142,27 @@ fn step_rows(
     let set = situation.bodies(n);
     let mut bare = Bare::new(&set, situation.gravity());
     let mut traffic = Traffic::new(n, Bare::bytes_per_body());
-    let mut worlds = vec![(
-        situation.name().to_owned(),
-        RefCell::new(PluginWorld::new(situation, integrator, n)),
-    )];
-    if flight {
-        let mut apart = PluginWorld::new(situation, integrator, n);
-        apart.keep_passes_apart();
-        worlds.push(("free flight, passes apart".to_owned(), RefCell::new(apart)));
-    }
-    let steps = f64::from(worlds[0].1.borrow().steps_per_call());
+    let world = RefCell::new(PluginWorld::new(situation, integrator, n));
+    let steps = f64::from(world.borrow().steps_per_call());
     let mut contenders = vec![
         Contender::new(n as f64, || bare.step(integrator, STEP)),
         Contender::new(n as f64, || traffic.pass()),
     ];
     let mut rows = Vec::new();
-    for (name, world) in &worlds {
-        for &threads in threads(n) {
-            let mut now = world.borrow_mut();
-            now.use_threads(threads);
-            for _ in 0..if steps > 1.0 { 1 } else { 10 } {
-                now.call();
-            }
-            let allocations = count(&mut || now.call()) as f64 / steps;
-            rows.push((name.as_str(), threads, Some(allocations)));
-            contenders.push(Contender::new(n as f64 * steps, move || {
-                let mut world = world.borrow_mut();
-                world.use_threads(threads);
-                world.call();
-            }));
+    let world = &world;
+    for &threads in threads(n) {
+        let mut now = world.borrow_mut();
+        now.use_threads(threads);
+        for _ in 0..if steps > 1.0 { 1 } else { 10 } {
+            now.call();
         }
+        let allocations = count(&mut || now.call()) as f64 / steps;
+        rows.push((situation.name(), threads, Some(allocations)));
+        contenders.push(Contender::new(n as f64 * steps, move || {
+            let mut world = world.borrow_mut();
+            world.use_threads(threads);
+            world.call();
+        }));
     }
     let mut settings = options.settings();
     if steps > 1.0 {

@@ -4,8 +4,7 @@ use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
 use bevy::math::bounding::Aabb3d;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
-use bevy::transform::components::Transform;
-use glam::{DVec3, Quat, Vec3};
+use glam::DVec3;
 
 use super::contacts::ReportedContacts;
 use crate::aabb;
@@ -227,160 +226,18 @@ pub struct Quarantined {
     pub time: f64,
 }
 
-/// The pose last written to `Transform`, in its f32 bits. A `Transform` that changed since and differs from
-/// it was changed by somebody else: a teleport. (Change detection alone would not do: smoothing between
-/// steps writes `Transform` every frame.)
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PublishedPose {
-    pub(crate) translation: Vec3,
-    pub(crate) rotation: Quat,
-    /// Whether the body was placed. Until then its `Transform` says where it starts, whatever wrote it.
-    pub(crate) placed: bool,
-}
-
-impl Default for PublishedPose {
-    /// The default `Transform`: so a body that is spawned with a `Transform` starts there, and one
-    /// spawned with a `BodyState` alone starts as that says.
-    fn default() -> Self {
-        Self {
-            translation: Vec3::ZERO,
-            rotation: Quat::IDENTITY,
-            placed: false,
-        }
-    }
-}
-
-impl PublishedPose {
-    /// `state`'s pose in f32.
-    #[inline(always)]
-    pub(crate) fn of(state: &BodyState) -> Self {
-        Self {
-            translation: state.position.as_vec3(),
-            rotation: state.rotation.as_quat(),
-            placed: true,
-        }
-    }
-
-    /// The pose of `transform`, if it is one.
-    pub(crate) fn shown_by(transform: &Transform) -> Option<Self> {
-        let norm = transform.rotation.as_dquat().length();
-        let usable = transform.translation.is_finite() && norm.is_finite() && norm > 1e-6;
-        usable.then_some(Self {
-            translation: transform.translation,
-            rotation: transform.rotation,
-            placed: true,
-        })
-    }
-
-    pub(crate) fn is_shown_by(&self, transform: &Transform) -> bool {
-        transform.translation == self.translation && transform.rotation == self.rotation
-    }
-
-    pub(crate) fn show(&self, transform: &mut Transform) {
-        transform.translation = self.translation;
-        transform.rotation = self.rotation;
-    }
-
-    /// At this pose, at rest: what is left of a body whose state is lost.
-    pub(crate) fn state_at_rest(&self) -> BodyState {
-        BodyState::at_pose(self.translation.as_dvec3(), self.rotation.as_dquat())
-    }
-
-    /// Takes over into `state` what somebody changed in `transform` since we wrote it. Returns whether
-    /// there was anything, or an error if it is not usable (then nothing is taken).
-    pub(crate) fn take_teleport(
-        &self,
-        transform: &Transform,
-        state: &mut BodyState,
-    ) -> Result<bool, NotFinite> {
-        let now = Self::of(state);
-        let moved =
-            transform.translation != self.translation && transform.translation != now.translation;
-        // Smoothing between two equal rotations may change their last bits: that is nobody's wish.
-        let turned = !same_rotation(transform.rotation, self.rotation)
-            && !same_rotation(transform.rotation, now.rotation);
-        if !moved && !turned {
-            return Ok(false);
-        }
-        if Self::shown_by(transform).is_none() {
-            return Err(NotFinite);
-        }
-        if moved {
-            state.position = transform.translation.as_dvec3();
-        }
-        if turned {
-            // The momentum is stored in body axes: the body carries its spin along.
-            state.rotation =
-                BodyState::at_pose(state.position, transform.rotation.as_dquat()).rotation;
-        }
-        Ok(true)
-    }
-}
-
-/// Whether two f32 rotations are the same but for rounding (four units in the last place of 1).
-#[inline(always)]
-fn same_rotation(a: Quat, b: Quat) -> bool {
-    const ROUNDING: f32 = 4.0 * f32::EPSILON;
-    a == b || (a - b).length_squared() < ROUNDING * ROUNDING
-}
-
-/// A `Transform` that names no place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct NotFinite;
-
-/// What *Integrate* and *Contact* tell each other of a body.
+/// What *Integrate* tells *Contact* of a body, and *Contact* the next *Integrate*.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NearFloor {
     /// It may touch the floor during this step: left to *Contact*.
     pub(crate) pending: bool,
     /// It touched at the end of the last step: *Contact* takes it once more, to report the end.
     pub(crate) touched: bool,
-    /// It lay still before this step and does after it: bounding box and pose are what they were.
-    pub(crate) still: bool,
-    /// The number of the last run of *Contact* in which it lay still under nothing but gravity; 0 for none.
-    pub(crate) asleep: u32,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_teleport_is_a_transform_that_we_did_not_write() {
-        let mut state = BodyState::at(DVec3::new(0.1, 0.2, 0.3));
-        let published = PublishedPose::of(&state);
-        let mut transform = Transform::from_translation(published.translation);
-        assert_eq!(published.take_teleport(&transform, &mut state), Ok(false));
-        assert_eq!(
-            state.position,
-            DVec3::new(0.1, 0.2, 0.3),
-            "keeps its f64 digits"
-        );
-        transform.translation.y = 5.0;
-        assert_eq!(published.take_teleport(&transform, &mut state), Ok(true));
-        assert_eq!(state.position.y, 5.0);
-        transform.translation.y = f32::NAN;
-        assert_eq!(
-            published.take_teleport(&transform, &mut state),
-            Err(NotFinite)
-        );
-        assert_eq!(state.position.y, 5.0);
-    }
-
-    #[test]
-    fn a_new_body_starts_where_its_transform_or_its_state_says() {
-        let new = PublishedPose::default();
-        let mut state = BodyState::default();
-        let transform = Transform::from_xyz(0.0, 5.0, 0.0);
-        assert_eq!(new.take_teleport(&transform, &mut state), Ok(true));
-        assert_eq!(state.position, DVec3::Y * 5.0);
-        let mut state = BodyState::at(DVec3::X);
-        assert_eq!(
-            new.take_teleport(&Transform::default(), &mut state),
-            Ok(false)
-        );
-        assert_eq!(state.position, DVec3::X);
-    }
 
     #[test]
     fn coefficients_are_checked() {

@@ -5,37 +5,50 @@ use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::lifecycle::{Add, Remove};
+use bevy::ecs::message::MessageWriter;
 use bevy::ecs::observer::On;
-use bevy::ecs::query::Allow;
+use bevy::ecs::query::{Allow, With, Without};
 use bevy::ecs::resource::Resource;
+use bevy::ecs::system::Query;
 use bevy::ecs::world::{DeferredWorld, World};
 
 use super::components::{NearFloor, Quarantined, ReportContacts};
 use super::messages::FloorContact;
-use crate::aabb::corners;
+use crate::aabb;
 use crate::body::RigidBox;
 use crate::floor::{ContactPhase, ContactPoint, ContactState};
 use crate::state::BodyState;
 
-/// The corners of which a [`FloorContact`] said that they began to touch, and not yet that they ended; bit k is
-/// corner k.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ReportedContacts(u8);
+/// The contacts of a body that are reported.
+#[derive(Component, Clone, Debug, Default)]
+pub(crate) struct ReportedContacts {
+    /// The corners of which a [`FloorContact`] said that they began to touch, and not yet that they ended; bit k is
+    /// corner k.
+    began: u8,
+    /// What the last step found.
+    points: Vec<ContactPoint>,
+}
 
-impl ReportedContacts {
-    /// Emits what a step found. A corner that touched before anybody listened begins now; one whose contact was
-    /// forgotten from outside ends.
-    pub(crate) fn report(
-        &mut self,
-        entity: Entity,
-        (body, state): (&RigidBox, &BodyState),
-        touching: u8,
-        points: &[ContactPoint],
-        mut emit: impl FnMut(FloorContact),
-    ) {
-        for point in points {
+/// Emits what the step found. A corner that touched before anybody listened begins now; one whose contact was
+/// forgotten from outside ends.
+pub(crate) fn report_contacts(
+    mut bodies: Query<
+        (
+            Entity,
+            &RigidBox,
+            &BodyState,
+            &ContactState,
+            &mut ReportedContacts,
+        ),
+        (With<ReportContacts>, Without<Quarantined>),
+    >,
+    mut messages: MessageWriter<FloorContact>,
+) {
+    for (entity, body, state, contact, mut reported) in &mut bodies {
+        let ReportedContacts { began, points } = &mut *reported;
+        for point in points.drain(..) {
             let corner = 1 << point.corner;
-            let known = self.0 & corner != 0;
+            let known = *began & corner != 0;
             let phase = match point.phase {
                 ContactPhase::Ended if !known => continue,
                 ContactPhase::Ended => ContactPhase::Ended,
@@ -43,10 +56,10 @@ impl ReportedContacts {
                 _ => ContactPhase::Began,
             };
             match phase {
-                ContactPhase::Ended => self.0 &= !corner,
-                _ => self.0 |= corner,
+                ContactPhase::Ended => *began &= !corner,
+                _ => *began |= corner,
             }
-            emit(FloorContact {
+            messages.write(FloorContact {
                 entity,
                 corner: point.corner,
                 point: point.point,
@@ -54,30 +67,36 @@ impl ReportedContacts {
                 phase,
             });
         }
-        if self.0 & !touching != 0 {
-            let forgotten = Self(self.0 & !touching);
-            self.0 &= touching;
-            forgotten.ended(entity, body, state).for_each(emit);
-        }
+        let forgotten = *began & !contact.touching();
+        *began &= contact.touching();
+        messages.write_batch(ended(entity, forgotten, body, state));
     }
+}
 
-    /// The ends of all of them.
-    fn ended(
-        self,
-        entity: Entity,
-        body: &RigidBox,
-        state: &BodyState,
-    ) -> impl Iterator<Item = FloorContact> {
-        let corners = (0_u8..).zip(corners(body.half_extents()).map(|c| state.point(c)));
-        corners
-            .filter(move |(corner, _)| self.0 >> corner & 1 == 1)
-            .map(move |(corner, point)| FloorContact {
-                entity,
-                corner,
-                point,
-                normal_impulse: 0.0,
-                phase: ContactPhase::Ended,
-            })
+/// The ends of the contacts of these corners.
+fn ended(
+    entity: Entity,
+    corners: u8,
+    body: &RigidBox,
+    state: &BodyState,
+) -> impl Iterator<Item = FloorContact> {
+    let places = (0_u8..).zip(aabb::corners(body.half_extents()).map(|c| state.point(c)));
+    places
+        .filter(move |(corner, _)| corners >> corner & 1 == 1)
+        .map(move |(corner, point)| FloorContact {
+            entity,
+            corner,
+            point,
+            normal_impulse: 0.0,
+            phase: ContactPhase::Ended,
+        })
+}
+
+impl ReportedContacts {
+    /// The points of a step that begins.
+    pub(crate) fn begin(&mut self) -> &mut Vec<ContactPoint> {
+        self.points.clear();
+        &mut self.points
     }
 }
 
@@ -102,9 +121,11 @@ fn end_reports(world: &mut DeferredWorld, entity: Entity) {
     let Some(mut reported) = found.get_mut::<ReportedContacts>() else {
         return;
     };
-    let reported = core::mem::take(&mut *reported);
-    if let Some((body, state)) = found.get::<RigidBox>().zip(found.get::<BodyState>()) {
-        let ended: Vec<_> = reported.ended(entity, body, state).collect();
+    let corners = core::mem::take(&mut reported.began);
+    if corners != 0
+        && let Some((body, state)) = found.get::<RigidBox>().zip(found.get::<BodyState>())
+    {
+        let ended: Vec<_> = ended(entity, corners, body, state).collect();
         world.write_message_batch(ended);
     }
 }

@@ -2,29 +2,26 @@
 
 use core::time::Duration;
 
-use bevy::ecs::change_detection::{DetectChanges, DetectChangesMut, Ref};
+use bevy::ecs::bundle::Bundle;
+use bevy::ecs::change_detection::{DetectChanges, Ref};
 use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::hierarchy::{ChildOf, Children};
-use bevy::ecs::message::MessageReader;
 use bevy::ecs::query::{Added, Changed, Has, Or, With, Without};
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Commands, Local, Query, Res, ResMut};
 use bevy::ecs::world::World;
 use bevy::time::{Real, Time, Virtual};
 use bevy::transform::components::Transform;
+use bevy::utils::prelude::ShortName;
 use log::{info, warn};
 
-use super::components::{NearFloor, PublishedPose, Quarantined};
 use super::contacts::ContactEnabled;
-use super::messages::BodyQuarantined;
 use super::parallel::PhysicsThreads;
 use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::floor::{ContactSettings, Floor};
-use crate::integrators::IntegratorMemory;
-use crate::state::BodyState;
 
 /// Says at startup what would keep everything still.
 pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
@@ -41,7 +38,7 @@ pub(crate) fn restore_resources(world: &mut World) {
     fn restore<R: Resource + Default>(world: &mut World, name: &str) {
         if !world.contains_resource::<R>() {
             world.init_resource::<R>();
-            warn!("box_physics: the resource {name} was removed; its default is put in its place");
+            warn!("box_physics: the resource {name} was removed; its default is restored");
         }
     }
     restore::<WorldGravity>(world, "WorldGravity");
@@ -61,8 +58,8 @@ pub(crate) fn settings_are_valid(world: &mut World) -> bool {
     if found.map(|f| f.field) != known.map(|f| f.field) {
         clock.fault = found;
         match found {
-            Some(fault) => warn!("box_physics: nothing moves until this is put right: {fault}"),
-            None => info!("box_physics: the settings are in order again"),
+            Some(fault) => warn!("box_physics: nothing moves until this is corrected: {fault}"),
+            None => info!("box_physics: the settings are valid again"),
         }
     }
     found.is_none()
@@ -131,100 +128,23 @@ pub(crate) fn count_dropped_time(
     clock.dropped = clock.dropped.saturating_add(lost);
 }
 
-/// A body that lost a part which its [`RigidBox`] requires would stand still unnoticed: it gets it back.
-pub(crate) fn restore_bodies(
-    bodies: Query<
-        (Entity, Has<BodyState>, Option<&Transform>),
-        (
-            With<RigidBox>,
-            Or<(
-                Without<BodyState>,
-                Without<IntegratorMemory>,
-                Without<Transform>,
-                Without<PublishedPose>,
-                Without<NearFloor>,
-            )>,
-        ),
-    >,
+/// Gives a `B` to bodies without a `C`, which their [`RigidBox`] requires: somebody removed it, or they were spawned
+/// before the plugin was added.
+pub(crate) fn restore_component<C: Component, B: Bundle + Default>(
+    bodies: Query<Entity, (With<RigidBox>, Without<C>)>,
     mut commands: Commands,
     mut warned: Local<bool>,
 ) {
-    for (entity, has_state, transform) in &bodies {
-        if !has_state {
-            let shown = transform.and_then(PublishedPose::shown_by);
-            let state = shown.unwrap_or_default().state_at_rest();
-            commands.entity(entity).try_insert(state);
-        }
-        commands.entity(entity).try_insert_if_new((
-            IntegratorMemory::default(),
-            Transform::default(),
-            PublishedPose::default(),
-            NearFloor::default(),
-        ));
+    for entity in &bodies {
+        commands.entity(entity).try_insert(B::default());
         if !core::mem::replace(&mut *warned, true) {
             warn!(
-                "box_physics: {entity} has a RigidBox, but lost a component that a body needs; it is \
-                 put back. To make it no body, remove the RigidBox (said once)"
+                "box_physics: {entity} has a RigidBox, but no {}; it is restored. To make it no body, remove the \
+                 RigidBox (said once)",
+                ShortName::of::<C>()
             );
         }
     }
-}
-
-/// Bodies that lost, or were spawned too early to have, the component of an optional part get it.
-pub(crate) fn complete_bodies<C: Component + Default>(
-    bodies: Query<Entity, (With<RigidBox>, Without<C>)>,
-    mut commands: Commands,
-) {
-    for entity in &bodies {
-        commands.entity(entity).try_insert_if_new(C::default());
-    }
-}
-
-/// Keeps whoever writes to a quarantined body from showing nonsense.
-pub(crate) fn guard_quarantined(
-    mut bodies: Query<(&mut BodyState, &PublishedPose), (With<Quarantined>, With<RigidBox>)>,
-) {
-    for (mut state, published) in &mut bodies {
-        if !state.is_valid() {
-            *state.bypass_change_detection() = published.state_at_rest();
-        }
-    }
-}
-
-/// Lines that tell of quarantines: a spawner of nonsense must not flood the log.
-const MOST_QUARANTINE_LINES: u32 = 10;
-
-/// Tells of the bodies that were quarantined since the last tick, in one line.
-pub(crate) fn report_quarantined(
-    mut quarantined: MessageReader<BodyQuarantined>,
-    mut lines: Local<u32>,
-) {
-    let mut messages = quarantined.read();
-    let Some(first) = messages.next() else {
-        return;
-    };
-    let BodyQuarantined {
-        entity,
-        integrator,
-        time,
-        cause,
-    } = first;
-    let others = match messages.count() {
-        0 => String::new(),
-        n => format!("; {n} more with it"),
-    };
-    if *lines == MOST_QUARANTINE_LINES {
-        return;
-    }
-    *lines += 1;
-    let end = if *lines == MOST_QUARANTINE_LINES {
-        " (further quarantines are told in BodyQuarantined messages alone)"
-    } else {
-        ""
-    };
-    warn!(
-        "box_physics: {entity} is quarantined at t = {time} s under {integrator}: {cause}{others}{end}"
-    );
 }
 
 /// `Transform` is written in world coordinates: a body below a parent that is not at the origin would be

@@ -4,10 +4,10 @@ use core::ops::Range;
 
 use glam::DVec3;
 
-use super::chunk::Chunk;
-use super::columns::ForceColumnsContiguousItem;
+use super::chunks::runs_of;
 use super::components::NearFloor;
-use super::step::{Setting, Tally, runs_of};
+use super::forces::{ForceColumnsContiguousItem, Step};
+use super::integrate::Tally;
 use crate::body::RigidBox;
 use crate::floor::{self, Floor};
 use crate::force::{ForceModel, Gravity};
@@ -16,11 +16,16 @@ use crate::math::{VectorLoop, vectorized};
 use crate::state::BodyState;
 
 /// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
-pub(crate) struct FreeFlight<'a, 'c, 'w, 's> {
-    pub(crate) setting: Setting<'a>,
+pub(crate) struct FreeFlight<'a, 'w, 's> {
+    pub(crate) step: &'a Step,
     /// Of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
-    pub(crate) chunk: &'a mut Chunk<'c>,
+    /// Row of the first body.
+    pub(crate) first: usize,
+    pub(crate) bodies: &'a [RigidBox],
+    pub(crate) states: &'a mut [BodyState],
+    pub(crate) memories: &'a mut [IntegratorMemory],
+    pub(crate) near: &'a mut [NearFloor],
 }
 
 impl NearFloor {
@@ -28,7 +33,6 @@ impl NearFloor {
     #[inline(always)]
     fn leave(&mut self, may_touch: impl FnOnce() -> bool) -> bool {
         self.pending = self.touched || may_touch();
-        self.still &= self.pending;
         self.pending
     }
 }
@@ -60,21 +64,18 @@ impl VectorLoop for HighAbove<'_> {
     }
 }
 
-impl IntegratorVisitor for FreeFlight<'_, '_, '_, '_> {
+impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
     type Output = Tally;
 
     fn visit<S: Integrate>(mut self) -> Tally {
-        let (forces, bodies, first) = (self.forces, self.chunk.bodies, self.chunk.first);
-        let world = self.setting.gravity;
+        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
+        let world = self.step.gravity;
         if !forces.only_gravity() {
             return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world));
         }
         let mut tally = Tally::default();
-        match self
-            .setting
-            .floor
-            .map_or(0, |floor| self.leave_to_contact(floor))
-        {
+        let floor = self.step.floor.as_ref();
+        match floor.map_or(0, |floor| self.leave_to_contact(floor)) {
             0 => self.run::<S>(0..bodies.len(), &mut tally),
             left if left < bodies.len() => self.runs::<S>(&mut tally),
             _ => {}
@@ -89,14 +90,14 @@ const GATHERED: usize = 64;
 /// A run shorter than this is copied together with others: that costs a body less than a step of its own.
 const SHORT: usize = 16;
 
-impl FreeFlight<'_, '_, '_, '_> {
+impl FreeFlight<'_, '_, '_> {
     /// Marks the bodies that may meet the floor. How many there are.
     fn leave_to_contact(&mut self, floor: &Floor) -> usize {
-        let (setting, chunk) = (self.setting, &mut *self.chunk);
+        let (gravity, h) = (self.step.gravity, self.step.h);
         let mut left = 0;
-        for start in (0..chunk.len()).step_by(GATHERED) {
-            let part = start..chunk.len().min(start + GATHERED);
-            let near = &mut chunk.near[part.clone()];
+        for start in (0..self.near.len()).step_by(GATHERED) {
+            let part = start..self.near.len().min(start + GATHERED);
+            let near = &mut self.near[part.clone()];
             if near.iter().all(|near| near.touched) {
                 near.iter_mut().for_each(|near| near.pending = true);
                 left += near.len();
@@ -106,18 +107,18 @@ impl FreeFlight<'_, '_, '_, '_> {
             if !self.forces.scales_gravity() {
                 vectorized(HighAbove {
                     floor,
-                    bodies: &chunk.bodies[part.clone()],
-                    states: &chunk.states[part.clone()],
-                    pull: (-setting.gravity.y).max(0.0),
-                    h: setting.h,
+                    bodies: &self.bodies[part.clone()],
+                    states: &self.states[part.clone()],
+                    pull: (-gravity.y).max(0.0),
+                    h,
                     high: &mut high,
                 });
             }
             for (i, &high) in part.zip(&high) {
-                let (body, state) = (&chunk.bodies[i], &chunk.states[i]);
-                left += usize::from(chunk.near[i].leave(|| {
-                    let law = Gravity(self.forces.gravity(chunk.first + i, setting.gravity));
-                    high == 0.0 && floor::may_touch(floor, body, state, &law, setting.h)
+                let (body, state) = (&self.bodies[i], &self.states[i]);
+                left += usize::from(self.near[i].leave(|| {
+                    let model = Gravity(self.forces.gravity(self.first + i, gravity));
+                    high == 0.0 && floor::may_touch(floor, body, state, &model, h)
                 }));
             }
         }
@@ -126,8 +127,7 @@ impl FreeFlight<'_, '_, '_, '_> {
 
     #[inline(always)]
     fn gravity(&self, i: usize) -> DVec3 {
-        self.forces
-            .gravity(self.chunk.first + i, self.setting.gravity)
+        self.forces.gravity(self.first + i, self.step.gravity)
     }
 
     /// The bodies between those that are left to *Contact*: long runs of them where they are, short ones
@@ -157,17 +157,14 @@ impl FreeFlight<'_, '_, '_, '_> {
 
     /// The next bodies in a row that are not left to *Contact*.
     fn next_run(&self, from: usize) -> Option<Range<usize>> {
-        let range = runs_of(self.chunk.near.len() - from, |i| {
-            !self.chunk.near[from + i].pending
-        })
-        .next()?;
+        let range = runs_of(self.near.len() - from, |i| !self.near[from + i].pending).next()?;
         Some(from + range.start..from + range.end)
     }
 
     /// Neighbors, where they are.
     fn run<S: Integrate>(&mut self, range: Range<usize>, tally: &mut Tally) {
         if !self.forces.scales_gravity() {
-            let gravity = GravityField::Uniform(self.setting.gravity);
+            let gravity = GravityField::Uniform(self.step.gravity);
             return self.group::<S>(range, gravity, tally);
         }
         for start in range.clone().step_by(GATHERED) {
@@ -186,16 +183,16 @@ impl FreeFlight<'_, '_, '_, '_> {
     ) {
         let known = tally.faults.len();
         let mut group = Group {
-            bodies: &self.chunk.bodies[range.clone()],
-            states: &mut self.chunk.states[range.clone()],
-            memories: &mut self.chunk.memories[range.clone()],
+            bodies: &self.bodies[range.clone()],
+            states: &mut self.states[range.clone()],
+            memories: &mut self.memories[range.clone()],
             gravity,
             faults: &mut tally.faults,
         };
-        tally.outcome += S::step_group(&mut group, self.setting.h);
+        tally.outcome += S::step_group(&mut group, self.step.h);
         tally.bodies += range.len() as u64;
         for i in &mut tally.faults[known..] {
-            *i += self.chunk.first + range.start;
+            *i += self.first + range.start;
         }
     }
 
@@ -205,12 +202,11 @@ impl FreeFlight<'_, '_, '_, '_> {
         let known = tally.faults.len();
         // What is beyond the last is not looked at.
         let place = |k: usize| chosen[k.min(chosen.len() - 1)];
-        let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.chunk.bodies[place(k)]);
-        let mut states: [BodyState; GATHERED] =
-            core::array::from_fn(|k| self.chunk.states[place(k)]);
+        let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.bodies[place(k)]);
+        let mut states: [BodyState; GATHERED] = core::array::from_fn(|k| self.states[place(k)]);
         let mut memories: [IntegratorMemory; GATHERED] =
             core::array::from_fn(|k| match chosen.get(k) {
-                Some(&i) => core::mem::take(&mut self.chunk.memories[i]),
+                Some(&i) => core::mem::take(&mut self.memories[i]),
                 None => IntegratorMemory::default(),
             });
         let gravity: [DVec3; GATHERED] = core::array::from_fn(|k| self.gravity(place(k)));
@@ -221,35 +217,34 @@ impl FreeFlight<'_, '_, '_, '_> {
             gravity: GravityField::Each(&gravity),
             faults: &mut tally.faults,
         };
-        tally.outcome += S::step_group(&mut group, self.setting.h);
+        tally.outcome += S::step_group(&mut group, self.step.h);
         tally.bodies += chosen.len() as u64;
         for ((&i, state), memory) in chosen.iter().zip(states).zip(memories) {
-            self.chunk.states[i] = state;
-            self.chunk.memories[i] = memory;
+            self.states[i] = state;
+            self.memories[i] = memory;
         }
         for i in &mut tally.faults[known..] {
-            *i = self.chunk.first + chosen[*i];
+            *i = self.first + chosen[*i];
         }
     }
 
-    fn each<S: Integrate, F: ForceModel>(&mut self, law: impl Fn(usize) -> F) -> Tally {
+    fn each<S: Integrate, F: ForceModel>(&mut self, model: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
-        for i in 0..self.chunk.bodies.len() {
-            let (body, state) = (&self.chunk.bodies[i], &mut self.chunk.states[i]);
-            let law = law(i);
-            if let Some(floor) = self.setting.floor
-                && self.chunk.near[i]
-                    .leave(|| floor::may_touch(floor, body, state, &law, self.setting.h))
+        for i in 0..self.bodies.len() {
+            let (body, state) = (&self.bodies[i], &mut self.states[i]);
+            let model = model(i);
+            if let Some(floor) = &self.step.floor
+                && self.near[i].leave(|| floor::may_touch(floor, body, state, &model, self.step.h))
             {
                 continue;
             }
             let before = *state;
-            let memory = &mut self.chunk.memories[i];
-            tally.outcome += S::step(body, state, &law, self.setting.h, memory);
+            let memory = &mut self.memories[i];
+            tally.outcome += S::step(body, state, &model, self.step.h, memory);
             tally.bodies += 1;
             if !state.is_valid() {
                 *state = before;
-                tally.faults.push(self.chunk.first + i);
+                tally.faults.push(self.first + i);
             }
         }
         tally

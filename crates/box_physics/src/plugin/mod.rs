@@ -4,40 +4,41 @@
 //! FixedPhysics ─ run_physics ─┬─ paused? nothing
 //!                             └─ PhysicsSchedule, once per substep:
 //!   First      (yours)
-//!   Impulses   teleports taken from Transform, then the impulses asked for
-//!   Forces     (yours: ExternalForce and the like)
-//!   Integrate  every body clear of the floor: one integrator step; the others are left to…
-//!   Contact    …this: the same integrator, impacts located, contact forces
-//!   Refit      world bounding boxes
-//!   Writeback  Transform, where it changed
+//!   Impulses   take_teleports, from Transform; apply_impulses
+//!   Forces     (yours: ExternalForce and the like); gather_forces
+//!   Integrate  integrate: every body clear of the floor; the others are left to…
+//!   Contact    contact: the same integrator, impacts located, contact forces; report_contacts
+//!   Refit      refit_aabbs
+//!   Writeback  write_transforms
 //!   Last       (yours)
 //! ```
 
-mod chunk;
-mod columns;
+mod chunks;
 mod components;
+mod contact;
 mod contacts;
 mod faults;
 mod flight;
-mod intake;
+mod forces;
+mod impulses;
+mod integrate;
 mod messages;
 mod parallel;
 mod placement;
-mod plan;
-mod publish;
+mod quarantine;
+mod refit;
 mod resources;
 mod run;
 mod sets;
-mod step;
-mod systems;
+mod sleeping;
 mod teleport;
 mod timing;
+mod transforms;
 
 pub use components::{
     AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, ExternalForce, GravityScale,
     LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs, WorldAabb,
 };
-pub(crate) use components::{NearFloor, PublishedPose};
 pub use messages::{
     ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause, WhilePaused,
 };
@@ -54,6 +55,7 @@ use bevy::app::{
     App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder,
     PreUpdate, Startup,
 };
+use bevy::ecs::bundle::Bundle;
 use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
@@ -62,6 +64,9 @@ use bevy::ecs::schedule::{
 };
 use bevy::transform::components::Transform;
 
+use self::components::NearFloor;
+use self::sleeping::Sleep;
+use self::transforms::PublishedPose;
 use crate::body::RigidBox;
 use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
 use crate::force::{Dissipation, Gravity, Wrench};
@@ -168,19 +173,22 @@ impl Plugin for PhysicsPlugin {
             .init_resource::<GlobalIntegrator>()
             .init_resource::<PhysicsClock>()
             .init_resource::<PhysicsThreads>()
-            .init_resource::<plan::StepPlan>()
-            .init_resource::<intake::PendingImpulses>()
-            .init_resource::<intake::LastShown>()
-            .add_observer(intake::LastShown::age)
+            .init_resource::<forces::Step>()
+            .init_resource::<sleeping::SleepClock>()
+            .init_resource::<impulses::PendingImpulses>()
+            .init_resource::<transforms::LastWriteback>()
+            .add_observer(transforms::LastWriteback::age)
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();
         register_types(app);
         placement::build(app);
-        require::<BodyState>(app);
-        require::<IntegratorMemory>(app);
-        require::<Transform>(app);
-        require::<PublishedPose>(app);
-        require::<NearFloor>(app);
+        // A state that is lost begins again where the body is shown.
+        require::<BodyState, (BodyState, PublishedPose)>(app);
+        require::<IntegratorMemory, IntegratorMemory>(app);
+        require::<Transform, Transform>(app);
+        require::<PublishedPose, PublishedPose>(app);
+        require::<NearFloor, NearFloor>(app);
+        require::<Sleep, Sleep>(app);
 
         // Not `add_schedule`: systems that users gave it before the plugin stay.
         app.init_schedule(PhysicsSchedule)
@@ -211,14 +219,17 @@ impl Plugin for PhysicsPlugin {
             (
                 (
                     timing::begin_step,
-                    faults::guard_quarantined,
-                    intake::take_teleports,
-                    intake::apply_impulses,
+                    quarantine::guard_quarantined,
+                    transforms::take_teleports,
+                    impulses::apply_impulses,
                 )
                     .chain()
                     .in_set(PhysicsSystems::Impulses),
-                systems::integrate.in_set(PhysicsSystems::Integrate),
-                systems::write_transforms.in_set(PhysicsSystems::Writeback),
+                forces::gather_forces
+                    .after(PhysicsSystems::Forces)
+                    .before(PhysicsSystems::Integrate),
+                integrate::integrate.in_set(PhysicsSystems::Integrate),
+                transforms::write_transforms.in_set(PhysicsSystems::Writeback),
             ),
         );
         app.init_schedule(run::BeforeSteps)
@@ -228,10 +239,9 @@ impl Plugin for PhysicsPlugin {
             .add_systems(
                 run::BeforeSteps,
                 (
-                    faults::restore_bodies,
-                    faults::report_parents,
                     placement::show_changes::<true>,
-                    intake::collect_impulses,
+                    faults::report_parents,
+                    impulses::collect_impulses,
                 )
                     .chain(),
             )
@@ -295,10 +305,12 @@ impl Plugin for FloorPlugin {
             .register_type::<ReportContacts>()
             .register_type::<FloorContact>()
             .register_type::<ContactPoint>();
-        require_optional::<ContactState>(app);
+        require::<ContactState, ContactState>(app);
         app.add_systems(
             PhysicsSchedule,
-            systems::contact.in_set(PhysicsSystems::Contact),
+            (contact::contact, contacts::report_contacts)
+                .chain()
+                .in_set(PhysicsSystems::Contact),
         )
         .add_systems(
             run::BeforeSteps,
@@ -308,31 +320,13 @@ impl Plugin for FloorPlugin {
     }
 }
 
-/// Gives every body a `C` from now on.
-fn require<C: Component + Default>(app: &mut App) {
-    // An error means that bodies were spawned before the plugin was added.
-    if app
-        .try_register_required_components::<RigidBox, C>()
-        .is_err()
-    {
-        static WARNED: std::sync::Once = std::sync::Once::new();
-        WARNED.call_once(|| {
-            log::warn!(
-                "box_physics: bodies were spawned before PhysicsPlugins was added; they get the components \
-                 that they lack at their first tick"
-            );
-        });
-    }
-}
-
-/// The same for the component of an optional part, which a body that lost it gets back.
-fn require_optional<C: Component + Default>(app: &mut App) {
-    require::<C>(app);
+/// Gives every body a `C`, and as part of `B` where it is lost.
+fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
+    // An error means that bodies were spawned before the plugin was added: they are completed like others.
+    let _ = app.try_register_required_components::<RigidBox, C>();
     app.add_systems(
-        PhysicsSchedule,
-        faults::complete_bodies::<C>
-            .after(PhysicsSystems::First)
-            .before(PhysicsSystems::Impulses),
+        run::BeforeSteps,
+        faults::restore_component::<C, B>.before(placement::show_changes::<true>),
     );
 }
 
@@ -350,10 +344,10 @@ impl Plugin for AabbPlugin {
             return;
         }
         app.register_type::<WorldAabb>();
-        require_optional::<WorldAabb>(app);
+        require::<WorldAabb, WorldAabb>(app);
         app.add_systems(
             PhysicsSchedule,
-            systems::refit_aabbs.in_set(PhysicsSystems::Refit),
+            refit::refit_aabbs.in_set(PhysicsSystems::Refit),
         );
     }
 }

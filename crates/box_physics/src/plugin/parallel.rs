@@ -102,6 +102,14 @@ impl PhysicsThreads {
     }
 }
 
+/// Nothing to add up.
+#[derive(Default)]
+pub(crate) struct Done;
+
+impl AddAssign for Done {
+    fn add_assign(&mut self, _: Self) {}
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

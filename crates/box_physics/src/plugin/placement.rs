@@ -16,8 +16,10 @@ use bevy::ecs::world::{DeferredWorld, World};
 use bevy::transform::TransformSystems;
 use bevy::transform::components::{GlobalTransform, Transform};
 
-use super::components::{NearFloor, PublishedPose, Quarantined, WorldAabb};
-use super::intake::{any_newer, collect_impulses};
+use super::components::{NearFloor, Quarantined, WorldAabb};
+use super::impulses::collect_impulses;
+use super::sleeping::any_newer;
+use super::transforms::PublishedPose;
 use crate::body::RigidBox;
 use crate::floor::ContactState;
 use crate::state::BodyState;

@@ -11,10 +11,10 @@ use bevy::time::Time;
 use log::warn;
 
 use super::PhysicsSchedule;
-use super::faults::{report_quarantined, restore_resources, settings_are_valid};
+use super::faults::{restore_resources, settings_are_valid};
 use super::messages::BodyQuarantined;
 use super::placement::{Unsmoothed, show_changes};
-use super::plan::StepPlan;
+use super::quarantine::report_quarantined;
 use super::resources::PhysicsClock;
 
 /// What is done once a tick, paused or not, before its steps. On one thread: an executor of many would take
@@ -58,7 +58,6 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     for _ in 0..substeps {
         let mut clock = world.resource_mut::<PhysicsClock>();
         clock.begin_step(delta, substeps);
-        StepPlan::update(world);
         world.run_schedule(PhysicsSchedule);
     }
 }

@@ -35,9 +35,7 @@ pub struct PhysicsSchedule;
 
 /// The sets of [`PhysicsSchedule`], chained in this order.
 ///
-/// A system between two of them finds what they promise. Where no system stands between *Integrate* and
-/// *Writeback*, the four are made in one pass over the bodies, which is faster for many bodies and otherwise
-/// the same: put what can wait into [`First`](Self::First), [`Forces`](Self::Forces) or [`Last`](Self::Last).
+/// A system between two of them finds what they promise.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -60,7 +58,7 @@ pub enum PhysicsSystems {
     First,
     /// Teleports and impulses are taken over.
     Impulses,
-    /// Empty but for users' systems that set forces for this step.
+    /// Empty, for users' systems that set forces for this step; what is the same for every body is gathered after it.
     Forces,
     /// Bodies in free flight are stepped.
     Integrate,

@@ -1,16 +1,56 @@
-//! The force components of a table, as the slices that Bevy hands over.
+//! *Forces*: what acts on the bodies in a step, gathered before it. What depends on the state is evaluated by the
+//! integrators.
 
 use bevy::ecs::query::QueryData;
+use bevy::ecs::resource::Resource;
+use bevy::ecs::system::{Res, ResMut};
 use glam::DVec3;
 
 use super::components::{
     AngularDamping, AngularDrag, BodyTorque, ExternalForce, GravityScale, LinearDrag, PointForces,
     QuadraticDrag, Springs,
 };
+use super::contacts::ContactEnabled;
+use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
 use crate::body::RigidBox;
+use crate::floor::{ContactSettings, Floor};
 use crate::force::{Dissipation, Forces};
+use crate::integrators::Integrator;
 
-/// What may act on a body besides gravity.
+/// What is the same for every body of a step.
+#[derive(Resource, Clone, Copy, Default)]
+pub(crate) struct Step {
+    /// Size \[s\].
+    pub(crate) h: f64,
+    /// [m/s²]
+    pub(crate) gravity: DVec3,
+    /// Of bodies without one of their own.
+    pub(crate) integrator: Integrator,
+    pub(crate) floor: Option<Floor>,
+    pub(crate) settings: ContactSettings,
+}
+
+/// Gathers what is the same for every body.
+pub(crate) fn gather_forces(
+    mut step: ResMut<Step>,
+    clock: Res<PhysicsClock>,
+    gravity: Res<WorldGravity>,
+    integrator: Res<GlobalIntegrator>,
+    floor: Option<Res<Floor>>,
+    settings: Option<Res<ContactSettings>>,
+    contact: Option<Res<ContactEnabled>>,
+) {
+    *step = Step {
+        h: clock.step(),
+        gravity: gravity.0,
+        integrator: integrator.0,
+        // Without its plugin a floor is nothing.
+        floor: floor.filter(|_| contact.is_some()).map(|floor| *floor),
+        settings: settings.map_or(ContactSettings::DEFAULT, |settings| *settings),
+    };
+}
+
+/// What may act on a body besides gravity, as the slices that Bevy hands over.
 #[derive(QueryData)]
 #[query_data(contiguous(all))]
 pub(crate) struct ForceColumns {
@@ -26,6 +66,11 @@ pub(crate) struct ForceColumns {
 }
 
 impl ForceColumnsContiguousItem<'_, '_> {
+    /// Whether nothing but the same gravity acts on every body of this table.
+    pub(crate) fn only_uniform_gravity(&self) -> bool {
+        self.only_gravity() && !self.scales_gravity()
+    }
+
     /// Whether no body of this table has anything but gravity acting on it.
     pub(crate) fn only_gravity(&self) -> bool {
         self.linear_drag.is_none()

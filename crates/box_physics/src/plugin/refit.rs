@@ -1,9 +1,15 @@
-//! What a step shows of the bodies: bounding boxes and `Transform`s.
+//! The bounding boxes of all bodies, fitted at once.
 
-use bevy::ecs::change_detection::Tick;
-use bevy::transform::components::Transform;
+use bevy::ecs::change_detection::Ref;
+use bevy::ecs::error::Result;
+use bevy::ecs::system::{Query, Res, ResMut};
 
-use super::components::{PublishedPose, WorldAabb};
+use super::chunks::Columns;
+use super::components::WorldAabb;
+use super::parallel::{CHUNK, Done, PhysicsThreads};
+use super::sleeping::{Changes, Sleep, SleepClock};
+use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::transforms::LIGHT;
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
 use crate::math::{VectorLoop, vectorized};
@@ -49,25 +55,41 @@ fn fit_each(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [WorldAabb])
     }
 }
 
-/// Writes `Transform` where the pose in f32 is another than it shows; `changed` is when each last changed.
-pub(super) fn write_transforms(
-    states: &[BodyState],
-    published: &mut [PublishedPose],
-    transforms: &mut [Transform],
-    changed: &mut [Tick],
-    now: Tick,
-) {
-    let each = states.iter().zip(published).zip(transforms).zip(changed);
-    for (((state, published), transform), changed) in each {
-        *published = PublishedPose::of(state);
-        if transform.translation != published.translation
-            || transform.rotation != published.rotation
-        {
-            transform.translation = published.translation;
-            transform.rotation = published.rotation;
-            *changed = now;
-        }
+/// *Refit*: fits the bounding boxes, |R|·h, rounded outward. Sleeping bodies are skipped.
+pub(crate) fn refit_aabbs(
+    mut bodies: Query<(Ref<RigidBox>, Ref<BodyState>, &Sleep, &mut WorldAabb)>,
+    clock: Res<SleepClock>,
+    threads: Res<PhysicsThreads>,
+    mut timings: Option<ResMut<PhysicsTimings>>,
+) -> Result {
+    let mut watch = Stopwatch::start(timings.is_some());
+    for (boxes, states, sleep, mut fitted) in bodies.contiguous_iter_mut()? {
+        let (last, now) = (states.last_run_tick(), states.this_run_tick());
+        let columns = (
+            &*boxes,
+            boxes.changed_ticks_slice(),
+            &*states,
+            states.changed_ticks_slice(),
+            sleep,
+            fitted.bypass_change_detection(),
+        );
+        threads.share_out(
+            boxes.len() / LIGHT,
+            columns.chunks(0..boxes.len(), CHUNK),
+            |(_, (boxes, replaced, states, written, sleep, fitted))| {
+                let columns = [replaced, written];
+                clock.on_awake(sleep, &Changes { columns, last, now }, |rows| {
+                    let (boxes, states) = (&boxes[rows.clone()], &states[rows.clone()]);
+                    WorldAabb::fit_all(boxes, states, &mut fitted[rows]);
+                });
+                Done
+            },
+        );
     }
+    if let Some(timings) = &mut timings {
+        timings.record_stage(Stage::Refit, watch.lap());
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,0 +1,199 @@
+//! *Contact*: steps the bodies that *Integrate* left for the floor.
+
+use bevy::ecs::change_detection::ContiguousMut;
+use bevy::ecs::error::Result;
+use bevy::ecs::query::{Has, QueryData, Without};
+use bevy::ecs::system::{Query, Res, ResMut};
+
+use super::chunks::{Columns, integrator_runs};
+use super::components::{NearFloor, Quarantined, ReportContacts};
+use super::contacts::ReportedContacts;
+use super::forces::{ForceColumnsContiguousItem, Step};
+use super::integrate::{BodyColumns, Tally};
+use super::parallel::{CHUNK, PhysicsThreads};
+use super::quarantine::Quarantine;
+use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
+use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use crate::body::RigidBox;
+use crate::floor::{ContactState, Floor, FloorContext, step_on_floor};
+use crate::force::{ForceModel, Gravity};
+use crate::integrators::{Integrate, IntegratorMemory, IntegratorVisitor};
+use crate::state::BodyState;
+
+/// What the floor needs of a body besides.
+#[derive(QueryData)]
+#[query_data(mutable, contiguous(mutable))]
+pub(crate) struct FloorColumns {
+    contact: &'static mut ContactState,
+    sleep: &'static mut Sleep,
+    reported: Option<&'static mut ReportedContacts>,
+    reports: Has<ReportContacts>,
+}
+
+/// *Contact*: steps the bodies that *Integrate* left for the floor.
+pub(crate) fn contact(
+    step: Res<Step>,
+    mut clock: ResMut<SleepClock>,
+    mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
+    threads: Res<PhysicsThreads>,
+    mut quarantine: Quarantine,
+    mut timings: Option<ResMut<PhysicsTimings>>,
+) -> Result {
+    clock.begin_run(step.gravity, step.floor);
+    let Some(floor) = &step.floor else {
+        return Ok(());
+    };
+    let mut watch = Stopwatch::start(timings.is_some());
+    for (mut table, at_floor) in bodies.contiguous_iter_mut()? {
+        let (bodies, forces) = (&*table.body, &table.forces);
+        let (states, written) = ContiguousMut::bypass_change_detection_split(table.state);
+        let (contacts, forgotten) = ContiguousMut::bypass_change_detection_split(at_floor.contact);
+        let (mut sleep, mut reported) = (at_floor.sleep, at_floor.reported);
+        let sleepers = Sleepers::new(
+            &clock,
+            forces.only_uniform_gravity() && !at_floor.reports,
+            Changes {
+                columns: [
+                    table.body.changed_ticks_slice(),
+                    written.changed(),
+                    forgotten.changed(),
+                ],
+                last: written.last_run(),
+                now: written.this_run(),
+            },
+        );
+        let memories = table.memory.bypass_change_detection();
+        let near = table.near.bypass_change_detection();
+        let sleep = sleep.bypass_change_detection();
+        let mut reported = reported
+            .as_mut()
+            .filter(|_| at_floor.reports)
+            .map(|reported| reported.bypass_change_detection());
+        for (integrator, range) in integrator_runs(step.integrator, table.own, bodies.len()) {
+            let columns = (
+                bodies,
+                &mut *states,
+                &mut *memories,
+                &mut *near,
+                &mut *contacts,
+                &mut *sleep,
+                reported.as_deref_mut(),
+            );
+            let tally = threads.share_out(
+                range.len(),
+                columns.chunks(range, CHUNK),
+                |(first, (bodies, states, memories, near, contacts, sleep, reported))| {
+                    integrator.dispatch(AtFloor {
+                        step: &step,
+                        floor,
+                        forces,
+                        sleepers: &sleepers,
+                        first,
+                        bodies,
+                        states,
+                        memories,
+                        near,
+                        contacts,
+                        sleep,
+                        reported,
+                    })
+                },
+            );
+            if let Some(timings) = &mut timings {
+                timings.record_stage(Stage::Contact, watch.lap());
+                timings.record_integrator(integrator, 0, 0, tally.outcome);
+                timings.floor += tally.floor;
+                timings.bodies_at_floor += tally.bodies;
+            }
+            for i in tally.faults {
+                quarantine.take(
+                    table.entity[i],
+                    integrator,
+                    &mut states[i],
+                    &table.published[i],
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Steps those bodies of a chunk that were left for the floor.
+struct AtFloor<'a, 'w, 's> {
+    step: &'a Step,
+    floor: &'a Floor,
+    /// Of the whole table.
+    forces: &'a ForceColumnsContiguousItem<'w, 's>,
+    sleepers: &'a Sleepers<'a>,
+    /// Row of the first body.
+    first: usize,
+    bodies: &'a [RigidBox],
+    states: &'a mut [BodyState],
+    memories: &'a mut [IntegratorMemory],
+    near: &'a mut [NearFloor],
+    contacts: &'a mut [ContactState],
+    sleep: &'a mut [Sleep],
+    reported: Option<&'a mut [ReportedContacts]>,
+}
+
+impl IntegratorVisitor for AtFloor<'_, '_, '_> {
+    type Output = Tally;
+
+    fn visit<S: Integrate>(self) -> Tally {
+        let (forces, bodies, first) = (self.forces, self.bodies, self.first);
+        let world = self.step.gravity;
+        if forces.only_gravity() {
+            self.each::<S, _>(|i| Gravity(forces.gravity(first + i, world)))
+        } else {
+            self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world))
+        }
+    }
+}
+
+impl AtFloor<'_, '_, '_> {
+    fn each<S: Integrate, F: ForceModel>(mut self, model: impl Fn(usize) -> F) -> Tally {
+        let mut tally = Tally::default();
+        let rows = self.first..self.first + self.bodies.len();
+        let untouched = self.sleepers.untouched(rows.clone());
+        for (i, row) in rows.enumerate() {
+            if !self.near[i].pending {
+                continue;
+            }
+            tally.bodies += 1;
+            if self.sleepers.sleeps_on(row, &mut self.sleep[i], untouched) {
+                tally.floor.resting = true;
+                continue;
+            }
+            let (state, contact) = (&mut self.states[i], &mut self.contacts[i]);
+            let before = *state;
+            let lay_still = contact.is_resting(state);
+            let mut points = self.reported.as_mut().map(|r| r[i].begin());
+            let outcome = step_on_floor::<S, F>(
+                &FloorContext {
+                    floor: self.floor,
+                    settings: &self.step.settings,
+                    body: &self.bodies[i],
+                    force: &model(i),
+                },
+                state,
+                self.step.h,
+                &mut self.memories[i],
+                contact,
+                points.as_deref_mut(),
+            );
+            tally.outcome += outcome.step;
+            tally.floor += outcome;
+            self.near[i].touched = contact.touching() != 0;
+            let still = lay_still && outcome.resting && *state == before;
+            self.sleep[i] = self.sleepers.after_step(still && state.is_valid());
+            if !state.is_valid() {
+                *state = before;
+                tally.faults.push(row);
+                if let Some(points) = points {
+                    points.clear();
+                }
+            }
+        }
+        tally
+    }
+}

@@ -1,0 +1,102 @@
+//! *Integrate*: steps every body that stays clear of the floor.
+
+use bevy::ecs::change_detection::Ref;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::error::Result;
+use bevy::ecs::query::{QueryData, Without};
+use bevy::ecs::system::{Query, Res, ResMut};
+
+use super::chunks::{Columns, integrator_runs};
+use super::components::{BodyIntegrator, NearFloor, Quarantined};
+use super::flight::FreeFlight;
+use super::forces::{ForceColumns, Step};
+use super::parallel::{CHUNK, PhysicsThreads};
+use super::quarantine::Quarantine;
+use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::transforms::PublishedPose;
+use crate::body::RigidBox;
+use crate::floor::FloorOutcome;
+use crate::integrators::{IntegratorMemory, StepOutcome};
+use crate::state::BodyState;
+
+/// What a step needs of a body.
+#[derive(QueryData)]
+#[query_data(mutable, contiguous(mutable))]
+pub(crate) struct BodyColumns {
+    pub(crate) entity: Entity,
+    pub(crate) body: Ref<'static, RigidBox>,
+    pub(crate) forces: ForceColumns,
+    pub(crate) state: &'static mut BodyState,
+    pub(crate) memory: &'static mut IntegratorMemory,
+    pub(crate) near: &'static mut NearFloor,
+    pub(crate) published: &'static PublishedPose,
+    pub(crate) own: Option<&'static BodyIntegrator>,
+}
+
+/// What came of a chunk.
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) bodies: u64,
+    pub(crate) outcome: StepOutcome,
+    pub(crate) floor: FloorOutcome,
+    /// Rows of bodies whose new state was invalid. They are where they were.
+    pub(crate) faults: Vec<usize>,
+}
+
+impl core::ops::AddAssign for Tally {
+    fn add_assign(&mut self, mut other: Self) {
+        self.bodies += other.bodies;
+        self.outcome += other.outcome;
+        self.floor += other.floor;
+        self.faults.append(&mut other.faults);
+    }
+}
+
+/// *Integrate*: steps every body that stays clear of the floor. The others are left to *Contact*.
+pub(crate) fn integrate(
+    step: Res<Step>,
+    mut bodies: Query<BodyColumns, Without<Quarantined>>,
+    threads: Res<PhysicsThreads>,
+    mut quarantine: Quarantine,
+    mut timings: Option<ResMut<PhysicsTimings>>,
+) -> Result {
+    let mut watch = Stopwatch::start(timings.is_some());
+    for mut table in bodies.contiguous_iter_mut()? {
+        let (bodies, forces) = (&*table.body, &table.forces);
+        let states = table.state.bypass_change_detection();
+        let memories = table.memory.bypass_change_detection();
+        let near = table.near.bypass_change_detection();
+        for (integrator, range) in integrator_runs(step.integrator, table.own, bodies.len()) {
+            let columns = (bodies, &mut *states, &mut *memories, &mut *near);
+            let tally = threads.share_out(
+                range.len(),
+                columns.chunks(range, CHUNK),
+                |(first, (bodies, states, memories, near))| {
+                    integrator.dispatch(FreeFlight {
+                        step: &step,
+                        forces,
+                        first,
+                        bodies,
+                        states,
+                        memories,
+                        near,
+                    })
+                },
+            );
+            if let Some(timings) = &mut timings {
+                let time = watch.lap();
+                timings.record_stage(Stage::Integrate, time);
+                timings.record_integrator(integrator, tally.bodies, time, tally.outcome);
+            }
+            for i in tally.faults {
+                quarantine.take(
+                    table.entity[i],
+                    integrator,
+                    &mut states[i],
+                    &table.published[i],
+                );
+            }
+        }
+    }
+    Ok(())
+}

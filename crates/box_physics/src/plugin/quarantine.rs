@@ -1,0 +1,100 @@
+//! Quarantine: bodies whose state is invalid stand still where they last were, and the others do not notice.
+
+use bevy::ecs::change_detection::DetectChangesMut;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::message::{MessageReader, MessageWriter};
+use bevy::ecs::query::With;
+use bevy::ecs::system::{Commands, Local, Query, Res, SystemParam};
+use log::warn;
+
+use super::components::Quarantined;
+use super::messages::{BodyQuarantined, QuarantineCause};
+use super::resources::PhysicsClock;
+use super::transforms::PublishedPose;
+use crate::body::RigidBox;
+use crate::integrators::Integrator;
+use crate::state::BodyState;
+
+/// Quarantines bodies.
+#[derive(SystemParam)]
+pub(crate) struct Quarantine<'w, 's> {
+    clock: Res<'w, PhysicsClock>,
+    commands: Commands<'w, 's>,
+    messages: MessageWriter<'w, BodyQuarantined>,
+}
+
+impl Quarantine<'_, '_> {
+    /// Takes a body whose step led to an invalid state and that is where it was before.
+    pub(crate) fn take(
+        &mut self,
+        entity: Entity,
+        integrator: Integrator,
+        state: &mut BodyState,
+        published: &PublishedPose,
+    ) {
+        let cause = if state.is_valid() {
+            QuarantineCause::Step
+        } else {
+            // It was invalid before the step: the pose that was last shown is the last valid one.
+            *state = published.state_at_rest();
+            QuarantineCause::State
+        };
+        let time = self.clock.time();
+        self.commands
+            .entity(entity)
+            .try_insert(Quarantined { time });
+        self.messages.write(BodyQuarantined {
+            entity,
+            integrator,
+            time,
+            cause,
+        });
+    }
+}
+
+/// Keeps whoever writes to a quarantined body from showing nonsense.
+pub(crate) fn guard_quarantined(
+    mut bodies: Query<(&mut BodyState, &PublishedPose), (With<Quarantined>, With<RigidBox>)>,
+) {
+    for (mut state, published) in &mut bodies {
+        if !state.is_valid() {
+            *state.bypass_change_detection() = published.state_at_rest();
+        }
+    }
+}
+
+/// Lines that tell of quarantines: a spawner of nonsense must not flood the log.
+const MOST_QUARANTINE_LINES: u32 = 10;
+
+/// Tells of the bodies that were quarantined since the last tick, in one line.
+pub(crate) fn report_quarantined(
+    mut quarantined: MessageReader<BodyQuarantined>,
+    mut lines: Local<u32>,
+) {
+    let mut messages = quarantined.read();
+    let Some(first) = messages.next() else {
+        return;
+    };
+    let BodyQuarantined {
+        entity,
+        integrator,
+        time,
+        cause,
+    } = first;
+    let others = match messages.count() {
+        0 => String::new(),
+        n => format!("; {n} more with it"),
+    };
+    if *lines == MOST_QUARANTINE_LINES {
+        return;
+    }
+    *lines += 1;
+    let end = if *lines == MOST_QUARANTINE_LINES {
+        " (further quarantines are told in BodyQuarantined messages alone)"
+    } else {
+        ""
+    };
+    warn!(
+        "box_physics: {entity} is quarantined at t = {time} s under {integrator}: {cause}{others}{end}"
+    );
+}

@@ -1,0 +1,141 @@
+//! Sleep: a box at rest on the floor is left alone until something could move it.
+//!
+//! A box falls asleep in the second step that finds it at rest, if nothing but gravity acts on it. From then on it is
+//! not stepped, its bounding box is not re-fitted and its `Transform` not written. It wakes when
+//!
+//! | | seen by |
+//! |---|---|
+//! | its `BodyState` is written: by hand, an impulse, a teleport | change detection |
+//! | its `RigidBox` or `ContactState` is written | change detection |
+//! | it gets a force component, a `GravityScale` or `ReportContacts` | its table |
+//! | `WorldGravity` or the `Floor` changes | comparison with the last step |
+//! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
+//!
+//! The physics itself moves bodies without marking them as changed. A `Transform` that somebody else overwrites is
+//! written again without waking the box.
+
+use core::ops::Range;
+
+use bevy::ecs::change_detection::Tick;
+use bevy::ecs::component::Component;
+use bevy::ecs::resource::Resource;
+use glam::DVec3;
+
+use super::chunks::runs_of;
+use crate::floor::Floor;
+
+/// The last run of *Contact* through which the body slept; 0 if it is awake.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sleep(u32);
+
+/// The runs of *Contact*, and the world in them.
+#[derive(Resource)]
+pub(crate) struct SleepClock {
+    run: u32,
+    surroundings: Option<(DVec3, Floor)>,
+    unchanged: bool,
+}
+
+impl Default for SleepClock {
+    fn default() -> Self {
+        Self {
+            run: 1,
+            surroundings: None,
+            unchanged: false,
+        }
+    }
+}
+
+impl SleepClock {
+    /// Begins a run of *Contact*. Runs without a floor count: whoever slept before them may have moved.
+    pub(crate) fn begin_run(&mut self, gravity: DVec3, floor: Option<Floor>) {
+        self.run = self.run.checked_add(1).unwrap_or(2);
+        let now = floor.map(|floor| (gravity, floor));
+        self.unchanged = now.is_some() && self.surroundings == now;
+        self.surroundings = now;
+    }
+
+    /// Does `work` on the rows of a chunk that a pass after *Contact* must not skip: those that are awake, and sleeping
+    /// ones in which one of the columns changed.
+    pub(crate) fn on_awake<const N: usize>(
+        &self,
+        sleep: &[Sleep],
+        changes: &Changes<'_, N>,
+        mut work: impl FnMut(Range<usize>),
+    ) {
+        // Asked of the whole chunk first, without a branch on each.
+        if !sleep.iter().fold(false, |any, s| any | (s.0 == self.run)) {
+            return work(0..sleep.len());
+        }
+        let any_change = changes.any(0..sleep.len());
+        let awake = |i: usize| sleep[i].0 != self.run || (any_change && changes.any(i..i + 1));
+        runs_of(sleep.len(), awake).for_each(work);
+    }
+}
+
+/// Columns of change ticks, and the time since which a change counts.
+#[derive(Clone, Copy)]
+pub(crate) struct Changes<'a, const N: usize> {
+    pub(crate) columns: [&'a [Tick]; N],
+    /// Of the system's last run, and of this one.
+    pub(crate) last: Tick,
+    pub(crate) now: Tick,
+}
+
+impl<const N: usize> Changes<'_, N> {
+    /// Whether anything changed in these rows.
+    pub(crate) fn any(&self, rows: Range<usize>) -> bool {
+        let mut columns = self.columns.iter();
+        columns.any(|ticks| any_newer(&ticks[rows.clone()], self.last, self.now))
+    }
+}
+
+/// Whether any of these ticks is newer than `last`, seen from `now`. Without a branch on each, so that the
+/// compiler can look at several at once.
+pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
+    ticks.chunks(64).any(|some| {
+        let newer = |found, tick: &Tick| found | tick.is_newer_than(last, now);
+        some.iter().fold(false, newer)
+    })
+}
+
+/// The sleepers of a table in one run of *Contact*.
+pub(crate) struct Sleepers<'a> {
+    run: u32,
+    /// Only gravity acts on them, and nobody asks for their contacts.
+    may_sleep: bool,
+    unchanged: bool,
+    /// Of everything whose change wakes a body.
+    changes: Changes<'a, 3>,
+}
+
+impl<'a> Sleepers<'a> {
+    pub(crate) fn new(clock: &SleepClock, may_sleep: bool, changes: Changes<'a, 3>) -> Self {
+        Self {
+            run: clock.run,
+            may_sleep,
+            unchanged: clock.unchanged,
+            changes,
+        }
+    }
+
+    /// Whether nothing that could wake them changed in any of these rows.
+    pub(crate) fn untouched(&self, rows: Range<usize>) -> bool {
+        self.may_sleep && self.unchanged && !self.changes.any(rows)
+    }
+
+    /// Lets the body of a row sleep on, if it slept in the last run and nothing woke it. `untouched` says that nothing did
+    /// of all bodies around it.
+    pub(crate) fn sleeps_on(&self, row: usize, sleep: &mut Sleep, untouched: bool) -> bool {
+        let sleeps = sleep.0 == self.run - 1 && (untouched || self.untouched(row..row + 1));
+        if sleeps {
+            sleep.0 = self.run;
+        }
+        sleeps
+    }
+
+    /// After a step: falls asleep if it lay `still` in it.
+    pub(crate) fn after_step(&self, still: bool) -> Sleep {
+        Sleep(if still && self.may_sleep { self.run } else { 0 })
+    }
+}

@@ -1,0 +1,303 @@
+//! `Transform`: written once a step, and taken over as a teleport where somebody else changed it.
+
+use core::ops::Range;
+
+use bevy::ecs::change_detection::{CheckChangeTicks, ContiguousMut, Ref, Tick};
+use bevy::ecs::component::Component;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::error::Result;
+use bevy::ecs::observer::On;
+use bevy::ecs::query::With;
+use bevy::ecs::resource::Resource;
+use bevy::ecs::system::{Local, Query, Res, ResMut};
+use bevy::transform::components::Transform;
+use glam::{Quat, Vec3};
+use log::warn;
+
+use super::chunks::Columns;
+use super::parallel::{CHUNK, Done, PhysicsThreads};
+use super::sleeping::{Changes, Sleep, SleepClock, any_newer};
+use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use crate::body::RigidBox;
+use crate::state::BodyState;
+
+/// The pose last written to `Transform`, in its f32 bits. A `Transform` that changed since and differs from
+/// it was changed by somebody else: a teleport. (Change detection alone would not do: smoothing between
+/// steps writes `Transform` every frame.)
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PublishedPose {
+    pub(crate) translation: Vec3,
+    pub(crate) rotation: Quat,
+    /// Whether the body was placed. Until then its `Transform` says where it starts, whatever wrote it.
+    pub(crate) placed: bool,
+}
+
+impl Default for PublishedPose {
+    /// The default `Transform`: so a body that is spawned with a `Transform` starts there, and one
+    /// spawned with a `BodyState` alone starts as that says.
+    fn default() -> Self {
+        Self {
+            translation: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            placed: false,
+        }
+    }
+}
+
+impl PublishedPose {
+    /// `state`'s pose in f32.
+    #[inline(always)]
+    pub(crate) fn of(state: &BodyState) -> Self {
+        Self {
+            translation: state.position.as_vec3(),
+            rotation: state.rotation.as_quat(),
+            placed: true,
+        }
+    }
+
+    /// The pose of `transform`, if it is one.
+    pub(crate) fn shown_by(transform: &Transform) -> Option<Self> {
+        let norm = transform.rotation.as_dquat().length();
+        let usable = transform.translation.is_finite() && norm.is_finite() && norm > 1e-6;
+        usable.then_some(Self {
+            translation: transform.translation,
+            rotation: transform.rotation,
+            placed: true,
+        })
+    }
+
+    pub(crate) fn is_shown_by(&self, transform: &Transform) -> bool {
+        transform.translation == self.translation && transform.rotation == self.rotation
+    }
+
+    pub(crate) fn show(&self, transform: &mut Transform) {
+        transform.translation = self.translation;
+        transform.rotation = self.rotation;
+    }
+
+    /// At this pose, at rest: what is left of a body whose state is lost.
+    pub(crate) fn state_at_rest(&self) -> BodyState {
+        BodyState::at_pose(self.translation.as_dvec3(), self.rotation.as_dquat())
+    }
+
+    /// Takes over into `state` what somebody changed in `transform` since we wrote it. Returns whether
+    /// there was anything, or an error if it is not usable (then nothing is taken).
+    pub(crate) fn take_teleport(
+        &self,
+        transform: &Transform,
+        state: &mut BodyState,
+    ) -> Result<bool, NotFinite> {
+        let now = Self::of(state);
+        let moved =
+            transform.translation != self.translation && transform.translation != now.translation;
+        // Smoothing between two equal rotations may change their last bits: that is nobody's wish.
+        let turned = !same_rotation(transform.rotation, self.rotation)
+            && !same_rotation(transform.rotation, now.rotation);
+        if !moved && !turned {
+            return Ok(false);
+        }
+        if Self::shown_by(transform).is_none() {
+            return Err(NotFinite);
+        }
+        if moved {
+            state.position = transform.translation.as_dvec3();
+        }
+        if turned {
+            // The momentum is stored in body axes: the body carries its spin along.
+            state.rotation =
+                BodyState::at_pose(state.position, transform.rotation.as_dquat()).rotation;
+        }
+        Ok(true)
+    }
+}
+
+/// Whether two f32 rotations are the same but for rounding (four units in the last place of 1).
+#[inline(always)]
+fn same_rotation(a: Quat, b: Quat) -> bool {
+    const ROUNDING: f32 = 4.0 * f32::EPSILON;
+    a == b || (a - b).length_squared() < ROUNDING * ROUNDING
+}
+
+/// A `Transform` that names no place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NotFinite;
+
+/// When *Writeback* last ran: a `Transform` that changed later was changed by somebody else.
+#[derive(Resource, Default)]
+pub(crate) struct LastWriteback(Option<Tick>);
+
+impl LastWriteback {
+    /// Keeps it from growing so old that ticks start again from the beginning.
+    pub(crate) fn age(check: On<CheckChangeTicks>, mut last: ResMut<Self>) {
+        if let Some(tick) = &mut last.0 {
+            tick.check_tick(*check);
+        }
+    }
+}
+
+/// Bodies whose `Transform` somebody changed are there now.
+pub(crate) fn take_teleports(
+    mut bodies: Query<(Entity, Ref<Transform>, &PublishedPose, &mut BodyState), With<RigidBox>>,
+    last: Res<LastWriteback>,
+    threads: Res<PhysicsThreads>,
+    mut warned: Local<bool>,
+) -> Result {
+    for (entities, transforms, published, states) in bodies.contiguous_iter_mut()? {
+        let (changed, now) = (transforms.changed_ticks_slice(), transforms.this_run_tick());
+        let touched = |ticks: &[Tick]| last.0.is_none_or(|last| any_newer(ticks, last, now));
+        if !touched(changed) {
+            continue;
+        }
+        let (states, mut ticks) = ContiguousMut::bypass_change_detection_split(states);
+        let columns = (
+            entities,
+            &*transforms,
+            changed,
+            published,
+            states,
+            ticks.changed_mut(),
+        );
+        let Refused(refused) = threads.share_out(
+            entities.len() / LIGHT,
+            columns.chunks(0..entities.len(), CHUNK),
+            |(_, (entities, transforms, changed, published, states, stamps))| {
+                let mut refused = Refused(None);
+                if !touched(changed) {
+                    return refused;
+                }
+                for (i, (transform, published)) in transforms.iter().zip(published).enumerate() {
+                    // The state is not even looked at unless the pose is another than was written.
+                    if published.is_shown_by(transform) {
+                        continue;
+                    }
+                    match published.take_teleport(transform, &mut states[i]) {
+                        Ok(true) => stamps[i] = now,
+                        Ok(false) => {}
+                        Err(NotFinite) => refused += Refused(Some(entities[i])),
+                    }
+                }
+                refused
+            },
+        );
+        if let Some(entity) = refused
+            && !core::mem::replace(&mut *warned, true)
+        {
+            warn!(
+                "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Bodies of a pass that takes a fraction of a step for each count as one in so many, when threads are woken.
+pub(crate) const LIGHT: usize = 8;
+
+/// A body whose `Transform` cannot be taken over: the first in the order of entities.
+#[derive(Default)]
+struct Refused(Option<Entity>);
+
+impl core::ops::AddAssign for Refused {
+    fn add_assign(&mut self, other: Self) {
+        self.0 = self.0.into_iter().chain(other.0).min();
+    }
+}
+
+/// *Writeback*: writes `Transform` where the pose in f32 is another than it shows. Sleeping bodies are skipped.
+pub(crate) fn write_transforms(
+    mut bodies: Query<(Ref<BodyState>, &Sleep, &mut PublishedPose, &mut Transform), With<RigidBox>>,
+    clock: Res<SleepClock>,
+    threads: Res<PhysicsThreads>,
+    mut last_writeback: ResMut<LastWriteback>,
+    mut timings: Option<ResMut<PhysicsTimings>>,
+) -> Result {
+    let mut watch = Stopwatch::start(timings.is_some());
+    for (states, sleep, mut published, transforms) in bodies.contiguous_iter_mut()? {
+        let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
+        let (last, now) = (ticks.last_run(), ticks.this_run());
+        last_writeback.0 = Some(now);
+        let columns = (
+            &*states,
+            states.changed_ticks_slice(),
+            sleep,
+            published.bypass_change_detection(),
+            transforms,
+            ticks.changed_mut(),
+        );
+        threads.share_out(
+            states.len() / LIGHT,
+            columns.chunks(0..states.len(), CHUNK),
+            |(_, (states, written, sleep, published, transforms, changed))| {
+                let overwritten = any_newer(changed, last, now);
+                let mut write = |rows: Range<usize>| {
+                    let each = states[rows.clone()]
+                        .iter()
+                        .zip(&mut published[rows.clone()])
+                        .zip(&mut transforms[rows.clone()])
+                        .zip(&mut changed[rows]);
+                    for (((state, published), transform), changed) in each {
+                        *published = PublishedPose::of(state);
+                        if !published.is_shown_by(transform) {
+                            published.show(transform);
+                            *changed = now;
+                        }
+                    }
+                };
+                if overwritten {
+                    write(0..states.len());
+                } else {
+                    let columns = [written];
+                    clock.on_awake(sleep, &Changes { columns, last, now }, write);
+                }
+                Done
+            },
+        );
+    }
+    if let Some(timings) = &mut timings {
+        timings.record_stage(Stage::Writeback, watch.lap());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_teleport_is_a_transform_that_we_did_not_write() {
+        let mut state = BodyState::at(DVec3::new(0.1, 0.2, 0.3));
+        let published = PublishedPose::of(&state);
+        let mut transform = Transform::from_translation(published.translation);
+        assert_eq!(published.take_teleport(&transform, &mut state), Ok(false));
+        assert_eq!(
+            state.position,
+            DVec3::new(0.1, 0.2, 0.3),
+            "keeps its f64 digits"
+        );
+        transform.translation.y = 5.0;
+        assert_eq!(published.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(state.position.y, 5.0);
+        transform.translation.y = f32::NAN;
+        assert_eq!(
+            published.take_teleport(&transform, &mut state),
+            Err(NotFinite)
+        );
+        assert_eq!(state.position.y, 5.0);
+    }
+
+    #[test]
+    fn a_new_body_starts_where_its_transform_or_its_state_says() {
+        let new = PublishedPose::default();
+        let mut state = BodyState::default();
+        let transform = Transform::from_xyz(0.0, 5.0, 0.0);
+        assert_eq!(new.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(state.position, DVec3::Y * 5.0);
+        let mut state = BodyState::at(DVec3::X);
+        assert_eq!(
+            new.take_teleport(&Transform::default(), &mut state),
+            Ok(false)
+        );
+        assert_eq!(state.position, DVec3::X);
+    }
+}
