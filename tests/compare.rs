@@ -203,15 +203,16 @@ fn a_diverged_lane_stops_at_its_last_good_state() {
     updates(&mut app, 200);
     let lost = lane(&app, Integrator::SemiImplicitEuler);
     let t = lost
-        .track
+        .lane
         .diverged
-        .expect("it diverges within three seconds");
+        .expect("it diverges within three seconds")
+        .t;
     assert!(t < 3.0 && lost.lane.driver.state.is_valid());
-    assert!(run(&app).hero.track.diverged.is_none());
+    assert!(run(&app).hero.diverged.is_none());
     assert!(run(&app).clock > 3.0);
     compare(&mut app, CompareAction::Resync);
     let back = lane(&app, Integrator::SemiImplicitEuler);
-    assert!(back.track.diverged.is_none());
+    assert!(back.lane.diverged.is_none());
     assert!(back.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
@@ -385,7 +386,7 @@ fn lanes_follow_the_clock_back() {
         let t = f64::from(n) * h;
         run.before_step(t, law.clone(), &body.state, |_| Vec::new());
         body.step(&law, h);
-        run.after_step(t + h, h, &body.state, Integrator::Split);
+        run.after_step(t + h, h, (&body.state, 0), Integrator::Split);
         assert!(run.advance(None));
         let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.driver.state).collect();
         past.push((t + h, body.state, lanes, run.hero.track.now.sample));

@@ -126,8 +126,8 @@ impl Balance {
         let kinetic = state.kinetic_energy(&model.body);
         let left = self.given - (model.energy(state) - kinetic);
         self.kinetic_scale = self.kinetic_scale.max(left);
-        // Written so that NaN is exceeded.
-        !(kinetic <= left + self.kinetic_scale)
+        let most = left + self.kinetic_scale;
+        kinetic > most || kinetic.is_nan() || most.is_nan()
     }
 
     /// Opens the books in `state` with `energy` (over its scale) already left over.

@@ -191,7 +191,7 @@ pub fn sample_integrators(
     let started = std::time::Instant::now();
     loop {
         if samples.next == 0 || samples.snapshot.is_none() {
-            let floor = floor.as_deref().map(|f| (*f, settings.clone()));
+            let floor = floor.as_deref().map(|f| (*f, *settings));
             let boxes = boxes.iter();
             let boxes = boxes
                 .map(|(body, state, contact)| (body, state, contact.cloned().unwrap_or_default()));

@@ -112,8 +112,9 @@ impl Resolvent {
         for k in 0..6 {
             for i in k + 1..6 {
                 let factor = over(rows[i][k], rows[k][k]);
-                for j in k + 1..6 {
-                    rows[i][j] = minus(rows[i][j], times(factor, rows[k][j]));
+                let (above, below) = rows.split_at_mut(i);
+                for (left, pivot) in below[0].iter_mut().zip(&above[k]).skip(k + 1) {
+                    *left = minus(*left, times(factor, *pivot));
                 }
                 rows[i][k] = factor;
             }
