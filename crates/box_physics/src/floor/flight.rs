@@ -1,7 +1,7 @@
 //! The commonest step of a box near the floor: it flies by.
 
 use super::FloorContext;
-use super::bounds::{acceleration_bound, curvature_bound};
+use super::bounds::{SWING_AHEAD, acceleration_bound, curvature_bound};
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -68,7 +68,7 @@ fn clears<F: ForceModel>(
 ) -> bool {
     if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
         // A larger M without a root.
-        let spin = 2.12 * state.body_angular_velocity(body).length_squared();
+        let spin = SWING_AHEAD * state.body_angular_velocity(body).length_squared();
         let curvature = spin * body.radius() + force.acceleration().y.max(0.0);
         if before + after >= 0.5 * h * h * curvature {
             return true;

@@ -21,7 +21,7 @@ struct Worst {
 enum Shapes {
     /// Cubes, whose free rotation `split` does exactly.
     Cubes,
-    /// Anything from 0.1 mm to 5 m, ratios to 50.
+    /// Anything from 0.1 mm to 5 m, ratios to 50, every third hollow or weighted.
     Any,
     /// Ratios to 4 and at most `turn` radians a step, for [`Fine`].
     Tame,
@@ -50,6 +50,12 @@ fn storm<S: Integrate>(seed: u64, n: u32, steps: u32, shapes: Shapes) -> Worst {
             random.magnitude(0.01, 5.0)
         };
         let mut scene = Scene::new(half, e, mu);
+        if shapes == Shapes::Any && i % 3 == 0 {
+            let solid = scene.body.inertia();
+            let small = random.magnitude(0.01, 1.0);
+            let weighted = DVec3::new(small, 1.0, 1.0 + 0.95 * small) * solid.max_element();
+            scene.body = scene.body.with_inertia(weighted).expect("valid");
+        }
         scene.state.position.y = scene.body.radius() * random.range(0.5, 2.0);
         scene.state.rotation = random.attitude();
         let fast = random.magnitude(0.01, 300.0);
