@@ -22,13 +22,10 @@
 //! landing keeps its symmetry.
 
 mod edge;
-mod face;
 mod newton;
 mod single;
-mod uniform;
 
 use edge::Edge;
-use face::Face;
 use glam::DVec3;
 
 use super::geometry::{Corner3, DelassusOperator, has, mask};
@@ -45,9 +42,6 @@ pub(super) struct ConeSolution {
     /// Whether the residual came below the tolerance.
     pub(super) converged: bool,
 }
-
-/// Gradient steps before Newton's method takes over: 98 of 100 random impacts need fewer.
-const GRADIENT_STEPS: u32 = 200;
 
 /// The normal part made positive, the tangential one cut to the disc that belongs to it.
 #[inline(always)]
@@ -188,120 +182,45 @@ fn attempt(
     solution: &mut ConeSolution,
 ) {
     solution.converged = true;
-    if operator.count == 1 {
-        (solution.p[0], solution.converged) =
-            single::solve(&operator.block(0, 0, alpha), b[0], friction);
-        if !solution.converged {
-            newton::solve(operator, b, alpha, friction, target, limit, solution);
-        }
-    } else if operator.count == 2 {
-        let edge = Edge::new(operator, b, alpha, friction, target);
-        if let Some(p) = edge.solve() {
-            solution.p[..2].copy_from_slice(&p);
-        } else {
-            let velocities = |p: &Corner3| {
-                let mut w = [DVec3::ZERO; 8];
-                w[..2].copy_from_slice(&edge.velocities([p[0], p[1]]));
-                w
-            };
-            search(
-                operator, b, alpha, friction, target, limit, velocities, solution,
-            );
-        }
-    } else if !uniform::solve(operator, b, alpha, friction, target, &mut solution.p) {
-        if operator.count <= 4 && operator.spans_face() {
-            let face = Face {
-                operator,
-                b,
-                alpha,
-                friction,
-                target,
-            };
-            if let Some(p) = face.solve() {
-                solution.p = p;
+    match operator.count {
+        1 => {
+            let found;
+            (solution.p[0], found) = single::solve(&operator.block(0, 0, alpha), b[0], friction);
+            if found {
                 return;
             }
-        } else if stick(operator, b, alpha, friction, &mut solution.p) {
-            return;
         }
-        let velocities = |p: &Corner3| add(b, &operator.response(p), alpha, operator.count);
-        search(
-            operator, b, alpha, friction, target, limit, velocities, solution,
-        );
-    }
-}
-
-/// Gradient steps, then Newton's method, then both again with more patience; `velocities` is p ↦ b + αWp in
-/// its cheapest form.
-fn search(
-    operator: &DelassusOperator,
-    b: &Corner3,
-    alpha: f64,
-    friction: f64,
-    target: f64,
-    limit: u32,
-    velocities: impl Fn(&Corner3) -> Corner3,
-    solution: &mut ConeSolution,
-) {
-    let n = operator.count;
-    let norm = alpha * operator.norm_bound();
-    for steps in [GRADIENT_STEPS, u32::MAX] {
-        let steps = steps.min(limit.saturating_sub(solution.iterations));
-        gradient(n, &velocities, norm, friction, target, steps, solution);
-        if solution.converged {
-            return;
+        2 => {
+            let edge = Edge::new(operator, b, alpha, friction, target);
+            if let Some(p) = edge.solve() {
+                solution.p[..2].copy_from_slice(&p);
+                return;
+            }
         }
-        newton::solve(operator, b, alpha, friction, target, limit, solution);
-        if solution.converged {
-            return;
-        }
+        _ => {}
     }
+    newton::solve(operator, b, alpha, friction, target, limit, solution);
 }
 
-/// The smallest impulses that stop every corner, if the cones allow them.
-fn stick(
-    operator: &DelassusOperator,
-    b: &Corner3,
-    alpha: f64,
-    friction: f64,
-    p: &mut Corner3,
-) -> bool {
-    let mut stop = cancel(operator, b, &[DVec3::ONE; 8]);
-    for q in &mut stop[..operator.count] {
-        *q *= 1.0 / alpha;
-    }
-    let inside = in_cones(operator, &stop, friction);
-    if inside {
-        *p = stop;
-    }
-    inside
-}
-
-/// Whether every impulse pushes, and lies in its cone.
-fn in_cones(operator: &DelassusOperator, p: &Corner3, friction: f64) -> bool {
-    p[..operator.count]
-        .iter()
-        .all(|q| q.y > 0.0 && q.x * q.x + q.z * q.z <= (friction * q.y) * (friction * q.y))
-}
-
-/// Accelerated projected gradients for `n` corners; `velocities` is p ↦ b + αWp, `norm` a bound of αW.
-#[inline(always)]
+/// Accelerated projected gradients.
 fn gradient(
-    n: usize,
-    velocities: impl Fn(&Corner3) -> Corner3,
-    norm: f64,
+    operator: &DelassusOperator,
+    b: &Corner3,
+    alpha: f64,
     friction: f64,
     target: f64,
     steps: u32,
     solution: &mut ConeSolution,
 ) {
+    let n = operator.count;
+    let norm = alpha * operator.norm_bound();
     let step = 1.0 / norm;
     let mut previous = [DVec3::ZERO; 8];
     let mut y = previous;
     let mut theta = 1.0_f64;
     solution.converged = false;
     for _ in 0..steps {
-        let w = velocities(&y);
+        let w = add(b, &operator.response(&y), alpha, n);
         let mut next = [DVec3::ZERO; 8];
         let (mut residual, mut turn) = (0.0_f64, 0.0);
         for i in 0..n {

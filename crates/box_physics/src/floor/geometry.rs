@@ -209,14 +209,6 @@ impl DelassusOperator {
         (p * self.inverse_mass, self.inverse_inertia * torque)
     }
 
-    /// The impulse and its torque that make this change of (v, ω).
-    pub(super) fn impulse_for(&self, v: DVec3, omega: DVec3) -> (DVec3, DVec3) {
-        (
-            v / self.inverse_mass,
-            self.inverse_inertia.inverse() * omega,
-        )
-    }
-
     /// W_ni of the first two corners' normal velocities for a normal impulse at the i-th [1/kg].
     #[inline]
     pub(super) fn normal_column(&self, i: usize) -> [f64; 2] {
@@ -250,6 +242,11 @@ impl DelassusOperator {
     pub(super) fn spans_face(&self) -> bool {
         let corners = self.corner[..self.count].iter();
         spans_face(corners.fold(0, |set, k| set | 1 << k))
+    }
+
+    /// I_w⁻¹
+    pub(super) fn inverse_inertia(&self) -> DMat3 {
+        self.inverse_inertia
     }
 
     /// 1/m [1/kg].

@@ -18,8 +18,6 @@ use super::{project, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
-/// Steps for the angle of one, the other corner solved in each.
-const SECANTS: u32 = 20;
 /// Largest turn in one of them \[rad\].
 const LARGEST_TURN: f64 = 0.7;
 
@@ -95,7 +93,6 @@ impl<'a> Edge<'a> {
             .or_else(|| self.one_sticks(0))
             .or_else(|| self.one_sticks(1))
             .or_else(|| self.one_leaves(likely))
-            .or_else(|| self.one_after_the_other(smooth))
             .or_else(|| self.one_leaves(1 - likely))
     }
 
@@ -207,46 +204,6 @@ impl<'a> Edge<'a> {
             if largest <= 1e-8 {
                 return self.checked(self.sliding(t)?.p);
             }
-        }
-        None
-    }
-
-    /// The corner that slips faster slides along t̂_j, hardly turned by the other; with p_jn from w_jn = 0
-    /// that other one is alone with A_ii − A_ij s_j (n·A_ji)/D, D = n·A_jj s_j. It may slide slowly, stick or
-    /// leave. t̂_j × w_j = 0 is left for the angle of t̂_j: the secant method.
-    fn one_after_the_other(&self, smooth: [f64; 2]) -> Option<[DVec3; 2]> {
-        let start = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
-        let speed = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
-        let j = usize::from(speed(start[1]) > speed(start[0]));
-        let i = 1 - j;
-        let mut t = (start[j].x / speed(start[j]), start[j].z / speed(start[j]));
-        let (mut last, mut turn) = (f64::NAN, f64::NAN);
-        for _ in 0..SECANTS {
-            let s = DVec3::new(-self.friction * t.0, 1.0, -self.friction * t.1);
-            let column = self.other[i] * s;
-            let inverse = 1.0 / (self.own[j] * s).y;
-            // n·A_ji, the row that the corner's own column has by symmetry.
-            let row = inverse * self.other[i].y_axis;
-            let reduced =
-                self.own[i] - DMat3::from_cols(column * row.x, column * row.y, column * row.z);
-            let b = self.b[i] - column * (inverse * self.b[j].y);
-            let (q, found) = single::solve(&reduced, b, self.friction);
-            let push = -inverse * self.b[j].y - row.dot(q);
-            if !found || push.is_nan() || push <= 0.0 {
-                return None;
-            }
-            let mut p = [q; 2];
-            p[j] = push * s;
-            let w = self.velocities(p)[j];
-            let now = (t.0 * w.z - t.1 * w.x) / speed(w);
-            if now.abs() <= 1e-15 || turn.abs() <= 1e-15 {
-                return self.checked(p);
-            }
-            let slope = (now - last) / turn;
-            turn = if slope < -0.1 { -now / slope } else { now };
-            turn = turn.clamp(-LARGEST_TURN, LARGEST_TURN);
-            last = now;
-            t = single::on_circle(t.0 - turn * t.1, t.1 + turn * t.0);
         }
         None
     }

@@ -1,32 +1,40 @@
-//! Coulomb's law as an equation, solved by Newton's method.
+//! Coulomb's law as an equation, solved by Newton's method on the twist of the body.
 //!
-//! The law says F(p) = p − P(p − ρw) = 0, w = b + αWp, P the projection of the parent module. F is
-//! segmentwise smooth, so Newton's method with any of its derivatives ends quadratically (Alart, Curnier,
-//! Comput. Methods Appl. Mech. Eng. 92 (1991) 353; Qi, Sun, Math. Program. 58 (1993) 353); where it would
-//! not descend, Marquardt's damping (J. SIAM 11 (1963) 431) shortens the step. It can end in a local
-//! minimum of |F|: another ρ, or another start, has others. Of 100 000 random impacts with µ from 0.05 to
-//! 10 none was left unsolved, and two of 20 000 with µ = 1000 (`coulombs_law_by_hand`).
+//! With P the projection of the parent module and any ρ > 0 the law says F = p − P(q) = 0, q = p − ρw,
+//! w = b + αWp. F is piecewise smooth: a corner leaves (q_n ≤ 0), sticks, or slides along q_t, and Newton's method
+//! with the derivative that belongs to that ends quadratically (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92
+//! (1991) 353; Qi, Sun, Math. Program. 58 (1993) 353). All corners act on one body, so that the change of w is that
+//! of a twist ξ, u_k = αG_kξ with G_k the velocity of the corner. Corner by corner the step is then
+//!
+//! ```text
+//! leaves  dp = −p
+//! sticks  dp = −(ρ/ε) (w + u)
+//! slides  dp_n = −(F_n + ρu_n)/ε,   along  µ dp_n − F_t − µρu_n,   across  −(F_t + ρκu_t)/(1 − κ),   κ = µq_n/|q_t|
+//! ```
+//!
+//! linear in ξ, and Mξ = Σ G_kᵀdp_k is six linear equations. ε regularizes: of the impulses that do the same the
+//! step takes the smallest (four corners tell six numbers), and it reaches its aim but for a part ε, which the next
+//! step takes (the proximal method: Rockafellar, SIAM J. Control Optim. 14 (1976) 877).
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::super::geometry::{Corner3, DelassusOperator};
-use super::super::projection::cancel;
-use super::{ConeSolution, add, project};
+use super::{ConeSolution, add, gradient, project, smooth};
 
-/// Three unknowns a corner.
-const SIZE: usize = 24;
-type Matrix = [[f64; SIZE]; SIZE];
-type Vector = [f64; SIZE];
-
+/// The part that a step leaves.
+const EPSILON: f64 = 1e-6;
 /// ρ in units of one over the norm, in the order in which they are tried.
-const SCALES: [f64; 6] = [1.0, 10.0, 0.1, 100.0, 0.01, 1000.0];
-/// Newton steps from one start.
-const STEPS: u32 = 60;
-/// Dampings tried for one step, each ten times the last.
-const DAMPINGS: u32 = 12;
+const SCALES: [f64; 7] = [1.0, 10.0, 0.1, 100.0, 0.01, 1e3, 1e-3];
+/// Gradient steps that lead to further starts, where neither zero nor the frictionless impulses led to the end.
+const GRADIENT_STEPS: [u32; 3] = [50, 200, 1000];
+/// Steps from one start.
+const STEPS: u32 = 40;
+/// Of these as many may not descend.
+const UPHILL: u32 = 4;
+/// The smallest part of a step that is tried.
+const SMALLEST: f64 = 1.0 / 256.0;
 
-/// Improves `solution.p` until |w| is right to `target` or `solution.iterations` is `limit`; says in `converged`
-/// whether it could.
+/// Solves it to |w| within `target`, or until `solution.iterations` is `limit`; says in `converged` whether it could.
 pub(super) fn solve(
     operator: &DelassusOperator,
     b: &Corner3,
@@ -36,45 +44,40 @@ pub(super) fn solve(
     limit: u32,
     solution: &mut ConeSolution,
 ) {
-    let n = operator.count;
     let norm = alpha * operator.norm_bound();
-    let entries = matrix(operator, alpha);
-    let approach = b[..n].iter().map(|u| -u.y).sum::<f64>() / n as f64;
-    let share = approach / (alpha * operator.inverse_mass() * n as f64);
-    let mut even = [DVec3::ZERO; 8];
-    even[..n].fill(DVec3::Y * share);
-    let stop = cancel(operator, b, &[DVec3::ONE; 8]).map(|q| q / alpha);
-    for scale in SCALES {
-        let problem = Problem {
-            operator,
-            b,
-            alpha,
-            friction,
-            rho: scale / norm,
-            entries: &entries,
-        };
-        for start in [solution.p, [DVec3::ZERO; 8], even, stop] {
-            if let Some(p) = problem.descend(start, target, limit, &mut solution.iterations) {
-                solution.p = p.map(|q| project(q, friction));
-                solution.converged = true;
-                return;
-            }
+    let descend = |solution: &mut ConeSolution| {
+        SCALES.iter().any(|scale| {
+            let rho = scale / norm;
+            let problem = Problem {
+                operator,
+                b,
+                alpha,
+                friction,
+                rho,
+            };
+            // |F| falls with ρ, at most in proportion.
+            let tolerance = target / norm * scale.min(1.0);
+            let found = problem.descend(solution.p, tolerance, limit, &mut solution.iterations);
+            solution.converged = found.is_some();
+            solution.p = found.unwrap_or(solution.p);
+            solution.converged
+        })
+    };
+    solution.p = [DVec3::ZERO; 8];
+    if descend(solution) {
+        return;
+    }
+    solution.p = smooth(operator, b, alpha);
+    if descend(solution) {
+        return;
+    }
+    for steps in GRADIENT_STEPS {
+        let steps = steps.min(limit.saturating_sub(solution.iterations));
+        gradient(operator, b, alpha, friction, target, steps, solution);
+        if solution.converged || descend(solution) {
+            return;
         }
     }
-}
-
-/// αW in full.
-fn matrix(operator: &DelassusOperator, alpha: f64) -> Matrix {
-    let mut w = [[0.0; SIZE]; SIZE];
-    for column in 0..3 * operator.count {
-        let mut unit = [DVec3::ZERO; 8];
-        unit[column / 3][column % 3] = 1.0;
-        let response = operator.response(&unit);
-        for row in 0..3 * operator.count {
-            w[row][column] = alpha * response[row / 3][row % 3];
-        }
-    }
-    w
 }
 
 struct Problem<'a> {
@@ -83,148 +86,172 @@ struct Problem<'a> {
     alpha: f64,
     friction: f64,
     rho: f64,
-    entries: &'a Matrix,
+}
+
+/// Impulses, with q, F and |F|² there.
+struct Point {
+    p: Corner3,
+    q: Corner3,
+    f: Corner3,
+    square: f64,
 }
 
 impl Problem<'_> {
-    /// The zero of F that is reached from `p`.
+    /// The zero of F that is reached from `start`.
     fn descend(
         &self,
-        mut p: Corner3,
-        target: f64,
+        start: Corner3,
+        tolerance: f64,
         limit: u32,
         iterations: &mut u32,
     ) -> Option<Corner3> {
-        let n = self.operator.count;
-        let mut damping = 1e-6;
-        let (mut q, mut f) = self.residual(&p);
-        let mut square = self.operator.dot(&f, &f);
+        let mut here = self.at(&start, &start, 0.0);
+        let mut uphill = 0;
         for _ in 0..STEPS.min(limit.saturating_sub(*iterations)) {
             *iterations += 1;
-            if self.operator.largest(&f) <= target * self.rho {
-                return Some(p);
+            let found = self.operator.largest(&here.f) <= tolerance;
+            let step = self.step(&here);
+            let mut next = self.at(&here.p, &step, 1.0);
+            if found {
+                // The last step, from there, to rounding.
+                let end = if next.square < here.square {
+                    next
+                } else {
+                    here
+                };
+                return Some(end.p.map(|p| project(p, self.friction)));
             }
-            let (normal, gradient) = self.normal_equations(&q, &f);
-            let mut found = false;
-            for _ in 0..DAMPINGS {
-                if let Some(x) = solve_damped(&normal, &gradient, damping, 3 * n) {
-                    let mut next = p;
-                    for i in 0..n {
-                        next[i] -= DVec3::new(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
-                    }
-                    let (next_q, next_f) = self.residual(&next);
-                    let next_square = self.operator.dot(&next_f, &next_f);
-                    if next_square < square * (1.0 - 1e-6) {
-                        (p, q, f, square) = (next, next_q, next_f, next_square);
-                        damping = (0.1 * damping).max(1e-14);
-                        found = true;
-                        break;
-                    }
+            let mut size = 0.5;
+            while next.square >= here.square && size >= SMALLEST {
+                let shorter = self.at(&here.p, &step, size);
+                if shorter.square < next.square {
+                    next = shorter;
                 }
-                damping *= 10.0;
+                size *= 0.5;
             }
-            if !found {
+            uphill += u32::from(next.square >= here.square);
+            if uphill > UPHILL || next.square.is_nan() {
                 return None;
             }
+            here = next;
         }
         None
     }
 
-    /// q = p − ρw and F = p − P(q).
-    fn residual(&self, p: &Corner3) -> (Corner3, Corner3) {
+    /// A part of a step further.
+    fn at(&self, p: &Corner3, step: &Corner3, size: f64) -> Point {
         let n = self.operator.count;
-        let w = add(self.b, &self.operator.response(p), self.alpha, n);
+        let mut p = *p;
+        for i in 0..n {
+            p[i] += size * step[i];
+        }
+        let w = add(self.b, &self.operator.response(&p), self.alpha, n);
         let (mut q, mut f) = ([DVec3::ZERO; 8], [DVec3::ZERO; 8]);
         for i in 0..n {
             q[i] = p[i] - self.rho * w[i];
             f[i] = p[i] - project(q[i], self.friction);
         }
-        (q, f)
+        let square = self.operator.dot(&f, &f);
+        Point { p, q, f, square }
     }
 
-    /// JᵀJ and JᵀF with J = 1 − P'(q)(1 − ραW).
-    fn normal_equations(&self, q: &Corner3, f: &Corner3) -> (Matrix, Vector) {
-        let size = 3 * self.operator.count;
-        let mut j = [[0.0; SIZE]; SIZE];
-        for i in 0..self.operator.count {
-            let slope = projection_slope(q[i], self.friction);
-            for (a, row) in slope.iter().enumerate() {
-                for column in 0..size {
-                    let mut sum = 0.0;
-                    for (k, s) in row.iter().enumerate() {
-                        let unit = f64::from(u8::from(3 * i + k == column));
-                        sum += s * (unit - self.rho * self.entries[3 * i + k][column]);
-                    }
-                    j[3 * i + a][column] = f64::from(u8::from(3 * i + a == column)) - sum;
-                }
+    /// The change of the impulses dp = −c − S u.
+    fn step(&self, here: &Point) -> Corner3 {
+        let (operator, n) = (self.operator, self.operator.count);
+        // In units of the first lever's length, so that forces and torques compare.
+        let unit = operator.lever[0].length();
+        let (mut c, mut s) = ([DVec3::ZERO; 8], [DMat3::ZERO; 8]);
+        // A = α Σ Gᵀ S G in blocks, and −Σ Gᵀ c
+        let mut a = [[DMat3::ZERO; 2]; 2];
+        let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+        for i in 0..n {
+            (c[i], s[i]) = self.linear(here.q[i], here.f[i]);
+            let r = operator.lever[i] / unit;
+            let turned = |m: &DMat3| {
+                DMat3::from_cols(r.cross(m.x_axis), r.cross(m.y_axis), r.cross(m.z_axis))
+            };
+            let direct = self.alpha * s[i];
+            let arm = turned(&direct.transpose()).transpose(); // −αS [r]×
+            force -= c[i];
+            torque -= r.cross(c[i]);
+            a[0][0] += direct;
+            a[0][1] += arm;
+            a[1][0] += turned(&direct);
+            a[1][1] += turned(&arm);
+        }
+        // (1 + A M⁻¹) y = −Σ Gᵀ c for the force and torque y
+        let inverse_mass = operator.inverse_mass();
+        let inverse_inertia = operator.inverse_inertia() * (unit * unit);
+        let mut rows = [[0.0; 7]; 6];
+        for (k, row) in rows.iter_mut().enumerate() {
+            let [direct, arm] = a[k / 3];
+            let left = [direct * inverse_mass, arm * inverse_inertia];
+            for column in 0..6 {
+                row[column] = left[column / 3].col(column % 3)[k % 3];
             }
+            row[k] += 1.0;
+            row[6] = if k < 3 { force[k] } else { torque[k - 3] };
         }
-        let (mut normal, mut gradient) = ([[0.0; SIZE]; SIZE], [0.0; SIZE]);
-        for row in &j[..size] {
-            for (r, a) in row[..size].iter().enumerate() {
-                for (c, b) in row[..=r].iter().enumerate() {
-                    normal[r][c] += a * b;
-                }
-            }
+        let y = eliminate(rows);
+        let v = DVec3::new(y[0], y[1], y[2]) * inverse_mass;
+        let omega = inverse_inertia * DVec3::new(y[3], y[4], y[5]) / unit;
+        let u = operator.velocities((self.alpha * v, self.alpha * omega));
+        let mut step = [DVec3::ZERO; 8];
+        for i in 0..n {
+            step[i] = -(c[i] + s[i] * u[i]);
         }
-        for r in 0..size {
-            gradient[r] = (0..size).map(|k| j[k][r] * f[k / 3][k % 3]).sum();
+        step
+    }
+
+    /// c and S of one corner.
+    fn linear(&self, q: DVec3, f: DVec3) -> (DVec3, DMat3) {
+        let (mu, rho) = (self.friction, self.rho);
+        let slip = (q.x * q.x + q.z * q.z).sqrt();
+        if q.y <= 0.0 {
+            return (f, DMat3::ZERO);
         }
-        (normal, gradient)
+        if slip <= mu * q.y {
+            let s = DMat3::from_diagonal(DVec3::splat(rho / EPSILON));
+            return (f / EPSILON, s);
+        }
+        let along = DVec3::new(q.x / slip, 0.0, q.z / slip);
+        let across = DVec3::new(-along.z, 0.0, along.x);
+        let kappa = mu * q.y / slip;
+        let loose = 1.0 / (1.0 - kappa).max(EPSILON);
+        let normal = f.y / EPSILON;
+        let c = DVec3::Y * normal
+            + along * (mu * normal + f.dot(along))
+            + across * (f.dot(across) * loose);
+        let push = (DVec3::Y + mu * (1.0 + EPSILON) * along) * (rho / EPSILON);
+        let turn = across * (rho * kappa * loose);
+        (c, DMat3::from_cols(turn * across.x, push, turn * across.z))
     }
 }
 
-/// P'(q), rows and columns in the order x, y (normal), z.
-fn projection_slope(q: DVec3, friction: f64) -> [[f64; 3]; 3] {
-    let t = (q.x * q.x + q.z * q.z).sqrt();
-    if q.y <= 0.0 {
-        return [[0.0; 3]; 3];
-    }
-    if t <= friction * q.y {
-        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    }
-    // µ q_n t̂, t̂ = q_t/|q_t|
-    let (x, z) = (q.x / t, q.z / t);
-    let k = friction * q.y / t;
-    [
-        [k * (1.0 - x * x), friction * x, -k * x * z],
-        [0.0, 1.0, 0.0],
-        [-k * x * z, friction * z, k * (1.0 - z * z)],
-    ]
-}
-
-/// (A + λ)x = g by Cholesky's factors, A given by its lower triangle; `None` if it is not positive
-/// definite.
-fn solve_damped(a: &Matrix, g: &Vector, lambda: f64, size: usize) -> Option<Vector> {
-    let mut l = *a;
-    for r in 0..size {
-        for c in 0..=r {
-            let mut v = l[r][c] + if r == c { lambda } else { 0.0 };
-            for k in 0..c {
-                v -= l[r][k] * l[c][k];
+/// Solves six equations, the right side in the last column, by Gauss's elimination with pivots by rows.
+fn eliminate(mut m: [[f64; 7]; 6]) -> [f64; 6] {
+    for k in 0..6 {
+        for i in k + 1..6 {
+            if m[i][k].abs() > m[k][k].abs() {
+                m.swap(k, i);
             }
-            if r == c {
-                if v.is_nan() || v <= 0.0 {
-                    return None;
-                }
-                l[r][r] = v.sqrt();
-            } else {
-                l[r][c] = v / l[c][c];
+        }
+        let above = m[k];
+        let inverse = 1.0 / above[k];
+        for row in &mut m[k + 1..] {
+            let factor = row[k] * inverse;
+            for c in k + 1..7 {
+                row[c] -= factor * above[c];
             }
         }
     }
-    let mut x = *g;
-    for r in 0..size {
-        for k in 0..r {
-            x[r] -= l[r][k] * x[k];
+    let mut x = [0.0; 6];
+    for k in (0..6).rev() {
+        let mut value = m[k][6];
+        for c in k + 1..6 {
+            value -= m[k][c] * x[c];
         }
-        x[r] /= l[r][r];
+        x[k] = value / m[k][k];
     }
-    for r in (0..size).rev() {
-        for k in r + 1..size {
-            x[r] -= l[k][r] * x[k];
-        }
-        x[r] /= l[r][r];
-    }
-    Some(x)
+    x
 }

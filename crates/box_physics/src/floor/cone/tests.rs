@@ -119,7 +119,7 @@ fn the_cap_is_the_cap() {
             });
         }
         println!("at most {max_iterations} iterations: {unsolved} of 8000 gave way");
-        assert!(unsolved < 1000 && (unsolved > 0 || max_iterations > 10));
+        assert!(unsolved < 2000 && (unsolved > 0 || max_iterations > 10));
     }
 }
 
