@@ -151,7 +151,7 @@ pub mod translation;
 pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;
-    pub use crate::floor::{ContactPhase, ContactSettings, ContactState, Floor};
+    pub use crate::floor::{ContactPhase, ContactSettings, ContactState, Floor, RestitutionLaw};
     pub use crate::force::{
         Dissipation, ForceModel, Forces, Frame, Gravity, PointForce, Spring, Wrench,
     };

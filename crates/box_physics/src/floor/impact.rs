@@ -2,16 +2,16 @@
 
 use glam::{DMat3, DVec3};
 
-use super::cone::{self, ConeSolution};
+use super::cone::{Cone, ConeSolution};
 use super::geometry::{Corner3, Corners, DelassusOperator, spans_face};
 use super::projection::cancel;
-use super::{ContactSettings, FloorContext};
+use super::{FloorContext, RestitutionLaw};
 use crate::state::BodyState;
 
 /// How an impact is treated.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum ImpactKind {
-    /// Newton's restitution above the threshold; below it e = 0, and on a face the box stays.
+    /// Restitution above the threshold; below it e = 0, and on a face the box stays.
     Ordinary,
     /// Too many in this step: what touches stops along the normal.
     Resting,
@@ -23,14 +23,14 @@ pub(super) struct ImpactOutcome {
     pub(super) impulse: Corner3,
     /// Whether the solver ended at its cap.
     pub(super) capped: bool,
-    /// The energy that Newton's restitution would have gained, if it was scaled down \[J\].
+    /// The energy that Newton's law alone would have gained, if it was scaled down \[J\].
     pub(super) repaired: Option<f64>,
     /// Solver iterations.
     pub(super) iterations: u32,
 }
 
 /// Solves and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction in the
-/// round cone against the slip afterwards u⁺_t (Coulomb).
+/// round cone against the slip afterwards u⁺_t (Coulomb), within the energy that the [`RestitutionLaw`] allows.
 pub(super) fn resolve_impact<F>(
     context: &FloorContext<'_, F>,
     state: &mut BodyState,
@@ -52,23 +52,28 @@ pub(super) fn resolve_impact<F>(
     let extreme = normals.fold(0.0, |a: f64, u| a.max(u.abs()));
     let bounces = kind == ImpactKind::Ordinary && fastest > settings.restitution_threshold;
     let e = if bounces { floor.restitution } else { 0.0 };
-    let solve = |e: f64| newton(&operator, &before, e, floor.friction, settings);
+    let cone = Cone::new(&operator, 1.0, floor.friction, settings);
+    let solve = |e: f64| newton(&cone, &before[..operator.count], e);
 
     let mut solution = solve(e);
     let mut iterations = solution.iterations;
     let mut capped = !solution.converged;
     let mut repaired = None;
-    let gained = if e > 0.0 {
-        gain(&operator, &before, &solution.p)
-    } else {
-        0.0
-    };
-    if gained > 1e-12 * state.kinetic_energy(body) {
-        let plastic = solve(0.0);
-        iterations += plastic.iterations;
-        capped |= !plastic.converged;
-        solution.p = without_gain(&operator, &before, &plastic.p, &solution.p);
-        repaired = Some(gained);
+    if e > 0.0 {
+        let energetic = settings.restitution == RestitutionLaw::Energetic;
+        let gained = gain(&operator, &before, &solution.p);
+        let tiny = 1e-12 * state.kinetic_energy(body);
+        if energetic || gained > tiny {
+            let plastic = solve(0.0);
+            iterations += plastic.iterations;
+            capped |= !plastic.converged;
+            let lost = gain(&operator, &before, &plastic.p).min(0.0);
+            let allowed = if energetic { (1.0 - e * e) * lost } else { 0.0 };
+            if gained > allowed + tiny {
+                solution.p = within(&operator, &before, &plastic.p, &solution.p, lost - allowed);
+                repaired = (!energetic).then_some(gained);
+            }
+        }
     }
     // A landing on a face below the threshold, or the last impact allowed: whatever still leaves the
     // floor by rocking is taken too. (A column rocks through ever smaller, ever more frequent impacts
@@ -100,25 +105,12 @@ pub(super) fn resolve_impact<F>(
 
 /// Newton's restitution and Coulomb's friction: u⁻ shifted by e·min(u⁻_n, 0) makes the normal law the
 /// plain complementarity of the cone problem.
-fn newton(
-    operator: &DelassusOperator,
-    before: &Corner3,
-    e: f64,
-    friction: f64,
-    settings: &ContactSettings,
-) -> ConeSolution {
-    let mut b = *before;
-    for u in &mut b[..operator.count] {
-        u.y += e * u.y.min(0.0);
+fn newton(cone: &Cone, before: &[DVec3], e: f64) -> ConeSolution {
+    let mut b = [DVec3::ZERO; 8];
+    for (b, u) in b.iter_mut().zip(before) {
+        *b = *u + DVec3::Y * (e * u.y.min(0.0));
     }
-    cone::solve(
-        operator,
-        &b,
-        1.0,
-        friction,
-        settings.tolerance,
-        settings.max_iterations,
-    )
+    cone.solve(&b)
 }
 
 /// The kinetic energy that the impulses add: p·u⁻ + ½ p·Wp \[J\].
@@ -126,15 +118,17 @@ fn gain(operator: &DelassusOperator, before: &Corner3, p: &Corner3) -> f64 {
     operator.dot(p, before) + 0.5 * operator.dot(p, &operator.response(p))
 }
 
-/// Newton's law with several corners can create energy (Kane, Levinson 1985; Stronge 1990). Between
-/// the plastic solution p₀, which never does, and the wanted p₁ the energy is a quadratic in λ:
-/// Aλ² + Bλ + C with d = p₁ − p₀, A = ½ d·Wd, B = d·(u⁻ + Wp₀), C = p₀·u⁻ + ½ p₀·Wp₀ ≤ 0. The result is
-/// p₀ + λd at its root in (0, 1): no gain, inside the cones (they are convex), not into the floor.
-fn without_gain(
+/// Newton's law with friction or several corners may return more than the part e² of the energy, and even create
+/// some (Kane, Levinson 1985; Stronge 1990). Between the plastic solution p₀ and the wanted p₁ the energy is a
+/// quadratic in λ: Aλ² + Bλ + C over what is allowed, with d = p₁ − p₀, A = ½ d·Wd, B = d·(u⁻ + Wp₀) and `c` ≤ 0 the
+/// energy after p₀ less the allowed one. The result is p₀ + λd at its root in (0, 1): inside the cones (they are
+/// convex), and not into the floor.
+fn within(
     operator: &DelassusOperator,
     before: &Corner3,
     plastic: &Corner3,
     wanted: &Corner3,
+    c: f64,
 ) -> Corner3 {
     let n = operator.count;
     let mut d = [DVec3::ZERO; 8];
@@ -143,7 +137,6 @@ fn without_gain(
     }
     let a = 0.5 * operator.dot(&d, &operator.response(&d));
     let b = operator.dot(&d, before) + operator.dot(&d, &operator.response(plastic));
-    let c = gain(operator, before, plastic).min(0.0);
     let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
     let lambda = if b > 0.0 {
         -2.0 * c / (b + root)

@@ -4,7 +4,7 @@
 use crate::ecs::*;
 use glam::{DQuat, DVec3};
 
-use super::geometry::{Corner3, has};
+use super::geometry::{Corner3, Corners, has};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
@@ -197,6 +197,18 @@ impl ContactImpulses {
                 self.point[k] = state.position + lever[k];
             }
         }
+    }
+
+    /// Adds what forces \[N\] at the corners of `state` make in the time `h` \[s\].
+    pub(super) fn hold<F>(
+        &mut self,
+        context: &FloorContext<'_, F>,
+        state: &BodyState,
+        h: f64,
+        load: &[f64; 8],
+    ) {
+        let corners = Corners::at(context.floor, context.body, state);
+        self.add(state, &corners.lever, &load.map(|f| DVec3::Y * (f * h)));
     }
 
     /// Reports the step.

@@ -26,6 +26,7 @@ mod geometry;
 mod impact;
 mod memory;
 mod projection;
+mod slide;
 mod slips;
 mod step;
 mod sustained;
@@ -110,6 +111,22 @@ impl Floor {
     }
 }
 
+/// How an impact with restitution e is limited in energy. Both are Newton's law u⁺_n = −e u⁻_n where one corner
+/// strikes without friction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum RestitutionLaw {
+    /// At most the part e² of what a plastic impact would take comes back (after W. J. Stronge, Proc. R. Soc. A 431
+    /// (1990) 169, for the impact as a whole): T⁺ ≤ T₀ + e² (T⁻ − T₀), T₀ the energy after the impact with e = 0.
+    /// Energy never grows.
+    #[default]
+    Energetic,
+    /// Newton's law alone: an impact that would gain energy is scaled down until it conserves it, and counted in
+    /// [`FloorOutcome::energy_repairs`].
+    Newton,
+}
+
 /// How hard the contact tries. The defaults suit boxes from millimeters to hundreds of meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
@@ -131,6 +148,8 @@ pub struct ContactSettings {
     /// Of the solver, relative to the fastest corner, and of a corner's height, relative to the size of
     /// the scene (circumradius of the box plus |height of the floor|). 1e-15 to 1e-3; default 1e-12.
     pub tolerance: f64,
+    /// Which energy an impact may return. Default [`RestitutionLaw::Energetic`].
+    pub restitution: RestitutionLaw,
 }
 
 impl ContactSettings {
@@ -140,6 +159,7 @@ impl ContactSettings {
         max_impacts: 16,
         max_iterations: 2000,
         tolerance: 1e-12,
+        restitution: RestitutionLaw::Energetic,
     };
 
     /// Whether the fields are in their ranges.
@@ -203,7 +223,7 @@ pub struct FloorOutcome {
     pub impacts_capped: u32,
     /// Solves or event searches that ended at their cap.
     pub solves_capped: u32,
-    /// Impacts or segments whose energy would have grown and was put right.
+    /// Segments, and impacts under [`RestitutionLaw::Newton`], whose energy would have grown and was put right.
     pub energy_repairs: u32,
     /// The energy that these repairs took \[J\].
     pub energy_repaired: f64,

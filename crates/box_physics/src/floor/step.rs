@@ -1,7 +1,5 @@
 //! One step over the floor: segments of motion between events.
 
-use glam::DVec3;
-
 use super::bounds::{acceleration_bound, curvature_bound, normal_velocities, spin_bound};
 use super::event::Search;
 use super::flight::{Flight, Flown, fly};
@@ -9,10 +7,11 @@ use super::geometry::{Corners, has};
 use super::impact::{ImpactKind, resolve_impact};
 use super::memory::ContactImpulses;
 use super::projection::recover_penetration;
+use super::slide::{Slide, slide};
 use super::sustained::{Segment, Start, candidates, limit_energy, longest_segment};
 use super::{ContactPoint, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
-use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
+use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
 
 /// Segments of sustained motion in a step; a body that needs more gets longer ones.
@@ -72,8 +71,8 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     let mut outcome = FloorOutcome::default();
     if contact.still_rests(context, state) {
         outcome.resting = true;
-        if let Some(points) = points {
-            report_rest(context, state, h, contact, points);
+        if let (Some(points), Some(rest)) = (points, &contact.rest) {
+            report_held(context, state, h, &rest.reaction, contact.touching, points);
         }
         return outcome;
     }
@@ -81,8 +80,22 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
         return outcome;
     }
     contact.rest = None;
+    let touching = contact.touching;
+    let mut slid = None;
+    if touching.count_ones() == 4 {
+        slid = slide::<S, F>(context, state, h, touching);
+        if let Some(slide) = &slid
+            && slide.time == h
+        {
+            outcome.step = StepOutcome::plain(slide.evaluations);
+            if let Some(points) = points {
+                report_held(context, state, h, &slide.load, touching, points);
+            }
+            return outcome;
+        }
+    }
     let mut flown = None;
-    if contact.touching == 0 {
+    if touching == 0 {
         match fly::<S, F>(context, state, h, memory, &mut contact.spare.0[0]) {
             Flight::Clear(flight) => {
                 outcome.step = flight;
@@ -92,7 +105,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
             Flight::Low => {}
         }
     }
-    outcome = between_events::<S, F>(context, state, h, memory, contact, points, flown);
+    outcome = between_events::<S, F>(context, state, h, memory, contact, points, flown, slid);
     // However many segments and trials it took: one step gave way once.
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
     outcome.step.unconverged = outcome.step.unconverged.min(1);
@@ -141,7 +154,8 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
     }
 }
 
-/// The step of a box that touches the floor or may: segment after segment. `flown` is the plain step, if it is known.
+/// The step of a box that touches the floor or may: segment after segment. `flown` is the plain step, if it is known,
+/// and `slid` what a slide has made of it until it stopped.
 #[inline(never)] // its large frame is not for boxes that rest or fly
 fn between_events<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,
@@ -151,6 +165,7 @@ fn between_events<S: Integrate, F: ForceModel>(
     contact: &mut ContactState,
     points: Option<&mut Vec<ContactPoint>>,
     mut flown: Option<Flown>,
+    slid: Option<Slide>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
     let &FloorContext {
@@ -164,6 +179,11 @@ fn between_events<S: Integrate, F: ForceModel>(
     let (mut first, mut second) = (Segment::new(first), Segment::new(second));
     let mut impulses = ContactImpulses::new();
     let mut remaining = h;
+    if let Some(slide) = slid {
+        remaining -= slide.time;
+        outcome.step = StepOutcome::plain(slide.evaluations);
+        impulses.hold(context, state, slide.time, &slide.load);
+    }
     let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
     let mut corners = Corners::at(floor, body, state);
     // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
@@ -267,21 +287,18 @@ fn between_events<S: Integrate, F: ForceModel>(
     outcome
 }
 
-/// What holds a box that lies still.
-fn report_rest<F>(
+/// Reports corners that touched before and do now, held by these forces \[N\].
+fn report_held<F>(
     context: &FloorContext<'_, F>,
     state: &BodyState,
     h: f64,
-    contact: &ContactState,
+    load: &[f64; 8],
+    touching: u8,
     points: &mut Vec<ContactPoint>,
 ) {
     let mut impulses = ContactImpulses::new();
+    impulses.hold(context, state, h, load);
     let corners = Corners::at(context.floor, context.body, state);
-    if let Some(rest) = &contact.rest {
-        let impulse = rest.reaction.map(|f| DVec3::Y * (f * h));
-        impulses.add(state, &corners.lever, &impulse);
-    }
-    let touching = contact.touching;
     impulses.report(points, state, &corners.lever, touching, touching);
 }
 

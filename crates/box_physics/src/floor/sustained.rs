@@ -3,7 +3,8 @@
 //!
 //! The contact force is constant over the segment and is found from the **mean** motion of the corners,
 //! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
-//! over time, taken from a `split` step, so that the force does not depend on the integrator),
+//! over time by the midpoint formula, under a wrench or drag by a `split` step, so that the force does not depend on
+//! the integrator),
 //!
 //! ```text
 //! ū_k = d_k + ½ W p,   0 ≤ p_n ⊥ ū_n ≥ 0,   friction in the cone against ū_t,
@@ -18,13 +19,14 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::FloorContext;
-use super::cone;
+use super::cone::Cone;
 use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spans_face};
 use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::integrators::{Integrate, IntegratorMemory, Split, StepOutcome};
+use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
 /// The law plus the floor's constant force and torque, world axes.
@@ -149,35 +151,19 @@ impl<F: ForceModel> Start<'_, F> {
             floor,
             settings,
             body,
-            force,
+            ..
         } = self.context;
         let start = &self.state;
-        let mut free = *start;
-        let mut outcome = Split::step(
-            body,
-            &mut free,
-            force,
-            tau,
-            &mut IntegratorMemory::default(),
-        );
-        let middle = middle_attitude(start, &free);
+        let (middle, motion) = self.free_motion(tau);
         let levers = levers(body, middle, self.candidates);
         let operator = DelassusOperator::new(body, middle, &levers, self.candidates);
 
-        let d = self.mean_velocities(&free, &operator, tau);
+        let d = operator.velocities(motion);
         let rate = 1.0 / tau;
-        let friction = floor.friction;
-        let solution = cone::solve(
-            &operator,
-            &d,
-            0.5,
-            friction,
-            settings.tolerance,
-            settings.max_iterations,
-        );
+        let cone = Cone::new(&operator, 0.5, floor.friction, settings);
+        let solution = cone.solve(&d);
         segment.clear();
         segment.state = *start;
-        segment.outcome = outcome;
         segment.iterations = solution.iterations;
         segment.capped = !solution.converged;
         for i in 0..operator.count {
@@ -189,6 +175,7 @@ impl<F: ForceModel> Start<'_, F> {
             && operator.largest(&solution.w) <= 1e-9 * operator.largest(&d)
         {
             segment.corners = *self.corners;
+            segment.outcome = StepOutcome::plain(1);
             segment.still = true;
             return;
         }
@@ -199,8 +186,7 @@ impl<F: ForceModel> Start<'_, F> {
             acceleration: force * (rate * body.inverse_mass()),
             torque: torque * rate,
         };
-        outcome = S::step(body, &mut segment.state, &law, tau, &mut segment.memory);
-        segment.outcome += outcome;
+        segment.outcome = S::step(body, &mut segment.state, &law, tau, &mut segment.memory);
 
         let held = mask(|k| segment.impulse[k].y > 0.0);
         if held != 0 {
@@ -214,33 +200,38 @@ impl<F: ForceModel> Start<'_, F> {
         }
     }
 
-    /// d_k: the mean velocity of the corners on the way to `free`. From velocities where that is as good
-    /// as it gets, since displacements over a short time, or far from the origin, are mostly rounding.
-    fn mean_velocities(&self, free: &BodyState, operator: &DelassusOperator, tau: f64) -> Corner3 {
+    /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
+    /// turning there, such that a corner moves by τ(v̄ + ω̄ × r): from velocities where that is as good as it gets, since
+    /// displacements over a short time, or far from the origin, are mostly rounding.
+    fn free_motion(&self, tau: f64) -> (DMat3, (DVec3, DVec3)) {
         let start = &self.state;
-        let &FloorContext {
-            floor, body, force, ..
-        } = self.context;
+        let (body, force) = (self.context.body, self.context.force);
+        if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
+            // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
+            let l = start.angular_momentum;
+            let first = l * body.inverse_inertia();
+            let omega = (l + (0.5 * tau) * l.cross(first)) * body.inverse_inertia();
+            let half = exponential_map((0.25 * tau) * (first + omega));
+            let middle = DMat3::from_quat(compose(start.rotation, half));
+            let square = 0.25 * tau * tau * omega.length_squared();
+            let chord = 1.0 - square / 6.0 * (1.0 - square / 20.0);
+            let center = start.velocity + 0.5 * tau * force.acceleration();
+            return (middle, (center, middle * (omega * chord)));
+        }
+        let (mut free, mut memory) = (*start, IntegratorMemory::default());
+        Split::step(body, &mut free, force, tau, &mut memory);
         let rate = 1.0 / tau;
-        // Exact under a uniform acceleration.
         let mut center = 0.5 * (start.velocity + free.velocity);
-        if force.has_wrench() || force.dissipation() != Dissipation::NONE {
-            let path = (free.position - start.position) * rate;
-            if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
-                center = path;
-            }
+        let path = (free.position - start.position) * rate;
+        if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
+            center = path;
         }
-        // A turn by θ is short of the chord by θ²/24 of itself: below a hundredth it does not matter.
-        let omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
-        let mut d = operator.velocities((center, omega));
+        let mut omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
         if omega.length() * tau >= 0.01 {
-            let moved = Corners::at(floor, body, free);
-            for i in 0..operator.count {
-                let k = usize::from(operator.corner[i]);
-                d[i] = center + (moved.lever[k] - self.corners.lever[k]) * rate;
-            }
+            let turn = compose(free.rotation, start.rotation.inverse());
+            omega = turn.xyz() * (2.0 * rate * turn.w.signum());
         }
-        d
+        (middle_attitude(start, &free), (center, omega))
     }
 
     /// Projects the end of a segment onto what the held corners allow; those in `stuck` have no mean slip.

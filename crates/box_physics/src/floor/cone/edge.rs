@@ -12,9 +12,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::geometry::{Corner3, DelassusOperator};
+use super::super::geometry::Corner3;
 use super::super::projection::{least_along, stopped_along};
-use super::{project, single};
+use super::{Cone, project, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
@@ -23,45 +23,26 @@ const LARGEST_TURN: f64 = 0.7;
 
 /// b + Ap for two corners.
 pub(super) struct Edge<'a> {
-    /// From one corner to the other \[m\].
-    edge: DVec3,
-    own: [DMat3; 2],
-    /// A_01 and A_10.
-    other: [DMat3; 2],
-    b: &'a Corner3,
-    friction: f64,
-    /// A bound of A [1/kg].
-    norm: f64,
+    /// With the blocks of A.
+    pub(super) cone: &'a Cone<'a>,
+    pub(super) b: &'a Corner3,
     /// |w| to which the law is to hold [m/s].
-    target: f64,
+    pub(super) target: f64,
 }
 
-impl<'a> Edge<'a> {
-    pub(super) fn new(
-        operator: &DelassusOperator,
-        b: &'a Corner3,
-        alpha: f64,
-        friction: f64,
-        target: f64,
-    ) -> Self {
-        let cross = operator.block(0, 1, alpha);
-        Self {
-            edge: operator.lever[1] - operator.lever[0],
-            own: [operator.block(0, 0, alpha), operator.block(1, 1, alpha)],
-            other: [cross, cross.transpose()],
-            b,
-            friction,
-            norm: alpha * operator.norm_bound(),
-            target,
-        }
+impl Edge<'_> {
+    /// From one corner to the other \[m\].
+    fn direction(&self) -> DVec3 {
+        let r = &self.cone.operator.lever;
+        r[1] - r[0]
     }
 
     /// w = b + Ap.
     #[inline(always)]
-    pub(super) fn velocities(&self, p: [DVec3; 2]) -> [DVec3; 2] {
+    fn velocities(&self, p: [DVec3; 2]) -> [DVec3; 2] {
         [
-            self.b[0] + (self.own[0] * p[0] + self.other[0] * p[1]),
-            self.b[1] + (self.own[1] * p[1] + self.other[1] * p[0]),
+            self.b[0] + (self.cone.own[0] * p[0] + self.cone.other[0] * p[1]),
+            self.b[1] + (self.cone.own[1] * p[1] + self.cone.other[1] * p[0]),
         ]
     }
 
@@ -69,7 +50,7 @@ impl<'a> Edge<'a> {
     fn is_fast(&self) -> bool {
         let fast = |u: DVec3| u.x * u.x + u.z * u.z;
         let approach = (-self.b[0].y).max(-self.b[1].y);
-        let bound = 4.0 * self.friction * approach;
+        let bound = 4.0 * self.cone.friction * approach;
         fast(self.b[0]).min(fast(self.b[1])) > bound * bound
     }
 
@@ -98,8 +79,8 @@ impl<'a> Edge<'a> {
 
     /// The normal impulses that would stop both corners if there were no friction.
     fn smooth_normals(&self) -> [f64; 2] {
-        let [a, d] = self.own.map(|m| m.y_axis.y);
-        let c = self.other[0].y_axis.y;
+        let [a, d] = self.cone.own.map(|m| m.y_axis.y);
+        let c = self.cone.other[0].y_axis.y;
         let inverse = 1.0 / (a * d - c * c);
         let (x, y) = (-self.b[0].y, -self.b[1].y);
         [inverse * (d * x - c * y), inverse * (a * y - c * x)]
@@ -108,9 +89,10 @@ impl<'a> Edge<'a> {
     /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
     fn obeys(&self, p: [DVec3; 2]) -> bool {
         let w = self.velocities(p);
-        let step = 1.0 / self.norm;
-        let wrong = |i: usize| (p[i] - project(p[i] - step * w[i], self.friction)).length_squared();
-        self.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
+        let step = 1.0 / self.cone.norm;
+        let wrong =
+            |i: usize| (p[i] - project(p[i] - step * w[i], self.cone.friction)).length_squared();
+        self.cone.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
     }
 
     fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {
@@ -120,26 +102,22 @@ impl<'a> Edge<'a> {
     /// Corner `i` leaves.
     fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
         let j = 1 - i;
-        let (q, found) = single::solve(&self.own[j], self.b[j], self.friction);
         let mut p = [DVec3::ZERO; 2];
-        p[j] = q;
-        if !found {
-            return None;
-        }
+        p[j] = single::solve(&self.cone.own[j], self.b[j], self.cone.friction)?;
         self.checked(p)
     }
 
     /// Both stick: w_0 = 0 for p_0, then w_1 = 0. Of all that do it the
     /// smallest.
     fn both_stick(&self) -> Option<[DVec3; 2]> {
-        let mu = self.friction;
+        let mu = self.cone.friction;
         let holds = |p: DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
-        let inverse = self.own[0].inverse();
+        let inverse = self.cone.own[0].inverse();
         let (reduced, b) = self.without(0, &inverse);
-        let p1 = -(stopped_along(reduced, self.edge, self.own[1].y_axis.y) * b);
-        let p0 = -(inverse * (self.b[0] + self.other[0] * p1));
+        let p1 = -(stopped_along(reduced, self.direction(), self.cone.own[1].y_axis.y) * b);
+        let p0 = -(inverse * (self.b[0] + self.cone.other[0] * p1));
         let mut p = [p0, p1];
-        least_along(self.edge, &mut p);
+        least_along(self.direction(), &mut p);
         // No check: two corners that keep their distance can be stopped, to the rounding of b. That may be
         // more than the target, where b is what is left of large velocities.
         (holds(p[0]) && holds(p[1])).then_some(p)
@@ -148,20 +126,20 @@ impl<'a> Edge<'a> {
     /// A_jj − A_ji A_ii⁻¹ A_ij and b_j − A_ji A_ii⁻¹ b_i: corner j with corner `i` stuck.
     fn without(&self, i: usize, inverse: &DMat3) -> (DMat3, DVec3) {
         let j = 1 - i;
-        let through = self.other[j] * *inverse;
+        let through = self.cone.other[j] * *inverse;
         (
-            self.own[j] - through * self.other[i],
+            self.cone.own[j] - through * self.cone.other[i],
             self.b[j] - through * self.b[i],
         )
     }
 
     /// Corner `i` sticks, the other one slides.
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
-        let inverse = self.own[i].inverse();
+        let inverse = self.cone.own[i].inverse();
         let (reduced, b) = self.without(i, &inverse);
-        let slide = single::slide(&reduced, b, self.friction)?;
+        let slide = single::slide(&reduced, b, self.cone.friction)?;
         let mut p = [slide; 2];
-        p[i] = -(inverse * (self.b[i] + self.other[i] * slide));
+        p[i] = -(inverse * (self.b[i] + self.cone.other[i] * slide));
         self.checked(p)
     }
 
@@ -210,7 +188,7 @@ impl<'a> Edge<'a> {
 
     /// Everything as a function of the two directions: `None` if a normal impulse would not push.
     fn sliding(&self, t: [(f64, f64); 2]) -> Option<Sliding> {
-        let mu = self.friction;
+        let mu = self.cone.friction;
         // q_ij = A_ij s_j and its derivative by the angle of t̂_j
         let column = |a: &DMat3, (c, s): (f64, f64)| {
             (
@@ -218,10 +196,10 @@ impl<'a> Edge<'a> {
                 mu * (s * a.x_axis - c * a.z_axis),
             )
         };
-        let (q00, r00) = column(&self.own[0], t[0]);
-        let (q11, r11) = column(&self.own[1], t[1]);
-        let (q01, r01) = column(&self.other[0], t[1]);
-        let (q10, r10) = column(&self.other[1], t[0]);
+        let (q00, r00) = column(&self.cone.own[0], t[0]);
+        let (q11, r11) = column(&self.cone.own[1], t[1]);
+        let (q01, r01) = column(&self.cone.other[0], t[1]);
+        let (q10, r10) = column(&self.cone.other[1], t[0]);
         let determinant = q00.y * q11.y - q01.y * q10.y;
         if determinant.is_nan() || determinant <= 0.0 {
             return None;

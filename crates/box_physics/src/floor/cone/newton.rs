@@ -18,11 +18,11 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::geometry::{Corner3, DelassusOperator};
-use super::{ConeSolution, add, gradient, project, smooth};
+use super::super::geometry::Corner3;
+use super::{Cone, ConeSolution, project};
 
 /// The part that a step leaves.
-const EPSILON: f64 = 1e-6;
+const EPSILON: f64 = 1e-8;
 /// ρ in units of one over the norm, in the order in which they are tried.
 const SCALES: [f64; 7] = [1.0, 10.0, 0.1, 100.0, 0.01, 1e3, 1e-3];
 /// Gradient steps that lead to further starts, where neither zero nor the frictionless impulses led to the end.
@@ -34,58 +34,50 @@ const UPHILL: u32 = 4;
 /// The smallest part of a step that is tried.
 const SMALLEST: f64 = 1.0 / 256.0;
 
-/// Solves it to |w| within `target`, or until `solution.iterations` is `limit`; says in `converged` whether it could.
-pub(super) fn solve(
-    operator: &DelassusOperator,
-    b: &Corner3,
-    alpha: f64,
-    friction: f64,
-    target: f64,
-    limit: u32,
-    solution: &mut ConeSolution,
-) {
-    let norm = alpha * operator.norm_bound();
-    let descend = |solution: &mut ConeSolution| {
-        SCALES.iter().any(|scale| {
-            let rho = scale / norm;
-            let problem = Problem {
-                operator,
-                b,
-                alpha,
-                friction,
-                rho,
+impl Cone<'_> {
+    /// Solves it to |w| within `target`, or until `solution.iterations` is `limit`; says in
+    /// `converged` whether it could.
+    pub(super) fn newton(&self, b: &Corner3, target: f64, limit: u32, solution: &mut ConeSolution) {
+        let descend = |solution: &mut ConeSolution| {
+            SCALES.iter().any(|scale| {
+                let problem = Problem {
+                    cone: self,
+                    b,
+                    rho: scale / self.norm,
+                    // |F| falls with ρ, at most in proportion.
+                    tolerance: target / self.norm * scale.min(1.0),
+                };
+                let found = problem.descend(solution.p, limit, &mut solution.iterations);
+                solution.converged = found.is_some();
+                solution.p = found.unwrap_or(solution.p);
+                solution.converged
+            })
+        };
+        for start in 0..2 {
+            solution.p = match start {
+                0 => [DVec3::ZERO; 8],
+                _ => self.smooth(b),
             };
-            // |F| falls with ρ, at most in proportion.
-            let tolerance = target / norm * scale.min(1.0);
-            let found = problem.descend(solution.p, tolerance, limit, &mut solution.iterations);
-            solution.converged = found.is_some();
-            solution.p = found.unwrap_or(solution.p);
-            solution.converged
-        })
-    };
-    solution.p = [DVec3::ZERO; 8];
-    if descend(solution) {
-        return;
-    }
-    solution.p = smooth(operator, b, alpha);
-    if descend(solution) {
-        return;
-    }
-    for steps in GRADIENT_STEPS {
-        let steps = steps.min(limit.saturating_sub(solution.iterations));
-        gradient(operator, b, alpha, friction, target, steps, solution);
-        if solution.converged || descend(solution) {
-            return;
+            if descend(solution) {
+                return;
+            }
+        }
+        for steps in GRADIENT_STEPS {
+            let steps = steps.min(limit.saturating_sub(solution.iterations));
+            self.gradient(b, target, steps, solution);
+            if solution.converged || descend(solution) {
+                return;
+            }
         }
     }
 }
 
 struct Problem<'a> {
-    operator: &'a DelassusOperator,
+    cone: &'a Cone<'a>,
     b: &'a Corner3,
-    alpha: f64,
-    friction: f64,
     rho: f64,
+    /// |F| that is left.
+    tolerance: f64,
 }
 
 /// Impulses, with q, F and |F|² there.
@@ -98,28 +90,24 @@ struct Point {
 
 impl Problem<'_> {
     /// The zero of F that is reached from `start`.
-    fn descend(
-        &self,
-        start: Corner3,
-        tolerance: f64,
-        limit: u32,
-        iterations: &mut u32,
-    ) -> Option<Corner3> {
+    fn descend(&self, start: Corner3, limit: u32, iterations: &mut u32) -> Option<Corner3> {
         let mut here = self.at(&start, &start, 0.0);
         let mut uphill = 0;
         for _ in 0..STEPS.min(limit.saturating_sub(*iterations)) {
             *iterations += 1;
-            let found = self.operator.largest(&here.f) <= tolerance;
             let step = self.step(&here);
             let mut next = self.at(&here.p, &step, 1.0);
-            if found {
-                // The last step, from there, to rounding.
+            // Found: then one step more, to rounding.
+            let found = |point: &Point, part: f64| {
+                self.cone.operator.largest(&point.f) <= part * self.tolerance
+            };
+            if found(&next, 1e-2) || found(&here, 1.0) {
                 let end = if next.square < here.square {
                     next
                 } else {
                     here
                 };
-                return Some(end.p.map(|p| project(p, self.friction)));
+                return Some(end.p.map(|p| project(p, self.cone.friction)));
             }
             let mut size = 0.5;
             while next.square >= here.square && size >= SMALLEST {
@@ -140,24 +128,24 @@ impl Problem<'_> {
 
     /// A part of a step further.
     fn at(&self, p: &Corner3, step: &Corner3, size: f64) -> Point {
-        let n = self.operator.count;
+        let n = self.cone.operator.count;
         let mut p = *p;
         for i in 0..n {
             p[i] += size * step[i];
         }
-        let w = add(self.b, &self.operator.response(&p), self.alpha, n);
+        let w = self.cone.velocities(self.b, &p);
         let (mut q, mut f) = ([DVec3::ZERO; 8], [DVec3::ZERO; 8]);
         for i in 0..n {
             q[i] = p[i] - self.rho * w[i];
-            f[i] = p[i] - project(q[i], self.friction);
+            f[i] = p[i] - project(q[i], self.cone.friction);
         }
-        let square = self.operator.dot(&f, &f);
+        let square = self.cone.operator.dot(&f, &f);
         Point { p, q, f, square }
     }
 
     /// The change of the impulses dp = −c − S u.
     fn step(&self, here: &Point) -> Corner3 {
-        let (operator, n) = (self.operator, self.operator.count);
+        let (operator, n) = (self.cone.operator, self.cone.operator.count);
         // In units of the first lever's length, so that forces and torques compare.
         let unit = operator.lever[0].length();
         let (mut c, mut s) = ([DVec3::ZERO; 8], [DMat3::ZERO; 8]);
@@ -166,11 +154,14 @@ impl Problem<'_> {
         let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         for i in 0..n {
             (c[i], s[i]) = self.linear(here.q[i], here.f[i]);
+            if c[i] == DVec3::ZERO && here.q[i].y <= 0.0 {
+                continue;
+            }
             let r = operator.lever[i] / unit;
             let turned = |m: &DMat3| {
                 DMat3::from_cols(r.cross(m.x_axis), r.cross(m.y_axis), r.cross(m.z_axis))
             };
-            let direct = self.alpha * s[i];
+            let direct = self.cone.alpha * s[i];
             let arm = turned(&direct.transpose()).transpose(); // −αS [r]×
             force -= c[i];
             torque -= r.cross(c[i]);
@@ -195,7 +186,7 @@ impl Problem<'_> {
         let y = eliminate(rows);
         let v = DVec3::new(y[0], y[1], y[2]) * inverse_mass;
         let omega = inverse_inertia * DVec3::new(y[3], y[4], y[5]) / unit;
-        let u = operator.velocities((self.alpha * v, self.alpha * omega));
+        let u = operator.velocities((self.cone.alpha * v, self.cone.alpha * omega));
         let mut step = [DVec3::ZERO; 8];
         for i in 0..n {
             step[i] = -(c[i] + s[i] * u[i]);
@@ -205,7 +196,7 @@ impl Problem<'_> {
 
     /// c and S of one corner.
     fn linear(&self, q: DVec3, f: DVec3) -> (DVec3, DMat3) {
-        let (mu, rho) = (self.friction, self.rho);
+        let (mu, rho) = (self.cone.friction, self.rho);
         let slip = (q.x * q.x + q.z * q.z).sqrt();
         if q.y <= 0.0 {
             return (f, DMat3::ZERO);

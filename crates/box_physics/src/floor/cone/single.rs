@@ -27,26 +27,22 @@ static CIRCLES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
     })
 });
 
-/// The impulse p with w = b + Wp that obeys the law of one corner, and whether it was found; `w` is
-/// positive definite.
+/// The impulse p with w = b + Wp that obeys the law of one corner, if it is found; `w` is positive definite.
 ///
 /// Sticking, p = −W⁻¹b, if that lies in the cone. Otherwise it slips along an unknown unit t̂:
 /// p = p_n(n − µt̂), and w_n = 0 gives p_n = −b_n/D with D(t̂) = W_nn − µ W_nt·t̂. What remains is
 /// w_t ∥ t̂: with a(t̂) = D b_t − b_n (W_tn − µ W_tt t̂) = D w_t a root of t̂ × a = 0 with t̂·a > 0, D > 0. (The slip
 /// turns during the impulse: −b_t for its direction is up to 74 % wrong.)
-pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> (DVec3, bool) {
+pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64) -> Option<DVec3> {
     if b.y >= 0.0 {
-        return (DVec3::ZERO, true);
+        return Some(DVec3::ZERO);
     }
     let stick = -(w.inverse() * b);
     let tangential = stick.x * stick.x + stick.z * stick.z;
     if stick.y > 0.0 && tangential <= (friction * stick.y) * (friction * stick.y) {
-        return (stick, true);
+        return Some(stick);
     }
-    match slide(w, b, friction) {
-        Some(p) => (p, true),
-        None => (DVec3::Y * (-b.y / w.y_axis.y), false),
-    }
+    slide(w, b, friction)
 }
 
 /// The impulse if the corner slides; `w` may be singular.
@@ -92,10 +88,21 @@ impl Slip<'_> {
         (c * z - s * x, (c * dz - s * z) - (s * dx + c * x))
     }
 
-    /// The sliding solution by Newton's method from where the corner slips before: most turn little.
+    /// The sliding solution by Newton's method from a direction that is likely: the slip before, as most turn
+    /// little; after the normal impulse alone; against the friction that would stop it.
     fn near(&self) -> Option<DVec3> {
-        let speed = (self.b.x * self.b.x + self.b.z * self.b.z).sqrt();
-        let mut t = (self.b.x / speed, self.b.z / speed);
+        let (w, b) = (self.w, self.b);
+        let starts = [
+            |_: &DMat3, b: DVec3| b,
+            |w: &DMat3, b: DVec3| b - w.y_axis * (b.y / w.y_axis.y),
+            |w: &DMat3, b: DVec3| w.inverse() * b,
+        ];
+        starts.iter().find_map(|start| self.near_to(start(w, b)))
+    }
+
+    fn near_to(&self, slip: DVec3) -> Option<DVec3> {
+        let speed = (slip.x * slip.x + slip.z * slip.z).sqrt();
+        let mut t = (slip.x / speed, slip.z / speed);
         for _ in 0..NEAR_STEPS {
             let (value, slope) = self.turn(t);
             let step = -value / slope;

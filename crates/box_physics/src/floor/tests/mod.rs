@@ -10,7 +10,8 @@ mod slide;
 use glam::{DQuat, DVec3};
 
 use super::{
-    ContactPoint, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, step_on_floor,
+    ContactPoint, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, RestitutionLaw,
+    step_on_floor,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
