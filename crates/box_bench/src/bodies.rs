@@ -11,8 +11,10 @@ pub enum Situation {
     Flight,
     /// Tumbling and falling from high above a floor.
     Falling,
-    /// Falling low over the floor: too near for the broad test, and not touching.
+    /// Falling low over the floor: too near for the first broad test, and not touching.
     Near,
+    /// Falling lower still: one in twenty strikes the floor in the step.
+    Grazing,
     /// Thrown on the floor from half a meter to two meters and followed until most lie still.
     Settling,
     /// Lying still.
@@ -23,10 +25,11 @@ pub enum Situation {
 
 impl Situation {
     /// Every situation.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Flight,
         Self::Falling,
         Self::Near,
+        Self::Grazing,
         Self::Settling,
         Self::Rest,
         Self::Sliding,
@@ -38,6 +41,7 @@ impl Situation {
             Self::Flight => "free flight",
             Self::Falling => "falling",
             Self::Near => "near the floor",
+            Self::Grazing => "grazing the floor",
             Self::Settling => "settling, 3 s",
             Self::Rest => "at rest",
             Self::Sliding => "sliding",
@@ -67,7 +71,7 @@ impl Situation {
     pub const fn episode(self) -> u32 {
         match self {
             Self::Settling => 180,
-            Self::Near => 1,
+            Self::Near | Self::Grazing => 1,
             _ => 0,
         }
     }
@@ -99,7 +103,9 @@ impl Situation {
         match self {
             Self::Flight => tumbling(0.0, random.vector(1.0)),
             Self::Falling => tumbling(1e6, random.vector(1.0)),
-            Self::Near => tumbling(body.radius() + 0.01, DVec3::NEG_Y),
+            // In the step it falls by 1/60 + 9.81/7200 m, which is 0.01803 m.
+            Self::Near => tumbling(body.radius() + 0.0185, DVec3::NEG_Y),
+            Self::Grazing => tumbling(body.radius() + 0.01, DVec3::NEG_Y),
             Self::Settling => tumbling(body.radius() + random.range(0.5, 2.0), random.vector(1.0)),
             Self::Rest => up(half.y),
             Self::Sliding => up(half.y).with_velocity(DVec3::X),
@@ -117,6 +123,41 @@ fn attitude(random: &mut Random) -> DQuat {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use box_physics::floor::FloorContext;
+
+    /// Of the two sets low over the floor one does not strike, and of the other a few do.
+    #[test]
+    fn near_is_not_touching() {
+        let (floor, settings) = (Floor::default(), ContactSettings::default());
+        let force = Gravity(Situation::Near.gravity());
+        let strikes = |situation: Situation| {
+            let mut impacts = 0;
+            for (body, mut state) in situation.bodies(2000) {
+                let context = FloorContext {
+                    floor: &floor,
+                    settings: &settings,
+                    body: &body,
+                    force: &force,
+                };
+                let (mut memory, mut contact) = Default::default();
+                let integrator = Integrator::default();
+                impacts += integrator
+                    .step_on_floor(
+                        &context,
+                        &mut state,
+                        1.0 / 60.0,
+                        &mut memory,
+                        &mut contact,
+                        None,
+                    )
+                    .impacts;
+            }
+            impacts
+        };
+        assert_eq!(strikes(Situation::Near), 0);
+        let grazing = strikes(Situation::Grazing);
+        assert!((50..200).contains(&grazing), "{grazing} of 2000");
+    }
 
     #[test]
     fn sets_repeat_and_are_sound() {

@@ -99,25 +99,24 @@ pub(super) fn tipping_by_push(integrator: Integrator) -> f64 {
     })
 }
 
-/// Spins a plate down: time outside the two laws \[steps\], walk of its center \[m\].
+/// Spins a plate down: time against the law of its four loaded corners \[steps\], walk of its center \[m\].
 fn plate(integrator: Integrator, omega: f64) -> (f64, f64) {
     let half = DVec3::new(0.4, 0.02, 0.4);
     let mut trial = Trial::new(integrator, half, 0.0, MU);
     trial
         .state
         .set_angular_velocity(&trial.body, DVec3::Y * omega);
-    // Load on the four corners; load spread evenly (a square: 0.765 hx for the mean radius).
+    // The moment of inertia m r²/3 and the torque µ m g r of a load on the corners of a square.
     let radius = half.x.hypot(half.z);
-    let slow = radius * omega / (3.0 * MU * G);
-    let quick = radius * radius * omega / (3.0 * MU * G * 0.765 * half.x);
+    let law = radius * omega / (3.0 * MU * G);
     let mut t = 0.0;
     while !trial.rests() && t < 10.0 {
         trial.run(STEP, 1);
         t += STEP;
     }
-    let outside = (slow.min(quick) - t).max(t - slow.max(quick)).max(0.0);
+    let off = (t - law).abs();
     let walk = trial.state.position.x.hypot(trial.state.position.z);
-    (outside / STEP, walk)
+    (off / STEP, walk)
 }
 
 pub(super) fn spin_down(integrator: Integrator) -> f64 {
