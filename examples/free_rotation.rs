@@ -1,6 +1,11 @@
 //! The torque-free rotation of a rigid body in forty lines to take home, in f32 and f64, with its measured error.
 //! Explained in `docs/free-rotation.md`. `cargo run --release --example free_rotation`
 
+#![expect(
+    clippy::disallowed_methods,
+    reason = "code to take home uses the standard library alone"
+)]
+
 use box_physics::free_motion::FreeRotation;
 use box_physics::prelude::*;
 
