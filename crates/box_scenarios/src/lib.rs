@@ -33,6 +33,7 @@ pub mod driver;
 pub mod families;
 pub mod forces;
 pub mod hard_cases;
+mod limits;
 pub mod metrics;
 pub mod oracle;
 pub mod random;
