@@ -6,6 +6,8 @@ use box_physics::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::limits;
+
 /// The owned counterpart of [`Forces`]: every term of the force model, 0 or empty meaning absent.
 ///
 /// ```
@@ -21,20 +23,28 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[serde(default, deny_unknown_fields)]
 pub struct ForceSet {
     /// Gravity [m/s²], world axes.
+    #[serde(deserialize_with = "limits::vector")]
     pub gravity: DVec3,
     /// Constant force at the center of mass \[N\], world axes.
+    #[serde(deserialize_with = "limits::vector")]
     pub force: DVec3,
     /// c₁ [N s/m], ≥ 0: force −c₁ v.
+    #[serde(deserialize_with = "limits::coefficient")]
     pub linear_drag: f64,
     /// k₂ [N s²/m²], ≥ 0: force −k₂ |v| v.
+    #[serde(deserialize_with = "limits::coefficient")]
     pub quadratic_drag: f64,
     /// γ [1/s], ≥ 0: torque −γ L.
+    #[serde(deserialize_with = "limits::coefficient")]
     pub angular_damping: f64,
     /// c_ω \[N m s\], ≥ 0: torque −c_ω ω.
+    #[serde(deserialize_with = "limits::coefficient")]
     pub angular_drag: f64,
     /// Constant torque in body axes \[N m\].
+    #[serde(deserialize_with = "limits::vector")]
     pub body_torque: DVec3,
     /// Constant torque in world axes \[N m\].
+    #[serde(deserialize_with = "limits::vector")]
     pub world_torque: DVec3,
     /// Forces at body points.
     #[serde(serialize_with = "save_points", deserialize_with = "load_points")]
@@ -190,12 +200,17 @@ pub(crate) fn coefficient(field: &'static str, value: f64) -> Result<(), Invalid
     }
 }
 
+/// The most springs, forces at points or impulses in a file.
+pub(crate) const MANY: usize = 64;
+
 // The force types of `box_physics` know nothing of serde; these mirrors do.
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SavedPoint {
+    #[serde(deserialize_with = "limits::vector")]
     body_point: DVec3,
+    #[serde(deserialize_with = "limits::vector")]
     force: DVec3,
     #[serde(default)]
     frame: SavedFrame,
@@ -212,10 +227,13 @@ enum SavedFrame {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SavedSpring {
+    #[serde(deserialize_with = "limits::vector")]
     body_point: DVec3,
+    #[serde(deserialize_with = "limits::vector")]
     anchor: DVec3,
+    #[serde(deserialize_with = "limits::coefficient")]
     stiffness: f64,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "limits::coefficient")]
     damping: f64,
 }
 
@@ -231,7 +249,7 @@ fn save_points<S: Serializer>(points: &[PointForce], to: S) -> Result<S::Ok, S::
 }
 
 fn load_points<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PointForce>, D::Error> {
-    let saved = Vec::<SavedPoint>::deserialize(from)?;
+    let saved: Vec<SavedPoint> = limits::at_most(from, MANY)?;
     Ok(saved
         .into_iter()
         .map(|p| PointForce {
@@ -255,7 +273,7 @@ fn save_springs<S: Serializer>(springs: &[Spring], to: S) -> Result<S::Ok, S::Er
 }
 
 fn load_springs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Spring>, D::Error> {
-    let saved = Vec::<SavedSpring>::deserialize(from)?;
+    let saved: Vec<SavedSpring> = limits::at_most(from, MANY)?;
     Ok(saved
         .into_iter()
         .map(|s| Spring {

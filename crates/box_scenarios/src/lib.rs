@@ -37,6 +37,7 @@ pub mod driver;
 pub mod families;
 pub mod forces;
 pub mod hard_cases;
+mod limits;
 pub mod live_reference;
 pub mod metrics;
 pub mod oracle;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::forces::{ForceSet, coefficient};
+use crate::limits;
 use crate::reference::ReferenceSolution;
 
 /// The floor of a scene: the plane y = `height`.
@@ -14,10 +15,13 @@ use crate::reference::ReferenceSolution;
 #[serde(deny_unknown_fields)]
 pub struct FloorSpec {
     /// Where the plane lies, y \[m\].
+    #[serde(deserialize_with = "limits::any")]
     pub height: f64,
     /// Newton's restitution e, 0 to 1: speed after over speed before.
+    #[serde(deserialize_with = "limits::share")]
     pub restitution: f64,
     /// Coulomb's friction µ, ≥ 0.
+    #[serde(deserialize_with = "limits::coefficient")]
     pub friction: f64,
 }
 
@@ -67,10 +71,13 @@ impl FloorSpec {
 #[serde(deny_unknown_fields)]
 pub struct TimedImpulse {
     /// When \[s\].
+    #[serde(deserialize_with = "limits::coefficient")]
     pub t: f64,
     /// J \[N s\], world axes.
+    #[serde(deserialize_with = "limits::vector")]
     pub impulse: DVec3,
     /// Where, body axes from the center of mass \[m\].
+    #[serde(deserialize_with = "limits::vector")]
     pub body_point: DVec3,
 }
 

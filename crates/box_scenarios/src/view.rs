@@ -1,22 +1,46 @@
 //! How a scene wants to be looked at: camera and plot.
 
 use glam::DVec3;
+use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
+
+use crate::limits;
 
 /// Where the camera stands when the scene opens, and which plot lies open. Everything has a default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneView {
     /// Angle about the vertical \[degrees\]; 0 looks along −z, positive stands to the right.
+    #[serde(deserialize_with = "yaw")]
     pub yaw: f64,
     /// Angle above the horizon \[degrees\], −85 to 85.
+    #[serde(deserialize_with = "pitch")]
     pub pitch: f64,
     /// Distance from the target \[m\]; without it what shows the box and the floor below it.
+    #[serde(deserialize_with = "distance")]
     pub distance: Option<f64>,
     /// What it looks at \[m\]; without it the box, or between box and floor.
+    #[serde(deserialize_with = "limits::optional_vector")]
     pub target: Option<DVec3>,
     /// The plot worth watching.
     pub plot: PlotPreset,
+}
+
+fn yaw<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    limits::number(from, -360.0..=360.0, "between -360 and 360 degrees")
+}
+
+fn pitch<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    limits::number(from, -85.0..=85.0, "between -85 and 85 degrees")
+}
+
+fn distance<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+    match Option::<f64>::deserialize(from)? {
+        Some(d) if !(0.01..=1e4).contains(&d) => Err(Error::custom(format_args!(
+            "must be between 0.01 and 10000 m, but is {d}"
+        ))),
+        distance => Ok(distance),
+    }
 }
 
 impl Default for SceneView {

@@ -4,9 +4,6 @@ use std::path::{Path, PathBuf};
 
 use ron::error::{Error as RonError, SpannedError};
 
-use super::check::BadValue;
-use super::place;
-
 /// A scene file that cannot be used. Shown as `file:line:column: field: what is wrong`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}:{line}:{column}: {}{message}", file.display(), of(field))]
@@ -43,39 +40,39 @@ impl SceneFileError {
         }
     }
 
-    /// At byte `offset` of `text`.
-    pub(super) fn at(file: &Path, text: &str, offset: usize, message: String) -> Self {
-        let (line, column) = place::line_and_column(text, offset);
+    /// After the text `before`.
+    pub(super) fn after(file: &Path, before: &str, message: String) -> Self {
+        let line = before.rsplit('\n').next().unwrap_or_default();
         Self {
-            line,
-            column,
+            line: before.matches('\n').count() + 1,
+            column: line.chars().count() + 1,
             ..Self::whole(file, message)
         }
     }
 
-    /// What the parser says.
-    pub(super) fn syntax(file: &Path, text: &str, error: &SpannedError) -> Self {
-        let start = error.span.start;
-        let offset = place::offset(text, start.line, start.col);
-        let field = match &error.code {
-            RonError::MissingStructField { field, .. } => (*field).to_owned(),
-            RonError::NoSuchStructField { found, .. } => found.clone(),
-            _ => place::field_at(text, offset),
-        };
-        Self {
-            line: start.line,
-            column: start.col,
-            field,
-            ..Self::whole(file, error.code.to_string())
-        }
+    /// About the scene as a whole.
+    pub(super) fn scene(file: &Path, message: String) -> Self {
+        Self::after(file, "", message)
     }
 
-    /// A value that reads well and is not allowed.
-    pub(super) fn value(file: &Path, text: &str, bad: &BadValue) -> Self {
-        let offset = place::value_of(text, &bad.field, bad.value).unwrap_or(0);
+    /// What the parser or a check of a value says, and in which field.
+    pub(super) fn value(file: &Path, error: &SpannedError, path: &str) -> Self {
+        let inside = path.trim_end_matches('?').trim_matches('.');
+        let field = match &error.code {
+            RonError::MissingStructField { field, .. } => Some((*field).to_owned()),
+            _ => None,
+        };
+        let names = [Some(inside.to_owned()), field];
+        let names: Vec<String> = names
+            .into_iter()
+            .flatten()
+            .filter(|n| !n.is_empty())
+            .collect();
         Self {
-            field: bad.field.clone(),
-            ..Self::at(file, text, offset, bad.reason.clone())
+            line: error.span.start.line,
+            column: error.span.start.col,
+            field: names.join("."),
+            ..Self::whole(file, error.code.to_string())
         }
     }
 }

@@ -1,13 +1,15 @@
 //! A scene as it stands in a file.
 
 use box_physics::body::RigidBox;
+use box_physics::error::InvalidValue;
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
+use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
 
-use super::check::{self, BadValue};
-use super::intern;
-use crate::forces::ForceSet;
+use super::{check, intern};
+use crate::forces::{ForceSet, MANY};
+use crate::limits;
 use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup, TimedImpulse};
 use crate::view::SceneView;
@@ -16,41 +18,71 @@ use crate::view::SceneView;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneForm {
-    pub(super) id: String,
-    pub(super) title: String,
+    #[serde(deserialize_with = "check::id")]
+    id: String,
+    #[serde(deserialize_with = "check::title")]
+    title: String,
+    #[serde(default, deserialize_with = "check::line")]
+    lesson: String,
+    #[serde(default, deserialize_with = "check::hints")]
+    hints: Vec<String>,
+    #[serde(default, deserialize_with = "check::recommended")]
+    recommended: Vec<String>,
+    #[serde(default = "one", deserialize_with = "check::boxes")]
+    boxes: u32,
+    #[serde(deserialize_with = "check::duration")]
+    duration: f64,
+    #[serde(deserialize_with = "body")]
+    body: BodyForm,
+    #[serde(default, deserialize_with = "start")]
+    start: StartForm,
     #[serde(default)]
-    pub(super) lesson: String,
+    forces: ForceSet,
     #[serde(default)]
-    pub(super) hints: Vec<String>,
+    floor: Option<FloorSpec>,
+    #[serde(default, deserialize_with = "impulses")]
+    impulses: Vec<TimedImpulse>,
     #[serde(default)]
-    pub(super) recommended: Vec<String>,
-    #[serde(default = "one")]
-    pub(super) boxes: u32,
-    pub(super) duration: f64,
-    pub(super) body: BodyForm,
-    #[serde(default)]
-    pub(super) start: StartForm,
-    #[serde(default)]
-    pub(super) forces: ForceSet,
-    #[serde(default)]
-    pub(super) floor: Option<FloorSpec>,
-    #[serde(default)]
-    pub(super) impulses: Vec<TimedImpulse>,
-    #[serde(default)]
-    pub(super) view: SceneView,
+    view: SceneView,
 }
 
 fn one() -> u32 {
     1
 }
 
+fn body<'de, D: Deserializer<'de>>(from: D) -> Result<BodyForm, D::Error> {
+    let form = BodyForm::deserialize(from)?;
+    form.build().map_err(D::Error::custom)?;
+    Ok(form)
+}
+
+fn start<'de, D: Deserializer<'de>>(from: D) -> Result<StartForm, D::Error> {
+    let form = StartForm::deserialize(from)?;
+    if form.angular_velocity.is_some() && form.angular_momentum.is_some() {
+        return Err(D::Error::custom(
+            "the spin is given twice, by angular_velocity and angular_momentum",
+        ));
+    }
+    Ok(form)
+}
+
+fn impulses<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<TimedImpulse>, D::Error> {
+    limits::at_most(from, MANY)
+}
+
 /// The box.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BodyForm {
+    #[serde(deserialize_with = "check::half_extents")]
     half_extents: DVec3,
+    #[serde(deserialize_with = "check::mass")]
     mass: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "limits::optional_vector"
+    )]
     inertia: Option<DVec3>,
 }
 
@@ -58,12 +90,21 @@ pub(super) struct BodyForm {
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct StartForm {
+    #[serde(deserialize_with = "limits::vector")]
     position: DVec3,
+    #[serde(deserialize_with = "check::rotation")]
     rotation: DQuat,
+    #[serde(deserialize_with = "limits::vector")]
     velocity: DVec3,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "limits::optional_vector"
+    )]
     angular_velocity: Option<DVec3>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "limits::optional_vector"
+    )]
     angular_momentum: Option<DVec3>,
 }
 
@@ -100,12 +141,14 @@ impl SceneForm {
         }
     }
 
-    /// The scene, checked.
-    pub(super) fn into_scenario(self) -> Result<Scenario, BadValue> {
-        check::texts(&self)?;
-        let body = self.body.build()?;
+    /// The scene.
+    ///
+    /// # Errors
+    /// What is wrong with it as a whole, in words.
+    pub(super) fn into_scenario(self) -> Result<Scenario, String> {
+        let body = self.body.build().map_err(|e| e.to_string())?;
         let setup = Setup {
-            initial: self.start.build(&body)?,
+            initial: self.start.build(&body),
             body,
             forces: self.forces,
             floor: self.floor,
@@ -113,7 +156,6 @@ impl SceneForm {
             duration: self.duration,
         };
         check::setup(&setup)?;
-        check::view(&self.view)?;
         let mut hints = self.hints.into_iter();
         let mut hint = || intern::text(hints.next().unwrap_or_default());
         Ok(Scenario {
@@ -130,42 +172,21 @@ impl SceneForm {
 }
 
 impl BodyForm {
-    fn build(self) -> Result<RigidBox, BadValue> {
-        let in_body = |e: box_physics::error::InvalidValue| BadValue::of("body", &e);
-        check::size(self.half_extents, self.mass)?;
-        let body = RigidBox::new(self.half_extents, self.mass).map_err(in_body)?;
-        match self.inertia {
-            Some(inertia) => body.with_inertia(inertia).map_err(in_body),
-            None => Ok(body),
-        }
+    fn build(&self) -> Result<RigidBox, InvalidValue> {
+        let body = RigidBox::new(self.half_extents, self.mass)?;
+        self.inertia.map_or(Ok(body), |i| body.with_inertia(i))
     }
 }
 
 impl StartForm {
-    fn build(self, body: &RigidBox) -> Result<BodyState, BadValue> {
+    fn build(&self, body: &RigidBox) -> BodyState {
         let mut state = BodyState::at(self.position).with_velocity(self.velocity);
-        let norm = self.rotation.length();
-        if !(norm.is_finite() && (0.5..2.0).contains(&norm)) {
-            return Err(BadValue::new(
-                "start.rotation",
-                "must be a quaternion (x, y, z, w) of length 1",
-            ));
-        }
-        // A unit quaternion keeps its bits.
-        state.rotation = if (norm - 1.0).abs() < 1e-12 {
-            self.rotation
-        } else {
-            self.rotation / norm
-        };
-        match (self.angular_velocity, self.angular_momentum) {
-            (Some(_), Some(_)) => Err(BadValue::new(
-                "start.angular_momentum",
-                "is given twice: angular_velocity says the same",
-            )),
-            (Some(spin), None) => Ok(state.with_body_angular_velocity(body, spin)),
-            (None, momentum) => {
-                state.angular_momentum = momentum.unwrap_or_default();
-                Ok(state)
+        state.rotation = self.rotation;
+        match self.angular_velocity {
+            Some(spin) => state.with_body_angular_velocity(body, spin),
+            None => {
+                state.angular_momentum = self.angular_momentum.unwrap_or_default();
+                state
             }
         }
     }

@@ -19,11 +19,11 @@ mod check;
 mod error;
 mod form;
 mod intern;
-mod place;
 
 use std::io::Read as _;
 use std::path::Path;
 
+use ron::de::Deserializer;
 use ron::extensions::Extensions;
 use ron::options::Options;
 use ron::ser::PrettyConfig;
@@ -64,12 +64,8 @@ pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError>
         Err(error) => {
             let good = bytes.get(..error.valid_up_to()).unwrap_or_default();
             let good = core::str::from_utf8(good).unwrap_or_default();
-            Err(SceneFileError::at(
-                file,
-                good,
-                good.len(),
-                "not UTF-8 text from here on".to_owned(),
-            ))
+            let message = "not UTF-8 text from here on".to_owned();
+            Err(SceneFileError::after(file, good, message))
         }
     }
 }
@@ -79,11 +75,18 @@ pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError>
 /// # Errors
 /// As [`load`].
 pub fn parse(file: &Path, text: &str) -> Result<Scenario, SceneFileError> {
-    let form: SceneForm = options()
-        .from_str(text)
-        .map_err(|error| SceneFileError::syntax(file, text, &error))?;
+    let mut reader = Deserializer::from_str_with_options(text, &options())
+        .map_err(|error| SceneFileError::value(file, &error, ""))?;
+    let form: Result<SceneForm, _> = serde_path_to_error::deserialize(&mut reader);
+    let form = form.map_err(|error| {
+        let path = error.path().to_string();
+        SceneFileError::value(file, &reader.span_error(error.into_inner()), &path)
+    })?;
+    reader
+        .end()
+        .map_err(|error| SceneFileError::value(file, &reader.span_error(error), ""))?;
     form.into_scenario()
-        .map_err(|bad| SceneFileError::value(file, text, &bad))
+        .map_err(|reason| SceneFileError::scene(file, reason))
 }
 
 /// `scene` as a file.

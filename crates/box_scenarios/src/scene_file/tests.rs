@@ -74,28 +74,28 @@ fn complaints_name_file_line_column_and_field() {
     for (from, to, expected) in [
         ("mass: 3.0", "mass: -3.0", ":body.mass: must be between"),
         ("mass: 3.0", "mass: heavy", ":body.mass: "),
-        ("mass: 3.0", "weight: 3.0", ":weight: "),
+        ("mass: 3.0", "weight: 3.0", ":body.weight: "),
         (
             "restitution: 0.5",
             "restitution: 1.5",
             ":floor.restitution: must be between 0 and 1, but is 1.5",
         ),
-        ("restitution: 0.5,", "", ":restitution: "),
+        ("restitution: 0.5,", "", ":floor.restitution: "),
         (
             "duration: 10.0",
             "duration: 1e9",
             ":duration: must be above 0 and at most 600 s",
         ),
-        ("\"rk4\"", "\"leapfrog\"", ":recommended: "),
+        ("\"rk4\"", "\"leapfrog\"", ":recommended[1]: "),
         (
             "stiffness: 20.0",
             "stiffness: -1.0",
-            ":forces.springs.stiffness: must be finite and not negative, but is -1",
+            ":forces.springs[0].stiffness: must be between 0 and 1e6, but is -1",
         ),
         (
             "stiffness: 20.0",
             "stiffness: inf",
-            ":forces.springs.stiffness: ",
+            ":forces.springs[0].stiffness: ",
         ),
         (
             "id: \"example\"",

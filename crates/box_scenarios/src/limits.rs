@@ -1,0 +1,85 @@
+//! Ranges of the numbers in a file, checked while it is read: types that come from files name these in
+//! `deserialize_with`, so that an error has the place of the value.
+
+use core::ops::RangeInclusive;
+
+use glam::DVec3;
+use serde::de::{Deserialize, Deserializer, Error};
+
+/// The largest number of any kind, in its SI unit.
+const LARGEST: f64 = 1e6;
+
+/// A number in `range`, which `allowed` names.
+pub(crate) fn number<'de, D: Deserializer<'de>>(
+    from: D,
+    range: RangeInclusive<f64>,
+    allowed: &str,
+) -> Result<f64, D::Error> {
+    let value = f64::deserialize(from)?;
+    if range.contains(&value) {
+        Ok(value)
+    } else {
+        Err(D::Error::custom(format_args!(
+            "must be {allowed}, but is {value}"
+        )))
+    }
+}
+
+/// Any number of a file.
+pub(crate) fn any<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    number(from, -LARGEST..=LARGEST, "between -1e6 and 1e6")
+}
+
+/// A coefficient of a force or of friction.
+pub(crate) fn coefficient<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    number(from, 0.0..=LARGEST, "between 0 and 1e6")
+}
+
+/// A share, 0 to 1.
+pub(crate) fn share<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    number(from, 0.0..=1.0, "between 0 and 1")
+}
+
+/// A vector of numbers that a file may have.
+pub(crate) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+    within(
+        DVec3::deserialize(from)?,
+        -LARGEST..=LARGEST,
+        "between -1e6 and 1e6",
+    )
+}
+
+/// The same, or none.
+pub(crate) fn optional_vector<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<Option<DVec3>, D::Error> {
+    let allowed = "between -1e6 and 1e6";
+    Option::<DVec3>::deserialize(from)?
+        .map(|v| within(v, -LARGEST..=LARGEST, allowed))
+        .transpose()
+}
+
+/// `v`, if each component is in `range`, which `allowed` names.
+pub(crate) fn within<E: Error>(
+    v: DVec3,
+    range: RangeInclusive<f64>,
+    allowed: &str,
+) -> Result<DVec3, E> {
+    match v.to_array().into_iter().find(|c| !range.contains(c)) {
+        None => Ok(v),
+        Some(value) => Err(E::custom(format_args!("must be {allowed}, but is {value}"))),
+    }
+}
+
+/// At most `most` of something.
+pub(crate) fn at_most<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    from: D,
+    most: usize,
+) -> Result<Vec<T>, D::Error> {
+    let list = Vec::deserialize(from)?;
+    if list.len() <= most {
+        Ok(list)
+    } else {
+        Err(D::Error::custom(format_args!("has room for {most}")))
+    }
+}
