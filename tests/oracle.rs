@@ -43,7 +43,7 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
         "pub01",
         Attitude(Rotation),
         &[
-            ("split", 1e-3),
+            ("split", 1e-12),
             ("split4", 1e-8),
             ("exact", 1e-11),
             ("dmv6", 1e-8),
@@ -54,7 +54,7 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
         "pub02",
         Attitude(Rotation),
         &[
-            ("split", 1e-2),
+            ("split", 1e-8),
             ("split4", 1e-7),
             ("exact", 1e-9),
             ("dmv6", 1e-6),
@@ -64,18 +64,18 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
     (
         "pub03",
         Attitude(Rotation),
-        &[("split", 1e-10), ("split4", 1e-10), ("exact", 1e-11)],
+        &[("split", 1e-12), ("split4", 1e-10), ("exact", 1e-11)],
     ),
     (
         "pub04",
         Attitude(Rotation),
-        &[("split", 1e-3), ("split4", 1e-8), ("exact", 1e-10)],
+        &[("split", 1e-12), ("split4", 1e-8), ("exact", 1e-10)],
     ),
     (
         "pub05",
         Attitude(Rotation),
         &[
-            ("split", 1e-3),
+            ("split", 5e-9),
             ("split4", 1e-6),
             ("exact", 1e-10),
             ("dmv6", 1e-4),
@@ -85,13 +85,13 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
     (
         "pub06",
         Attitude(Rotation),
-        &[("split", 1e-10), ("split4", 1e-10), ("exact", 1e-11)],
+        &[("split", 1e-12), ("split4", 1e-10), ("exact", 1e-11)],
     ),
     (
         "pub07",
         Position(Gravity),
         &[
-            ("split", 1e-9),
+            ("split", 1e-11),
             ("split4", 1e-9),
             ("exact", 1e-11),
             ("dmv6", 1e-9),
@@ -101,7 +101,7 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
         "pub08",
         Position(LinearDrag),
         &[
-            ("split", 1e-9),
+            ("split", 1e-11),
             ("split4", 1e-9),
             ("exact", 1e-11),
             ("dmv6", 1e-9),
@@ -111,7 +111,7 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
         "pub09",
         Position(LinearDrag),
         &[
-            ("split", 1e-9),
+            ("split", 1e-11),
             ("split4", 1e-9),
             ("exact", 1e-11),
             ("dmv6", 1e-9),
@@ -130,7 +130,7 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
     (
         "pub13",
         Attitude(Rotation),
-        &[("split", 5e-3), ("split4", 1e-6), ("exact", 1e-11)],
+        &[("split", 1e-10), ("split4", 1e-6), ("exact", 1e-11)],
     ),
     (
         "pub15",

@@ -26,6 +26,7 @@
 //! ```
 
 mod elliptic;
+mod euler_top;
 mod jacobi;
 mod phase;
 mod symmetric;
@@ -36,6 +37,8 @@ mod tumbling;
 mod tests;
 
 pub use elliptic::{complete_integral, incomplete_integral};
+pub use euler_top::free_rotation;
+pub(crate) use euler_top::free_rotation_by;
 
 use glam::{DQuat, DVec3};
 

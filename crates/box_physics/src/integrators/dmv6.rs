@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
-use super::split::{FreeRotationFlow, Strang, split_step};
+use super::split::{FreeRotationFlow, split_step};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
+use crate::free_motion::free_rotation_by;
 use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose, renormalize};
 use crate::state::BodyState;
@@ -93,7 +94,7 @@ impl<T: Trigonometry> FreeRotationFlow for MoserVeselov<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
         if !free_rotation_dmv6(body, state, h) {
-            Strang(self.trigonometry).flow(body, state, h);
+            free_rotation_by(body, state, h, self.trigonometry);
             self.fallbacks += 1;
         }
     }
@@ -226,8 +227,7 @@ mod tests {
     use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces, Gravity};
-    use crate::free_motion::FreeRotation;
-    use crate::math::AnyArgument;
+    use crate::free_motion::{FreeRotation, free_rotation};
     use proptest::prelude::*;
 
     const FREE: Gravity = Gravity(DVec3::ZERO);
@@ -337,7 +337,7 @@ mod tests {
             for _ in 0..100 {
                 let outcome = Dmv6::step(&body, &mut a, &FREE, h, &mut IntegratorMemory::default());
                 assert_eq!((outcome.fallbacks, outcome.unconverged), (1, 0));
-                Strang(&mut AnyArgument).flow(&body, &mut b, h);
+                free_rotation(&body, &mut b, h);
             }
             assert_eq!(
                 (a.rotation, a.angular_momentum),

@@ -1,6 +1,6 @@
 //! `exact`: the closed-form motion from the last event, so that nothing accumulates.
 
-use super::split::{Strang, split_step};
+use super::split;
 use super::trajectory::{FreeFlight, Trajectory};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
@@ -71,7 +71,7 @@ impl Integrate for Exact {
     ) -> StepOutcome {
         let d = force.dissipation();
         if force.has_wrench() || d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
-            let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
+            let evaluations = split::step(body, state, force, h, trigonometry);
             return StepOutcome {
                 evaluations,
                 fallbacks: 1,
@@ -96,6 +96,7 @@ mod tests {
     use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces};
+    use crate::integrators::SymmetricTop;
     use crate::math::AnyArgument;
     use glam::{DQuat, DVec3};
 
@@ -152,23 +153,17 @@ mod tests {
         }
     }
 
-    /// `split` at a step so small that only its own error, ∝ h², is left.
+    /// `symmetric-top` at a step so small that only its own error, ∝ h², is left.
     #[test]
-    fn agrees_with_split() {
+    fn agrees_with_a_splitting() {
         let (body, start) = tumbling();
         let law = damped();
         let mut exact = start;
         run(&body, &mut exact, &law, 1.0, 1);
         let error = |n: usize| {
-            let mut state = start;
+            let (mut state, mut memory) = (start, IntegratorMemory::default());
             for _ in 0..n {
-                split_step(
-                    &body,
-                    &mut state,
-                    &law,
-                    1.0 / n as f64,
-                    &mut Strang(&mut AnyArgument),
-                );
+                SymmetricTop::step(&body, &mut state, &law, 1.0 / n as f64, &mut memory);
             }
             distance(&exact, &state)
         };
@@ -283,7 +278,7 @@ mod tests {
         for law in terms {
             let (mut a, mut b) = (start, start);
             let outcome = Exact::step(&body, &mut a, &law, 0.01, &mut IntegratorMemory::default());
-            split_step(&body, &mut b, &law, 0.01, &mut Strang(&mut AnyArgument));
+            split::step(&body, &mut b, &law, 0.01, &mut AnyArgument);
             assert_eq!((a, outcome.fallbacks), (b, 1));
         }
     }

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::StepOutcome;
 use super::newton::{Scales, Six, fixed_point};
-use super::split::{Strang, split_step};
+use super::split;
 use super::stage_equations::{Equations, Stage};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
@@ -87,7 +87,7 @@ fn in_parts<F: ForceModel>(
         }
     }
     *state = start;
-    outcome.evaluations += split_step(body, state, force, h, &mut Strang(&mut AnyArgument));
+    outcome.evaluations += split::step(body, state, force, h, &mut AnyArgument);
     outcome.fallbacks = 1;
     outcome
 }

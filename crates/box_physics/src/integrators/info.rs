@@ -273,7 +273,7 @@ impl MenuGroup {
 ///     .filter(|info| info.keeps.energy == EnergyBehavior::Exact)
 ///     .map(|info| info.id)
 ///     .collect();
-/// assert_eq!(keeps_energy, ["exact", "dmv6", "implicit-midpoint"]);
+/// assert_eq!(keeps_energy, ["split", "exact", "dmv6", "implicit-midpoint"]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorInfo {

@@ -261,6 +261,7 @@ integrators! {
     Exact = exact,
     Split4 = split4,
     Dmv6 = dmv6,
+    SymmetricTop = symmetric_top,
     Rk4 = rk4,
     ImplicitMidpoint = implicit_midpoint,
     VelocityVerlet = velocity_verlet,

@@ -16,6 +16,9 @@ use crate::state::BodyState;
 /// y += h/6 (k₁ + 2k₂ + 2k₃ + k₄).
 pub struct Rk4;
 
+/// The weight of k₁ and k₄; a multiplication, because a division costs four times as much in lanes.
+const SIXTH: f64 = 1.0 / 6.0;
+
 impl Integrate for Rk4 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "rk4",
@@ -57,10 +60,10 @@ impl Integrate for Rk4 {
         let k3 = Slope::at(body, &k2.from(state, 0.5 * h), force);
         let k4 = Slope::at(body, &k3.from(state, h), force);
         let mean = Slope {
-            position: (k1.position + 2.0 * (k2.position + k3.position) + k4.position) / 6.0,
-            rotation: (k1.rotation + (k2.rotation + k3.rotation) * 2.0 + k4.rotation) * (1.0 / 6.0),
-            velocity: (k1.velocity + 2.0 * (k2.velocity + k3.velocity) + k4.velocity) / 6.0,
-            momentum: (k1.momentum + 2.0 * (k2.momentum + k3.momentum) + k4.momentum) / 6.0,
+            position: (k1.position + 2.0 * (k2.position + k3.position) + k4.position) * SIXTH,
+            rotation: (k1.rotation + (k2.rotation + k3.rotation) * 2.0 + k4.rotation) * SIXTH,
+            velocity: (k1.velocity + 2.0 * (k2.velocity + k3.velocity) + k4.velocity) * SIXTH,
+            momentum: (k1.momentum + 2.0 * (k2.momentum + k3.momentum) + k4.momentum) * SIXTH,
         };
         *state = mean.from(state, h);
         state.rotation = state.rotation * (1.0 / state.rotation.length());

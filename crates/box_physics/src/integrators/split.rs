@@ -8,8 +8,8 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
+use crate::free_motion::free_rotation_by;
 use crate::math::{Exponential, Trigonometry, exp};
-use crate::rotation::free_rotation_strang_by;
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
@@ -21,8 +21,8 @@ use crate::translation::{exponential_step, quadratic_drag_flow};
 /// ½ angular drag, ½ quadratic drag, ½ kick, ½ damper
 /// ```
 ///
-/// Free rotation is the symmetric-top splitting (Fassò 2003). Angular damping −γL only rescales
-/// time: the free rotation over s = (1 − e^{−γh})/γ, then L ← e^{−γh} L, is exact. Nothing here has
+/// Free rotation is the algebraic map of [`free_rotation`](crate::free_motion::free_rotation), right to rounding at
+/// any step. Angular damping −γL only rescales time: the free rotation over s = (1 − e^{−γh})/γ, then L ← e^{−γh} L, is exact. Nothing here has
 /// a step limit except the kicks of a stiff spring.
 pub struct Split;
 
@@ -30,12 +30,13 @@ impl Integrate for Split {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "split",
         name: "Split",
-        group: MenuGroup::Ours,
-        summary: "The default: exact pieces composed symmetrically; never blows up, turns back exactly, spins right.",
-        source: "Strang 1968; Fassò, J. Comput. Phys. 189 (2003) 527; McLachlan, Perlmutter 2001 (damping)",
+group: MenuGroup::Ours,
+        summary: "The default: free flight right to rounding at the price of RK4; exact pieces composed symmetrically under forces, at any step.",
+        source: "Strang 1968; free rotation: `free_motion::free_rotation`; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {
             gravity: Order::Exact,
             linear_drag: Order::Exact,
+            rotation: Order::Exact,
             angular_damping: Order::Exact,
             ..Orders::all(2)
         },
@@ -46,7 +47,7 @@ impl Integrate for Split {
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
-            energy: EnergyBehavior::Bounded,
+            energy: EnergyBehavior::Exact,
             momentum_magnitude: true,
             momentum: true,
             reversible: true,
@@ -64,9 +65,20 @@ impl Integrate for Split {
         _memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
-        StepOutcome::plain(evaluations)
+        StepOutcome::plain(step(body, state, force, h, trigonometry))
     }
+}
+
+/// The step of [`Split`], for integrators that give way to it. Returns the number of force evaluations.
+#[inline(always)]
+pub(super) fn step<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) -> u32 {
+    split_step(body, state, force, h, &mut ExactRotation(trigonometry))
 }
 
 /// A flow of the free rotation: what the integrators made of these pieces differ in. (A trait and not a closure,
@@ -76,18 +88,17 @@ pub(crate) trait FreeRotationFlow {
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64);
 }
 
-/// The symmetric-top splitting, with this sine and cosine.
-pub(crate) struct Strang<'a, T>(pub(crate) &'a mut T);
+/// [`free_rotation`](crate::free_motion::free_rotation), with this sine and cosine.
+pub(super) struct ExactRotation<'a, T>(pub(super) &'a mut T);
 
-impl<T: Trigonometry> FreeRotationFlow for Strang<'_, T> {
+impl<T: Trigonometry> FreeRotationFlow for ExactRotation<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        free_rotation_strang_by(body, state, h, self.0);
+        free_rotation_by(body, state, h, self.0);
     }
 }
 
-/// The whole step with a given flow of the free rotation: shared by the integrators that differ from
-/// `split` in that flow alone. Returns the number of force evaluations.
+/// Strang's composition with a given flow of the free rotation. Returns the number of force evaluations.
 #[inline(always)]
 pub(crate) fn split_step<F: ForceModel>(
     body: &RigidBox,

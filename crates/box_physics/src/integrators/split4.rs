@@ -1,8 +1,6 @@
 //! `split4`: fourth order under torque too, by a composition of kicks and exact drifts.
 
-use super::split::{
-    FreeRotationFlow, Strang, drift, exact_drift, half_dissipation, kick, split_step,
-};
+use super::split::{self, FreeRotationFlow, drift, exact_drift, half_dissipation, kick};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
@@ -78,7 +76,7 @@ impl Integrate for Split4 {
         }
         let d = force.dissipation();
         if stiffness(body, &d) * h.abs() > STIFFEST {
-            let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
+            let evaluations = split::step(body, state, force, h, trigonometry);
             return StepOutcome {
                 fallbacks: 1,
                 ..StepOutcome::plain(evaluations)

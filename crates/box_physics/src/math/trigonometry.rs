@@ -67,6 +67,9 @@ pub trait Trigonometry {
     fn sin_cos(&mut self, x: f64) -> (f64, f64);
     /// As [`sinc_cos`].
     fn sinc_cos(&mut self, z: f64) -> (f64, f64);
+    /// Whether to continue with a formula that holds only under `condition`. For one body, the condition itself;
+    /// many bodies always continue, and those for which it was false are stepped again one by one.
+    fn holds(&mut self, condition: bool) -> bool;
 }
 
 /// Sine and cosine of any argument, for one body.
@@ -81,6 +84,11 @@ impl Trigonometry for AnyArgument {
     #[inline(always)]
     fn sinc_cos(&mut self, z: f64) -> (f64, f64) {
         sinc_cos(z)
+    }
+
+    #[inline(always)]
+    fn holds(&mut self, condition: bool) -> bool {
+        condition
     }
 }
 
@@ -113,6 +121,12 @@ impl Trigonometry for SmallArguments {
         let small = z <= FRAC_PI_4 * FRAC_PI_4;
         self.others += if small { 0.0 } else { 1.0 };
         small_sinc_cos(z)
+    }
+
+    #[inline(always)]
+    fn holds(&mut self, condition: bool) -> bool {
+        self.others += if condition { 0.0 } else { 1.0 };
+        true
     }
 }
 

@@ -1,0 +1,84 @@
+//! `symmetric-top`: `split` until 2026: the free rotation by Fassò's splitting, order 2.
+
+use super::split::{FreeRotationFlow, split_step};
+use super::{
+    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
+    Order, Orders, Stability, StepOutcome,
+};
+use crate::body::RigidBox;
+use crate::force::ForceModel;
+use crate::math::Trigonometry;
+use crate::rotation::free_rotation_strang_by;
+use crate::state::BodyState;
+
+/// Strang's composition with the free rotation by the symmetric-top splitting.
+///
+/// The exact rotation with the middle moment, then two planar rotations as ½ a, c, ½ a: exact for cubes and
+/// symmetric bodies, order 2 for others, with a bounded energy at any step.
+pub struct SymmetricTop;
+
+impl Integrate for SymmetricTop {
+    const INFO: IntegratorInfo = IntegratorInfo {
+        id: "symmetric-top",
+        name: "Symmetric top",
+        group: MenuGroup::Ours,
+        summary: "A symplectic splitting of order 2: exact for cubes and symmetric bodies, a bounded energy for all, at any step.",
+        source: "Strang 1968; Fassò, J. Comput. Phys. 189 (2003) 527; McLachlan, Perlmutter 2001 (damping)",
+        orders: Orders {
+            gravity: Order::Exact,
+            linear_drag: Order::Exact,
+            angular_damping: Order::Exact,
+            ..Orders::all(2)
+        },
+        evaluations: Evaluations::fixed(1, 2),
+        stability: Stability {
+            rotation: Limit::None,
+            drag: Limit::None,
+            oscillator: Limit::Below(2.0),
+        },
+        keeps: Keeps {
+            energy: EnergyBehavior::Bounded,
+            momentum_magnitude: true,
+            momentum: true,
+            reversible: true,
+        },
+    };
+
+    type Memory = ();
+
+    #[inline(always)]
+    fn advance<F: ForceModel>(
+        body: &RigidBox,
+        state: &mut BodyState,
+        force: &F,
+        h: f64,
+        _memory: &mut MemorySlot<'_, Self>,
+        trigonometry: &mut impl Trigonometry,
+    ) -> StepOutcome {
+        let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
+        StepOutcome::plain(evaluations)
+    }
+}
+
+/// The symmetric-top splitting, with this sine and cosine.
+struct Strang<'a, T>(&'a mut T);
+
+impl<T: Trigonometry> FreeRotationFlow for Strang<'_, T> {
+    #[inline(always)]
+    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        free_rotation_strang_by(body, state, h, self.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::Case;
+    use super::*;
+
+    #[test]
+    fn second_order_in_rotation_and_torque() {
+        for case in [Case::free(), Case::dipole(), Case::top()] {
+            case.expect_order::<SymmetricTop>(60, 2.0);
+        }
+    }
+}
