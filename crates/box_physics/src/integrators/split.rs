@@ -30,7 +30,7 @@ impl Integrate for Split {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "split",
         name: "Split",
-group: MenuGroup::Ours,
+        group: MenuGroup::Ours,
         summary: "The default: free flight right to rounding at the price of RK4; exact pieces composed symmetrically under forces, at any step.",
         source: "Strang 1968; free rotation: `free_motion::free_rotation`; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {
