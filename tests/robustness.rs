@@ -109,7 +109,7 @@ fn exceeds(growth: f64, bound: f64) -> bool {
     growth.is_nan() || growth > bound
 }
 
-/// The amplitude of a velocity after 400 steps at z = c·h/m, over the first.
+/// The amplitude of a velocity after 400 steps at z = c·h/m of linear drag, over the first.
 fn drag_growth(i: Integrator, z: f64) -> f64 {
     let mut setup = tumbling(BRICK, 1.0, DVec3::ZERO);
     setup.initial.velocity = DVec3::X;
@@ -117,21 +117,36 @@ fn drag_growth(i: Integrator, z: f64) -> f64 {
     run(&setup, i, H, 400).velocity.length()
 }
 
+/// The same of a damper at the center.
+fn damper_growth(i: Integrator, z: f64) -> f64 {
+    let mut setup = tumbling(BRICK, 1.0, DVec3::ZERO);
+    setup.initial.velocity = DVec3::X;
+    setup.forces = ForceSet::none().with_spring(DVec3::ZERO, DVec3::ZERO, 0.0, z / H);
+    run(&setup, i, H, 400).velocity.length()
+}
+
 #[test]
-fn drag_limits_as_claimed() {
+fn drag_and_damper_limits_as_claimed() {
+    type Growth = fn(Integrator, f64) -> f64;
     for &i in Integrator::ALL {
-        match i.info().stability.drag {
-            Limit::None => {
-                for z in [0.1, 1.0, 2.0, 3.0, 10.0, 100.0, 1000.0] {
-                    assert!(drag_growth(i, z) <= 1.0, "{i} at c·h/m = {z}");
+        let claimed = &i.info().stability;
+        for (what, limit, growth) in [
+            ("drag", claimed.drag, drag_growth as Growth),
+            ("damper", claimed.damper, damper_growth),
+        ] {
+            match limit {
+                Limit::None => {
+                    for z in [0.1, 1.0, 2.0, 3.0, 10.0, 100.0, 1000.0] {
+                        assert!(growth(i, z) <= 1.0, "{i}: {what} at {z}");
+                    }
                 }
+                Limit::Below(x) => {
+                    assert!(growth(i, 0.98 * x) < 1.0, "{i}: {what} below {x}");
+                    let beyond = growth(i, 1.02 * x);
+                    assert!(exceeds(beyond, 1.0), "{i}: {what} beyond {x}: {beyond:e}");
+                }
+                Limit::AlwaysGrows => assert!(exceeds(growth(i, 0.1), 1.0), "{i}: {what}"),
             }
-            Limit::Below(x) => {
-                assert!(drag_growth(i, 0.98 * x) < 1.0, "{i} below {x}");
-                let beyond = drag_growth(i, 1.02 * x);
-                assert!(exceeds(beyond, 1.0), "{i} beyond {x}: {beyond:e}");
-            }
-            Limit::AlwaysGrows => assert!(exceeds(drag_growth(i, 0.1), 1.0), "{i}"),
         }
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! The contact force is constant over the segment and is found from the **mean** motion of the corners,
 //! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
-//! over time by the midpoint formula, under a wrench or drag by a `split` step, so that the force does not depend on
+//! over time by the midpoint formula, under a wrench or drag by `impulse_step`, so that the force does not depend on
 //! the integrator),
 //!
 //! ```text
@@ -24,8 +24,8 @@ use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spa
 use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
-use crate::integrators::{Integrate, IntegratorMemory, Split, StepOutcome};
+use crate::force::{Damping, Dissipation, ForceModel, Wrench};
+use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, impulse_step};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -76,8 +76,8 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
         total
     }
 
-    fn damp(&self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        self.inner.damp(body, state, h);
+    fn damping(&self) -> Damping {
+        self.inner.damping()
     }
 }
 
@@ -218,8 +218,8 @@ impl<F: ForceModel> Start<'_, F> {
             let center = start.velocity + 0.5 * tau * force.acceleration();
             return (middle, (center, middle * (omega * chord)));
         }
-        let (mut free, mut memory) = (*start, IntegratorMemory::default());
-        Split::step(body, &mut free, force, tau, &mut memory);
+        let mut free = *start;
+        impulse_step(body, &mut free, force, tau);
         let rate = 1.0 / tau;
         let mut center = 0.5 * (start.velocity + free.velocity);
         let path = (free.position - start.position) * rate;

@@ -15,7 +15,7 @@ pub use parts::{Forces, PointForce, Spring};
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::body::RigidBox;
 use crate::state::BodyState;
@@ -88,6 +88,45 @@ impl Dissipation {
     };
 }
 
+/// Dampers at points of a body, each a force −d u at its point, u the point's velocity. Any number of them act on the
+/// body through ten numbers, which do not depend on its pose: the force and torque in body axes are
+///
+/// ```text
+/// F = −Σd (v + ω×r),   T = Σ r×F
+/// ```
+///
+/// Add one at a time; every coefficient ≥ 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Damping {
+    /// Σ d [N s/m].
+    pub(crate) total: f64,
+    /// Σ d r [N s].
+    pub(crate) moment: DVec3,
+    /// Σ d (|r|² − r rᵀ) [N s m].
+    pub(crate) second: DMat3,
+}
+
+impl Damping {
+    /// No damper.
+    pub const NONE: Self = Self {
+        total: 0.0,
+        moment: DVec3::ZERO,
+        second: DMat3::ZERO,
+    };
+
+    /// The same and a damper of `coefficient` d [N s/m] at `body_point` r \[m\], body axes from the center.
+    #[must_use]
+    pub fn with(mut self, body_point: DVec3, coefficient: f64) -> Self {
+        let r = body_point;
+        let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
+        self.total += coefficient;
+        self.moment += coefficient * r;
+        self.second +=
+            (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer) * coefficient;
+        self
+    }
+}
+
 /// What acts on one body. The integrators are generic over it, so a body without a force pays nothing
 /// for it: the compiler removes what [`Gravity`] says is absent.
 ///
@@ -137,7 +176,7 @@ pub trait ForceModel {
     }
 
     /// The part of [`ForceModel::wrench`] that does not depend on the velocities, for integrators that
-    /// kick: what it leaves out must be in [`ForceModel::damp`]. By default the whole wrench, whose
+    /// kick: what it leaves out must be in [`ForceModel::damping`]. By default the whole wrench, whose
     /// velocity-dependent part such an integrator then takes at the velocity it has (order 1).
     #[inline(always)]
     fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
@@ -153,9 +192,12 @@ pub trait ForceModel {
         (!self.has_wrench()).then_some(0)
     }
 
-    /// Applies the velocity-dependent remainder over `h` \[s\] at a fixed pose.
+    /// The part of [`ForceModel::wrench`] that [`ForceModel::elastic_wrench`] leaves out: what is linear in the
+    /// velocities. Constant over a step.
     #[inline(always)]
-    fn damp(&self, _body: &RigidBox, _state: &mut BodyState, _h: f64) {}
+    fn damping(&self) -> Damping {
+        Damping::NONE
+    }
 }
 
 /// A digest of `numbers`, to the bit, for [`ForceModel::wrench_fingerprint`].

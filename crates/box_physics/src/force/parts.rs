@@ -2,9 +2,9 @@
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use super::{Dissipation, ForceModel, Wrench, fingerprint};
+use super::{Damping, Dissipation, ForceModel, Wrench, fingerprint};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 
@@ -146,18 +146,9 @@ impl ForceModel for Forces<'_> {
         ))
     }
 
-    /// Every damper by the implicit midpoint rule on its point's velocity, once forwards and once
-    /// backwards over half the time each, so that the whole is symmetric (order 2) and never gains
-    /// energy: u⁺ = u + W p with p = −(hd/2)(u + u⁺).
-    fn damp(&self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        if self.springs.iter().all(|s| s.damping == 0.0) {
-            return;
-        }
-        for spring in self.springs.iter().chain(self.springs.iter().rev()) {
-            if spring.damping != 0.0 {
-                damp_point(body, state, spring, 0.5 * h);
-            }
-        }
+    fn damping(&self) -> Damping {
+        let add = |sum: Damping, s: &Spring| sum.with(s.body_point, s.damping);
+        self.springs.iter().fold(Damping::NONE, add)
     }
 }
 
@@ -167,20 +158,6 @@ fn at_point(state: &BodyState, force: DVec3, body_point: DVec3) -> Wrench {
         force,
         torque: body_point.cross(state.rotation.inverse() * force),
     }
-}
-
-fn damp_point(body: &RigidBox, state: &mut BodyState, spring: &Spring, h: f64) {
-    let r = spring.body_point;
-    // In body axes: W = 1/m − [r]× I⁻¹ [r]×, column by column.
-    let inverse = state.rotation.inverse();
-    let u = inverse * state.velocity + state.body_angular_velocity(body).cross(r);
-    let response =
-        |p: DVec3| p * body.inverse_mass() + (body.inverse_inertia() * r.cross(p)).cross(r);
-    let w = DMat3::from_cols(response(DVec3::X), response(DVec3::Y), response(DVec3::Z));
-    let hd = h * spring.damping;
-    let impulse = (DMat3::IDENTITY + w * (0.5 * hd)).inverse() * (u * -hd);
-    state.velocity += state.rotation * impulse * body.inverse_mass();
-    state.angular_momentum += r.cross(impulse);
 }
 
 #[cfg(test)]
@@ -232,40 +209,29 @@ mod tests {
         assert!((w.force - state.rotation * DVec3::Y).length() < 1e-15);
     }
 
+    /// What the elastic wrench leaves out is −C (v, ω) in body axes.
     #[test]
-    fn dampers_take_energy_and_are_reversible() {
-        let (body, start) = setting();
-        let springs = [
-            Spring {
-                body_point: DVec3::new(0.5, 0.25, 0.0),
-                anchor: DVec3::ZERO,
-                stiffness: 0.0,
-                damping: 7.0,
-            },
-            Spring {
-                body_point: DVec3::new(-0.5, 0.0, 0.3),
-                anchor: DVec3::Y,
-                stiffness: 0.0,
-                damping: 2.0,
-            },
-        ];
+    fn damping_is_the_rest_of_the_wrench() {
+        let (body, state) = setting();
+        let spring = |x: f64, y: f64, z: f64, damping: f64| Spring {
+            body_point: DVec3::new(x, y, z),
+            anchor: DVec3::Y,
+            stiffness: 3.0,
+            damping,
+        };
+        let springs = [spring(0.5, 0.25, 0.1, 7.0), spring(-0.5, 0.2, 0.3, 2.0)];
         let law = Forces {
             springs: &springs,
             ..Default::default()
         };
-        for h in [1e-3, 0.1, 10.0, 1e4] {
-            let mut state = start;
-            law.damp(&body, &mut state, h);
-            assert!(state.kinetic_energy(&body) < start.kinetic_energy(&body));
-        }
-        let mut state = start;
-        law.damp(&body, &mut state, 0.05);
-        law.damp(&body, &mut state, -0.05);
-        assert!((state.velocity - start.velocity).length() < 1e-13);
-        // To first order it is the damper's wrench.
-        let (mut state, h) = (start, 1e-6);
-        law.damp(&body, &mut state, h);
-        let expected = start.velocity + law.wrench(&body, &start).force * (h / 3.0);
-        assert!((state.velocity - expected).length() < 1e-10);
+        let (whole, elastic) = (law.wrench(&body, &state), law.elastic_wrench(&body, &state));
+        let c = law.damping();
+        let v = state.rotation.inverse() * state.velocity;
+        let omega = state.body_angular_velocity(&body);
+        let force = -(c.total * v + omega.cross(c.moment));
+        let torque = -(c.moment.cross(v) + c.second * omega);
+        let damper = state.rotation.inverse() * (whole.force - elastic.force);
+        assert!((damper - force).length() < 1e-14);
+        assert!((whole.torque - elastic.torque - torque).length() < 1e-14);
     }
 }

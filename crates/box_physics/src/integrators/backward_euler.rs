@@ -35,6 +35,7 @@ impl Integrate for BackwardEuler {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::None,
             oscillator: Limit::None,
         },
         keeps: Keeps {

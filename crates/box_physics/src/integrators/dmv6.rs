@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::split::{FreeRotationFlow, split_step};
+use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
@@ -49,6 +49,7 @@ impl Integrate for Dmv6 {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
@@ -75,7 +76,7 @@ impl Integrate for Dmv6 {
             trigonometry,
             fallbacks: 0,
         };
-        let evaluations = split_step(body, state, force, h, &mut flow);
+        let evaluations = kick_drift_kick(body, state, force, h, &mut flow);
         StepOutcome {
             evaluations,
             fallbacks: flow.fallbacks,

@@ -41,6 +41,7 @@ impl Integrate for EngineNewton {
         stability: Stability {
             rotation: Limit::Below(1.0),
             drag: Limit::None,
+            damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

@@ -38,6 +38,7 @@ impl Integrate for EngineRescaled {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

@@ -34,20 +34,21 @@ impl Integrate for Exact {
         id: "exact",
         name: "Exact",
         group: MenuGroup::Ours,
-        summary: "Free flight in closed form (elliptic functions): right to rounding at any step; under torque or contact it steps like Split.",
+        summary: "Free flight in closed form (elliptic functions) from the last event on: the same at any step and frame rate, without accumulation; else it steps like Split.",
         source: "Jacobi 1849; van Zon, Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni et al., SIAM J. Sci. Comput. 30 (2008) 2084; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {
             gravity: Order::Exact,
             linear_drag: Order::Exact,
             rotation: Order::Exact,
             angular_damping: Order::Exact,
-            ..Orders::all(2)
+            ..Orders::all(4)
         },
-        evaluations: Evaluations::fixed(1, 2),
+        evaluations: Evaluations::fixed(1, 4),
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
-            oscillator: Limit::Below(2.0),
+            damper: Limit::None,
+            oscillator: Limit::Below(3.464),
         },
         keeps: Keeps {
             energy: EnergyBehavior::Exact,

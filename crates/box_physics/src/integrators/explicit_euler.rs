@@ -25,6 +25,7 @@ impl Integrate for ExplicitEuler {
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(2.0),
+            damper: Limit::Below(2.0),
             oscillator: Limit::AlwaysGrows,
         },
         keeps: Keeps {

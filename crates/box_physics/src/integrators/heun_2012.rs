@@ -29,6 +29,7 @@ impl Integrate for Heun2012 {
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(2.0),
+            damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

@@ -50,6 +50,7 @@ impl Integrate for ImplicitMidpoint {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::None,
             oscillator: Limit::None,
         },
         keeps: Keeps {

@@ -143,13 +143,15 @@ impl fmt::Display for Limit {
     }
 }
 
-/// Stable ranges in the three dimensionless steps that matter.
+/// Stable ranges in the four dimensionless steps that matter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stability {
     /// |ω| h of a free tumbling body.
     pub rotation: Limit,
     /// c₁ h / m of linear drag.
     pub drag: Limit,
+    /// d h / m of a damper at the center of mass.
+    pub damper: Limit,
     /// √(k/m) h of an undamped spring at the center of mass. At a corner a spring turns the box as well,
     /// which an implicit integrator's iteration may not follow at extreme stiffness (then counted).
     pub oscillator: Limit,

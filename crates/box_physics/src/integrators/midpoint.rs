@@ -31,6 +31,7 @@ impl Integrate for Midpoint {
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(2.0),
+            damper: Limit::Below(2.0),
             oscillator: Limit::AlwaysGrows,
         },
         keeps: Keeps {

@@ -6,6 +6,8 @@
 //! `integrators!`. The tests in `tests/` then hold it to what its [`IntegratorInfo`] claims.
 
 mod batch;
+mod damped_kick;
+mod flows;
 mod implicit_stage;
 mod info;
 mod memory;
@@ -23,8 +25,9 @@ pub use info::{
 };
 pub use memory::{IntegratorMemory, MemorySlot, Remember};
 
+pub(crate) use flows::impulse_step;
 #[cfg(test)]
-pub(crate) use split::{FreeRotationFlow, split_step};
+pub(crate) use flows::{FreeRotationFlow, kick_drift_kick};
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;

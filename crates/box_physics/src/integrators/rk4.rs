@@ -34,6 +34,7 @@ impl Integrate for Rk4 {
         stability: Stability {
             rotation: Limit::Below(1.5),
             drag: Limit::Below(2.785),
+            damper: Limit::Below(2.785),
             oscillator: Limit::Below(2.828),
         },
         keeps: Keeps {

@@ -28,6 +28,7 @@ impl Integrate for SemiImplicitEuler {
         stability: Stability {
             rotation: Limit::AlwaysGrows,
             drag: Limit::Below(2.0),
+            damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

@@ -1,12 +1,13 @@
 //! `split4`: fourth order under torque too, by a composition of kicks and exact drifts.
 
-use super::split::{self, FreeRotationFlow, drift, exact_drift, half_dissipation, kick};
+use super::flows::{FreeRotationFlow, damped_step, drift, exact_drift, half_dissipation, kick};
+use super::split;
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel};
+use crate::force::{Damping, Dissipation, ForceModel};
 use crate::math::Trigonometry;
 use crate::rotation::free_rotation_order4_by;
 use crate::state::BodyState;
@@ -18,8 +19,8 @@ use crate::state::BodyState;
 /// `[K,[K,[K,D]]]` vanish: a Runge–Kutta–Nyström composition has order 4 here too, and of the two tried
 /// it is the better (asymmetric dipole, 1/60 s: 7e-10 rad; the partitioned S6 2.9e-8).
 ///
-/// Without a wrench the whole step is one drift. Quadratic drag, angular drag and spring dampers stay
-/// outside, half before and half after (Strang): order 2 in those. The negative drift D₃ undoes
+/// Without a wrench the whole step is one drift. Quadratic and angular drag stay outside, half before and half after
+/// (Strang): order 2 in those. With dampers the step is [`damped_step`]. The negative drift D₃ undoes
 /// damping, e^{0.35 ζ} times rounding with ζ = rate × h; above ζ = 20 the step is `split`'s.
 pub struct Split4;
 
@@ -49,6 +50,7 @@ impl Integrate for Split4 {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::None,
             oscillator: Limit::Below(3.16),
         },
         keeps: Keeps {
@@ -83,7 +85,10 @@ impl Integrate for Split4 {
             };
         }
         let mut order4 = Order4(trigonometry);
-        force.damp(body, state, 0.5 * h);
+        if force.damping() != Damping::NONE {
+            damped_step(body, state, force, h, &mut order4);
+            return StepOutcome::plain(1);
+        }
         half_dissipation(body, state, &d, 0.5 * h);
         let [k1, k2, k3] = KICKS;
         let [d1, d2] = DRIFTS;
@@ -95,7 +100,6 @@ impl Integrate for Split4 {
         }
         kick(body, state, force, k1 * h);
         half_dissipation(body, state, &d, 0.5 * h);
-        force.damp(body, state, 0.5 * h);
         StepOutcome::plain(7)
     }
 }

@@ -1,6 +1,6 @@
 //! `symmetric-top`: `split` until 2026: the free rotation by Fassò's splitting, order 2.
 
-use super::split::{FreeRotationFlow, split_step};
+use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
@@ -34,6 +34,7 @@ impl Integrate for SymmetricTop {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::None,
+            damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {
@@ -55,7 +56,7 @@ impl Integrate for SymmetricTop {
         _memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let evaluations = split_step(body, state, force, h, &mut Strang(trigonometry));
+        let evaluations = kick_drift_kick(body, state, force, h, &mut Strang(trigonometry));
         StepOutcome::plain(evaluations)
     }
 }

@@ -39,6 +39,7 @@ impl Integrate for VelocityVerlet {
         stability: Stability {
             rotation: Limit::None,
             drag: Limit::Below(4.0),
+            damper: Limit::Below(4.0),
             oscillator: Limit::Below(2.0),
         },
         keeps: Keeps {

@@ -107,7 +107,10 @@ fn order_survives_five_bounces_in_air() {
             run::<ExplicitEuler>(time, 1024),
             run::<ExplicitEuler>(time, 2048),
         ),
-        order(run::<Split>(time, 64), run::<Split>(time, 128)),
+        order(
+            run::<SymmetricTop>(time, 64),
+            run::<SymmetricTop>(time, 128),
+        ),
         order(run::<Rk4>(time, 64), run::<Rk4>(time, 128)),
     ];
     println!("across 5 in air: {orders:.2?}");

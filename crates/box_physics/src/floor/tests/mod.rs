@@ -16,7 +16,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{
-    FreeRotationFlow, Integrate, IntegratorMemory, MemorySlot, StepOutcome, split_step,
+    FreeRotationFlow, Integrate, IntegratorMemory, MemorySlot, StepOutcome, kick_drift_kick,
 };
 use crate::math::{Trigonometry, sin_cos};
 use crate::rotation::free_rotation_order4;
@@ -132,7 +132,7 @@ impl Integrate for Fine {
             .ceil()
             .max(1.0);
         for _ in 0..n as u32 {
-            split_step(body, state, force, h / n, &mut Order4);
+            kick_drift_kick(body, state, force, h / n, &mut Order4);
         }
         StepOutcome::plain(n as u32)
     }

@@ -1,0 +1,203 @@
+//! The exact flows of which `split` and its relatives are composed.
+
+use glam::DVec3;
+
+use super::damped_kick::{damp, damped_kick};
+use crate::body::RigidBox;
+use crate::force::{Damping, Dissipation, ForceModel};
+use crate::free_motion::free_rotation_by;
+use crate::math::{AnyArgument, Exponential, Trigonometry, exp};
+use crate::rotation::compose;
+use crate::rotation::exponential_map;
+use crate::state::BodyState;
+use crate::translation::{exponential_step, quadratic_drag_flow};
+
+/// A flow of the free rotation: what the integrators made of these pieces differ in. (A trait and not a closure,
+/// which cannot be marked to be inlined, and would keep the loop over many bodies from being vectorized.)
+pub(crate) trait FreeRotationFlow {
+    /// Over `h` \[s\].
+    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64);
+}
+
+/// [`free_rotation`](crate::free_motion::free_rotation), with this sine and cosine.
+pub(super) struct ExactRotation<'a, T>(pub(super) &'a mut T);
+
+impl<T: Trigonometry> FreeRotationFlow for ExactRotation<'_, T> {
+    #[inline(always)]
+    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
+        free_rotation_by(body, state, h, self.0);
+    }
+}
+
+/// Kick, drift, kick (Strang) with a given flow of the free rotation, or [`damped_step`]. Returns the number of force
+/// evaluations.
+#[inline(always)]
+pub(crate) fn kick_drift_kick<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    free_rotation: &mut impl FreeRotationFlow,
+) -> u32 {
+    if !force.has_wrench() {
+        drift(body, state, force, h, free_rotation);
+        return 1;
+    }
+    if damped_step(body, state, force, h, free_rotation) {
+        return 1;
+    }
+    kick(body, state, force, 0.5 * h);
+    drift(body, state, force, h, free_rotation);
+    kick(body, state, force, 0.5 * h);
+    2
+}
+
+/// The step without contact of which the floor takes the corners' mean velocities: the wrench of the start moves the
+/// body by ½h² of its whole acceleration, as if it were not damped and the pose held. That is what a floor has to
+/// bear that holds the body. Dampers act on what moves already. Order 2; returns the number of force evaluations.
+pub(crate) fn impulse_step<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+) -> u32 {
+    let rotation = &mut ExactRotation(&mut AnyArgument);
+    if !force.has_wrench() {
+        drift(body, state, force, h, rotation);
+        return 1;
+    }
+    let damped = force.damping() != Damping::NONE;
+    if damped {
+        damp(body, state, force, 0.5 * h);
+    }
+    kick(body, state, force, 0.5 * h);
+    drift(body, state, force, h, rotation);
+    kick(body, state, force, 0.5 * h);
+    if damped {
+        damp(body, state, force, 0.5 * h);
+    }
+    2
+}
+
+/// A step under a wrench that must be taken together with what damps it, or `false`: ½ drift, whole kick, ½ drift,
+/// order 2, one evaluation. A composition that ends with a kick would leave the velocity hF/2m instead of F/d.
+///
+/// With dampers the kick contains all linear damping ([`damped_kick`]) and the weight, and the drifts neither: as
+/// d → ∞ the kick ends at the terminal velocity F/d, with which the drifts move the body. Where only the body's own
+/// damping is fast (rate × step above 1), the drifts contain it, exactly.
+#[inline(always)]
+pub(super) fn damped_step<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    free_rotation: &mut impl FreeRotationFlow,
+) -> bool {
+    let d = force.dissipation();
+    let half = 0.5 * h;
+    if force.damping() != Damping::NONE {
+        let rate = d.quadratic_drag * body.inverse_mass();
+        state.velocity = quadratic_drag_flow(state.velocity, rate, half);
+        state.position += half * state.velocity;
+        free_rotation.flow(body, state, half);
+        damped_kick(body, state, force, h);
+        state.position += half * state.velocity;
+        free_rotation.flow(body, state, half);
+        state.velocity = quadratic_drag_flow(state.velocity, rate, half);
+        return true;
+    }
+    let linear = d.linear_drag * body.inverse_mass();
+    let angular = d.angular_damping + d.angular_drag * body.inverse_inertia().max_element();
+    if linear.max(angular) * h.abs() <= 1.0 {
+        return false;
+    }
+    drift(body, state, force, half, free_rotation);
+    kick(body, state, force, h);
+    drift(body, state, force, half, free_rotation);
+    true
+}
+
+/// v += τF/m, L += τT at a fixed pose: one evaluation of the wrench.
+#[inline(always)]
+pub(super) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
+    let w = force.elastic_wrench(body, state);
+    state.velocity += (tau * body.inverse_mass()) * w.force;
+    state.angular_momentum += tau * w.torque;
+}
+
+/// Chin's modified kick: [`kick`] over τ with the wrench of the pose that the wrench itself displaces by c \[s²\],
+///
+/// ```text
+/// x̃ = x + c F/m,  q̃ = q∘exp(c e),  e = T/I:   v += τ F̃/m,  L += τ (T̃ + c e×T)
+/// ```
+///
+/// the flow of the kick and its double commutator with the drift (Chin, Phys. Lett. A 226 (1997) 344; the term e×T is
+/// that of body axes, Omelyan, J. Chem. Phys. 127 (2007) 044102). Two evaluations of the wrench.
+#[inline(always)]
+pub(super) fn modified_kick<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    tau: f64,
+    c: f64,
+) {
+    let w = force.elastic_wrench(body, state);
+    let e = body.inverse_inertia() * w.torque;
+    let mut displaced = *state;
+    displaced.position += (c * body.inverse_mass()) * w.force;
+    displaced.rotation = compose(state.rotation, exponential_map(c * e));
+    let there = force.elastic_wrench(body, &displaced);
+    state.velocity += (tau * body.inverse_mass()) * there.force;
+    state.angular_momentum += tau * (there.torque + c * e.cross(w.torque));
+}
+
+/// Everything but the wrench over `h`: the exact pieces round the exact middle.
+#[inline(always)]
+pub(super) fn drift<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+    free_rotation: &mut impl FreeRotationFlow,
+) {
+    let d = force.dissipation();
+    let a = force.acceleration();
+    if d == Dissipation::NONE {
+        exponential_step(state, a, 0.0, h);
+        free_rotation.flow(body, state, h);
+        return;
+    }
+    half_dissipation(body, state, &d, 0.5 * h);
+    exact_drift(body, state, a, &d, h, free_rotation);
+    half_dissipation(body, state, &d, 0.5 * h);
+}
+
+/// Gravity with linear drag, and free rotation with angular damping, over `h`: both exact, but for
+/// the flow of the free rotation itself.
+#[inline(always)]
+pub(super) fn exact_drift(
+    body: &RigidBox,
+    state: &mut BodyState,
+    a: DVec3,
+    d: &Dissipation,
+    h: f64,
+    free_rotation: &mut impl FreeRotationFlow,
+) {
+    exponential_step(state, a, d.linear_drag * body.inverse_mass(), h);
+    let damping = Exponential::new(d.angular_damping * h);
+    free_rotation.flow(body, state, h * damping.phi1);
+    state.angular_momentum *= damping.decay;
+}
+
+/// Quadratic and angular drag by their exact flows over `tau`; L_i ← L_i e^{−c_ω τ/I_i}.
+#[inline(always)]
+pub(super) fn half_dissipation(body: &RigidBox, state: &mut BodyState, d: &Dissipation, tau: f64) {
+    if d.quadratic_drag != 0.0 {
+        let rate = d.quadratic_drag * body.inverse_mass();
+        state.velocity = quadratic_drag_flow(state.velocity, rate, tau);
+    }
+    if d.angular_drag != 0.0 {
+        let rates = body.inverse_inertia() * (-d.angular_drag * tau);
+        state.angular_momentum *= DVec3::new(exp(rates.x), exp(rates.y), exp(rates.z));
+    }
+}
