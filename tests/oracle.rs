@@ -120,12 +120,12 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
     (
         "pub10",
         Position(QuadraticDrag),
-        &[("split", 1e-2), ("split4", 1e-2), ("rk4", 1e-5)],
+        &[("split", 1e-7), ("split4", 1e-2), ("rk4", 1e-5)],
     ),
     (
         "pub11",
         Position(QuadraticDrag),
-        &[("split", 1e-2), ("split4", 1e-2), ("rk4", 1e-5)],
+        &[("split", 1e-7), ("split4", 1e-2), ("rk4", 1e-5)],
     ),
     (
         "pub13",
@@ -133,9 +133,14 @@ const BOUNDS: &[(&str, Of, &[(&str, f64)])] = &[
         &[("split", 1e-10), ("split4", 1e-6), ("exact", 1e-11)],
     ),
     (
+        "pub19",
+        Attitude(Rotation),
+        &[("split", 1e-11), ("exact", 1e-11), ("rk4", 1e-3)],
+    ),
+    (
         "pub15",
         Attitude(Torque),
-        &[("split", 2e-3), ("split4", 1e-7), ("rk4", 5e-4)],
+        &[("split", 1e-6), ("split4", 1e-7), ("rk4", 5e-4)],
     ),
     (
         "pub19",

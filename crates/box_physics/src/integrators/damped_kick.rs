@@ -174,8 +174,7 @@ mod tests {
     }
 
     fn moving() -> BodyState {
-        BodyState::default()
-            .with_rotation(glam::DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
+        BodyState::at_pose(DVec3::ZERO, glam::DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7))
             .with_velocity(DVec3::new(1.0, -2.0, 0.5))
             .with_body_angular_velocity(&brick(), DVec3::new(3.0, 1.0, -2.0))
     }
