@@ -120,6 +120,22 @@ fn no_trend_in_a_million_steps() {
     }
 }
 
+/// The default over a million steps: energy, |L| and L in the world to 1e-12; and 600 steps out and back to 1e-12.
+#[test]
+fn the_default_keeps_everything_to_rounding() {
+    for setup in [brick(), plate()] {
+        let (vector, magnitude, energy) = drift(&setup, Integrator::Split, 1_000_000);
+        assert!(
+            vector < 1e-12 && magnitude < 1e-12 && energy < 1e-12,
+            "{vector:e} {magnitude:e} {energy:e}"
+        );
+        let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
+        go(&setup, Integrator::Split, &mut state, &mut memory, H, 600);
+        go(&setup, Integrator::Split, &mut state, &mut memory, -H, 600);
+        assert!(state.attitude_difference(&setup.initial) < 1e-12);
+    }
+}
+
 /// 600 steps out and 600 back, tumbling and under gravity.
 #[test]
 fn reversible_as_claimed() {

@@ -490,11 +490,18 @@ mod tests {
                         integrator.step(&body, &mut s, &law, 1.0 / 64.0, &mut memory);
                         highest = highest.max(energy(&s));
                     }
+                    // An undamped turning about a point that a damper holds: the point creeps by what its path's
+                    // curvature is not constant in a step.
+                    let bound = 0.01 * start;
                     assert!(
-                        highest <= start + 0.02 * start.abs(),
+                        highest <= start + bound,
                         "{id} d {d}: {start:e} {highest:e}"
                     );
-                    assert!(energy(&s) < start, "{id} d {d}: {start:e} {:e}", energy(&s));
+                    assert!(
+                        d > 100.0 || energy(&s) < 0.9 * start,
+                        "{id} d {d}: {:e}",
+                        energy(&s)
+                    );
                 }
             }
         }

@@ -91,5 +91,5 @@ fn a_turning_slide_stops_in_a_few_segments() {
         assert!(scene.contact.is_resting(&scene.state) && scene.energy() <= energy);
     }
     println!("a turning slide: at most {worst} evaluations a step");
-    assert!(worst <= 300, "{worst}"); // two to four for each segment that is tried
+    assert!(worst <= 400, "{worst}"); // up to five for each segment that is tried
 }
