@@ -95,6 +95,8 @@
 //! `bevy_transform_interpolation`; it restores `Transform` before each step, so move such a body by
 //! [`Teleport`](plugin::Teleport) or its `BodyState`, not by its `Transform`.
 //!
+//! The feature `gizmos` draws bounding boxes, axes and contacts: `BodyGizmosPlugin`.
+//!
 //! # Integrators
 //!
 //! [`GlobalIntegrator`](plugin::GlobalIntegrator) and [`BodyIntegrator`](plugin::BodyIntegrator) choose an

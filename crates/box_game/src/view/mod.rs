@@ -1,18 +1,17 @@
 //! The picture: renderer, boxes, floor, comparisons, labels.
 
 mod ghosts;
-pub mod gizmos_plugin;
 mod lattice;
 pub mod renderer;
 pub mod style;
 mod visuals;
 
 use bevy::prelude::*;
+use box_physics::plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 
 use crate::camera::orbit::move_camera;
 use crate::preferences::Preferences;
 use crate::scene::session::Hero;
-use gizmos_plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 
 /// Draws boxes, floor and comparisons. Needs a renderer and the cameras.
 pub struct ViewPlugin;

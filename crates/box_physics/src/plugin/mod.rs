@@ -20,6 +20,8 @@ mod contacts;
 mod faults;
 mod flight;
 mod forces;
+#[cfg(feature = "gizmos")]
+mod gizmos;
 mod impulses;
 mod integrate;
 mod messages;
@@ -39,6 +41,8 @@ pub use components::{
     AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, ExternalForce, GravityScale,
     LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs, WorldAabb,
 };
+#[cfg(feature = "gizmos")]
+pub use gizmos::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 pub use messages::{
     ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause, WhilePaused,
 };

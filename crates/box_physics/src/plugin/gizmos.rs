@@ -1,24 +1,19 @@
-//! Bounding boxes, axes, velocities and contacts of bodies as lines, for other Bevy apps as for the game.
-//!
-//! ```no_run
-//! use bevy::prelude::*;
-//! use box_game::view::gizmos_plugin::{BodyGizmos, BodyGizmosPlugin};
-//! use box_physics::prelude::*;
-//!
-//! App::new()
-//!     .add_plugins((DefaultPlugins, PhysicsPlugins::default(), BodyGizmosPlugin))
-//!     .insert_resource(Floor::default())
-//!     .add_systems(Startup, |mut commands: Commands, mut gizmos: ResMut<GizmoConfigStore>| {
-//!         gizmos.config_mut::<BodyGizmos>().1.axes = false;
-//!         commands.spawn((Camera3d::default(), Transform::from_xyz(0.0, 3.0, 12.0)));
-//!         commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 5.0, 0.0), ReportContacts));
-//!     })
-//!     .run();
-//! ```
+//! Bounding boxes, axes, velocities and contacts of bodies as lines: the feature `gizmos`.
 
-use bevy::ecs::message::Messages;
-use bevy::prelude::*;
-use box_physics::prelude::{BodyState, ContactPhase, FloorContact, RigidBox, WorldAabb};
+use bevy::app::{App, Plugin, Update};
+use bevy::color::Color;
+use bevy::ecs::prelude::*;
+use bevy::gizmos::config::GizmoConfigGroup;
+use bevy::gizmos::prelude::*;
+use bevy::math::{Isometry3d, Vec3};
+use bevy::reflect::{Reflect, std_traits::ReflectDefault};
+use bevy::time::{Fixed, Real, Time};
+use bevy::transform::components::Transform;
+
+use super::{FloorContact, WorldAabb};
+use crate::body::RigidBox;
+use crate::floor::ContactPhase;
+use crate::state::BodyState;
 
 /// At most so many boxes are drawn: more would be a gray cloud, and slow.
 const MOST: usize = 2000;
@@ -36,6 +31,16 @@ const CONTACT: Color = Color::srgb_u8(213, 94, 0);
 
 /// Draws what [`BodyGizmos`] says. It needs Bevy's `GizmoPlugin` (in `DefaultPlugins`); a part of the
 /// physics that was left out is not drawn.
+///
+/// ```ignore
+/// App::new()
+///     .add_plugins((DefaultPlugins, PhysicsPlugins::default(), BodyGizmosPlugin))
+///     .add_systems(Startup, |mut gizmos: ResMut<GizmoConfigStore>| {
+///         gizmos.config_mut::<BodyGizmos>().1.axes = false;
+///     })
+///     .run();
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
 pub struct BodyGizmosPlugin;
 
 /// Where the lines are drawn, in `Update`: what changes [`BodyGizmos`] goes before.
@@ -51,7 +56,7 @@ pub struct BodyGizmos {
     pub aabbs: bool,
     /// The axes of bodies, and their velocity: a quarter of a second of it.
     pub axes: bool,
-    /// Where bodies with [`ReportContacts`](box_physics::prelude::ReportContacts) touch the floor: a
+    /// Where bodies with [`ReportContacts`](super::ReportContacts) touch the floor: a
     /// cross, and an arrow that grows with the root of the impulse over the body's weight in a step.
     pub contacts: bool,
     /// Axes and contacts of this body alone; `None`: of every body.
@@ -162,9 +167,11 @@ mod tests {
     use super::*;
     use std::any::TypeId;
 
+    use crate::floor::Floor;
+    use crate::plugin::{AabbPlugin, FloorPlugin, PhysicsPlugins, ReportContacts};
     use bevy::gizmos::{GizmoAsset, GizmoHandles};
+    use bevy::prelude::*;
     use bevy::time::TimeUpdateStrategy;
-    use box_physics::prelude::{AabbPlugin, Floor, FloorPlugin, PhysicsPlugins, ReportContacts};
 
     /// Points of the lines that the last frame drew, with their colors.
     fn drawn(app: &mut App) -> Vec<(Vec3, LinearRgba)> {
