@@ -129,10 +129,14 @@ fn the_default_keeps_everything_to_rounding() {
             vector < 1e-12 && magnitude < 1e-12 && energy < 1e-12,
             "{vector:e} {magnitude:e} {energy:e}"
         );
-        let (mut state, mut memory) = (setup.initial, IntegratorMemory::default());
-        go(&setup, Integrator::Split, &mut state, &mut memory, H, 600);
-        go(&setup, Integrator::Split, &mut state, &mut memory, -H, 600);
-        assert!(state.attitude_difference(&setup.initial) < 1e-12);
+        let (model, mut driver) = (
+            Model::of(&setup),
+            Driver::new(setup.initial, Integrator::Split),
+        );
+        for h in [H, -H] {
+            assert!(driver.run(&model, h, 600, u64::MAX));
+        }
+        assert!(driver.state.attitude_difference(&setup.initial) < 1e-12);
     }
 }
 
