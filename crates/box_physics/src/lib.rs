@@ -33,7 +33,7 @@
 //! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step. A `Transform` given at the
 //! start says where the body starts, and a `BodyState` does if there is none. Give it a mesh, or a child with one, and
 //! it is on screen. New bodies and states that you write are shown in the same frame, paused or not.
-//! (`Changed<Transform>` tells that a body moved; the physics does not mark `BodyState` as changed. When *you* write to
+//! (`Changed<Transform>` says that a body moved; the physics does not mark `BodyState` as changed. When *you* write to
 //! it, do not bypass change detection: it wakes a box at rest.)
 //!
 //! To put a body elsewhere queue the command [`Teleport`](plugin::Teleport). A `Transform` that you change teleports

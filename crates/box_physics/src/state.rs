@@ -13,9 +13,8 @@ use crate::rotation::renormalize;
 /// in it, and converting to the angular velocity and back each step would bias the energy (a product
 /// I·(1/I) is not exactly 1). The angular velocity is an accessor and a setter, in world axes.
 ///
-/// You may write to it at any time. A box that lies still is not looked at until change detection says that
-/// somebody wrote to it: do not bypass that. (The physics itself does not mark it as changed when it moves a
-/// body; `Transform` tells that.)
+/// You may write to it at any time. Change detection wakes a sleeping box, so do not bypass it. (The physics itself
+/// does not mark a state as changed when it moves a body; `Changed<Transform>` says that.)
 ///
 /// ```
 /// use box_physics::prelude::*;

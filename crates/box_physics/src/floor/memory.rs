@@ -90,8 +90,8 @@ impl ContactState {
         self.touching
     }
 
-    /// Whether `state` is the one in which the last step left the box at rest. `false` as soon as anybody writes
-    /// another state: no step has to come in between.
+    /// Whether `state` is the one in which the last step left the box at rest. `false` as soon as
+    /// another state is written: no step has to come in between.
     pub fn is_resting(&self, state: &BodyState) -> bool {
         self.rest.as_ref().is_some_and(|rest| rest.is_of(state))
     }

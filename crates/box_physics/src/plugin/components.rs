@@ -226,7 +226,7 @@ pub struct Quarantined {
     pub time: f64,
 }
 
-/// What *Integrate* tells *Contact* of a body, and *Contact* the next *Integrate*.
+/// Passed from *Integrate* to *Contact* for each body, and from *Contact* to the next *Integrate*.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NearFloor {
     /// It may touch the floor during this step: left to *Contact*.

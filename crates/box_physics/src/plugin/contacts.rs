@@ -29,8 +29,8 @@ pub(crate) struct ReportedContacts {
     points: Vec<ContactPoint>,
 }
 
-/// Emits what the step found. A corner that touched before anybody listened begins now; one whose contact was
-/// forgotten from outside ends.
+/// Emits what the step found. A corner that touched before [`ReportContacts`] was inserted begins now; one whose
+/// [`ContactState`] was reset ends.
 pub(crate) fn report_contacts(
     mut bodies: Query<
         (

@@ -1,4 +1,4 @@
-//! What can be wrong round the bodies, and how it is told: once, not every frame, and without a panic.
+//! Validation of the world around the bodies. Each fault is logged once, and nothing panics.
 
 use core::time::Duration;
 
@@ -33,7 +33,7 @@ pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
     }
 }
 
-/// Settings that no step can do without and that somebody removed are there again, with their defaults.
+/// Restores the settings that a step needs, with their defaults, where they were removed.
 pub(crate) fn restore_resources(world: &mut World) {
     fn restore<R: Resource + Default>(world: &mut World, name: &str) {
         if !world.contains_resource::<R>() {
@@ -123,12 +123,12 @@ pub(crate) fn count_dropped_time(
         return;
     }
     let lost = lost.as_secs_f64() * time.relative_speed_f64();
-    // Beyond what a Duration can hold nobody counts.
+    // A Duration may be too small for it.
     let lost = Duration::try_from_secs_f64(lost).unwrap_or(Duration::MAX);
     clock.dropped = clock.dropped.saturating_add(lost);
 }
 
-/// Gives a `B` to bodies without a `C`, which their [`RigidBox`] requires: somebody removed it, or they were spawned
+/// Inserts a `B` into bodies without a `C`, which their [`RigidBox`] requires: it was removed, or the body was spawned
 /// before the plugin was added.
 pub(crate) fn restore_component<C: Component, B: Bundle + Default>(
     bodies: Query<Entity, (With<RigidBox>, Without<C>)>,

@@ -38,7 +38,7 @@ impl NearFloor {
 }
 
 /// The first question of [`floor::may_touch`] under gravity alone, of many bodies at once: whether the ball
-/// round the box stays above the floor. Then it does not touch.
+/// around the box stays above the floor. Then it does not touch.
 struct HighAbove<'a> {
     floor: &'a Floor,
     bodies: &'a [RigidBox],
@@ -56,7 +56,7 @@ impl VectorLoop for HighAbove<'_> {
         let fall = self.h * self.h * self.pull;
         for ((body, state), high) in self.bodies.iter().zip(self.states).zip(self.high) {
             let down = -state.velocity.y;
-            // Half as much again as `may_touch` asks for: what is not high is asked there.
+            // Half as much again as `may_touch` requires: what is not high is tested there.
             let drop = self.h * if down > 0.0 { down } else { 0.0 } + 1.5 * fall;
             let clearance = state.position.y - self.floor.height - body.radius();
             *high = if clearance > drop { 1.0 } else { 0.0 };

@@ -15,7 +15,7 @@ use crate::body::RigidBox;
 use crate::floor::ContactPhase;
 use crate::state::BodyState;
 
-/// At most so many boxes are drawn: more would be a gray cloud, and slow.
+/// The largest number of boxes that are drawn: more would be a gray cloud, and slow.
 const MOST: usize = 2000;
 /// How long a contact is shown \[s\]: a bounce lasts one step.
 const SHOWN_FOR: f32 = 0.25;

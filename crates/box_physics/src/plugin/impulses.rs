@@ -35,7 +35,7 @@ pub(crate) fn collect_impulses(
     queue.extend(cursor.read(&messages).filter(kept));
 }
 
-/// The impulses asked for, in order of arrival. One that cannot be applied is dropped: its body is
+/// Applies the collected impulses in order of arrival. One that cannot be applied is dropped: its body is
 /// gone or quarantined, or it would leave a state that is not finite.
 pub(crate) fn apply_impulses(
     mut pending: ResMut<PendingImpulses>,

@@ -1,4 +1,4 @@
-//! Messages: what is asked of the physics, and what happened in it.
+//! Messages: requests to the physics, and what happened in it.
 
 use bevy::ecs::entity::Entity;
 use bevy::ecs::message::Message;
@@ -182,10 +182,10 @@ pub struct BodyQuarantined {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub enum QuarantineCause {
-    /// Somebody wrote a [`BodyState`] that is not finite or beyond 1e38, or whose attitude is not a unit quaternion.
+    /// A [`BodyState`] was written that is not finite or beyond 1e38, or whose attitude is not a unit quaternion.
     /// The body stands at its last written pose, at rest.
     State,
-    /// The step from a sound state led to one that is not finite or beyond 1e38: its forces are, or the integrator
+    /// The step from a valid state led to one that is not finite or beyond 1e38: its forces are, or the integrator
     /// left its stable range. The body stands as it was before that step.
     Step,
 }

@@ -23,7 +23,7 @@ use bevy::tasks::ComputeTaskPool;
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Resource, Default, Clone, PartialEq)]
 pub struct PhysicsThreads {
-    /// At most so many, the calling one included; 0 counts as 1. Default: all of Bevy's
+    /// Maximum number of threads, including the caller; 0 counts as 1. Default: all of Bevy's
     /// `ComputeTaskPool`.
     pub most: usize,
     /// Bodies that make another thread worth waking. Default 2048: some 100 µs of free flight.
@@ -44,7 +44,7 @@ impl Default for PhysicsThreads {
 pub(crate) const CHUNK: usize = 512;
 
 impl PhysicsThreads {
-    /// For so many bodies.
+    /// Number of threads for this number of bodies.
     fn count(&self, bodies: usize) -> usize {
         let Some(pool) = ComputeTaskPool::try_get() else {
             return 1;
@@ -54,8 +54,8 @@ impl PhysicsThreads {
         wanted.min(pool.thread_num() + 1).min(self.most).max(1)
     }
 
-    /// Does `work` on every chunk of so many `bodies`, in any order and on any thread, and adds up what
-    /// came of it. The threads take chunk after chunk, half of them from the end, so that none waits for
+    /// Does `work` on every chunk of `bodies` bodies in all, in any order and on any thread, and adds up the
+    /// results. The threads take chunk after chunk, half of them from the end, so that none waits for
     /// another's slow ones, and two read on in memory where they left off.
     pub(crate) fn share_out<C: Send, T: Default + AddAssign + Send + 'static>(
         &self,

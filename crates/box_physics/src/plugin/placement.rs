@@ -1,5 +1,5 @@
-//! New bodies, and bodies whose [`BodyState`] somebody else wrote: they are shown where they are in the same
-//! frame, whether or not a step comes.
+//! New bodies, and bodies whose [`BodyState`] was written by others: `Transform` and [`WorldAabb`] show them in
+//! the same frame, whether or not a step comes.
 
 use bevy::app::{App, MainScheduleOrder, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::ecs::change_detection::{DetectChanges, DetectChangesMut, Mut, Ref, Tick};
@@ -77,7 +77,7 @@ impl ShownBodyItem<'_, '_> {
         }
     }
 
-    /// Shows a state that somebody wrote. Returns the pose before, if it is another. A `Transform` that was changed
+    /// Shows a written state. Returns the pose before, if it is another. A `Transform` that was changed
     /// later is a teleport of the next step, and stays.
     fn show_written(&mut self, now: Tick) -> Option<PublishedPose> {
         if self.quarantined || !self.state.is_valid() {
@@ -106,7 +106,7 @@ pub(crate) fn place_new_body(new: On<Add, RigidBox>, mut world: DeferredWorld) {
     }
 }
 
-/// Places new bodies and shows states that somebody wrote. Outside of a tick such a body jumped: what smooths
+/// Places new bodies and shows written states. Outside of a tick such a body jumped: what smooths
 /// between steps must not draw a flight.
 pub(crate) fn show_changes<const IN_TICK: bool>(
     mut bodies: ParamSet<(
@@ -117,7 +117,7 @@ pub(crate) fn show_changes<const IN_TICK: bool>(
     ticks: SystemChangeTick,
 ) {
     let (last, now) = (ticks.last_run(), ticks.this_run());
-    // Asked of whole columns first: mostly there is nothing.
+    // Whole columns first: usually there is nothing.
     let any = bodies.p0().contiguous_iter().is_ok_and(|mut tables| {
         tables.any(|(boxes, states)| {
             any_newer(boxes.changed_ticks_slice(), last, now)
@@ -244,7 +244,7 @@ pub(crate) fn disable_body(disabled: On<Add, Disabled>, mut world: DeferredWorld
     }
 }
 
-/// A body that is enabled is placed like a new one: nobody looked at what was changed meanwhile.
+/// A body that is enabled is placed like a new one: its changes were not seen while it was disabled.
 pub(crate) fn enable_body(enabled: On<Remove, Disabled>, mut world: DeferredWorld) {
     if let Ok(mut entity) = world.get_entity_mut(enabled.entity)
         && let Ok(mut body) = entity.get_components_mut::<ShownBody>()

@@ -52,7 +52,7 @@ impl Quarantine<'_, '_> {
     }
 }
 
-/// Keeps whoever writes to a quarantined body from showing nonsense.
+/// Restores the state of a quarantined body where an invalid one was written.
 pub(crate) fn guard_quarantined(
     mut bodies: Query<(&mut BodyState, &PublishedPose), (With<Quarantined>, With<RigidBox>)>,
 ) {
@@ -63,10 +63,10 @@ pub(crate) fn guard_quarantined(
     }
 }
 
-/// Lines that tell of quarantines: a spawner of nonsense must not flood the log.
+/// Maximum number of lines about quarantines: a spawner of nonsense must not flood the log.
 const MOST_QUARANTINE_LINES: u32 = 10;
 
-/// Tells of the bodies that were quarantined since the last tick, in one line.
+/// Logs the bodies that were quarantined since the last tick, in one line.
 pub(crate) fn report_quarantined(
     mut quarantined: MessageReader<BodyQuarantined>,
     mut lines: Local<u32>,
@@ -90,7 +90,7 @@ pub(crate) fn report_quarantined(
     }
     *lines += 1;
     let end = if *lines == MOST_QUARANTINE_LINES {
-        " (further quarantines are told in BodyQuarantined messages alone)"
+        " (further quarantines are only reported as BodyQuarantined messages)"
     } else {
         ""
     };

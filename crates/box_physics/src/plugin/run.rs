@@ -97,7 +97,7 @@ impl Command for StepPhysics {
         }
         world.run_schedule(BeforeSteps);
         for _ in 0..self.0 {
-            // As round a tick of the fixed loop, so that smoothing between steps takes part: it first
+            // As around a tick of the fixed loop, so that smoothing between steps takes part: it first
             // shows the pose of the last step, which would else look like a teleport. An app without
             // these schedules needs none of it.
             let _ = world.try_run_schedule(FixedFirst);

@@ -56,7 +56,7 @@ pub struct PhysicsSchedule;
 pub enum PhysicsSystems {
     /// Empty, for users.
     First,
-    /// Teleports and impulses are taken over.
+    /// Teleports by `Transform` and impulses are applied.
     Impulses,
     /// Empty, for users' systems that set forces for this step; what is the same for every body is gathered after it.
     Forces,

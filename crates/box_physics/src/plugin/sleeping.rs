@@ -11,7 +11,7 @@
 //! | `WorldGravity` or the `Floor` changes | comparison with the last step |
 //! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
 //!
-//! The physics itself moves bodies without marking them as changed. A `Transform` that somebody else overwrites is
+//! The physics itself moves bodies without marking them as changed. A `Transform` that is overwritten by others is
 //! written again without waking the box.
 
 use core::ops::Range;
@@ -63,7 +63,7 @@ impl SleepClock {
         changes: &Changes<'_, N>,
         mut work: impl FnMut(Range<usize>),
     ) {
-        // Asked of the whole chunk first, without a branch on each.
+        // The whole chunk first, without a branch on each.
         if !sleep.iter().fold(false, |any, s| any | (s.0 == self.run)) {
             return work(0..sleep.len());
         }
@@ -102,7 +102,7 @@ pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
 /// The sleepers of a table in one run of *Contact*.
 pub(crate) struct Sleepers<'a> {
     run: u32,
-    /// Only gravity acts on them, and nobody asks for their contacts.
+    /// Only gravity acts on them, and their contacts are not reported.
     may_sleep: bool,
     unchanged: bool,
     /// Of everything whose change wakes a body.

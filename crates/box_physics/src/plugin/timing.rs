@@ -1,4 +1,4 @@
-//! Where the time goes: taken round loops, never per body, kept in one typed resource and published
+//! Time of each stage and integrator: taken around loops, never per body, kept in one typed resource and published
 //! through Bevy's `DiagnosticsStore` under `box_physics/…`.
 
 use std::sync::LazyLock;

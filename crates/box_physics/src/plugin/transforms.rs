@@ -1,4 +1,4 @@
-//! `Transform`: written once a step, and taken over as a teleport where somebody else changed it.
+//! `Transform`: written once a step, and taken as a teleport where others changed it.
 
 use core::ops::Range;
 
@@ -22,7 +22,7 @@ use crate::body::RigidBox;
 use crate::state::BodyState;
 
 /// The pose last written to `Transform`, in its f32 bits. A `Transform` that changed since and differs from
-/// it was changed by somebody else: a teleport. (Change detection alone would not do: smoothing between
+/// it was changed by others: a teleport. (Change detection alone would not do: smoothing between
 /// steps writes `Transform` every frame.)
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PublishedPose {
@@ -80,7 +80,7 @@ impl PublishedPose {
         BodyState::at_pose(self.translation.as_dvec3(), self.rotation.as_dquat())
     }
 
-    /// Takes over into `state` what somebody changed in `transform` since we wrote it. Returns whether
+    /// Takes into `state` what others changed in `transform` since we wrote it. Returns whether
     /// there was anything, or an error if it is not usable (then nothing is taken).
     pub(crate) fn take_teleport(
         &self,
@@ -90,7 +90,7 @@ impl PublishedPose {
         let now = Self::of(state);
         let moved =
             transform.translation != self.translation && transform.translation != now.translation;
-        // Smoothing between two equal rotations may change their last bits: that is nobody's wish.
+        // Smoothing between two equal rotations may change their last bits: that is no teleport.
         let turned = !same_rotation(transform.rotation, self.rotation)
             && !same_rotation(transform.rotation, now.rotation);
         if !moved && !turned {
@@ -122,7 +122,7 @@ fn same_rotation(a: Quat, b: Quat) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotFinite;
 
-/// When *Writeback* last ran: a `Transform` that changed later was changed by somebody else.
+/// When *Writeback* last ran: a `Transform` that changed later was changed by others.
 #[derive(Resource, Default)]
 pub(crate) struct LastWriteback(Option<Tick>);
 
@@ -135,7 +135,7 @@ impl LastWriteback {
     }
 }
 
-/// Bodies whose `Transform` somebody changed are there now.
+/// Teleports the bodies whose `Transform` others changed.
 pub(crate) fn take_teleports(
     mut bodies: Query<(Entity, Ref<Transform>, &PublishedPose, &mut BodyState), With<RigidBox>>,
     last: Res<LastWriteback>,
@@ -190,10 +190,10 @@ pub(crate) fn take_teleports(
     Ok(())
 }
 
-/// Bodies of a pass that takes a fraction of a step for each count as one in so many, when threads are woken.
+/// In a pass that takes a fraction of a step for each body, this number of bodies counts as one when threads are woken.
 pub(crate) const LIGHT: usize = 8;
 
-/// A body whose `Transform` cannot be taken over: the first in the order of entities.
+/// The first body, in the order of entities, whose `Transform` is invalid.
 #[derive(Default)]
 struct Refused(Option<Entity>);
 
