@@ -19,7 +19,7 @@ pub enum Situation {
     Settling,
     /// Lying still.
     Rest,
-    /// Sliding on a face, for ever: the floor is steeper than friction holds.
+    /// Sliding on a face without stopping: the floor is steeper than friction holds.
     Sliding,
 }
 
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn sets_repeat_and_are_sound() {
+    fn sets_repeat_and_are_valid() {
         for situation in Situation::ALL {
             let bodies = situation.bodies(50);
             assert_eq!(bodies, situation.bodies(50));

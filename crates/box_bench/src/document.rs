@@ -1,6 +1,6 @@
 //! The tables of a document, between markers, rewritten from what was measured.
 //!
-//! A table named `step` stands between the lines `<!-- table: step -->` and `<!-- /table -->`; its name is
+//! A table named `step` is between the lines `<!-- table: step -->` and `<!-- /table -->`; its name is
 //! a suite's, or that of something computed from several: `targets`, `million`.
 
 use std::fmt::Write as _;
@@ -50,7 +50,7 @@ fn with_tables(text: &str, rows: &[Row]) -> String {
     out
 }
 
-/// What stands under a name, if it was measured.
+/// The measurement of a name, if there is one.
 fn block(name: &str, rows: &[Row]) -> Option<String> {
     let found: Vec<_> = rows.iter().filter(|row| row.suite == name).collect();
     match name {

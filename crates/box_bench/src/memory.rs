@@ -9,7 +9,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// For `n` bodies with so many bytes read (those that are written included) and written.
+    /// For `n` bodies with these numbers of bytes read (including those written) and written.
     pub fn new(n: usize, (read, written): (usize, usize)) -> Self {
         let words = |bytes: usize| vec![1_u64; n * bytes / 8];
         Self {

@@ -1,4 +1,4 @@
-//! What the benchmarks may be told on the command line.
+//! Command-line options of the benchmarks.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -67,7 +67,7 @@ impl PluginWorld {
         }
     }
 
-    /// At most so many threads from now on.
+    /// Sets the largest number of threads.
     pub fn use_threads(&mut self, most: usize) {
         self.app.world_mut().resource_mut::<PhysicsThreads>().most = most;
     }

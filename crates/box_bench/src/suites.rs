@@ -60,7 +60,7 @@ pub fn kernels(options: &Options) -> Vec<Row> {
     rows
 }
 
-/// Bounding boxes and transforms on plain arrays, beside a pass over the bytes of a whole step.
+/// Bounding boxes and transforms on plain arrays, compared with a pass over the bytes of a whole step.
 pub fn refit(options: &Options) -> Vec<Row> {
     let mut rows = Vec::new();
     for n in options.sizes() {
@@ -115,7 +115,7 @@ fn plain_row(suite: &'static str, name: &str, i: Integrator, bodies: usize, cost
     }
 }
 
-/// The plugin's whole step in every situation, beside the bare loop and the memory bound.
+/// The plugin's whole step in every situation, compared with the bare loop and the memory bound.
 pub fn step(options: &Options, count: CountAllocations) -> Vec<Row> {
     let mut rows = Vec::new();
     for integrator in options.integrators_or(&[Integrator::Split]) {

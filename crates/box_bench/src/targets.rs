@@ -10,9 +10,9 @@ const FRAME: f64 = 1e9 / 60.0;
 pub struct Target {
     /// Of what.
     pub what: String,
-    /// What it should be.
+    /// The target.
     pub aim: Aim,
-    /// What it is.
+    /// The measurement.
     pub measured: f64,
 }
 

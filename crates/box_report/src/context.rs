@@ -27,7 +27,7 @@ pub(crate) enum Stop {
     /// The command line makes no sense here; the message lists what is allowed.
     #[error("{0}")]
     Usage(String),
-    /// A number is not what it was.
+    /// A number differs from the stored one.
     #[error("{0}")]
     Changed(String),
     /// A program that was called did not do its work.

@@ -61,7 +61,7 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     Ok(section)
 }
 
-/// The fingerprints of `integrators`, computed by `threads` threads beside each other.
+/// The fingerprints of `integrators`, computed by `threads` threads in parallel.
 fn on_threads(threads: usize, integrators: &[Integrator]) -> Result<Vec<u64>, Stop> {
     let all = || {
         integrators

@@ -1,4 +1,4 @@
-//! What a part of the report hands over, and the pages made of it: `report.md`, `report.html` (one file,
+//! The result of a part of the report, and the pages made of it: `report.md`, `report.html` (one file,
 //! figures inside) and the digest `results.md`.
 
 use std::collections::BTreeMap;
@@ -81,7 +81,7 @@ impl Section {
 /// Everything there is to say at the end of a run.
 pub(crate) struct Document<'a> {
     pub(crate) sections: &'a [Section],
-    /// Parts that were asked for and not finished.
+    /// Requested parts that were not finished.
     pub(crate) missing: &'a [&'static str],
     pub(crate) machine: &'a Machine,
     /// Seconds that the run took.

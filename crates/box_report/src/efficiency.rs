@@ -13,7 +13,7 @@ const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
 /// An integrator beats another only if it is cheaper by more than this: what measurements of one machine
 /// cannot tell apart is no victory.
 pub(crate) const CLEARLY: f64 = 0.95;
-/// Errors below this count as this: nobody needs less, and rounding would decide.
+/// Errors below this count as this: smaller ones are not needed, and rounding would decide.
 const GOOD_ENOUGH: f64 = 1e-9;
 
 #[derive(Serialize)]
@@ -37,8 +37,8 @@ struct FrontierRow {
     families: String,
 }
 
-/// The points that tell anything, each with error and cost.
-fn told(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
+/// The points that did not fail, each with error and cost.
+fn measured(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
     f.points.iter().filter_map(|p| {
         let error = p.run.error(f.family.metrics[0])?.max(GOOD_ENOUGH);
         Some((p, error, p.microseconds()?))
@@ -48,7 +48,7 @@ fn told(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
 /// The cheapest point of each integrator below `limit`, cheapest first.
 fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
     let mut best: Vec<(&Point, f64)> = Vec::new();
-    for (p, error, cost) in told(f) {
+    for (p, error, cost) in measured(f) {
         if error > limit {
             continue;
         }
@@ -64,10 +64,10 @@ fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
 
 /// Whether some point of `integrator` is beaten by no point of another.
 fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
-    told(f)
+    measured(f)
         .filter(|(p, ..)| p.integrator == integrator)
         .any(|(_, e, c)| {
-            !told(f).any(|(q, error, cost)| {
+            !measured(f).any(|(q, error, cost)| {
                 q.integrator != integrator && error <= e && cost < CLEARLY * c
             })
         })

@@ -71,7 +71,7 @@ enum Command {
 
 /// Everything was done.
 const OK: u8 = 0;
-/// A file could not be used, or a number is not what it was; the others were.
+/// A file could not be used, or a number differs from the stored one.
 const BAD: u8 = 1;
 /// The command line makes no sense (clap's own code for it).
 const USAGE: u8 = 2;
@@ -105,7 +105,7 @@ fn main() -> ExitCode {
 
 /// What clap says; it does not list the commands by itself.
 fn refuse(e: &clap::Error) -> ExitCode {
-    // Where standard error is closed there is nobody to tell.
+    // Standard error may be closed.
     let _ = e.print();
     if e.kind() == clap::error::ErrorKind::InvalidSubcommand {
         let commands = Cli::command();

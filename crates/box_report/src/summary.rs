@@ -1,4 +1,4 @@
-//! What a reader wants to know in a minute: which integrator, what it costs, how wrong it is, when it breaks.
+//! The summary: which integrator to take, its cost, its error, and when it breaks.
 
 use box_physics::integrators::{Integrator, Limit};
 use box_scenarios::Family;
@@ -14,7 +14,7 @@ use crate::visible::{MINUTE, RATES, THROW, Visible};
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
-/// What has been measured so far.
+/// The measurements so far.
 #[derive(Default)]
 pub(crate) struct Results {
     pub(crate) work_precision: Option<WorkPrecision>,
@@ -90,12 +90,12 @@ struct Row {
     hard_cases_diverged: Option<usize>,
 }
 
-/// The section that stands first.
+/// The first section.
 pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop> {
     let mut section = Section::new(
         "summary",
         "In a minute",
-        "Which integrator for a game, what it costs, how wrong it is, when it breaks.",
+        "Which integrator to take for a game: its cost, its error, and when it breaks.",
     );
     let scenes = Family::all().len();
     let row = |&s: &Integrator| {

@@ -36,7 +36,7 @@ use glam::{DQuat, DVec3};
 /// What the demo adds to the position \[m/s\]: the number of an acceleration, used as a speed.
 pub const FALL: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
-/// What stands where a box has 1/12, in I = factor · m (a² + b²).
+/// Stands for the 1/12 of a box, in I = factor · m (a² + b²).
 pub const INERTIA_FACTOR: f64 = 0.83;
 
 /// Share of the angular acceleration that a cycle adds to the angular velocity \[s\], whatever its length.
@@ -130,7 +130,7 @@ impl Stepper {
     }
 }
 
-/// The box of the demo and the constants of its law.
+/// The box of the demo and the constants of its force model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demo {
     /// Mass \[kg\]; the demo's cube has 10.
@@ -156,7 +156,7 @@ impl Default for Demo {
 }
 
 impl Demo {
-    /// The demo's law for a box of ours, over the floor at `floor` \[m\].
+    /// The demo's force model for a box of ours, over the floor at `floor` \[m\].
     pub fn of(body: &RigidBox, floor: Option<f64>) -> Self {
         Self {
             mass: body.mass(),

@@ -1,4 +1,4 @@
-//! An owned, serializable force model: what a scene or a file stores, and what it lends to the integrators.
+//! An owned, serializable force model, as scenes and files store it.
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
@@ -101,7 +101,7 @@ impl ForceSet {
         self
     }
 
-    /// The law as the integrators take it, for `body` (a force is an acceleration only with its mass).
+    /// The force model as the integrators take it, for `body` (a force is an acceleration only with its mass).
     pub fn forces(&self, body: &RigidBox) -> Forces<'_> {
         Forces {
             acceleration: self.acceleration(body),

@@ -66,7 +66,7 @@ impl Errors {
         self.angular_momentum = self.angular_momentum.max(e.angular_momentum);
     }
 
-    /// Takes an energy \[J\] and what it should be \[J\] into account.
+    /// Takes an energy \[J\] and its expected value \[J\] into account.
     pub fn see_energy(&mut self, energy: f64, expected: f64) {
         let error = (energy - expected).abs();
         self.energy = if error.is_nan() {

@@ -7,7 +7,7 @@ use crate::scenes;
 use crate::setup::Setup;
 use crate::view::SceneView;
 
-/// A named scene: what happens in it, what it teaches, and what to try.
+/// A named scene with its lesson and hints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
     /// As typed: lower case, hyphens.

@@ -1,4 +1,4 @@
-//! What is simulated: a body, its start, what acts on it, and for how long.
+//! A setup: a body, its start, its forces, floor and impulses, and a duration.
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
@@ -88,7 +88,7 @@ pub struct Setup {
     pub body: RigidBox,
     /// Its state at t = 0.
     pub initial: BodyState,
-    /// What acts on it.
+    /// The forces on it.
     pub forces: ForceSet,
     /// The floor, if there is one.
     pub floor: Option<FloorSpec>,
@@ -130,7 +130,7 @@ impl Setup {
         ReferenceSolution::of(self)
     }
 
-    /// Kinetic and potential energy of `state` under this law \[J\].
+    /// Kinetic and potential energy of `state` under these forces \[J\].
     pub fn energy(&self, state: &BodyState) -> f64 {
         box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
     }

@@ -18,7 +18,7 @@ pub struct Expected {
     pub energy: Option<f64>,
 }
 
-/// A sample of a run beside its reference.
+/// A sample of a run with its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared<'a> {
     /// Time \[s\].
@@ -104,7 +104,7 @@ pub fn simulate(
     compare(setup, integrator, &plan, expected, |_| true)
 }
 
-/// The limits of sanity for a run of `setup` beside these states of its reference.
+/// The limits of sanity for a run of `setup` with these states of its reference.
 pub fn sanity<'a>(setup: &Setup, reference: impl IntoIterator<Item = &'a BodyState>) -> Sanity {
     let mut limits = Sanity::of(setup);
     reference.into_iter().for_each(|r| limits.see(r));

@@ -1,4 +1,4 @@
-//! How a scene wants to be looked at: camera and plot.
+//! The view of a scene: camera and plot.
 
 use glam::DVec3;
 use serde::de::{Deserializer, Error};
@@ -6,20 +6,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::limits;
 
-/// Where the camera stands when the scene opens, and which plot lies open. Everything has a default.
+/// The camera when the scene opens, and the plot that is open. Every field has a default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneView {
-    /// Angle about the vertical \[degrees\]; 0 looks along −z, positive stands to the right.
+    /// Angle about the vertical \[degrees\]; 0 looks along −z, positive is to the right.
     #[serde(deserialize_with = "yaw")]
     pub yaw: f64,
     /// Angle above the horizon \[degrees\], −85 to 85.
     #[serde(deserialize_with = "pitch")]
     pub pitch: f64,
-    /// Distance from the target \[m\]; without it what shows the box and the floor below it.
+    /// Distance from the target \[m\]; by default one that shows the box and the floor below it.
     #[serde(deserialize_with = "distance")]
     pub distance: Option<f64>,
-    /// What it looks at \[m\]; without it the box, or between box and floor.
+    /// The target of the camera \[m\]; by default the box, or between box and floor.
     #[serde(deserialize_with = "limits::optional_vector")]
     pub target: Option<DVec3>,
     /// The plot worth watching.

@@ -15,7 +15,7 @@ const G: f64 = 9.81;
 /// |v₁/v₀| after one step of `integrator` under drag with c·dt/m = `z`.
 pub(super) fn amplification(integrator: Integrator, z: f64) -> f64 {
     let body = RigidBox::default();
-    let law = Forces {
+    let forces = Forces {
         dissipation: Dissipation {
             linear_drag: z * body.mass(),
             ..Dissipation::NONE
@@ -26,7 +26,7 @@ pub(super) fn amplification(integrator: Integrator, z: f64) -> f64 {
     integrator.step(
         &body,
         &mut state,
-        &law,
+        &forces,
         1.0,
         &mut IntegratorMemory::default(),
     );

@@ -1,4 +1,4 @@
-//! Axes: what range they show, where their lines are, what stands at them.
+//! Axes: range, grid lines and labels.
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 
@@ -141,7 +141,7 @@ impl Range {
         }
     }
 
-    /// What stands at a line.
+    /// The label of a grid line.
     pub(super) fn label(&self, at: f64) -> String {
         match self.scale {
             Scale::Log => match at.round() as i32 {

@@ -1,4 +1,4 @@
-//! The largest stable step of each integrator, measured, beside what theory says: of linear problems from the
+//! The largest stable step of each integrator, measured, and what theory says: of linear problems from the
 //! matrix of a step, of spinning bodies by runs.
 
 use std::ops::ControlFlow;
@@ -44,7 +44,7 @@ impl Number {
     }
 }
 
-/// The smallest step tried, and the largest: nobody takes a larger one.
+/// The smallest step tried, and the largest, beyond any use.
 const TRIED: (f64, f64) = (0.1, 1e3);
 /// Ratio between the steps tried of a spinning body, each a run; and of a linear problem, each a matrix:
 /// instability may begin in a narrow band (of 0.16 % for `split4` on a spring).
@@ -73,8 +73,8 @@ pub(crate) fn measured(integrator: Integrator, number: Number) -> Limit {
     })
 }
 
-/// The largest step from which on all smaller ones tried are `stable`; that is also told whether the step is
-/// the smallest.
+/// The largest step from which on all smaller ones tried are `stable`; its second argument says whether the step
+/// is the smallest.
 fn search(ratio: f64, stable: impl Fn(f64, bool) -> bool) -> Limit {
     if !stable(TRIED.0, true) {
         return Limit::AlwaysGrows;

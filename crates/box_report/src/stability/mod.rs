@@ -207,8 +207,7 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
         title: "Largest stable steps".to_owned(),
         note: "Tried from 0.1 to 1000. Spin: |L| of a tumbling box, plate and needle in 1000 steps, and of a blade spun near its \
                middle axis, does not grow; the worst counts, and theory promises a range for every body. Drag and undamped \
-               spring: no eigenvalue of the matrix of a step lies outside the unit circle (in steps of 0.05 %). Where theory says \
-               something else, it stands beside."
+               spring: no eigenvalue of the matrix of a step lies outside the unit circle (in steps of 0.05 %). Where theory differs, it is added."
             .to_owned(),
         columns: ["integrator", "|ω|·dt", "c·dt/m", "√(k/m)·dt"]
             .map(str::to_owned)

@@ -17,7 +17,7 @@ pub(crate) use options::Options;
 struct Row<'a> {
     case: &'a Case,
     integrator: Integrator,
-    /// The step asked for \[s\].
+    /// The requested step \[s\].
     dt: f64,
     measured: Measurement,
     ns_per_step: Option<f64>,

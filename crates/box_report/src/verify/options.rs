@@ -36,7 +36,7 @@ pub(super) enum Format {
 }
 
 impl Options {
-    /// The integrators asked for, or all.
+    /// The requested integrators, or all.
     pub(super) fn integrators(&self) -> &[Integrator] {
         if self.integrator.is_empty() {
             Integrator::ALL
@@ -45,7 +45,7 @@ impl Options {
         }
     }
 
-    /// The steps asked for \[s\].
+    /// The requested steps \[s\].
     pub(super) fn steps(&self) -> &[f64] {
         &self.dt
     }

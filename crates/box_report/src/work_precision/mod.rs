@@ -260,7 +260,7 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
     }
 }
 
-/// Fitted orders, beside what the figures show.
+/// Fitted orders.
 fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
     let short = |f: Fitted| match f {
         Fitted::Order(p) => format!("{p:.1}"),

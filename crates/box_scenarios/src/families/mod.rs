@@ -18,9 +18,9 @@ use crate::simulate::{Compared, Comparison, Expected, compare};
 /// An error that can be plotted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Metric {
-    /// Distance of the center of mass from where it should be \[m\].
+    /// Distance of the center of mass from that of the reference \[m\].
     Position,
-    /// Angle between the attitude and what it should be \[rad\].
+    /// Angle between the attitude and that of the reference \[rad\].
     Attitude,
     /// Change of a constant energy, relative to its start.
     Energy,
@@ -87,7 +87,7 @@ pub struct ReferenceTable {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FamilyRun {
     /// The largest errors over the ticks; energy relative. `None` if the run failed: diverged, not finite
-    /// or not sound.
+    /// or invalid.
     pub errors: Option<Errors>,
     /// Steps and evaluations.
     pub totals: Totals,

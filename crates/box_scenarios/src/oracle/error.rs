@@ -46,9 +46,9 @@ pub enum OracleError {
         file: PathBuf,
         /// Path to the field.
         field: String,
-        /// What it must be.
+        /// The allowed values.
         allowed: String,
-        /// What it is.
+        /// The value.
         value: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A value of a JSON file that knows where it stands, so that every error can say so.
+//! A value of a JSON file with its place, which every error names.
 
 use std::path::Path;
 

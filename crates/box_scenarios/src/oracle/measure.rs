@@ -76,7 +76,7 @@ impl Case {
         Plan::new(&times, &self.setup.impulses, dt)
     }
 
-    /// Why this case cannot be run at `dt` \[s\], if it cannot: it would take for ever.
+    /// The reason why this case cannot be run at `dt` \[s\], if there is one: it would take too long.
     pub fn unsupported(&self, dt: f64) -> Option<&'static str> {
         (self.plan(dt).steps() > MAX_STEPS).then_some("more than 1e8 steps")
     }

@@ -2,11 +2,11 @@
 //!
 //! One JSON file is one case. Everything that decides the motion is checked and must be known: an
 //! unknown key under `forces`, `events` or `contact` is an error that names it, so that a case never
-//! runs under a law that is not its own. Keys elsewhere (`description`, `reference`, …) are free.
+//! runs under another force model. Keys elsewhere (`description`, `reference`, …) are free.
 
 mod error;
 mod field;
-mod law;
+mod force_model;
 mod measure;
 mod samples;
 
@@ -87,7 +87,7 @@ impl Case {
         let body = read_body(&root.require("body")?)?;
         let initial = read_initial(&root.require("initial")?, &body)?;
         let kind = root.require("kind")?.text()?.to_owned();
-        let floor = law::read_contact(&root, &kind)?;
+        let floor = force_model::read_contact(&root, &kind)?;
         let samples = samples::read(&root.require("samples")?, &body)?;
         let duration = samples.last().map_or(0.0, |s| s.t);
         Ok(Self {
@@ -95,9 +95,9 @@ impl Case {
             kind,
             file: file.to_owned(),
             setup: Setup {
-                forces: law::read_forces(root.get("forces")?)?,
+                forces: force_model::read_forces(root.get("forces")?)?,
                 floor,
-                impulses: law::read_events(root.get("events")?)?,
+                impulses: force_model::read_events(root.get("events")?)?,
                 body,
                 initial,
                 duration,

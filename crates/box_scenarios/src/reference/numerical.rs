@@ -72,12 +72,12 @@ impl Numerical {
     }
 }
 
-struct Law<'a> {
+struct Motion<'a> {
     body: &'a RigidBox,
     forces: Forces<'a>,
 }
 
-impl ODE<f64, [f64; 13]> for Law<'_> {
+impl ODE<f64, [f64; 13]> for Motion<'_> {
     fn diff(&self, _t: f64, y: &[f64; 13], dydt: &mut [f64; 13]) {
         let state = unpack(y);
         let (dv, dl) = rates(self.body, &state, &self.forces);
@@ -95,7 +95,7 @@ fn integrate(setup: &Setup, from: &BodyState, t: f64, tolerance: f64) -> Option<
     if t <= 0.0 {
         return Some(*from);
     }
-    let law = Law {
+    let motion = Motion {
         body: &setup.body,
         forces: setup.forces.forces(&setup.body),
     };
@@ -103,7 +103,7 @@ fn integrate(setup: &Setup, from: &BodyState, t: f64, tolerance: f64) -> Option<
         .rtol(tolerance)
         .atol(tolerance)
         .max_steps(1_000_000);
-    let solution = IVP::ode(&law, 0.0, t, pack(from))
+    let solution = IVP::ode(&motion, 0.0, t, pack(from))
         .method(method)
         .solve()
         .ok()?;

@@ -1,4 +1,4 @@
-//! What a scene may ask for: everything that a person would want, and nothing that takes for ever.
+//! Limits of a scene file: wide enough for a person, narrow enough to be computed in seconds.
 
 use core::fmt::Display;
 

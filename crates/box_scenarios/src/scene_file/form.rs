@@ -1,4 +1,4 @@
-//! A scene as it stands in a file.
+//! A scene as a file stores it.
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;

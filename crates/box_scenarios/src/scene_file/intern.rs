@@ -1,5 +1,5 @@
 //! Texts that live as long as the program, each kept once: scenes are built-in for the most part, and
-//! their texts `&'static`. What is read again and again (hot reload) costs nothing anew.
+//! their texts `&'static`. Reading a text again (hot reload) allocates nothing.
 
 use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};

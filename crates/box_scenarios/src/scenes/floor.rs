@@ -46,7 +46,7 @@ pub fn drop() -> Scenario {
     }
 }
 
-/// e = 1: for ever.
+/// e = 1: without end.
 pub fn bounce() -> Scenario {
     let body = solid([0.5, 0.25, 0.5], 3.0);
     let start = spinning(&body, [0.0, 1.25, 0.0], [0.0; 3]);

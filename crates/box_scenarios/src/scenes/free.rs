@@ -28,7 +28,7 @@ pub fn dzhanibekov() -> Scenario {
     }
 }
 
-/// Spin about the shortest axis, slightly off: it must go on for ever.
+/// Spin about the shortest axis, slightly off: it must not change.
 pub fn stable_axis() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [0.4, 0.3, 6.0]);

@@ -1,4 +1,4 @@
-//! The scenes, one function each. **To add one**, write a function beside its likes and name it in
+//! The scenes, one function each. **To add one**, write a function next to its likes and name it in
 //! [`Scenario::ALL`](crate::Scenario::ALL):
 //!
 //! - [`mod@free`]: nothing but spin;
