@@ -69,7 +69,7 @@ fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, 
     })?;
     // The closed form, which the tests hold to the file: it is known at every time, also at that of a
     // clock of whole nanoseconds or of single precision.
-    let truth = setup.truth();
+    let solution = setup.reference();
     let energy = setup.initial.rotational_energy(&setup.body);
     let steps = (setup.duration * f64::from(rate)).round() as u32;
     let every = (steps / LOOKS).max(1);
@@ -81,7 +81,7 @@ fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, 
         }
         let t = world.time();
         let state = world.state(0);
-        let reference = truth
+        let reference = solution
             .at(t)
             .ok_or_else(|| format!("{}: no reference at {t} s", case.name))?;
         let attitude = StateError::between(&state, &reference).attitude;
