@@ -132,7 +132,10 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
 fn orders_in_the_legend_are_those_the_integrators_claim() {
     let folder = quick(
         "work-precision",
-        &["--integrators", "split,split4,rk4,explicit-euler,exact"],
+        &[
+            "--integrators",
+            "split,symmetric-top,split4,rk4,explicit-euler,exact",
+        ],
     );
     let svg = |id: &str| read(&folder.path().join(format!("work-precision-{id}.svg")));
     let order = |svg: &str, integrator: &str| -> f64 {
@@ -145,11 +148,15 @@ fn orders_in_the_legend_are_those_the_integrators_claim() {
         tail[at..at + end].parse().expect("a number")
     };
     let tumble = svg("free-tumble-attitude");
-    for (integrator, p, within) in [("split", 2.0, 0.2), ("split4", 4.0, 0.3), ("rk4", 4.0, 0.3)] {
+    for (integrator, p, within) in [
+        ("symmetric-top", 2.0, 0.2),
+        ("split4", 4.0, 0.3),
+        ("rk4", 4.0, 0.3),
+    ] {
         let fitted = order(&tumble, integrator);
         assert!((fitted - p).abs() < within, "{integrator}: {fitted}");
     }
-    assert!(tumble.contains("exact (rounding)"));
+    assert!(tumble.contains("exact (rounding)") && tumble.contains("split (rounding)"));
     let drag = svg("linear-drag-position");
     assert!((order(&drag, "explicit-euler") - 1.0).abs() < 0.1);
     assert!((order(&drag, "rk4") - 4.0).abs() < 0.3);

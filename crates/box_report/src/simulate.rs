@@ -27,7 +27,7 @@ pub(crate) struct Options {
     /// The step: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
     dt: f64,
-    /// How long \[s\] [default: as the scene says]
+    /// How long, in seconds (by default as the scene says)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     duration: Option<f64>,
     /// Where the CSV goes [default: standard output]

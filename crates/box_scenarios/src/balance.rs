@@ -157,7 +157,13 @@ impl Balance {
 /// The kinetic energy \[J\] that the forces at `state` give within a radius of the box, or a radian: what a motion that
 /// starts from rest is measured by.
 fn reach(model: &Model, state: &BodyState) -> f64 {
-    let (acceleration, torque) = rates(&model.body, state, &model.forces.forces(&model.body));
+    // At rest: neither drag nor the gyroscopic term L×ω gives any energy.
+    let rest = BodyState {
+        velocity: DVec3::ZERO,
+        angular_momentum: DVec3::ZERO,
+        ..*state
+    };
+    let (acceleration, torque) = rates(&model.body, &rest, &model.forces.forces(&model.body));
     model.body.mass() * acceleration.length() * model.body.radius() + torque.length()
 }
 

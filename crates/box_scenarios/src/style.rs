@@ -84,6 +84,7 @@ const TABLE: &[Row] = {
         row("exact", 2, look(ORANGE, Solid, Marker::Asterisk)),
         row("split4", 3, look(PURPLE, Solid, Marker::Diamond)),
         row("dmv6", 4, look(SKY, Solid, Marker::Right)),
+        row("symmetric-top", 0, look(VERMILLION, Dotted, Marker::Left)),
         row("rk4", 5, look(GREEN, Solid, Marker::Square)),
         row("implicit-midpoint", 6, look(BLUE, Dashed, Marker::Cross)),
         row("velocity-verlet", 7, look(SKY, Dashed, Marker::Plus)),

@@ -25,7 +25,7 @@ use crate::scene::library;
 #[command(name = "box_game", version, verbatim_doc_comment)]
 pub struct Cli {
     /// The scene to open with (see --list-scenes), or a scene file (assets/scenes/example.ron explains
-    /// the format); `throw` for --headless.
+    /// the format); throw for --headless.
     #[arg(value_parser = parse_scene)]
     pub scene: Option<String>,
 

@@ -276,7 +276,7 @@ mod tests {
         let mut setup = Scenario::find("throw").expect("a scene").setup;
         setup.duration = 2.0;
         let integrators = [
-            Integrator::Split,
+            Integrator::SymmetricTop,
             Integrator::Rk4,
             Integrator::SemiImplicitEuler,
             Integrator::Exact,

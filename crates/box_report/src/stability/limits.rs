@@ -264,7 +264,9 @@ mod tests {
             (Integrator::Heun2012, Number::Drag, Limit::Below(2.0)),
             (Integrator::Rk4, Number::Drag, Limit::Below(2.785)),
             (Integrator::Rk4, Number::Spring, Limit::Below(2.828)),
-            (Integrator::Split, Number::Spring, Limit::Below(2.0)),
+            // Chin's 4A: 2√3.
+            (Integrator::Split, Number::Spring, Limit::Below(3.464)),
+            (Integrator::SymmetricTop, Number::Spring, Limit::Below(2.0)),
             (Integrator::BackwardEuler, Number::Drag, Limit::None),
             (Integrator::Midpoint, Number::Spring, Limit::AlwaysGrows),
             (Integrator::Split, Number::Spin, Limit::None),

@@ -154,7 +154,7 @@ fn every_integrator_can_be_chosen_and_shows_its_cost() {
         assert!(person.sees(info.summary));
         assert!(person.sees_part(&format!("rotation {}", info.orders.rotation)));
         assert!(person.sees_part(&format!("{} in free flight", info.evaluations.free)));
-        assert!(person.sees_part("ns per body-step: min"));
+        assert!(person.sees_part("ns per body-step on this scene's bodies: min"));
         assert_eq!(person.click(integrator.name()), expected);
     }
 }

@@ -29,7 +29,7 @@ struct Person {
 }
 
 /// Tall enough to show every section without scrolling.
-const TALL: Vec2 = Vec2::new(1280.0, 1800.0);
+const TALL: Vec2 = Vec2::new(1280.0, 2400.0);
 
 impl Person {
     fn before(view: PanelView, size: Vec2) -> Self {
