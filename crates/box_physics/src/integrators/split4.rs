@@ -20,7 +20,7 @@ use crate::state::BodyState;
 /// it is the better (asymmetric dipole, 1/60 s: 7e-10 rad; the partitioned S6 2.9e-8).
 ///
 /// Without a wrench the whole step is one drift. Quadratic and angular drag stay outside, half before and half after
-/// (Strang): order 2 in those. With dampers the step is [`damped_step`]. The negative drift D₃ undoes
+/// (Strang): order 2 in those. With dampers the step is `damped_step`. The negative drift D₃ undoes
 /// damping, e^{0.35 ζ} times rounding with ζ = rate × h; above ζ = 20 the step is `split`'s.
 pub struct Split4;
 
