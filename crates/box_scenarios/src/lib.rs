@@ -4,7 +4,7 @@
 //! - [`scenario`]: the registry; [`scenes`]: one function a scene, **where a new scene goes**.
 //! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
 //! - [`setup`] and [`forces`]: what a scene consists of.
-//! - [`reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
+//! - [`mod@reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
 //! - [`driver`]: one box stepped as the plugin steps it; [`run`]: a whole setup, from sample to sample;
 //!   [`mod@simulate`]: against its reference; [`metrics`]: the errors.
 //! - [`live_reference`]: what to measure against while inputs come; [`balance`]: what energy and angular momentum
