@@ -1,4 +1,4 @@
-//! The comparison through the whole game without a window: hero, lanes, reference, inputs, fairness,
+//! The comparison through the whole game without a window: main box, comparisons, reference, inputs, fairness,
 //! log, memory.
 
 use bevy::input::InputPlugin;
@@ -10,7 +10,7 @@ use box_game::cli::Cli;
 use box_game::cli::start::open_files;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
 use box_game::parameters::Parameter;
-use box_game::scene::session::Hero;
+use box_game::scene::session::MainBox;
 use box_physics::prelude::*;
 use clap::Parser;
 
@@ -36,14 +36,14 @@ fn compare(app: &mut App, action: CompareAction) {
 
 fn run(app: &App) -> &Run {
     let comparison = app.world().resource::<Comparison>();
-    comparison.run.as_ref().expect("a hero")
+    comparison.run.as_ref().expect("a main box")
 }
 
-fn hero(app: &mut App) -> BodyState {
+fn main_box(app: &mut App) -> BodyState {
     *app.world_mut()
-        .query_filtered::<&BodyState, With<Hero>>()
+        .query_filtered::<&BodyState, With<MainBox>>()
         .single(app.world())
-        .expect("one hero")
+        .expect("one main box")
 }
 
 fn push(direction: DVec3, off_center: bool) -> Action {
@@ -60,19 +60,19 @@ fn updates(app: &mut App, n: usize) {
     }
 }
 
-/// The lane of an integrator.
-fn lane(app: &App, integrator: Integrator) -> &box_game::compare::runner::Runner {
+/// The comparison of an integrator.
+fn comparison(app: &App, integrator: Integrator) -> &box_game::compare::runner::Runner {
     run(app)
-        .lanes
+        .comparisons
         .iter()
-        .find(|r| r.lane.driver.integrator == integrator)
-        .expect("a lane")
+        .find(|r| r.simulation.driver.integrator == integrator)
+        .expect("a comparison")
 }
 
-/// The hero, a body of the plugin, and a lane under the same integrator are the same bit for bit, through
+/// The main box, a body of the plugin, and a comparison under the same integrator are the same bit for bit, through
 /// pushes, changed parameters and contact.
 #[test]
-fn the_hero_is_its_own_lane_bit_for_bit() {
+fn the_main_box_is_its_own_comparison_bit_for_bit() {
     for scene in [
         "dzhanibekov",
         "bounce",
@@ -88,20 +88,20 @@ fn the_hero_is_its_own_lane_bit_for_bit() {
             let other = Integrator::Midpoint;
             let list = format!("{other},{integrator}");
             let mut app = game(&[scene, "--integrator", &list]);
-            // A lane of `integrator` from the start, and the hero of the same integrator by restart.
+            // A comparison of `integrator` from the start, and the main box of the same integrator by restart.
             let mut twin = game(&[scene, "--integrator", integrator.id()]);
             for app in [&mut app, &mut twin] {
                 updates(app, 30);
             }
             for k in 0..60 {
                 if k == 10 {
-                    // The same impulse for both, whatever the heroes do.
+                    // The same impulse for both, whatever the main boxes do.
                     for app in [&mut app, &mut twin] {
                         let entity = app
                             .world_mut()
-                            .query_filtered::<Entity, With<Hero>>()
+                            .query_filtered::<Entity, With<MainBox>>()
                             .single(app.world())
-                            .expect("a hero");
+                            .expect("a main box");
                         app.world_mut().write_message(ApplyImpulse::at_body_point(
                             entity,
                             DVec3::new(0.4, 1.5, -0.3),
@@ -119,13 +119,16 @@ fn the_hero_is_its_own_lane_bit_for_bit() {
                 }
                 app.update();
                 twin.update();
-                let state = hero(&mut twin);
+                let state = main_box(&mut twin);
                 assert_eq!(
-                    lane(&app, integrator).lane.driver.state,
+                    comparison(&app, integrator).simulation.driver.state,
                     state,
                     "{scene} {integrator} {k}"
                 );
-                assert_eq!(lane(&app, integrator).lane.driver.time, run(&app).clock);
+                assert_eq!(
+                    comparison(&app, integrator).simulation.driver.time,
+                    run(&app).clock
+                );
             }
         }
     }
@@ -138,13 +141,13 @@ fn the_reference_takes_every_push() {
     updates(&mut app, 20);
     ask(&mut app, push(DVec3::Y, true));
     updates(&mut app, 60);
-    let now = |app: &App| run(app).hero.track.now.sample;
+    let now = |app: &App| run(app).main_box.track.now.sample;
     assert!(now(&app).get(Quantity::Position) < 1e-9);
     assert!(now(&app).get(Quantity::Attitude) < 1e-6);
     assert!(now(&app).get(Quantity::LocalPosition) < 1e-12);
     assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
     assert!(run(&app).reference.is_trusted());
-    let euler = lane(&app, Integrator::ExplicitEuler).track.now.sample;
+    let euler = comparison(&app, Integrator::ExplicitEuler).track.now.sample;
     assert!(euler.get(Quantity::Position) > 0.05);
     assert!(euler.get(Quantity::Energy).abs() > 1e-4);
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Input));
@@ -155,26 +158,29 @@ fn the_reference_takes_every_push() {
     assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
 }
 
-/// Putting the box elsewhere by hand puts every lane there.
+/// Putting the box elsewhere by hand puts every comparison there.
 #[test]
-fn a_teleport_takes_the_lanes_along() {
+fn a_teleport_takes_the_comparisons_along() {
     let mut app = game(&["throw", "--integrator", "split,explicit-euler"]);
     updates(&mut app, 20);
     let mut query = app
         .world_mut()
-        .query_filtered::<&mut Transform, With<Hero>>();
+        .query_filtered::<&mut Transform, With<MainBox>>();
     for mut transform in query.iter_mut(app.world_mut()) {
         transform.translation.y = 30.0;
     }
     app.update();
-    let euler = lane(&app, Integrator::ExplicitEuler).lane.driver.state;
+    let euler = comparison(&app, Integrator::ExplicitEuler)
+        .simulation
+        .driver
+        .state;
     assert!((euler.position.y - 30.0).abs() < 0.5, "{}", euler.position);
-    assert!(run(&app).hero.track.now.sample.get(Quantity::Position) < 1e-9);
+    assert!(run(&app).main_box.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
 /// An integrator ticked in flight is simulated from the start, through everything that happened since.
 #[test]
-fn a_late_lane_catches_up_with_all_inputs() {
+fn a_late_comparison_catches_up_with_all_inputs() {
     let mut early = game(&["throw", "--integrator", "split,rk4"]);
     let mut late = game(&["throw", "--integrator", "split"]);
     for app in [&mut early, &mut late] {
@@ -182,68 +188,73 @@ fn a_late_lane_catches_up_with_all_inputs() {
         ask(app, push(DVec3::X, true));
         updates(app, 15);
     }
-    compare(&mut late, CompareAction::ToggleLane(Integrator::Rk4));
+    compare(&mut late, CompareAction::ToggleComparison(Integrator::Rk4));
     early.update();
     updates(&mut early, 20);
     updates(&mut late, 20);
-    let (a, b) = (lane(&early, Integrator::Rk4), lane(&late, Integrator::Rk4));
-    assert_eq!(a.lane.driver.time, b.lane.driver.time);
+    let (a, b) = (
+        comparison(&early, Integrator::Rk4),
+        comparison(&late, Integrator::Rk4),
+    );
+    assert_eq!(a.simulation.driver.time, b.simulation.driver.time);
     // Its boundaries are sums of steps: the push may be a rounding away.
-    assert!((a.lane.driver.state.position - b.lane.driver.state.position).length() < 1e-9);
-    compare(&mut late, CompareAction::ToggleLane(Integrator::Rk4));
-    assert!(run(&late).lanes.is_empty());
-    compare(&mut late, CompareAction::AllLanes);
-    assert_eq!(run(&late).lanes.len(), Integrator::ALL.len() - 1);
+    assert!(
+        (a.simulation.driver.state.position - b.simulation.driver.state.position).length() < 1e-9
+    );
+    compare(&mut late, CompareAction::ToggleComparison(Integrator::Rk4));
+    assert!(run(&late).comparisons.is_empty());
+    compare(&mut late, CompareAction::CompareAll);
+    assert_eq!(run(&late).comparisons.len(), Integrator::ALL.len() - 1);
 }
 
-/// 5.7 no. 6: a lane that diverges stops, says so, and nothing else notices.
+/// 5.7 no. 6: a comparison that diverges stops, says so, and nothing else notices.
 #[test]
-fn a_diverged_lane_stops_at_its_last_good_state() {
+fn a_diverged_comparison_stops_at_its_last_good_state() {
     let mut app = game(&["needle", "--integrator", "split,semi-implicit-euler"]);
     updates(&mut app, 200);
-    let lost = lane(&app, Integrator::SemiImplicitEuler);
+    let lost = comparison(&app, Integrator::SemiImplicitEuler);
     let t = lost
-        .lane
+        .simulation
         .diverged
         .expect("it diverges within three seconds")
         .t;
-    assert!(t < 3.0 && lost.lane.driver.state.is_valid());
-    assert!(run(&app).hero.diverged.is_none());
+    assert!(t < 3.0 && lost.simulation.driver.state.is_valid());
+    assert!(run(&app).main_box.diverged.is_none());
     assert!(run(&app).clock > 3.0);
     compare(&mut app, CompareAction::Resync);
-    let back = lane(&app, Integrator::SemiImplicitEuler);
-    assert!(back.lane.diverged.is_none());
+    let back = comparison(&app, Integrator::SemiImplicitEuler);
+    assert!(back.simulation.diverged.is_none());
     assert!(back.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
-/// Where an integrator runs as a ghost, making it the hero changes places; each trajectory stays one integrator's.
+/// Where an integrator runs as a comparison, making it the main box changes places; each trajectory stays one integrator's.
 #[test]
-fn hero_and_ghost_change_places() {
+fn main_box_and_comparison_change_places() {
     let mut app = game(&["dzhanibekov", "--integrator", "split,explicit-euler"]);
     let mut euler = game(&["dzhanibekov", "--integrator", "explicit-euler"]);
     for app in [&mut app, &mut euler] {
         updates(app, 40);
     }
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     ask(&mut app, Action::SetIntegrator(Integrator::ExplicitEuler));
     euler.update();
-    assert_eq!(hero(&mut app), hero(&mut euler));
-    let split = lane(&app, Integrator::Split);
-    assert!((split.lane.driver.state.position - before.position).length() < 1e-12);
+    assert_eq!(main_box(&mut app), main_box(&mut euler));
+    let split = comparison(&app, Integrator::Split);
+    assert!((split.simulation.driver.state.position - before.position).length() < 1e-12);
     assert!(split.track.now.sample.get(Quantity::Attitude) < 0.1);
-    assert!(run(&app).hero.track.now.sample.get(Quantity::Attitude) > 0.1);
+    assert!(run(&app).main_box.track.now.sample.get(Quantity::Attitude) > 0.1);
     updates(&mut app, 10);
     updates(&mut euler, 10);
-    assert_eq!(hero(&mut app), hero(&mut euler));
+    assert_eq!(main_box(&mut app), main_box(&mut euler));
     // While the clock stands the picture follows at once, and is no teleport.
     ask(&mut app, Action::TogglePause);
     ask(&mut app, Action::SetIntegrator(Integrator::Split));
-    let state = hero(&mut app);
+    let state = main_box(&mut app);
     let pose = *app
         .world_mut()
-        .query_filtered::<&Transform, With<Hero>>()
+        .query_filtered::<&Transform, With<MainBox>>()
         .single(app.world())
-        .expect("one hero");
+        .expect("one main box");
     assert_eq!(pose.translation, state.position.as_vec3());
     assert_eq!(pose.rotation, state.rotation.as_quat());
     let rules = run(&app).rules.len();
@@ -252,7 +263,7 @@ fn hero_and_ghost_change_places() {
     assert_eq!(inputs.filter(|r| r.kind == RuleKind::Input).count(), 0);
 }
 
-/// Equal evaluations: the lane's step is longer by what its evaluations are more. Inputs reach it at its
+/// Equal evaluations: the comparison's step is longer by what its evaluations are more. Inputs reach it at its
 /// own boundary, late by less than a step, and the log says by how much.
 #[test]
 fn equal_evaluations_and_late_inputs() {
@@ -269,13 +280,13 @@ fn equal_evaluations_and_late_inputs() {
     updates(&mut app, 30);
     compare(&mut app, CompareAction::SetFairness(Fairness::Evaluations));
     updates(&mut app, 3);
-    assert_eq!(lane(&app, Integrator::Rk4).factor, 4.0);
+    assert_eq!(comparison(&app, Integrator::Rk4).factor, 4.0);
     let mut late = Vec::new();
     for _ in 0..4 {
         ask(&mut app, push(DVec3::Y, false));
         updates(&mut app, 6);
-        let r = lane(&app, Integrator::Rk4);
-        assert!(run(&app).clock - r.lane.driver.time < 4.0 / 60.0 + 1e-9);
+        let r = comparison(&app, Integrator::Rk4);
+        assert!(run(&app).clock - r.simulation.driver.time < 4.0 / 60.0 + 1e-9);
         assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
     }
     let mut reader = csv::ReaderBuilder::new()
@@ -284,11 +295,11 @@ fn equal_evaluations_and_late_inputs() {
         .expect("readable");
     let columns = reader.headers().expect("a header").clone();
     let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
-    let mut lanes = [0, 0];
+    let mut comparisons = [0, 0];
     for row in reader.records() {
         let row = row.expect("a row");
         let number = |name| row[at(name)].parse::<f64>();
-        lanes[row[at("lane")].parse::<usize>().expect("0 or 1")] += 1;
+        comparisons[row[at("trajectory")].parse::<usize>().expect("0 or 1")] += 1;
         if row[at("event")].contains(" s late") {
             let skew = row[at("event")].split(' ').nth(1).expect("a number");
             late.push(skew.parse::<f64>().expect("seconds"));
@@ -299,20 +310,20 @@ fn equal_evaluations_and_late_inputs() {
     assert!(late.iter().all(|s| *s > 0.0 && *s < 4.0 / 60.0), "{late:?}");
     assert!(!late.is_empty());
     assert!(
-        lanes[0] > 60 && lanes[1] > 30 && lanes[1] < lanes[0],
-        "{lanes:?}"
+        comparisons[0] > 60 && comparisons[1] > 30 && comparisons[1] < comparisons[0],
+        "{comparisons:?}"
     );
     compare(&mut app, CompareAction::SetFairness(Fairness::Step));
     app.update();
-    assert_eq!(lane(&app, Integrator::Rk4).factor, 1.0);
+    assert_eq!(comparison(&app, Integrator::Rk4).factor, 1.0);
     compare(&mut app, CompareAction::SetFairness(Fairness::Cost));
     updates(&mut app, 2);
-    assert!(lane(&app, Integrator::Rk4).factor > 0.5);
+    assert!(comparison(&app, Integrator::Rk4).factor > 0.5);
 }
 
-/// The local error is in the log of every lane; after chaos it still says something.
+/// The local error is in the log of every comparison; after chaos it still says something.
 #[test]
-fn the_log_has_a_row_for_every_lane() {
+fn the_log_has_a_row_for_every_comparison() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log.csv");
     let mut app = game(&[
@@ -332,7 +343,7 @@ fn the_log_has_a_row_for_every_lane() {
     let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
     assert_eq!(rows.len(), 3 * 120);
     for (k, row) in rows.iter().enumerate() {
-        assert_eq!(row[at("lane")], (k % 3).to_string());
+        assert_eq!(row[at("trajectory")], (k % 3).to_string());
         let local: f64 = row[at("local_pos_err_m")].parse().expect("measured");
         assert!(local < 0.2, "{local}");
     }
@@ -340,7 +351,7 @@ fn the_log_has_a_row_for_every_lane() {
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Contact));
 }
 
-/// 5.7 no. 9: ten minutes at 60 Hz with five lanes stay within a fixed memory and point budget.
+/// 5.7 no. 9: ten minutes at 60 Hz with five comparisons stay within a fixed memory and point budget.
 #[test]
 fn ten_minutes_keep_memory_flat() {
     let mut app = game(&[
@@ -357,7 +368,7 @@ fn ten_minutes_keep_memory_flat() {
             ask(&mut app, push(DVec3::Y, true));
         }
         kept.push(run(&app).kept());
-        for track in [&run(&app).hero.track, &run(&app).lanes[0].track] {
+        for track in [&run(&app).main_box.track, &run(&app).comparisons[0].track] {
             for window in [None, Some(60.0)] {
                 let points = track.series.points(Quantity::Energy, window).len();
                 assert!(points <= 3700, "{points}");
@@ -370,9 +381,9 @@ fn ten_minutes_keep_memory_flat() {
     assert!(kept.iter().all(|k| *k <= most), "{kept:?}");
 }
 
-/// Stepping back: the lanes follow the clock, and are where they were.
+/// Stepping back: the comparisons follow the clock, and are where they were.
 #[test]
-fn lanes_follow_the_clock_back() {
+fn comparisons_follow_the_clock_back() {
     let setup = box_scenarios::Scenario::find("throw")
         .expect("a scene")
         .setup;
@@ -388,35 +399,48 @@ fn lanes_follow_the_clock_back() {
         body.step(&law, h);
         run.after_step(t + h, h, (&body.state, 0), Integrator::Split);
         assert!(run.advance(None));
-        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.driver.state).collect();
-        past.push((t + h, body.state, lanes, run.hero.track.now.sample));
+        let comparisons: Vec<_> = run
+            .comparisons
+            .iter()
+            .map(|r| r.simulation.driver.state)
+            .collect();
+        past.push((
+            t + h,
+            body.state,
+            comparisons,
+            run.main_box.track.now.sample,
+        ));
     }
     for n in [250, 249, 100, 3] {
-        let (t, state, lanes, sample) = &past[n];
+        let (t, state, comparisons, sample) = &past[n];
         run.rewind(*t, state);
         assert!(run.advance(None));
-        for (r, state) in run.lanes.iter().zip(lanes) {
-            let apart = (r.lane.driver.state.position - state.position).length();
+        for (r, state) in run.comparisons.iter().zip(comparisons) {
+            let apart = (r.simulation.driver.state.position - state.position).length();
             assert!(
                 apart < 1e-9,
                 "{} at step {n}: {apart:e}",
-                r.lane.driver.integrator
+                r.simulation.driver.integrator
             );
         }
-        let energy = run.hero.balance.residual(&law, state).energy;
+        let energy = run.main_box.balance.residual(&law, state).energy;
         assert!((energy - sample.get(Quantity::Energy)).abs() < 1e-9);
     }
 }
 
-/// The same through the keys of the game: back and forward again, with a push in between, hero and lanes
+/// The same through the keys of the game: back and forward again, with a push in between, main box and comparisons
 /// are at every step where they were.
 #[test]
-fn stepping_back_takes_the_lanes_along() {
+fn stepping_back_takes_the_comparisons_along() {
     let mut app = game(&["contact", "--integrator", "split,rk4,semi-implicit-euler"]);
     let mut past = Vec::new();
     let note = |app: &mut App| {
-        let lanes: Vec<_> = run(app).lanes.iter().map(|r| r.lane.driver.state).collect();
-        (run(app).clock, hero(app), lanes)
+        let comparisons: Vec<_> = run(app)
+            .comparisons
+            .iter()
+            .map(|r| r.simulation.driver.state)
+            .collect();
+        (run(app).clock, main_box(app), comparisons)
     };
     for k in 0..150 {
         if k == 100 {
@@ -436,8 +460,8 @@ fn stepping_back_takes_the_lanes_along() {
             .iter()
             .find(|p| (p.0 - now.0).abs() < 1e-9)
             .expect("a step that was taken");
-        assert_eq!(now.1, then.1, "the hero, {back} back");
-        assert_eq!(now.2, then.2, "the lanes, {back} back");
+        assert_eq!(now.1, then.1, "the main box, {back} back");
+        assert_eq!(now.2, then.2, "the comparisons, {back} back");
     }
     // Past the push, which is not repeated by going back: what is to come is new.
     let again = past
@@ -451,10 +475,10 @@ fn stepping_back_takes_the_lanes_along() {
     }
 }
 
-/// In the scene of 2012 its stepper moves the hero alone: the lanes go their own way, through the same
-/// pushes, and what the stepper gets wrong is in the hero's error and in nobody else's.
+/// In the scene of 2012 its stepper moves the main box alone: the comparisons go their own way, through the same
+/// pushes, and what the stepper gets wrong is in the main box's error and in nobody else's.
 #[test]
-fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
+fn the_stepper_of_2012_moves_the_main_box_and_no_comparison() {
     let mut app = game(&["dissertation-2012", "--integrator", "split,rk4,exact"]);
     updates(&mut app, 20);
     ask(&mut app, push(DVec3::X, false));
@@ -463,7 +487,7 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
         app.world().resource::<box_game::scene::session::Session>(),
     ));
     let [rk4, exact] =
-        [Integrator::Rk4, Integrator::Exact].map(|i| lane(&app, i).lane.driver.state);
+        [Integrator::Rk4, Integrator::Exact].map(|i| comparison(&app, i).simulation.driver.state);
     // A parabola with the push, as the closed form has it.
     assert!((rk4.position - exact.position).length() < 1e-9);
     let strength = app
@@ -474,40 +498,56 @@ fn the_stepper_of_2012_moves_the_hero_and_no_lane() {
     assert!((rk4.velocity.x - strength / law.body.mass()).abs() < 1e-9);
     let fallen = -9.81 * run(&app).clock;
     assert!((rk4.velocity.y - fallen).abs() < 1e-6, "{}", rk4.velocity.y);
-    for r in &run(&app).lanes {
-        assert!(r.track.now.worst.0 < 1e-9, "{}", r.lane.driver.integrator);
+    for r in &run(&app).comparisons {
+        assert!(
+            r.track.now.worst.0 < 1e-9,
+            "{}",
+            r.simulation.driver.integrator
+        );
     }
     // It falls at 9.81 m/s from the start: three meters apart by now.
-    assert!(run(&app).hero.track.now.worst.0 > 1.0);
-    // Ours takes over from where the box is; the lanes go along and everything is right again.
+    assert!(run(&app).main_box.track.now.worst.0 > 1.0);
+    // Ours takes over from where the box is; the comparisons go along and everything is right again.
     ask(&mut app, Action::SetDemo(None));
     compare(&mut app, CompareAction::Resync);
     updates(&mut app, 10);
-    let apart =
-        (hero(&mut app).position - lane(&app, Integrator::Rk4).lane.driver.state.position).length();
+    let apart = (main_box(&mut app).position
+        - comparison(&app, Integrator::Rk4)
+            .simulation
+            .driver
+            .state
+            .position)
+        .length();
     assert!(apart < 1e-9, "{apart:e}");
 }
 
-/// The first run: `dzhanibekov`, the hero and two ghosts, the drawer on Energy, and within five seconds at
+/// The first run: `dzhanibekov`, the main box and two comparisons, the drawer on Energy, and within five seconds at
 /// 60 Hz something has visibly gone wrong.
 #[test]
 fn the_first_run_shows_something_in_five_seconds() {
     let mut app = game(&[]);
     app.update();
-    assert_eq!(run(&app).lanes.len(), 2);
+    assert_eq!(run(&app).comparisons.len(), 2);
     let session = app.world().resource::<box_game::scene::session::Session>();
     assert_eq!(session.scenario.id, "dzhanibekov");
     assert_eq!(session.plot, box_game::action::Plot::Energy);
     let comparison = app.world().resource::<Comparison>();
-    assert_eq!(comparison.settings.layout, Layout::Ghosts);
+    assert_eq!(comparison.settings.layout, Layout::Overlaid);
     updates(&mut app, 300);
-    assert!(run(&app).hero.track.now.worst.1 < 1.0, "the hero is right");
-    for r in &run(&app).lanes {
-        assert!(r.track.now.worst.1 > 45.0, "{}", r.lane.driver.integrator);
+    assert!(
+        run(&app).main_box.track.now.worst.1 < 1.0,
+        "the main box is right"
+    );
+    for r in &run(&app).comparisons {
+        assert!(
+            r.track.now.worst.1 > 45.0,
+            "{}",
+            r.simulation.driver.integrator
+        );
     }
     assert!(
         run(&app)
-            .lanes
+            .comparisons
             .iter()
             .any(|r| r.track.now.sample.get(Quantity::Energy).abs() > 0.1)
     );
@@ -545,10 +585,10 @@ fn keys_of_the_comparison() {
     assert!(chosen(&app).contains(&Integrator::Rk4));
     let layout = |app: &App| app.world().resource::<Comparison>().settings.layout;
     for (code, typed, expected) in [
-        (KeyCode::KeyV, "v", Layout::Lanes),
+        (KeyCode::KeyV, "v", Layout::SideBySide),
         (KeyCode::KeyV, "v", Layout::Views),
         (KeyCode::KeyG, "g", Layout::Solo),
-        (KeyCode::KeyG, "g", Layout::Ghosts),
+        (KeyCode::KeyG, "g", Layout::Overlaid),
     ] {
         key(&mut app, code, typed, down);
         key(&mut app, code, typed, up);

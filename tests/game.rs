@@ -12,7 +12,7 @@ use box_game::compare::sampling::IntegratorSamples;
 use box_game::input::focus::UiFocus;
 use box_game::parameters::Parameter;
 use box_game::scene::library::SceneLibrary;
-use box_game::scene::session::{Hero, Session};
+use box_game::scene::session::{MainBox, Session};
 use box_physics::prelude::*;
 use clap::Parser;
 
@@ -70,11 +70,11 @@ fn with(app: &mut App, modifier: KeyCode, code: KeyCode) {
     app.update();
 }
 
-fn hero(app: &mut App) -> BodyState {
+fn main_box(app: &mut App) -> BodyState {
     *app.world_mut()
-        .query_filtered::<&BodyState, With<Hero>>()
+        .query_filtered::<&BodyState, With<MainBox>>()
         .single(app.world())
-        .expect("one hero")
+        .expect("one main box")
 }
 
 fn ask(app: &mut App, action: Action) {
@@ -101,9 +101,9 @@ fn keys_push_along_the_box_s_own_axes() {
     ] {
         let mut app = game(&["dzhanibekov"]);
         app.insert_resource(GlobalIntegrator(Integrator::Rk4));
-        let before = hero(&mut app);
+        let before = main_box(&mut app);
         tap(&mut app, code);
-        let after = hero(&mut app);
+        let after = main_box(&mut app);
         // The scene's push changes the velocity by 1 m/s along the box's own axis at that moment.
         let expected = before.rotation * direction;
         assert!(
@@ -117,17 +117,17 @@ fn keys_push_along_the_box_s_own_axes() {
 #[test]
 fn shift_pushes_off_center_and_alt_along_the_world() {
     let mut app = game(&["dzhanibekov"]);
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     with(&mut app, KeyCode::ShiftLeft, KeyCode::KeyD);
-    let spun = hero(&mut app);
+    let spun = main_box(&mut app);
     assert!((spun.angular_momentum_world() - before.angular_momentum_world()).length() > 0.1);
     let mut app = game(&["dzhanibekov"]);
     for _ in 0..100 {
         app.update();
     }
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     with(&mut app, KeyCode::AltLeft, KeyCode::KeyD);
-    assert!((hero(&mut app).velocity - before.velocity - DVec3::X).length() < 1e-12);
+    assert!((main_box(&mut app).velocity - before.velocity - DVec3::X).length() < 1e-12);
 }
 
 #[test]
@@ -167,10 +167,10 @@ fn letters_belong_to_a_text_field_that_is_typed_into() {
         widget: true,
         pointer: false,
     });
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     tap(&mut app, KeyCode::KeyD);
     tap(&mut app, KeyCode::KeyP);
-    assert!((hero(&mut app).velocity - before.velocity).length() < 1e-12);
+    assert!((main_box(&mut app).velocity - before.velocity).length() < 1e-12);
     assert!(!app.world().resource::<PhysicsClock>().paused);
     // A focused slider: P still pauses, Space belongs to the slider.
     app.insert_resource(UiFocus {
@@ -208,13 +208,13 @@ fn pause_and_single_step_are_exact_to_the_step() {
     let mut app = game(&["throw"]);
     tap(&mut app, KeyCode::Space);
     let (state, steps) = (
-        hero(&mut app),
+        main_box(&mut app),
         app.world().resource::<PhysicsClock>().steps(),
     );
     for _ in 0..5 {
         app.update();
     }
-    assert_eq!(hero(&mut app), state);
+    assert_eq!(main_box(&mut app), state);
     // In the same frame, exactly one step.
     tap(&mut app, KeyCode::Period);
     assert_eq!(app.world().resource::<PhysicsClock>().steps(), steps + 1);
@@ -230,7 +230,7 @@ fn pause_and_single_step_are_exact_to_the_step() {
         h,
         &mut IntegratorMemory::default(),
     );
-    assert_eq!(hero(&mut app), expected);
+    assert_eq!(main_box(&mut app), expected);
     with(&mut app, KeyCode::ShiftLeft, KeyCode::Period);
     assert_eq!(app.world().resource::<PhysicsClock>().steps(), steps + 11);
 }
@@ -242,12 +242,12 @@ fn restart_repeats_the_course_bit_for_bit() {
     let mut first = Vec::new();
     for _ in 0..50 {
         app.update();
-        first.push(hero(&mut app));
+        first.push(main_box(&mut app));
     }
     ask(&mut app, Action::Restart);
     for expected in first {
         app.update();
-        assert_eq!(hero(&mut app), expected);
+        assert_eq!(main_box(&mut app), expected);
     }
 }
 
@@ -263,7 +263,7 @@ fn parameters_are_live_or_restart_and_bad_ones_are_refused() {
     ask(&mut app, Action::Set(Parameter::LinearDrag, 0.5));
     let drag = app
         .world_mut()
-        .query_filtered::<&LinearDrag, With<Hero>>()
+        .query_filtered::<&LinearDrag, With<MainBox>>()
         .single(app.world())
         .map(|d| d.0);
     assert_eq!(drag.ok(), Some(0.5));
@@ -279,7 +279,7 @@ fn parameters_are_live_or_restart_and_bad_ones_are_refused() {
     ask(&mut app, Action::Set(Parameter::Mass, 2.5));
     let mass = app
         .world_mut()
-        .query_filtered::<&RigidBox, With<Hero>>()
+        .query_filtered::<&RigidBox, With<MainBox>>()
         .single(app.world())
         .map(RigidBox::mass);
     assert_eq!(mass.ok(), Some(2.5));
@@ -328,7 +328,7 @@ fn every_scene_starts_and_runs_with_every_integrator() {
             app.update();
         }
         assert!(
-            hero(&mut app).is_valid(),
+            main_box(&mut app).is_valid(),
             "{}",
             app.world().resource::<Session>().scenario.id
         );
@@ -396,7 +396,7 @@ fn the_log_has_a_row_per_step_and_says_what_was_done() {
     let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
     // The main box's rows; the comparisons have their own.
     let rows = reader.records().map(|r| r.expect("a row"));
-    let rows: Vec<_> = rows.filter(|r| &r[at("lane")] == "0").collect();
+    let rows: Vec<_> = rows.filter(|r| &r[at("trajectory")] == "0").collect();
     assert_eq!(rows.len(), 4);
     let (time, event, error) = (at("sim_t_s"), at("event"), at("pos_err_m"));
     assert!(rows[1][event].contains("integrator rk4"));
@@ -468,7 +468,7 @@ fn the_log_stays_right_across_a_change_of_the_step() {
     let mut rows = 0;
     for row in reader.records() {
         let row = row.expect("a row");
-        if &row[at("lane")] != "0" {
+        if &row[at("trajectory")] != "0" {
             continue;
         }
         let number = |name| row[at(name)].parse::<f64>().expect("a number");
@@ -494,9 +494,9 @@ fn a_restart_while_paused_shows_the_start() {
     app.update();
     let (transform, state, aabb) = app
         .world_mut()
-        .query_filtered::<(&Transform, &BodyState, &WorldAabb), With<Hero>>()
+        .query_filtered::<(&Transform, &BodyState, &WorldAabb), With<MainBox>>()
         .single(app.world())
-        .expect("one hero");
+        .expect("one main box");
     assert_eq!(transform.translation, state.position.as_vec3());
     assert!(transform.translation.y > 0.5);
     assert!(f64::from(aabb.0.min.y) > 0.0 && f64::from(aabb.0.max.y) > state.position.y);
@@ -523,6 +523,6 @@ fn the_trusted_answer_knows_changed_parameters_until_they_change_in_flight() {
     let clock = app.world().resource::<PhysicsClock>();
     let truth = session.truth.as_ref().expect("from the start");
     let reference = truth.at(clock.time()).expect("closed form");
-    let now = hero(&mut app);
+    let now = main_box(&mut app);
     assert!((now.position - reference.position).length() < 1e-9);
 }

@@ -22,7 +22,7 @@ use box_game::interaction::undo::UndoStack;
 use box_game::parameters::Parameter;
 use box_game::preferences::{Preferences, PreferencesPlugin};
 use box_game::scene::library::SceneLibrary;
-use box_game::scene::session::{Hero, Session};
+use box_game::scene::session::{MainBox, Session};
 use box_physics::prelude::*;
 use box_scenarios::Scenario;
 use box_scenarios::dissertation::{Demo, State, Stepper};
@@ -57,11 +57,11 @@ fn ask(app: &mut App, action: Action) {
     app.update();
 }
 
-fn hero(app: &mut App) -> BodyState {
+fn main_box(app: &mut App) -> BodyState {
     *app.world_mut()
-        .query_filtered::<&BodyState, With<Hero>>()
+        .query_filtered::<&BodyState, With<MainBox>>()
         .single(app.world())
-        .expect("one hero")
+        .expect("one main box")
 }
 
 fn session(app: &App) -> &Session {
@@ -104,7 +104,7 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
     let mut app = game(&["dzhanibekov"]);
     run(&mut app, 20);
     ask(&mut app, Action::TogglePause);
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     let poke = Poke {
         body_point: DVec3::new(0.4, 0.2, 0.125),
         normal: DVec3::Z,
@@ -124,7 +124,7 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
         h,
         &mut IntegratorMemory::default(),
     );
-    assert_eq!(hero(&mut app), expected);
+    assert_eq!(main_box(&mut app), expected);
     assert!(
         session(&app).truth.is_none(),
         "the scene's answer knows no poke"
@@ -154,7 +154,7 @@ fn a_held_box_follows_the_hand_and_is_let_go() {
         };
         ask(&mut app, Action::Grab(Some(hold)));
         run(&mut app, 90);
-        let state = hero(&mut app);
+        let state = main_box(&mut app);
         assert!(
             (state.position - anchor).length() < 0.02,
             "{scene} {integrator}: {state:?}"
@@ -164,7 +164,7 @@ fn a_held_box_follows_the_hand_and_is_let_go() {
         assert_eq!(app.world().resource::<Grip>().0, None);
         if scene == "playground" {
             run(&mut app, 120);
-            assert!(hero(&mut app).position.y < 0.8, "it falls again");
+            assert!(main_box(&mut app).position.y < 0.8, "it falls again");
         }
         // A restart lets go.
         ask(&mut app, Action::Grab(Some(hold)));
@@ -182,31 +182,31 @@ fn stepping_back_returns_every_state_and_the_future_repeats() {
         ("dissertation-2012", "split"),
     ] {
         let mut app = game(&[scene, "--integrator", integrator]);
-        let mut past = vec![hero(&mut app)];
+        let mut past = vec![main_box(&mut app)];
         for _ in 0..80 {
             app.update();
-            past.push(hero(&mut app));
+            past.push(main_box(&mut app));
         }
         let (steps, time) = (clock(&app).steps(), clock(&app).elapsed());
         for back in 1..=30 {
             ask(&mut app, Action::StepBack(1));
-            assert_eq!(hero(&mut app), past[80 - back], "{scene}: {back} back");
+            assert_eq!(main_box(&mut app), past[80 - back], "{scene}: {back} back");
             assert_eq!(clock(&app).steps(), steps - back as u64);
         }
         assert!(clock(&app).paused);
         ask(&mut app, Action::StepBack(10));
-        assert_eq!(hero(&mut app), past[40], "{scene}: ten at once");
+        assert_eq!(main_box(&mut app), past[40], "{scene}: ten at once");
         for (k, expected) in past.iter().enumerate().skip(41) {
             ask(&mut app, Action::Step(1));
-            assert_eq!(hero(&mut app), *expected, "{scene}: step {k}");
+            assert_eq!(main_box(&mut app), *expected, "{scene}: step {k}");
         }
         assert_eq!((clock(&app).steps(), clock(&app).elapsed()), (steps, time));
         // The picture shows the state, not a teleport.
         let transform = *app
             .world_mut()
-            .query_filtered::<&Transform, With<Hero>>()
+            .query_filtered::<&Transform, With<MainBox>>()
             .single(app.world())
-            .expect("one hero");
+            .expect("one main box");
         assert_eq!(transform.translation, past[80].position.as_vec3());
     }
 }
@@ -220,7 +220,7 @@ fn the_past_is_bounded_and_ends_at_the_start() {
     run(&mut app, 5);
     let start = session(&app).scenario.setup.initial;
     ask(&mut app, Action::StepBack(1000));
-    assert_eq!(hero(&mut app), start);
+    assert_eq!(main_box(&mut app), start);
     assert_eq!(clock(&app).steps(), 0);
     ask(&mut app, Action::StepBack(1));
     let said = session(&app).notices.back().cloned().unwrap_or_default();
@@ -286,11 +286,11 @@ fn an_undone_restart_goes_on_where_it_was() {
     let mut app = game(&["throw"]);
     run(&mut app, 40);
     ask(&mut app, Action::TogglePause);
-    let (before, steps) = (hero(&mut app), clock(&app).steps());
+    let (before, steps) = (main_box(&mut app), clock(&app).steps());
     ask(&mut app, Action::Restart);
-    assert_ne!(hero(&mut app), before);
+    assert_ne!(main_box(&mut app), before);
     ask(&mut app, Action::Undo);
-    assert_eq!(hero(&mut app), before);
+    assert_eq!(main_box(&mut app), before);
     assert_eq!(clock(&app).steps(), steps);
 }
 
@@ -300,19 +300,19 @@ fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
     let mut app = game(&["throw", "--integrator", "split,rk4"]);
     run(&mut app, 20);
     ask(&mut app, Action::TogglePause);
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     let compared = |app: &App| {
         let comparison = app.world().resource::<Comparison>();
         let run = comparison.run.as_ref().expect("a run");
-        (run.hero.integrator, comparison.chosen().to_vec())
+        (run.main_box.integrator, comparison.chosen().to_vec())
     };
     assert_eq!(compared(&app), (Integrator::Split, vec![Integrator::Rk4]));
     ask(&mut app, Action::SetIntegrator(Integrator::Rk4));
     assert_eq!(compared(&app), (Integrator::Rk4, vec![Integrator::Split]));
-    assert_ne!(hero(&mut app), before, "the other trajectory");
+    assert_ne!(main_box(&mut app), before, "the other trajectory");
     ask(&mut app, Action::Undo);
     assert_eq!(compared(&app), (Integrator::Split, vec![Integrator::Rk4]));
-    assert_eq!(hero(&mut app), before);
+    assert_eq!(main_box(&mut app), before);
 }
 
 /// A digit key means its place where it types something else; with AltGr it means what it types.

@@ -102,7 +102,7 @@ fn acceptance_10_every_scene_starts_on_its_truth() {
         let Some(reference) = truth.at(clock(&app).time()) else {
             continue;
         };
-        let state = hero(&mut app);
+        let state = main_box(&mut app);
         let size = scene.setup.body.radius();
         let error = (state.position - reference.position).length();
         // Stiff springs at the step of a game are second order at best.
@@ -127,7 +127,7 @@ fn a_diverging_box_is_frozen_and_the_game_goes_on() {
     let mut updates = 0;
     let frozen = |app: &mut App| {
         app.world_mut()
-            .query_filtered::<(), (With<Hero>, With<Quarantined>)>()
+            .query_filtered::<(), (With<MainBox>, With<Quarantined>)>()
             .iter(app.world())
             .next()
             .is_some()
@@ -137,15 +137,15 @@ fn a_diverging_box_is_frozen_and_the_game_goes_on() {
         updates += 1;
     }
     assert!(frozen(&mut app), "explicit Euler at c·dt/m far above 2");
-    let state = hero(&mut app);
+    let state = main_box(&mut app);
     assert!(state.is_finite());
     run(&mut app, 10);
-    assert_eq!(hero(&mut app), state);
+    assert_eq!(main_box(&mut app), state);
     assert_eq!(app.should_exit(), None);
     ask(&mut app, Action::SetIntegrator(Integrator::Split));
     ask(&mut app, Action::Restart);
     run(&mut app, 10);
-    assert!(!frozen(&mut app) && hero(&mut app).is_valid());
+    assert!(!frozen(&mut app) && main_box(&mut app).is_valid());
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn the_2012_scene_moves_as_its_own_steppers_have_it() {
             app.update();
             demo.cycle(stepper, &mut expected, h);
             assert_eq!(
-                hero(&mut app),
+                main_box(&mut app),
                 expected.body_state(&setup.body),
                 "{stepper:?} {k}"
             );
@@ -44,19 +44,19 @@ fn the_2012_scene_moves_as_its_own_steppers_have_it() {
 fn a_button_switches_to_ours_and_back_in_flight() {
     let mut app = game(&["dissertation-2012"]);
     run(&mut app, 10);
-    let fall = hero(&mut app);
+    let fall = main_box(&mut app);
     assert_eq!(fall.velocity.y, 0.0, "it falls without a speed");
     assert!((fall.position.y - (4.5 - 9.81 * clock(&app).time())).abs() < 1e-6);
     ask(&mut app, Action::SetDemo(None));
-    let ours = hero(&mut app);
+    let ours = main_box(&mut app);
     assert!(
         (ours.velocity.y + 9.81 / 60.0).abs() < 1e-3,
         "now it has one"
     );
     run(&mut app, 5);
-    let before = hero(&mut app);
+    let before = main_box(&mut app);
     ask(&mut app, Action::SetDemo(Some(Stepper::Rk4)));
-    let after = hero(&mut app);
+    let after = main_box(&mut app);
     let gone = (before.velocity.y - 9.81) * clock(&app).step();
     assert!(
         (after.position.y - before.position.y - gone).abs() < 1e-6,

@@ -40,7 +40,7 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
         "{errors:?}"
     );
     assert_eq!(session(&app).parameters.mass, 5.5);
-    assert!(hero(&mut app).is_valid());
+    assert!(main_box(&mut app).is_valid());
     std::fs::write(&path, MINE).expect("writable");
     run(&mut app, 60);
     assert!(app.world().resource::<SceneLibrary>().errors().is_empty());
@@ -55,7 +55,7 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     // Gone: what plays goes on.
     std::fs::remove_file(&path).expect("there");
     run(&mut app, 60);
-    assert!(hero(&mut app).is_valid());
+    assert!(main_box(&mut app).is_valid());
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn the_shipped_scene_files_are_in_the_menu_and_play() {
         ask(&mut app, Action::SelectScene(id.clone()));
         run(&mut app, 30);
         assert_eq!(session(&app).scenario.id, id);
-        assert!(hero(&mut app).is_valid(), "{id}");
+        assert!(main_box(&mut app).is_valid(), "{id}");
     }
 }
 
@@ -141,9 +141,9 @@ fn a_script_does_what_it_says_when_it_says() {
         app.world().resource::<GlobalIntegrator>().0,
         Integrator::Rk4
     );
-    assert_eq!(hero(&mut app).velocity, DVec3::ZERO);
+    assert_eq!(main_box(&mut app).velocity, DVec3::ZERO);
     run(&mut app, 24);
-    assert!(hero(&mut app).velocity.x > 0.0 && app.world().resource::<Preferences>().show_aabb);
+    assert!(main_box(&mut app).velocity.x > 0.0 && app.world().resource::<Preferences>().show_aabb);
     assert_eq!(app.should_exit(), None);
     let mut updates = 0;
     while app.should_exit().is_none() && updates < 60 {

@@ -35,12 +35,12 @@ const TABS: [(&str, Plot); 6] = [
 fn main() {
     for scene in ["dzhanibekov", "bounce", "spring-orbit"] {
         let integrators = "split,exact,rk4,semi-implicit-euler,engine-rescaled,engine-newton";
-        println!("{scene}, hero and 5 lanes: a frame [ms], least and median of {FRAMES}");
+        println!("{scene}, main box and 5 comparisons: a frame [ms], least and median of {FRAMES}");
         measure(&[scene, "--integrator", integrators], WARM_UP, &TABS);
     }
     for boxes in ["1000", "10000"] {
         println!(
-            "load, {boxes} boxes, from the throw on, hero and 2 lanes: a frame [ms], least and median of {FRAMES}"
+            "load, {boxes} boxes, from the throw on, main box and 2 comparisons: a frame [ms], least and median of {FRAMES}"
         );
         measure(&["load", "--boxes", boxes], 5, &TABS[2..3]);
     }

@@ -1,4 +1,4 @@
-//! The balance of energy and angular momentum of one lane: what inputs, forces and floor have rightly
+//! The balance of energy and angular momentum of one comparison: what inputs, forces and floor have rightly
 //! changed is booked, so that what is left over is numerical error.
 //!
 //! ```text
@@ -6,7 +6,7 @@
 //! ```
 //!
 //! What a force or the floor rightly does in one step is the change along the accurate flow of the law,
-//! from the lane's own state at the beginning of that step: a simulation in finer steps by the integrator of
+//! from the comparison's own state at the beginning of that step: a simulation in finer steps by the integrator of
 //! [`best_integrator`]. Under conservative forces away from the floor nothing is booked and nothing computed.
 
 use box_physics::force::rates;
@@ -18,10 +18,10 @@ use crate::live_reference::best_integrator;
 use crate::metrics::{energy_scale, momentum_scale};
 
 /// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
-/// 4096 times smaller than the lane's would be with the same.
+/// 4096 times smaller than the comparison's would be with the same.
 const PARTS: u32 = 8;
 
-/// The books of one lane.
+/// The books of one comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// Energy at the start \[J\].
@@ -179,13 +179,13 @@ mod tests {
     fn worst(id: &str, integrator: Integrator, seconds: f64) -> f64 {
         let setup = Scenario::find(id).expect("a scene").setup;
         let law = Model::of(&setup);
-        let mut lane = Driver::new(setup.initial, integrator);
-        let mut balance = Balance::new(&law, &lane.state);
+        let mut comparison = Driver::new(setup.initial, integrator);
+        let mut balance = Balance::new(&law, &comparison.state);
         let mut worst = 0.0_f64;
         for _ in 0..(seconds / H) as u32 {
-            balance.step(&law, &lane.state, H);
-            lane.step(&law, H);
-            worst = worst.max(balance.residual(&law, &lane.state).energy.abs());
+            balance.step(&law, &comparison.state, H);
+            comparison.step(&law, H);
+            worst = worst.max(balance.residual(&law, &comparison.state).energy.abs());
         }
         worst
     }

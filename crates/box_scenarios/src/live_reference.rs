@@ -27,7 +27,7 @@ pub const AGREEMENT: f64 = 1e-3;
 /// Its shortest step \[s\]: at the shortest steps of the clock 64 times finer would cost more than a
 /// frame has, and the integrators used are of fourth order or exact.
 const SHORTEST: f64 = 1.0 / 30_720.0;
-/// Stretches kept, so that a lane that is behind can still be measured.
+/// Stretches kept, so that a comparison that is behind can still be measured.
 const PIECES: usize = 256;
 /// For how long a stored numerical reference is made at most \[s\].
 const STORED: f64 = 120.0;

@@ -7,17 +7,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CompareAction {
     /// Compare with this integrator, or stop.
-    ToggleLane(#[serde(with = "integrator_id")] Integrator),
+    ToggleComparison(#[serde(with = "integrator_id")] Integrator),
     /// Compare with every integrator.
-    AllLanes,
+    CompareAll,
     /// Compare with none.
-    NoLanes,
+    CompareNone,
     /// Layout of the comparisons.
     SetLayout(Layout),
     /// The next layout of [`Layout::ALL`].
     NextLayout,
     /// Show or hide the comparisons.
-    ToggleGhosts,
+    ToggleComparisons,
     /// Quantity that is equal for all integrators.
     SetFairness(Fairness),
     /// Move everything to the reference's state.
@@ -48,23 +48,23 @@ pub enum Layout {
     Solo,
     /// All in one place: the main box solid, comparisons translucent.
     #[default]
-    Ghosts,
+    Overlaid,
     /// Side by side; only the picture is shifted.
-    Lanes,
+    SideBySide,
     /// The main box and the first three comparisons in one view each, from the same place.
     Views,
 }
 
 impl Layout {
     /// In the order of the key.
-    pub const ALL: [Self; 4] = [Self::Solo, Self::Ghosts, Self::Lanes, Self::Views];
+    pub const ALL: [Self; 4] = [Self::Solo, Self::Overlaid, Self::SideBySide, Self::Views];
 
     /// Text of its button.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Solo => "Solo",
-            Self::Ghosts => "Ghosts",
-            Self::Lanes => "Lanes",
+            Self::Overlaid => "Overlaid",
+            Self::SideBySide => "Side by side",
             Self::Views => "Views",
         }
     }
@@ -72,9 +72,9 @@ impl Layout {
     /// The one after it.
     pub fn next(self) -> Self {
         match self {
-            Self::Solo => Self::Ghosts,
-            Self::Ghosts => Self::Lanes,
-            Self::Lanes => Self::Views,
+            Self::Solo => Self::Overlaid,
+            Self::Overlaid => Self::SideBySide,
+            Self::SideBySide => Self::Views,
             Self::Views => Self::Solo,
         }
     }
@@ -171,17 +171,17 @@ mod tests {
 
     #[test]
     fn requests_can_stand_in_a_file() {
-        let request = CompareAction::ToggleLane(Integrator::Rk4);
+        let request = CompareAction::ToggleComparison(Integrator::Rk4);
         let text = ron::to_string(&request).expect("plain data");
-        assert_eq!(text, r#"ToggleLane("rk4")"#);
+        assert_eq!(text, r#"ToggleComparison("rk4")"#);
         assert_eq!(ron::from_str::<CompareAction>(&text), Ok(request));
         let error = ron::from_str::<CompareAction>(r#"Select("leapfrog")"#)
             .expect_err("no such integrator")
             .to_string();
         assert!(error.contains("leapfrog"), "{error}");
         assert_eq!(
-            ron::from_str("SetLayout(lanes)"),
-            Ok(CompareAction::SetLayout(Layout::Lanes))
+            ron::from_str("SetLayout(side-by-side)"),
+            Ok(CompareAction::SetLayout(Layout::SideBySide))
         );
     }
 

@@ -12,7 +12,7 @@ use box_scenarios::SceneView;
 use crate::action::Action;
 use crate::input::focus::UiFocus;
 use crate::interaction::mouse::Hand;
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneOpened;
 use crate::view::renderer::PictureTarget;
 
@@ -179,7 +179,7 @@ pub fn move_camera(
     focus: Res<UiFocus>,
     session: Res<Session>,
     (request, hand): (Option<Res<CameraRequest>>, Res<Hand>),
-    hero: Query<&BodyState, With<Hero>>,
+    main_box: Query<&BodyState, With<MainBox>>,
     floor: Option<Res<Floor>>,
     mut gesture: Local<Gesture>,
     mut seen: Local<Option<Vec3>>,
@@ -215,7 +215,7 @@ pub fn move_camera(
     // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
     // with the main box.
     let stays = floor.is_some() || session.scenario.view.target.is_some();
-    let at = hero.iter().next().map(|state| state.position.as_vec3());
+    let at = main_box.iter().next().map(|state| state.position.as_vec3());
     if let (false, Some(now), Some(before)) = (stays, at, *seen) {
         orbit.target += now - before;
     }

@@ -93,7 +93,9 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
 /// Number of views.
 pub fn count(comparison: &Comparison) -> usize {
     match &comparison.run {
-        Some(run) if comparison.settings.layout == Layout::Views => (run.lanes.len() + 1).min(MOST),
+        Some(run) if comparison.settings.layout == Layout::Views => {
+            (run.comparisons.len() + 1).min(MOST)
+        }
         _ => 1,
     }
 }

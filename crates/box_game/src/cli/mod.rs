@@ -42,8 +42,8 @@ pub struct Cli {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
 
-    /// How the integrators are shown together: solo, ghosts (in one place), lanes (side by side) or views.
-    #[arg(long, value_name = "LAYOUT", default_value = "ghosts", value_parser = parse_layout)]
+    /// How the integrators are shown together: `solo`, `overlaid` (all in one place), `side-by-side` or `views`.
+    #[arg(long, value_name = "LAYOUT", default_value = "overlaid", value_parser = parse_layout)]
     pub layout: Layout,
 
     /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
@@ -191,8 +191,13 @@ fn parse_plot(text: &str) -> Result<Plot, String> {
 fn parse_layout(text: &str) -> Result<Layout, String> {
     Layout::ALL
         .into_iter()
-        .find(|layout| layout.name().eq_ignore_ascii_case(text.trim()))
-        .ok_or_else(|| "allowed: solo, ghosts, lanes, views".to_owned())
+        .find(|layout| {
+            layout
+                .name()
+                .replace(' ', "-")
+                .eq_ignore_ascii_case(text.trim())
+        })
+        .ok_or_else(|| "allowed: solo, overlaid, side-by-side, views".to_owned())
 }
 
 fn parse_duration(text: &str) -> Result<f64, String> {
@@ -363,7 +368,7 @@ mod tests {
         assert!(e.contains("--boxes") && e.contains("1..=100000"), "{e}");
         let e = error(&["--layout", "tiles"]);
         assert!(
-            e.contains("--layout") && e.contains("solo, ghosts, lanes"),
+            e.contains("--layout") && e.contains("solo, overlaid, side-by-side"),
             "{e}"
         );
         let e = error(&["--plot", "pie"]);

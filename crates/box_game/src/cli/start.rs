@@ -45,7 +45,7 @@ impl Plugin for CommandLinePlugin {
             app.world_mut().resource_mut::<Preferences>().ui_scale = scale;
         }
         let mut comparison = match cli.integrator.as_slice() {
-            [_, others @ ..] => Comparison::with_lanes(session.scenario.id, others),
+            [_, others @ ..] => Comparison::with_comparisons(session.scenario.id, others),
             [] => Comparison::default(),
         };
         comparison.settings.layout = cli.layout;

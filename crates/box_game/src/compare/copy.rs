@@ -22,13 +22,13 @@ pub fn window_csv(comparison: &Comparison) -> String {
         return text;
     };
     let window = comparison.settings.window.seconds();
-    let lanes = run
-        .lanes
+    let comparisons = run
+        .comparisons
         .iter()
-        .map(|r| (r.lane.driver.integrator, &r.track));
-    for (integrator, track) in [(run.hero.integrator, &run.hero.track)]
+        .map(|r| (r.simulation.driver.integrator, &r.track));
+    for (integrator, track) in [(run.main_box.integrator, &run.main_box.track)]
         .into_iter()
-        .chain(lanes)
+        .chain(comparisons)
     {
         for sample in track.series.recent(window) {
             // Writing to a string cannot fail.
@@ -74,31 +74,36 @@ pub fn sweep_csv(comparison: &Comparison) -> String {
 /// The table: one row per trajectory, as it stands now.
 pub fn table_csv(comparison: &Comparison) -> String {
     let mut text = String::from(
-        "integrator,hero,dt_s,sim_t_s,max_pos_err_m,max_rot_err_deg,energy_rel,angmom_rel,diverged_at_s\n",
+        "integrator,main_box,dt_s,sim_t_s,max_pos_err_m,max_rot_err_deg,energy_rel,angmom_rel,diverged_at_s\n",
     );
     let Some(run) = &comparison.run else {
         return text;
     };
-    let lanes = run.lanes.iter().map(|r| {
-        let integrator = r.lane.driver.integrator;
+    let comparisons = run.comparisons.iter().map(|r| {
+        let integrator = r.simulation.driver.integrator;
         (
             integrator,
             false,
             r.factor * run.step,
             &r.track,
-            r.lane.diverged,
+            r.simulation.diverged,
         )
     });
-    let hero = &run.hero;
-    for (integrator, hero, dt, track, diverged) in
-        [(hero.integrator, true, run.step, &hero.track, hero.diverged)]
-            .into_iter()
-            .chain(lanes)
+    let main_box = &run.main_box;
+    for (integrator, main_box, dt, track, diverged) in [(
+        main_box.integrator,
+        true,
+        run.step,
+        &main_box.track,
+        main_box.diverged,
+    )]
+    .into_iter()
+    .chain(comparisons)
     {
         let sample = &track.now.sample;
         let _ = writeln!(
             text,
-            "{integrator},{hero},{dt},{},{:e},{:e},{:e},{:e},{}",
+            "{integrator},{main_box},{dt},{},{:e},{:e},{:e},{:e},{}",
             sample.t,
             track.now.worst.0,
             track.now.worst.1,

@@ -2,7 +2,7 @@
 
 use super::runner::SAME;
 use super::track::Track;
-use super::{CompareView, Comparison, LaneView, Quantity, Settings, SweepView};
+use super::{CompareView, Comparison, Quantity, Settings, SweepView, TrajectoryView};
 use crate::action::Plot;
 use crate::compare::sampling::IntegratorSamples;
 use crate::ui::panel::decimate::{NARROW, decimate_to};
@@ -35,7 +35,7 @@ pub fn compare_view(
             progress: sweep.progress(),
             lines: sweep.lines(),
         },
-        lanes_ms: comparison.lanes_ms,
+        comparisons_ms: comparison.comparisons_ms,
         ..CompareView::default()
     };
     let Some(run) = &comparison.run else {
@@ -43,9 +43,9 @@ pub fn compare_view(
     };
     let shown = quantities(plot, &settings);
     let window = settings.window.seconds();
-    let lane = |integrator: Integrator, track: &Track, dt: f64| LaneView {
+    let trajectory = |integrator: Integrator, track: &Track, dt: f64| TrajectoryView {
         integrator,
-        hero: false,
+        main_box: false,
         dt,
         skew: 0.0,
         status: Status::default(),
@@ -64,24 +64,24 @@ pub fn compare_view(
             })
             .collect(),
     };
-    view.lanes.push(LaneView {
-        hero: true,
-        status: run.hero.status(),
-        ..lane(run.hero.integrator, &run.hero.track, run.step)
+    view.trajectories.push(TrajectoryView {
+        main_box: true,
+        status: run.main_box.status(),
+        ..trajectory(run.main_box.integrator, &run.main_box.track, run.step)
     });
-    for runner in &run.lanes {
+    for runner in &run.comparisons {
         let dt = runner.factor * run.step;
-        let driver = &runner.lane.driver;
+        let driver = &runner.simulation.driver;
         let behind = run.clock - driver.time > dt * (1.0 + SAME);
-        let status = runner.lane.status();
-        view.lanes.push(LaneView {
+        let status = runner.simulation.status();
+        view.trajectories.push(TrajectoryView {
             skew: runner.skew,
             status: if behind && !status.is_diverged() {
                 Status::CatchingUp(driver.time / run.clock.max(1e-9))
             } else {
                 status
             },
-            ..lane(driver.integrator, &runner.track, dt)
+            ..trajectory(driver.integrator, &runner.track, dt)
         });
     }
     view.attitude = run.attitude_says_more();
@@ -94,7 +94,7 @@ pub fn compare_view(
             .floor
             .is_none_or(|f| f.restitution >= 1.0 && f.friction <= 0.0);
     if boxes > 1 {
-        view.note = "The lanes simulate the first box alone, without the load.".to_owned();
+        view.note = "The trajectories simulate the first box alone, without the load.".to_owned();
     }
     view
 }

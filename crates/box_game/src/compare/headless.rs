@@ -71,7 +71,7 @@ impl Headless {
                 run_id: run_id.clone(),
                 frame: now.step,
                 sim_t_s: now.t,
-                lane: now.number as u32,
+                trajectory: now.number as u32,
                 integrator: now.integrator.id().to_owned(),
                 dt_s: self.dt,
                 substeps: self.substeps,

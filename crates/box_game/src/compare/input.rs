@@ -1,23 +1,23 @@
-//! What is done to every lane alike: inputs with the simulated time at which they act.
+//! What is done to every comparison alike: inputs with the simulated time at which they act.
 
 use std::collections::VecDeque;
 
 use box_scenarios::Change;
 
-/// Inputs that are kept, so that a lane chosen later can be simulated from the start. Ten pushes a
+/// Inputs that are kept, so that a comparison chosen later can be simulated from the start. Ten pushes a
 /// second for an hour.
 const MOST: usize = 36_000;
 
 /// A change and its time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// When \[s\]; a lane takes it at its first step boundary at or after that.
+    /// When \[s\]; a comparison takes it at its first step boundary at or after that.
     pub t: f64,
     /// What.
     pub change: Change,
 }
 
-/// Every input of a run, in order of time. A lane remembers how many it has taken.
+/// Every input of a run, in order of time. A comparison remembers how many it has taken.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inputs {
     kept: VecDeque<Input>,

@@ -2,20 +2,20 @@
 //! trajectory.
 //!
 //! ```text
-//! the plugin's hero ──┐
-//! lane, lane, lane ───┼── same start, same inputs at the same simulated time ── reference
+//! the plugin's main box ──┐
+//! comparison, comparison, comparison ───┼── same start, same inputs at the same simulated time ── reference
 //! (core, own clock)   │
 //!                     └── per trajectory: errors, books of energy and momentum, the past
 //! ```
 //!
-//! - [`run`]: one run of a scene; [`runner`]: a lane with its clock; [`track`]: what is measured of it.
+//! - [`run`]: one run of a scene; [`runner`]: a comparison with its clock; [`track`]: what is measured of it.
 //! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;
 //!   [`Balance`](box_scenarios::Balance): what energy and angular momentum should be; [`series`]: the past in fixed
 //!   memory.
 //! - [`input`]: what is done to all alike.
 //! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
-//!   [`Hero`](crate::scene::session::Hero) can use it.
+//!   [`MainBox`](crate::scene::session::MainBox) can use it.
 
 pub mod copy;
 pub mod fill;
@@ -38,21 +38,21 @@ use box_physics::prelude::{ApplyImpulse, Integrator};
 use box_scenarios::{ReferenceSolution, Setup};
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
-pub use plugin::{ComparePlugin, apply, make_hero};
+pub use plugin::{ComparePlugin, apply, make_main_box};
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
-pub use view::{CompareView, LaneView, Settings, SweepView};
+pub use view::{CompareView, Settings, SweepView, TrajectoryView};
 
 use sweep::Sweep;
 
-/// Time that lanes may take of a frame; what they cannot do in it they catch up with later, and the
+/// Time that comparisons may take of a frame; what they cannot do in it they catch up with later, and the
 /// status says so.
 const BUDGET: Duration = Duration::from_micros(2500);
-/// Lanes beside the hero that a scene opens with.
+/// Comparisons beside the main box that a scene opens with.
 const RECOMMENDED: usize = 2;
-/// Smallest and largest step of a lane over the clock's.
+/// Smallest and largest step of a comparison over the clock's.
 const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
-/// Largest step of a lane \[s\].
+/// Largest step of a comparison \[s\].
 const LONGEST_STEP: f64 = 0.5;
 
 /// The comparison of the present scene.
@@ -60,42 +60,42 @@ const LONGEST_STEP: f64 = 0.5;
 pub struct Comparison {
     /// What is chosen about it.
     pub settings: Settings,
-    /// The run, once there is a hero.
+    /// The run, once there is a main box.
     pub run: Option<Run>,
     /// The sweep.
     pub sweep: Sweep,
     /// What simulating and measuring cost in the last frame \[ms\].
-    pub lanes_ms: f64,
+    pub comparisons_ms: f64,
     chosen: Vec<Integrator>,
     /// The scene that `chosen` is for.
     scene: Option<String>,
-    hero: Option<Entity>,
+    main_box: Option<Entity>,
     pending: Vec<ApplyImpulse>,
     cursor: MessageCursor<ApplyImpulse>,
     spent: Duration,
-    /// What the steps of the lanes were last made equal for.
+    /// What the steps of the comparisons were last made equal for.
     fair: Option<(Fairness, Vec<Integrator>, Integrator)>,
 }
 
 impl Comparison {
-    /// Opens on `scene` with these integrators beside the hero.
-    pub fn with_lanes(scene: &str, lanes: &[Integrator]) -> Self {
+    /// Opens on `scene` with these integrators beside the main box.
+    pub fn with_comparisons(scene: &str, comparisons: &[Integrator]) -> Self {
         let mut comparison = Self {
             scene: Some(scene.to_owned()),
             ..Self::default()
         };
-        comparison.choose(lanes.iter().copied());
+        comparison.choose(comparisons.iter().copied());
         comparison
     }
 
-    /// The integrators beside the hero, in the order of the menu. One that is the hero's own waits.
+    /// The integrators beside the main box, in the order of the menu. One that is the main box's own waits.
     pub fn chosen(&self) -> &[Integrator] {
         &self.chosen
     }
 
     /// Compares with these integrators.
-    pub fn choose(&mut self, lanes: impl IntoIterator<Item = Integrator>) {
-        self.chosen = lanes.into_iter().collect();
+    pub fn choose(&mut self, comparisons: impl IntoIterator<Item = Integrator>) {
+        self.chosen = comparisons.into_iter().collect();
         self.chosen.sort();
         self.chosen.dedup();
     }
@@ -109,31 +109,31 @@ impl Comparison {
         }
     }
 
-    /// A new run. The lanes stay if it is the same scene, else they are the first `recommended`.
+    /// A new run. The comparisons stay if it is the same scene, else they are the first `recommended`.
     fn begin(
         &mut self,
         scene: Option<(&str, Vec<Integrator>)>,
         setup: &Setup,
         truth: Option<ReferenceSolution>,
-        hero: Integrator,
+        main_box: Integrator,
         step: f64,
     ) {
         if let Some((scene, recommended)) = scene
             && self.scene.as_deref() != Some(scene)
         {
             self.scene = Some(scene.to_owned());
-            let others = recommended.into_iter().filter(|&i| i != hero);
+            let others = recommended.into_iter().filter(|&i| i != main_box);
             self.choose(others.take(RECOMMENDED));
             self.settings.selected = None;
             self.sweep.clear();
         }
-        self.run = Some(Run::new(setup, truth, hero, step));
+        self.run = Some(Run::new(setup, truth, main_box, step));
         self.fair = None;
         self.pending.clear();
         self.settle();
     }
 
-    /// Lanes for what is chosen.
+    /// Comparisons for what is chosen.
     fn settle(&mut self) {
         let Some(run) = &mut self.run else {
             return;
@@ -142,15 +142,19 @@ impl Comparison {
             self.chosen
                 .iter()
                 .copied()
-                .filter(|&i| i != run.hero.integrator)
+                .filter(|&i| i != run.main_box.integrator)
         };
-        if !wanted().eq(run.lanes.iter().map(|r| r.lane.driver.integrator)) {
+        if !wanted().eq(run
+            .comparisons
+            .iter()
+            .map(|r| r.simulation.driver.integrator))
+        {
             let wanted: Vec<_> = wanted().collect();
             run.choose(wanted);
         }
     }
 
-    /// Simulates the lanes up to the clock, within what is left of the frame's time.
+    /// Simulates the comparisons up to the clock, within what is left of the frame's time.
     fn advance(&mut self) {
         let Some(run) = &mut self.run else {
             return;
@@ -161,13 +165,17 @@ impl Comparison {
         self.spent += start.elapsed();
     }
 
-    /// Gives every lane its step, where the costs are known. `cost` is (evaluations, ns) per step.
+    /// Gives every comparison its step, where the costs are known. `cost` is (evaluations, ns) per step.
     fn make_fair(&mut self, cost: impl Fn(Integrator) -> Option<(f64, f64)>) {
         let Some(run) = &mut self.run else {
             return;
         };
-        let lanes: Vec<_> = run.lanes.iter().map(|r| r.lane.driver.integrator).collect();
-        let key = (self.settings.fairness, lanes, run.hero.integrator);
+        let comparisons: Vec<_> = run
+            .comparisons
+            .iter()
+            .map(|r| r.simulation.driver.integrator)
+            .collect();
+        let key = (self.settings.fairness, comparisons, run.main_box.integrator);
         if self.fair.as_ref() == Some(&key) {
             return;
         }
@@ -188,7 +196,7 @@ impl Comparison {
         };
         let most = FACTORS.1.min((LONGEST_STEP / run.step).max(1.0));
         let mut changed = false;
-        for (runner, figure) in run.lanes.iter_mut().zip(figures) {
+        for (runner, figure) in run.comparisons.iter_mut().zip(figures) {
             let factor = (figure / own).clamp(FACTORS.0, most);
             changed |= runner.factor != factor;
             runner.factor = factor;

@@ -1,4 +1,4 @@
-//! The Bevy side: the hero is watched before and after each step, and the lanes follow it.
+//! The Bevy side: the main box is watched before and after each step, and the comparisons follow it.
 
 use std::time::Duration;
 
@@ -18,11 +18,11 @@ use super::{Comparison, RuleKind, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
 use crate::compare::sampling::IntegratorSamples;
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 use box_scenarios::Change;
 use box_scenarios::Model;
 
-/// Compares the hero, a body marked [`Hero`], with other integrators. Needs `PhysicsPlugins`.
+/// Compares the main box, a body marked [`MainBox`], with other integrators. Needs `PhysicsPlugins`.
 pub struct ComparePlugin;
 
 impl Plugin for ComparePlugin {
@@ -51,7 +51,7 @@ impl Plugin for ComparePlugin {
 fn on_action(action: On<Action>, mut commands: Commands) {
     match action.event().clone() {
         Action::SetIntegrator(integrator) => commands.queue(move |world: &mut World| {
-            make_hero(world, integrator);
+            make_main_box(world, integrator);
             if let Some(mut session) = world.get_resource_mut::<Session>() {
                 session.events.push(format!("integrator {integrator}"));
             }
@@ -62,9 +62,9 @@ fn on_action(action: On<Action>, mut commands: Commands) {
     }
 }
 
-/// What may act on the hero.
+/// What may act on the main box.
 #[derive(QueryData)]
-pub struct HeroForces {
+pub struct MainBoxForces {
     scale: Option<&'static GravityScale>,
     linear_drag: Option<&'static LinearDrag>,
     quadratic_drag: Option<&'static QuadraticDrag>,
@@ -76,7 +76,7 @@ pub struct HeroForces {
     springs: Option<&'static Springs>,
 }
 
-impl HeroForcesItem<'_, '_> {
+impl MainBoxForcesItem<'_, '_> {
     /// The same as the plugin gives its bodies.
     fn set(&self, gravity: bevy::math::DVec3) -> ForceSet {
         let external = self.external.copied().unwrap_or_default();
@@ -95,21 +95,21 @@ impl HeroForcesItem<'_, '_> {
     }
 }
 
-/// The hero and what it is in.
+/// The main box and what it is in.
 #[derive(SystemParam)]
 pub struct Scene<'w, 's> {
-    hero: Query<
+    main_box: Query<
         'w,
         's,
         (
             Entity,
             &'static RigidBox,
             &'static BodyState,
-            HeroForces,
+            MainBoxForces,
             Option<&'static BodyIntegrator>,
             Option<&'static ContactState>,
         ),
-        With<Hero>,
+        With<MainBox>,
     >,
     gravity: Res<'w, WorldGravity>,
     floor: Option<Res<'w, Floor>>,
@@ -121,9 +121,9 @@ pub struct Scene<'w, 's> {
 }
 
 impl Scene<'_, '_> {
-    /// (entity, state, law, integrator) of the first hero.
-    fn hero(&self) -> Option<(Entity, BodyState, Model, Integrator)> {
-        let (entity, body, state, forces, own, _) = self.hero.iter().next()?;
+    /// (entity, state, law, integrator) of the first main box.
+    fn main_box(&self) -> Option<(Entity, BodyState, Model, Integrator)> {
+        let (entity, body, state, forces, own, _) = self.main_box.iter().next()?;
         let law = Model {
             body: *body,
             forces: forces.set(self.gravity.0),
@@ -134,9 +134,9 @@ impl Scene<'_, '_> {
         Some((entity, *state, law, integrator))
     }
 
-    /// Corners of the first hero at the floor.
+    /// Corners of the first main box at the floor.
     fn contacts(&self) -> u32 {
-        let contact = self.hero.iter().next().and_then(|hero| hero.5);
+        let contact = self.main_box.iter().next().and_then(|main_box| main_box.5);
         contact.map_or(0, |c| c.touching().count_ones())
     }
 
@@ -149,14 +149,14 @@ impl Scene<'_, '_> {
         }
     }
 
-    /// Begins a new run where there is a new hero. A session knows the scene; otherwise it is what the
-    /// hero's components say.
+    /// Begins a new run where there is a new main box. A session knows the scene; otherwise it is what the
+    /// main box's components say.
     fn begin(&self, comparison: &mut Comparison, new: (Entity, BodyState, &Model, Integrator)) {
         let (entity, state, law, integrator) = new;
-        if comparison.hero == Some(entity) {
+        if comparison.main_box == Some(entity) {
             return;
         }
-        comparison.hero = Some(entity);
+        comparison.main_box = Some(entity);
         let step = self.step();
         match &self.session {
             Some(session) => {
@@ -181,11 +181,11 @@ fn collect_pushes(messages: Res<Messages<ApplyImpulse>>, mut comparison: ResMut<
     pending.extend(cursor.read(&messages));
 }
 
-/// Looks at the hero when everything that is done to it has been done.
+/// Looks at the main box when everything that is done to it has been done.
 fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
     let comparison = &mut *comparison;
     let pending = core::mem::take(&mut comparison.pending);
-    let Some((entity, state, law, integrator)) = scene.hero() else {
+    let Some((entity, state, law, integrator)) = scene.main_box() else {
         return;
     };
     scene.begin(comparison, (entity, state, &law, integrator));
@@ -222,13 +222,13 @@ fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
     });
 }
 
-/// Looks at the hero after its step, and lets the lanes follow.
+/// Looks at the main box after its step, and lets the comparisons follow.
 pub(crate) fn after_step(
     scene: Scene,
     mut comparison: ResMut<Comparison>,
     mut contacts: MessageReader<FloorContact>,
 ) {
-    let Some((entity, state, _, integrator)) = scene.hero() else {
+    let Some((entity, state, _, integrator)) = scene.main_box() else {
         return;
     };
     let (t, h) = (scene.clock.time(), scene.clock.step());
@@ -249,16 +249,16 @@ pub(crate) fn after_step(
     comparison.advance();
 }
 
-/// Between the steps: a new scene, other lanes, other steps, and what is left to catch up with.
+/// Between the steps: a new scene, other comparisons, other steps, and what is left to catch up with.
 fn follow(
     scene: Scene,
     samples: Option<Res<IntegratorSamples>>,
     mut comparison: ResMut<Comparison>,
 ) {
     let comparison = &mut *comparison;
-    comparison.lanes_ms = comparison.spent.as_secs_f64() * 1e3;
+    comparison.comparisons_ms = comparison.spent.as_secs_f64() * 1e3;
     comparison.spent = Duration::ZERO;
-    let Some((entity, state, law, integrator)) = scene.hero() else {
+    let Some((entity, state, law, integrator)) = scene.main_box() else {
         return;
     };
     scene.begin(comparison, (entity, state, &law, integrator));
@@ -290,15 +290,15 @@ pub fn apply(world: &mut World, action: CompareAction) {
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
     match action {
-        CompareAction::ToggleLane(integrator) => comparison.toggle(integrator),
-        CompareAction::AllLanes => comparison.choose(Integrator::ALL.iter().copied()),
-        CompareAction::NoLanes => comparison.choose([]),
+        CompareAction::ToggleComparison(integrator) => comparison.toggle(integrator),
+        CompareAction::CompareAll => comparison.choose(Integrator::ALL.iter().copied()),
+        CompareAction::CompareNone => comparison.choose([]),
         CompareAction::SetLayout(layout) => settings.layout = layout,
         CompareAction::NextLayout => settings.layout = settings.layout.next(),
-        CompareAction::ToggleGhosts => {
+        CompareAction::ToggleComparisons => {
             settings.layout = match settings.layout {
-                Layout::Solo => Layout::Ghosts,
-                Layout::Ghosts | Layout::Lanes | Layout::Views => Layout::Solo,
+                Layout::Solo => Layout::Overlaid,
+                Layout::Overlaid | Layout::SideBySide | Layout::Views => Layout::Solo,
             };
         }
         CompareAction::SetFairness(fairness) => settings.fairness = fairness,
@@ -312,9 +312,9 @@ pub fn apply(world: &mut World, action: CompareAction) {
                 return;
             };
             let setup = setup.unwrap_or_else(|| run.law.setup(*run.start(), 10.0));
-            let hero = run.hero.integrator;
-            let others = comparison.chosen.iter().copied().filter(|&i| i != hero);
-            let integrators = [hero].into_iter().chain(others).collect();
+            let main_box = run.main_box.integrator;
+            let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
+            let integrators = [main_box].into_iter().chain(others).collect();
             if let Err(error) = comparison.sweep.start(setup, integrators) {
                 notice = Some(format!("sweep: {error}"));
             }
@@ -327,7 +327,7 @@ pub fn apply(world: &mut World, action: CompareAction) {
     }
 }
 
-/// Every lane, and the hero, into the reference's state.
+/// Every comparison, and the main box, into the reference's state.
 fn resync(world: &mut World) {
     let Some(state) = world
         .resource_mut::<Comparison>()
@@ -337,8 +337,9 @@ fn resync(world: &mut World) {
     else {
         return;
     };
-    let mut hero = world.query_filtered::<(&mut BodyState, Option<&mut Transform>), With<Hero>>();
-    if let Some((mut now, pose)) = hero.iter_mut(world).next() {
+    let mut main_box =
+        world.query_filtered::<(&mut BodyState, Option<&mut Transform>), With<MainBox>>();
+    if let Some((mut now, pose)) = main_box.iter_mut(world).next() {
         *now = state;
         show(&state, pose);
     }
@@ -352,21 +353,22 @@ fn show(state: &BodyState, pose: Option<Mut<Transform>>) {
     }
 }
 
-/// The integrator moves the hero from now on. Where a lane runs under it, hero and lane change places, so
-/// that each trajectory stays one integrator's alone; else the hero carries its state over.
-pub fn make_hero(world: &mut World, integrator: Integrator) {
+/// The integrator moves the main box from now on. Where a comparison runs under it, main box and comparison change places, so
+/// that each trajectory stays one integrator's alone; else the main box carries its state over.
+pub fn make_main_box(world: &mut World, integrator: Integrator) {
     let swapped = world.resource_scope(|world, mut comparison: Mut<Comparison>| {
         let Some(run) = &mut comparison.run else {
             return false;
         };
-        let old = run.hero.integrator;
-        let mut hero = world.query_filtered::<(
+        let old = run.main_box.integrator;
+        let mut main_box = world.query_filtered::<(
             &mut BodyState,
             &mut IntegratorMemory,
             &mut ContactState,
             Option<&mut Transform>,
-        ), With<Hero>>();
-        let Some((mut state, mut memory, mut contact, pose)) = hero.iter_mut(world).next() else {
+        ), With<MainBox>>();
+        let Some((mut state, mut memory, mut contact, pose)) = main_box.iter_mut(world).next()
+        else {
             return false;
         };
         let swapped = run.swap(integrator, (&mut state, &mut memory, &mut contact));
@@ -381,12 +383,12 @@ pub fn make_hero(world: &mut World, integrator: Integrator) {
         swapped
     });
     let own = world
-        .query_filtered::<&mut BodyIntegrator, With<Hero>>()
+        .query_filtered::<&mut BodyIntegrator, With<MainBox>>()
         .iter_mut(world)
         .next()
         .map(|mut own| own.0 = integrator);
     if own.is_none() {
         world.insert_resource(GlobalIntegrator(integrator));
     }
-    debug!("hero under {integrator}, swapped: {swapped}");
+    debug!("main_box under {integrator}, swapped: {swapped}");
 }

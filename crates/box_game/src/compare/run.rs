@@ -1,4 +1,4 @@
-//! One run of a scene: the hero, the lanes beside it, and the reference, all from the same start through
+//! One run of a scene: the main box, the comparisons beside it, and the reference, all from the same start through
 //! the same inputs.
 
 mod past;
@@ -29,15 +29,15 @@ const BATCH: u32 = 16;
 /// What a vertical line in the plots stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RuleKind {
-    /// The hero met the floor.
+    /// The main box met the floor.
     Contact,
     /// A push, a changed parameter, a placing by hand.
     Input,
     /// Another step size.
     Step,
-    /// The hero got another integrator.
+    /// The main box got another integrator.
     Integrator,
-    /// The lanes were put into the reference's state.
+    /// The comparisons were put into the reference's state.
     Resync,
 }
 
@@ -50,9 +50,9 @@ pub struct Rule {
     pub kind: RuleKind,
 }
 
-/// The hero as the comparison sees it: a body of the plugin, looked at before and after each step.
+/// The main box as the comparison sees it: a body of the plugin, looked at before and after each step.
 #[derive(Clone, Debug)]
-pub struct HeroTrack {
+pub struct MainTrack {
     /// Its integrator.
     pub integrator: Integrator,
     /// What its energy and angular momentum should be.
@@ -81,10 +81,10 @@ pub struct Run {
     pub step: f64,
     /// What acts now.
     pub law: Arc<Model>,
-    /// The hero.
-    pub hero: HeroTrack,
-    /// The lanes beside it.
-    pub lanes: Vec<Runner>,
+    /// The main box.
+    pub main_box: MainTrack,
+    /// The comparisons beside it.
+    pub comparisons: Vec<Runner>,
     /// What is trusted.
     pub reference: LiveReference,
     /// Vertical lines, oldest first.
@@ -95,7 +95,7 @@ pub struct Run {
     checkpoints: VecDeque<Checkpoint>,
 }
 
-impl HeroTrack {
+impl MainTrack {
     /// What can be said of it.
     pub fn status(&self) -> Status {
         Status::of(&self.state, self.contacts, self.diverged)
@@ -107,7 +107,7 @@ impl Run {
     pub fn new(
         setup: &Setup,
         truth: Option<ReferenceSolution>,
-        hero: Integrator,
+        main_box: Integrator,
         step: f64,
     ) -> Self {
         let law = Arc::new(Model::of(setup));
@@ -117,8 +117,8 @@ impl Run {
         Self {
             clock: 0.0,
             step,
-            hero: HeroTrack {
-                integrator: hero,
+            main_box: MainTrack {
+                integrator: main_box,
                 track: Track::new(&law, &balance, &state, 0.0),
                 balance,
                 diverged: None,
@@ -129,7 +129,7 @@ impl Run {
                 next_impulse: 0,
                 kicked: false,
             },
-            lanes: Vec::new(),
+            comparisons: Vec::new(),
             reference: LiveReference::new(&law, state, &impulses, truth, step),
             rules: VecDeque::new(),
             start: (law.clone(), state),
@@ -145,14 +145,14 @@ impl Run {
         &self.start.1
     }
 
-    /// Simulates exactly these integrators beside the hero, in this order. One that is new begins at the
+    /// Simulates exactly these integrators beside the main box, in this order. One that is new begins at the
     /// start and catches up.
     pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
-        let mut old = core::mem::take(&mut self.lanes);
+        let mut old = core::mem::take(&mut self.comparisons);
         for integrator in integrators {
             let kept = old
                 .iter()
-                .position(|r| r.lane.driver.integrator == integrator);
+                .position(|r| r.simulation.driver.integrator == integrator);
             let runner = match kept {
                 Some(k) => old.swap_remove(k),
                 None if self.inputs.is_whole() => Runner::new(
@@ -166,7 +166,7 @@ impl Run {
                 // The beginning is forgotten: begin at the reference.
                 None => {
                     let known = self.reference.follow(self.clock);
-                    let state = known.unwrap_or(self.hero.state);
+                    let state = known.unwrap_or(self.main_box.state);
                     let next = self.inputs.end();
                     Runner::new(
                         integrator,
@@ -178,22 +178,22 @@ impl Run {
                     )
                 }
             };
-            self.lanes.push(runner);
+            self.comparisons.push(runner);
         }
     }
 
     /// The reference at the clock's time, if it is known.
     pub fn trusted(&self) -> Option<&BodyState> {
-        self.hero.reference.as_ref()
+        self.main_box.reference.as_ref()
     }
 
     /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
     /// box.
     pub fn attitude_says_more(&self) -> bool {
-        let lanes = self.lanes.iter().map(|r| r.track.now.worst);
-        let (x, a) = [self.hero.track.now.worst]
+        let comparisons = self.comparisons.iter().map(|r| r.track.now.worst);
+        let (x, a) = [self.main_box.track.now.worst]
             .into_iter()
-            .chain(lanes)
+            .chain(comparisons)
             .fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
         a.to_radians() >= x / self.law.body.radius()
     }
@@ -230,9 +230,9 @@ impl Run {
         self.rule(t, RuleKind::Input);
     }
 
-    /// The hero stands in `state` at `t` \[s\], about to be stepped under `law`. `pushes` (impulse,
+    /// The main box stands in `state` at `t` \[s\], about to be stepped under `law`. `pushes` (impulse,
     /// body point) came since its last step; `pushed` is what they and the scene's own impulses should
-    /// have made of it. If it is elsewhere, somebody put it there, and every lane is put there too.
+    /// have made of it. If it is elsewhere, somebody put it there, and every comparison is put there too.
     pub fn before_step(
         &mut self,
         t: f64,
@@ -241,16 +241,16 @@ impl Run {
         pushes: impl FnOnce(&mut BodyState) -> Vec<Change>,
     ) {
         let margin = 1e-9 * self.step;
-        let mut expected = self.hero.state;
-        self.hero.kicked = false;
+        let mut expected = self.main_box.state;
+        self.main_box.kicked = false;
         while let Some(i) = self
             .impulses
-            .get(self.hero.next_impulse)
+            .get(self.main_box.next_impulse)
             .filter(|i| i.t <= t + margin)
         {
             expected.apply_impulse_at_body_point(&self.law.body, i.impulse, i.body_point);
-            self.hero.next_impulse += 1;
-            self.hero.kicked = true;
+            self.main_box.next_impulse += 1;
+            self.main_box.kicked = true;
         }
         let changes = pushes(&mut expected);
         let inputs = self.inputs.end();
@@ -264,15 +264,17 @@ impl Run {
             self.law = Arc::new(law);
             self.push(t, Change::Model(self.law.clone()));
         }
-        if self.inputs.end() != inputs || self.hero.kicked {
-            let before = self.hero.state;
-            self.hero.balance.input((&old, &before), (&self.law, state));
-            self.hero.reference = self.reference.at(t);
+        if self.inputs.end() != inputs || self.main_box.kicked {
+            let before = self.main_box.state;
+            self.main_box
+                .balance
+                .input((&old, &before), (&self.law, state));
+            self.main_box.reference = self.reference.at(t);
         }
-        self.hero.before = *state;
+        self.main_box.before = *state;
     }
 
-    /// The hero stands in `state` at `t` \[s\], at the end of a step of `h` \[s\].
+    /// The main box stands in `state` at `t` \[s\], at the end of a step of `h` \[s\].
     pub fn after_step(
         &mut self,
         t: f64,
@@ -280,36 +282,36 @@ impl Run {
         (state, contacts): (&BodyState, u32),
         integrator: Integrator,
     ) {
-        if integrator != self.hero.integrator {
-            self.hero.integrator = integrator;
+        if integrator != self.main_box.integrator {
+            self.main_box.integrator = integrator;
             self.rule(self.clock, RuleKind::Integrator);
         }
         self.set_step(h);
         self.clock = t;
-        let hero = &mut self.hero;
-        hero.balance.step(&self.law, &hero.before, h);
+        let main_box = &mut self.main_box;
+        main_box.balance.step(&self.law, &main_box.before, h);
         let to = self.reference.at(t);
-        let local: Option<StateError> = match (hero.reference, to) {
-            (Some(from), Some(to)) if !hero.kicked => {
+        let local: Option<StateError> = match (main_box.reference, to) {
+            (Some(from), Some(to)) if !main_box.kicked => {
                 Some(local_error(integrator, &self.law, from, &to, h))
             }
             _ => None,
         };
-        if hero.diverged.is_none() && hero.balance.is_exceeded(&self.law, state) {
+        if main_box.diverged.is_none() && main_box.balance.is_exceeded(&self.law, state) {
             let reason = Reason::Energy;
-            hero.diverged = Some(Divergence { t, reason });
+            main_box.diverged = Some(Divergence { t, reason });
         }
-        let books = (&*self.law, &hero.balance);
-        hero.track.observe(books, state, t, to.as_ref(), local);
-        (hero.state, hero.contacts) = (*state, contacts);
-        hero.reference = to;
+        let books = (&*self.law, &main_box.balance);
+        main_box.track.observe(books, state, t, to.as_ref(), local);
+        (main_box.state, main_box.contacts) = (*state, contacts);
+        main_box.reference = to;
     }
 
-    /// Simulates the lanes up to the clock's time, the one that is farthest behind first, but not past
+    /// Simulates the comparisons up to the clock's time, the one that is farthest behind first, but not past
     /// `deadline`. Returns whether all have arrived.
     pub fn advance(&mut self, deadline: Option<Instant>) -> bool {
         let Self {
-            lanes,
+            comparisons,
             inputs,
             impulses,
             reference,
@@ -325,11 +327,11 @@ impl Run {
         };
         for n in 1_u32.. {
             let due = |r: &&mut Runner| {
-                let end = r.lane.driver.time + r.factor * *step;
-                r.lane.diverged.is_none() && end <= *clock + SAME * *step
+                let end = r.simulation.driver.time + r.factor * *step;
+                r.simulation.diverged.is_none() && end <= *clock + SAME * *step
             };
-            let end = |r: &&mut Runner| r.lane.driver.time + r.factor * *step;
-            let next = lanes
+            let end = |r: &&mut Runner| r.simulation.driver.time + r.factor * *step;
+            let next = comparisons
                 .iter_mut()
                 .filter(due)
                 .min_by(|a, b| end(a).total_cmp(&end(b)));
@@ -345,64 +347,68 @@ impl Run {
         true
     }
 
-    /// Puts every lane into the reference's state and opens new books; returns that state for the hero.
+    /// Puts every comparison into the reference's state and opens new books; returns that state for the main box.
     pub fn resync(&mut self) -> Option<BodyState> {
         let state = self.reference.follow(self.clock)?;
         self.reference.push(self.clock, &Change::Place(state));
         let (t, next) = (self.clock, self.inputs.end());
-        for runner in &mut self.lanes {
+        for runner in &mut self.comparisons {
             runner.resync(&self.law, state, t, next);
         }
-        self.hero.balance = Balance::new(&self.law, &state);
-        self.hero.diverged = None;
-        let books = &self.hero.balance;
-        self.hero.track.reopen(&self.law, books, &state, t);
-        (self.hero.state, self.hero.before) = (state, state);
-        self.hero.reference = Some(state);
+        self.main_box.balance = Balance::new(&self.law, &state);
+        self.main_box.diverged = None;
+        let books = &self.main_box.balance;
+        self.main_box.track.reopen(&self.law, books, &state, t);
+        (self.main_box.state, self.main_box.before) = (state, state);
+        self.main_box.reference = Some(state);
         self.rule(t, RuleKind::Resync);
         Some(state)
     }
 
-    /// The lane under `integrator` becomes the hero, and the hero a lane under its own integrator, if the lane
-    /// is where the clock is. Takes what the plugin keeps of the hero and puts there what it should keep.
+    /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own integrator, if the comparison
+    /// is where the clock is. Takes what the plugin keeps of the main box and puts there what it should keep.
     pub fn swap(
         &mut self,
         integrator: Integrator,
         (state, memory, contact): (&mut BodyState, &mut IntegratorMemory, &mut ContactState),
     ) -> bool {
         let here = |r: &&mut Runner| {
-            r.lane.driver.integrator == integrator
-                && r.lane.diverged.is_none()
-                && (r.lane.driver.time - self.clock).abs() <= SAME * self.step
+            r.simulation.driver.integrator == integrator
+                && r.simulation.diverged.is_none()
+                && (r.simulation.driver.time - self.clock).abs() <= SAME * self.step
         };
-        let Some(runner) = self.lanes.iter_mut().find(here) else {
+        let Some(runner) = self.comparisons.iter_mut().find(here) else {
             return false;
         };
         // Pushes that wait for the next step stay with the body.
-        if *state != self.hero.state {
+        if *state != self.main_box.state {
             return false;
         }
-        let hero = &mut self.hero;
-        core::mem::swap(&mut runner.lane.driver.state, state);
-        core::mem::swap(&mut runner.lane.driver.memory, memory);
-        core::mem::swap(&mut runner.lane.driver.contact, contact);
-        core::mem::swap(&mut runner.track, &mut hero.track);
-        core::mem::swap(&mut runner.lane.balance, &mut hero.balance);
-        core::mem::swap(&mut runner.lane.diverged, &mut hero.diverged);
-        runner.lane.driver.integrator = core::mem::replace(&mut hero.integrator, integrator);
-        (hero.state, hero.before) = (*state, *state);
+        let main_box = &mut self.main_box;
+        core::mem::swap(&mut runner.simulation.driver.state, state);
+        core::mem::swap(&mut runner.simulation.driver.memory, memory);
+        core::mem::swap(&mut runner.simulation.driver.contact, contact);
+        core::mem::swap(&mut runner.track, &mut main_box.track);
+        core::mem::swap(&mut runner.simulation.balance, &mut main_box.balance);
+        core::mem::swap(&mut runner.simulation.diverged, &mut main_box.diverged);
+        runner.simulation.driver.integrator =
+            core::mem::replace(&mut main_box.integrator, integrator);
+        (main_box.state, main_box.before) = (*state, *state);
         // Both stand at the same input.
         runner.next_input = self.inputs.end();
-        runner.lane.model = self.law.clone();
-        core::mem::swap(&mut runner.lane.next_impulse, &mut hero.next_impulse);
-        core::mem::swap(&mut runner.reference, &mut hero.reference);
+        runner.simulation.model = self.law.clone();
+        core::mem::swap(
+            &mut runner.simulation.next_impulse,
+            &mut main_box.next_impulse,
+        );
+        core::mem::swap(&mut runner.reference, &mut main_box.reference);
         self.checkpoints.clear();
         true
     }
 
     /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
     pub fn kept(&self) -> usize {
-        let lanes: usize = self.lanes.iter().map(|r| r.track.series.len()).sum();
-        lanes + self.hero.track.series.len() + self.rules.len() + self.checkpoints.len()
+        let comparisons: usize = self.comparisons.iter().map(|r| r.track.series.len()).sum();
+        comparisons + self.main_box.track.series.len() + self.rules.len() + self.checkpoints.len()
     }
 }

@@ -1,4 +1,4 @@
-//! One integrator beside the hero: its simulation, its clock, its books.
+//! One integrator beside the main box: its simulation, its clock, its books.
 
 use std::sync::Arc;
 
@@ -17,15 +17,15 @@ pub(crate) struct Shared<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) impulses: &'a [TimedImpulse],
     pub(crate) reference: &'a mut LiveReference,
-    /// The clock's time \[s\]: where a lane arrives there, it is there exactly.
+    /// The clock's time \[s\]: where a comparison arrives there, it is there exactly.
     pub(crate) clock: f64,
 }
 
-/// A lane with what is measured of it.
+/// A comparison with what is measured of it.
 #[derive(Clone, Debug)]
 pub struct Runner {
     /// The simulation and its balance.
-    pub lane: box_scenarios::Runner,
+    pub simulation: box_scenarios::Runner,
     /// Past and present.
     pub track: Track,
     /// Its step over the clock's.
@@ -42,7 +42,7 @@ pub struct Runner {
 /// A runner without its past.
 #[derive(Clone, Debug)]
 pub(crate) struct Saved {
-    lane: box_scenarios::Runner,
+    simulation: box_scenarios::Runner,
     worst: (f64, f64),
     next_input: u64,
     reference: Option<BodyState>,
@@ -58,10 +58,10 @@ impl Runner {
         next_input: u64,
         impulses: &[TimedImpulse],
     ) -> Self {
-        let lane = box_scenarios::Runner::new(integrator, law, state, t, impulses);
+        let simulation = box_scenarios::Runner::new(integrator, law, state, t, impulses);
         Self {
-            track: Track::new(law, &lane.balance, &state, t),
-            lane,
+            track: Track::new(law, &simulation.balance, &state, t),
+            simulation,
             factor: 1.0,
             skew: 0.0,
             next_input,
@@ -72,16 +72,16 @@ impl Runner {
 
     /// One step of `h` \[s\], unless it has diverged.
     pub(crate) fn step(&mut self, h: f64, shared: &mut Shared<'_>) {
-        if self.lane.diverged.is_some() {
+        if self.simulation.diverged.is_some() {
             return;
         }
-        let t = self.lane.driver.time;
-        let scene = self.lane.take_impulses(shared.impulses, t + DUE * h);
+        let t = self.simulation.driver.time;
+        let scene = self.simulation.take_impulses(shared.impulses, t + DUE * h);
         if self.take_inputs(shared.inputs, t, h) {
             self.reference = shared.reference.at(t);
         }
-        let goes_on = self.lane.step(h);
-        let driver = &mut self.lane.driver;
+        let goes_on = self.simulation.step(h);
+        let driver = &mut self.simulation.driver;
         if (driver.time - shared.clock).abs() <= SAME * h {
             driver.time = shared.clock;
         }
@@ -92,13 +92,17 @@ impl Runner {
         let to = shared.reference.at(now);
         let smooth = !scene && !shared.inputs.any_within(t, now, DUE * h);
         let local = match (self.reference, to) {
-            (Some(from), Some(to)) if smooth => {
-                Some(local_error(integrator, &self.lane.model, from, &to, h))
-            }
+            (Some(from), Some(to)) if smooth => Some(local_error(
+                integrator,
+                &self.simulation.model,
+                from,
+                &to,
+                h,
+            )),
             _ => None,
         };
-        let books = (&*self.lane.model, &self.lane.balance);
-        let state = &self.lane.driver.state;
+        let books = (&*self.simulation.model, &self.simulation.balance);
+        let state = &self.simulation.driver.state;
         self.track.observe(books, state, now, to.as_ref(), local);
         self.reference = to;
     }
@@ -109,7 +113,7 @@ impl Runner {
             .get(self.next_input)
             .filter(|input| input.t <= t + DUE * h)
         {
-            self.lane.change(&input.change);
+            self.simulation.change(&input.change);
             self.skew = (t - input.t).max(0.0);
             self.next_input += 1;
             any = true;
@@ -117,17 +121,17 @@ impl Runner {
         any
     }
 
-    /// Puts the lane into `state` at `t` \[s\] with a new balance.
+    /// Puts the comparison into `state` at `t` \[s\] with a new balance.
     pub(crate) fn resync(&mut self, law: &Arc<Model>, state: BodyState, t: f64, next_input: u64) {
-        self.lane.restart(law, state, t);
+        self.simulation.restart(law, state, t);
         self.next_input = next_input;
         self.reference = Some(state);
-        self.track.reopen(law, &self.lane.balance, &state, t);
+        self.track.reopen(law, &self.simulation.balance, &state, t);
     }
 
     pub(crate) fn save(&self) -> Saved {
         Saved {
-            lane: self.lane.clone(),
+            simulation: self.simulation.clone(),
             worst: self.track.now.worst,
             next_input: self.next_input,
             reference: self.reference,
@@ -136,17 +140,17 @@ impl Runner {
 
     /// Back to what was saved; the past after that is forgotten.
     pub(crate) fn restore(&mut self, saved: &Saved) {
-        self.lane = saved.lane.clone();
+        self.simulation = saved.simulation.clone();
         self.track.now.worst = saved.worst;
-        self.track.series.rewind(saved.lane.driver.time);
+        self.track.series.rewind(saved.simulation.driver.time);
         self.next_input = saved.next_input;
         self.reference = saved.reference;
-        self.logged = self.lane.driver.totals.steps;
+        self.logged = self.simulation.driver.totals.steps;
     }
 }
 
 impl Saved {
     pub(crate) fn integrator(&self) -> Integrator {
-        self.lane.driver.integrator
+        self.simulation.driver.integrator
     }
 }

@@ -1,4 +1,4 @@
-//! What a lane was like over time, in memory of fixed size: the last minute as it was, and the whole run
+//! What a comparison was like over time, in memory of fixed size: the last minute as it was, and the whole run
 //! as smallest and largest values of stretches that double when there are too many.
 
 use std::collections::VecDeque;
@@ -10,7 +10,7 @@ const RECENT: usize = 3700;
 /// Stretches of the whole run.
 const STRETCHES: usize = 1024;
 
-/// What is kept of a lane.
+/// What is kept of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Distance from the reference \[m\].
@@ -68,7 +68,7 @@ impl Quantity {
     }
 }
 
-/// One moment of a lane; NaN where something is not known.
+/// One moment of a comparison; NaN where something is not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Simulated time \[s\].

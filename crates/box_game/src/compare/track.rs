@@ -1,4 +1,4 @@
-//! What is measured of one trajectory, the hero's or a lane's, step by step.
+//! What is measured of one trajectory, the main box's or a comparison's, step by step.
 
 use box_physics::prelude::BodyState;
 

@@ -11,7 +11,7 @@ use crate::action::compare::{Fairness, Layout, Window};
 /// What can be chosen about the comparison and its plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// How the lanes are drawn.
+    /// How the trajectories are drawn.
     pub layout: Layout,
     /// What is equal between them.
     pub fairness: Fairness,
@@ -23,7 +23,7 @@ pub struct Settings {
     pub logarithmic_energy: bool,
     /// Error of each step alone, instead of since the start.
     pub local: bool,
-    /// The integrator that the hero is compared with in words; the first lane if `None`.
+    /// The integrator that the main box is compared with in words; the first trajectory if `None`.
     pub selected: Option<Integrator>,
 }
 
@@ -46,8 +46,8 @@ impl Default for Settings {
 pub struct CompareView {
     /// What is chosen.
     pub settings: Settings,
-    /// The hero, then the lanes beside it.
-    pub lanes: Vec<LaneView>,
+    /// The main box, then the trajectories beside it.
+    pub trajectories: Vec<TrajectoryView>,
     /// Whether the attitudes have gone more wrong than the positions have.
     pub attitude: bool,
     /// Where the trusted answer comes from.
@@ -62,19 +62,19 @@ pub struct CompareView {
     pub sweep: SweepView,
     /// What there is to say about this comparison, or nothing.
     pub note: String,
-    /// What simulating and measuring the lanes cost in the last frame \[ms\].
-    pub lanes_ms: f64,
+    /// What simulating and measuring the trajectories cost in the last frame \[ms\].
+    pub comparisons_ms: f64,
     /// What drawing the panel cost in the last frame \[ms\].
     pub panel_ms: f64,
 }
 
 /// One trajectory in one frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LaneView {
+pub struct TrajectoryView {
     /// The integrator.
     pub integrator: Integrator,
-    /// Whether it is the hero.
-    pub hero: bool,
+    /// Whether it is the main box.
+    pub main_box: bool,
     /// Its step \[s\].
     pub dt: f64,
     /// By how much it took the last input late \[s\].
@@ -95,7 +95,7 @@ pub struct LaneView {
     pub lines: Vec<(Quantity, Vec<[f64; 2]>)>,
 }
 
-impl LaneView {
+impl TrajectoryView {
     /// One of the present values.
     pub fn get(&self, quantity: Quantity) -> f64 {
         self.now[quantity as usize]
@@ -121,35 +121,35 @@ pub struct SweepView {
 /// Errors below are rounding: no ratio of them says anything.
 const ROUNDING: f64 = 1e-11;
 
-/// The hero against the chosen lane, in words, from the side of the more accurate.
+/// The main box against the chosen trajectory, in words, from the side of the more accurate.
 pub fn verdict(view: &CompareView) -> String {
-    let Some(hero) = view.lanes.iter().find(|l| l.hero) else {
+    let Some(main_box) = view.trajectories.iter().find(|l| l.main_box) else {
         return String::new();
     };
-    let others = || view.lanes.iter().filter(|l| !l.hero);
+    let others = || view.trajectories.iter().filter(|l| !l.main_box);
     let chosen = others()
         .find(|l| Some(l.integrator) == view.settings.selected)
         .or_else(|| others().next());
     let Some(other) = chosen else {
         return "Tick an integrator to compare with.".to_owned();
     };
-    let (h, o) = (hero.integrator.name(), other.integrator.name());
-    match (hero.diverged(), other.diverged()) {
+    let (h, o) = (main_box.integrator.name(), other.integrator.name());
+    match (main_box.diverged(), other.diverged()) {
         (true, true) => return format!("{h} and {o} have both diverged."),
         (true, false) => return format!("{h} has diverged, {o} has not."),
         (false, true) => return format!("{o} has diverged, {h} has not."),
         (false, false) => {}
     }
     let (a, b, what) = if view.attitude {
-        (hero.worst.1, other.worst.1, "attitude")
+        (main_box.worst.1, other.worst.1, "attitude")
     } else {
-        (hero.worst.0, other.worst.0, "position")
+        (main_box.worst.0, other.worst.0, "position")
     };
-    let cost = |l: &LaneView| l.nanoseconds.map(|(_, median, _)| median / l.dt);
+    let cost = |l: &TrajectoryView| l.nanoseconds.map(|(_, median, _)| median / l.dt);
     let (best, worst, small, large) = if a <= b {
-        (hero, other, a, b)
+        (main_box, other, a, b)
     } else {
-        (other, hero, b, a)
+        (other, main_box, b, a)
     };
     let (best_name, worst_name) = (best.integrator.name(), worst.integrator.name());
     let price = match (cost(best), cost(worst)) {
@@ -190,10 +190,15 @@ fn times(ratio: f64) -> String {
 mod tests {
     use super::*;
 
-    fn lane(integrator: Integrator, hero: bool, error: (f64, f64), ns: f64) -> LaneView {
-        LaneView {
+    fn trajectory(
+        integrator: Integrator,
+        main_box: bool,
+        error: (f64, f64),
+        ns: f64,
+    ) -> TrajectoryView {
+        TrajectoryView {
             integrator,
-            hero,
+            main_box,
             dt: 1.0 / 60.0,
             skew: 0.0,
             status: Status::Ok,
@@ -210,9 +215,9 @@ mod tests {
     fn verdicts() {
         use Integrator::{Rk4, SemiImplicitEuler};
         let with = |a: (f64, f64), b: (f64, f64)| CompareView {
-            lanes: vec![
-                lane(Rk4, true, a, 68.0),
-                lane(SemiImplicitEuler, false, b, 20.0),
+            trajectories: vec![
+                trajectory(Rk4, true, a, 68.0),
+                trajectory(SemiImplicitEuler, false, b, 20.0),
             ],
             attitude: a.1.max(b.1) > 0.0,
             ..CompareView::default()
@@ -231,7 +236,7 @@ mod tests {
         );
         assert!(verdict(&with((0.0, 0.0), (0.0, 0.0))).contains("both right to rounding"));
         let mut view = with((0.0, 0.1), (0.0, 31.0));
-        view.lanes[1].status = Status::Diverged(box_scenarios::Divergence {
+        view.trajectories[1].status = Status::Diverged(box_scenarios::Divergence {
             t: 3.2,
             reason: box_scenarios::Reason::Energy,
         });
@@ -239,7 +244,7 @@ mod tests {
             verdict(&view),
             "Semi-implicit Euler has diverged, RK4 has not."
         );
-        view.lanes.truncate(1);
+        view.trajectories.truncate(1);
         assert_eq!(verdict(&view), "Tick an integrator to compare with.");
         assert_eq!(verdict(&CompareView::default()), "");
         assert_eq!(times(1.6e6), "1.6e6×");

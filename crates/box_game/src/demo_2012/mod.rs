@@ -13,7 +13,7 @@ use box_physics::prelude::{
 use box_scenarios::dissertation::{Demo, State, Stepper};
 
 use crate::action::Action;
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 use crate::scene::start::{SceneOpened, SceneStarted};
 
 /// The scene it belongs to.
@@ -138,12 +138,12 @@ fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
     mut demo: ResMut<Demo2012>,
-    mut hero: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<Hero>>,
+    mut main_box: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<MainBox>>,
 ) {
     let Some(stepper) = demo.active(&session) else {
         return;
     };
-    let Ok((body, mut state, mut transform, mut aabb)) = hero.single_mut() else {
+    let Ok((body, mut state, mut transform, mut aabb)) = main_box.single_mut() else {
         return;
     };
     let demo = &mut *demo;
@@ -171,10 +171,10 @@ fn run_cycle(
 
 /// Chooses a stepper of 2012, or ours. Each goes on from where the box is.
 fn choose(world: &mut World, stepper: Option<Stepper>) {
-    let hero = hero(world);
+    let main_box = main_box(world);
     let mut demo = world.resource_mut::<Demo2012>();
     if demo.stepper.is_none() {
-        demo.state = hero.map(|(body, state)| State::new(&body, &state));
+        demo.state = main_box.map(|(body, state)| State::new(&body, &state));
     }
     demo.stepper = stepper;
     let text = stepper.map_or("ours", Stepper::id);
@@ -191,7 +191,7 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
         return;
     }
     let initial = session.setup().initial;
-    let Some((body, _)) = hero(world) else {
+    let Some((body, _)) = main_box(world) else {
         return;
     };
     let mut demo = world.resource_mut::<Demo2012>();
@@ -231,9 +231,9 @@ fn next_log() -> std::io::Result<CycleLog> {
     CycleLog::create(std::path::absolute(free)?)
 }
 
-fn hero(world: &mut World) -> Option<(RigidBox, BodyState)> {
+fn main_box(world: &mut World) -> Option<(RigidBox, BodyState)> {
     world
-        .query_filtered::<(&RigidBox, &BodyState), With<Hero>>()
+        .query_filtered::<(&RigidBox, &BodyState), With<MainBox>>()
         .iter(world)
         .next()
         .map(|(body, state)| (*body, *state))

@@ -128,7 +128,7 @@ pub(super) fn read_keys(
         .find(|(key, _)| !alt_gr && keys.just_pressed(*key));
     if let Some(integrator) = digit.and_then(|(_, digit)| integrator_of_key(digit)) {
         actions.push(if shift {
-            Action::Compare(CompareAction::ToggleLane(integrator))
+            Action::Compare(CompareAction::ToggleComparison(integrator))
         } else {
             Action::SetIntegrator(integrator)
         });
@@ -151,7 +151,7 @@ pub(super) fn read_keys(
         ("l", Action::ToggleLog),
         ("m", Action::TogglePlots),
         ("`", Action::TogglePanel),
-        ("g", Action::Compare(CompareAction::ToggleGhosts)),
+        ("g", Action::Compare(CompareAction::ToggleComparisons)),
         ("v", Action::Compare(CompareAction::NextLayout)),
         ("f", Action::FrameCamera),
         ("?", Action::ToggleHelp),

@@ -17,7 +17,7 @@ use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBo
 use glam::DMat3;
 
 use crate::action::{Action, Hold};
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneStarted;
 
 /// Undamped frequency of a box held at its center \[Hz\]: fast to follow, slow to jerk.
@@ -75,11 +75,11 @@ pub fn pull(
     grip: Res<Grip>,
     clock: Res<PhysicsClock>,
     time: Res<Time>,
-    hero: Query<(Entity, &RigidBox, &BodyState), With<Hero>>,
+    main_box: Query<(Entity, &RigidBox, &BodyState), With<MainBox>>,
     mut session: ResMut<Session>,
     mut impulses: MessageWriter<ApplyImpulse>,
 ) {
-    let (Some(hold), Ok((entity, body, state))) = (&grip.0, hero.single()) else {
+    let (Some(hold), Ok((entity, body, state))) = (&grip.0, main_box.single()) else {
         return;
     };
     let h = time.delta_secs_f64();

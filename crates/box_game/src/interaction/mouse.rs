@@ -10,7 +10,7 @@ use super::grab::Grip;
 use super::pick::{Hit, hit};
 use crate::action::{Action, Actions, Hold, Poke};
 use crate::input::focus::UiFocus;
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 
 /// A press that moves farther than this is a drag [logical pixels].
 const CLICK: f32 = 5.0;
@@ -131,7 +131,7 @@ pub fn use_mouse(
     scroll: Res<AccumulatedMouseScroll>,
     window: Query<&Window, With<PrimaryWindow>>,
     cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
-    hero: Query<(&RigidBox, &BodyState), With<Hero>>,
+    main_box: Query<(&RigidBox, &BodyState), With<MainBox>>,
     focus: Res<UiFocus>,
     mut actions: ResMut<Actions>,
 ) {
@@ -141,7 +141,7 @@ pub fn use_mouse(
     };
     let cursor = window.iter().next().and_then(Window::cursor_position);
     let ray = cursor.and_then(|at| camera.viewport_to_world(view, at).ok());
-    let box_now = hero.iter().next();
+    let box_now = main_box.iter().next();
     let notches = match scroll.unit {
         bevy::input::mouse::MouseScrollUnit::Line => scroll.delta.y,
         bevy::input::mouse::MouseScrollUnit::Pixel => scroll.delta.y / 40.0,
@@ -177,10 +177,10 @@ pub fn draw_hand(
     hand: Res<Hand>,
     grip: Res<Grip>,
     session: Res<Session>,
-    hero: Query<(&RigidBox, &BodyState), With<Hero>>,
+    main_box: Query<(&RigidBox, &BodyState), With<MainBox>>,
     mut gizmos: Gizmos,
 ) {
-    let Some((body, state)) = hero.iter().next() else {
+    let Some((body, state)) = main_box.iter().next() else {
         return;
     };
     let color = Color::srgb_u8(240, 228, 66);

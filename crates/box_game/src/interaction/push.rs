@@ -5,16 +5,16 @@ use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, RigidBox};
 
 use crate::action::{Action, Push};
 use crate::demo_2012;
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 
 /// Observes pushes and pokes.
 pub fn on_action(
     action: On<Action>,
-    hero: Query<(Entity, &RigidBox, &BodyState), With<Hero>>,
+    main_box: Query<(Entity, &RigidBox, &BodyState), With<MainBox>>,
     mut session: ResMut<Session>,
     mut commands: Commands,
 ) {
-    let Some((entity, body, state)) = hero.iter().next() else {
+    let Some((entity, body, state)) = main_box.iter().next() else {
         return;
     };
     let strength = session.parameters.impulse;

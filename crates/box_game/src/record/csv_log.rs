@@ -21,7 +21,7 @@ pub struct Row {
     /// Time since the program started \[s\].
     pub wall_t_s: Option<f64>,
     /// 0 for the main box, then the comparisons; in the headless comparison one per integrator.
-    pub lane: u32,
+    pub trajectory: u32,
     /// Id of the integrator.
     pub integrator: String,
     /// Step \[s\].
@@ -151,7 +151,7 @@ impl CsvLog {
 mod tests {
     use super::*;
 
-    const COLUMNS: &str = "run_id,frame,sim_t_s,wall_t_s,lane,integrator,dt_s,substeps,rhs_evals,\
+    const COLUMNS: &str = "run_id,frame,sim_t_s,wall_t_s,trajectory,integrator,dt_s,substeps,rhs_evals,\
 step_ns_min,step_ns_med,pos_err_m,rot_err_deg,local_pos_err_m,energy_j,energy_rel,angmom_rel,\
 contacts,state,cpu_process_pct,cpu_system_pct,frame_ms,event";
 

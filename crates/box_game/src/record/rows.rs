@@ -15,7 +15,7 @@ use crate::compare::runner::Runner;
 use crate::compare::sampling::IntegratorSamples;
 use crate::compare::track::Track;
 use crate::compare::{Comparison, Quantity};
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 use box_scenarios::{Model, Status};
 
 /// Observes the switch of the log.
@@ -53,7 +53,7 @@ pub(super) fn on_action(
 pub(super) fn write_rows(
     log: Option<ResMut<CsvLog>>,
     (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
-    hero: Query<(&BodyState, Has<Quarantined>), With<Hero>>,
+    main_box: Query<(&BodyState, Has<Quarantined>), With<MainBox>>,
     (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
     (timings, samples, history): (
         Option<Res<PhysicsTimings>>,
@@ -75,7 +75,7 @@ pub(super) fn write_rows(
         }
     }
     let event = core::mem::take(&mut session.events).join("; ");
-    let (Some(mut log), Some((state, quarantined))) = (log, hero.iter().next()) else {
+    let (Some(mut log), Some((state, quarantined))) = (log, main_box.iter().next()) else {
         return;
     };
     let Some(run) = &mut comparison.run else {
@@ -98,11 +98,11 @@ pub(super) fn write_rows(
         dt_s: clock.step() * f64::from(substeps),
         substeps,
         rhs_evals: outcome.map_or(0, |o| o.evaluations),
-        contacts: run.hero.contacts,
+        contacts: run.main_box.contacts,
         state: if quarantined {
             Status::Quarantined
         } else {
-            run.hero.status()
+            run.main_box.status()
         },
         event,
         ..measured(
@@ -111,14 +111,20 @@ pub(super) fn write_rows(
             integrator.0,
             &run.law,
             state,
-            &run.hero.track,
+            &run.main_box.track,
             &samples,
         )
     }];
-    for (k, runner) in run.lanes.iter_mut().enumerate() {
-        if runner.lane.driver.totals.steps != runner.logged {
-            rows.push(lane_row(&common, k as u32 + 1, runner, run.step, &samples));
-            runner.logged = runner.lane.driver.totals.steps;
+    for (k, runner) in run.comparisons.iter_mut().enumerate() {
+        if runner.simulation.driver.totals.steps != runner.logged {
+            rows.push(comparison_row(
+                &common,
+                k as u32 + 1,
+                runner,
+                run.step,
+                &samples,
+            ));
+            runner.logged = runner.simulation.driver.totals.steps;
         }
     }
     for row in rows {
@@ -130,22 +136,22 @@ pub(super) fn write_rows(
     }
 }
 
-fn lane_row(
+fn comparison_row(
     common: &Row,
     number: u32,
     runner: &mut Runner,
     step: f64,
     samples: &IntegratorSamples,
 ) -> Row {
-    let lane = &runner.lane.driver;
+    let driver = &runner.simulation.driver;
     let skew = core::mem::take(&mut runner.skew);
     Row {
-        sim_t_s: lane.time,
+        sim_t_s: driver.time,
         dt_s: runner.factor * step,
         substeps: 1,
-        rhs_evals: lane.totals.evaluations / lane.totals.steps.max(1),
-        contacts: lane.contacts(),
-        state: runner.lane.status(),
+        rhs_evals: driver.totals.evaluations / driver.totals.steps.max(1),
+        contacts: driver.contacts(),
+        state: runner.simulation.status(),
         event: if skew > 0.0 {
             format!("input {skew:e} s late")
         } else {
@@ -154,9 +160,9 @@ fn lane_row(
         ..measured(
             common,
             number,
-            lane.integrator,
-            &runner.lane.model,
-            &lane.state,
+            driver.integrator,
+            &runner.simulation.model,
+            &driver.state,
             &runner.track,
             samples,
         )
@@ -166,7 +172,7 @@ fn lane_row(
 /// The columns that every trajectory has.
 fn measured(
     common: &Row,
-    lane: u32,
+    trajectory: u32,
     integrator: Integrator,
     law: &Model,
     state: &BodyState,
@@ -176,7 +182,7 @@ fn measured(
     let statistics = samples.statistics(integrator);
     let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
     Row {
-        lane,
+        trajectory,
         integrator: integrator.id().to_owned(),
         step_ns_min: statistics.map(|s| s.0),
         step_ns_med: statistics.map(|s| s.1),

@@ -11,7 +11,7 @@ use crate::parameters::Parameters;
 
 /// The box that is pushed; the others are load.
 #[derive(Component, Clone, Copy, Debug, Default)]
-pub struct Hero;
+pub struct MainBox;
 
 /// Marks everything that a restart replaces.
 #[derive(Component, Clone, Copy, Debug, Default)]

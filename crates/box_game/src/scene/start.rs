@@ -10,7 +10,7 @@ use box_scenarios::{ForceSet, PlotPreset, ReferenceSolution, Scenario, Setup};
 
 use super::boxes::place;
 use super::clock::{set_speed, set_step};
-use super::session::{BoxNumber, Hero, SceneEntity, Session};
+use super::session::{BoxNumber, MainBox, SceneEntity, Session};
 use crate::action::{Action, Plot};
 use crate::parameters::{Effect, Parameter, Parameters};
 
@@ -93,7 +93,7 @@ pub fn start_scene(world: &mut World) {
         let initial = place(&setup, k, seed);
         let mut entity = world.spawn((SceneEntity, BoxNumber(k), setup.body, initial));
         if k == 0 {
-            entity.insert((Hero, ReportContacts, Name::new("hero")));
+            entity.insert((MainBox, ReportContacts, Name::new("main_box")));
         }
         insert_forces(&mut entity, &setup.forces);
     }

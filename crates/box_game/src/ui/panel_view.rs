@@ -19,8 +19,8 @@ use crate::preferences::Preferences;
 use crate::record::csv_log::CsvLog;
 use crate::record::history::{History, frame_time};
 use crate::scene::library::SceneLibrary;
-use crate::scene::session::{Hero, Session};
-use crate::ui::panel::{DemoView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView};
+use crate::scene::session::{MainBox, Session};
+use crate::ui::panel::{DemoView, HistoryView, IntegratorTiming, LogView, MainBoxView, PanelView};
 
 /// Sources of the view.
 #[derive(SystemParam)]
@@ -40,7 +40,7 @@ pub struct Sources<'w, 's> {
     demo: Res<'w, Demo2012>,
     /// The panel follows their scale and may change it.
     pub(crate) preferences: ResMut<'w, Preferences>,
-    hero: Query<
+    main_box: Query<
         'w,
         's,
         (
@@ -49,7 +49,7 @@ pub struct Sources<'w, 's> {
             Option<&'static WorldAabb>,
             Has<Quarantined>,
         ),
-        With<Hero>,
+        With<MainBox>,
     >,
 }
 
@@ -71,7 +71,7 @@ pub fn view(s: &Sources) -> PanelView {
         dropped: session.dropped,
         parameters: session.parameters,
         defaults: session.defaults,
-        hero: hero(s),
+        main_box: main_box(s),
         timings: Integrator::ALL
             .iter()
             .map(|&integrator| IntegratorTiming {
@@ -118,9 +118,9 @@ pub fn view(s: &Sources) -> PanelView {
     }
 }
 
-fn hero(s: &Sources) -> HeroView {
-    let Some((body, state, aabb, quarantined)) = s.hero.iter().next() else {
-        return HeroView::default();
+fn main_box(s: &Sources) -> MainBoxView {
+    let Some((body, state, aabb, quarantined)) = s.main_box.iter().next() else {
+        return MainBoxView::default();
     };
     let forces = s.session.forces();
     let law = forces.forces(body);
@@ -132,7 +132,7 @@ fn hero(s: &Sources) -> HeroView {
         _ => false,
     };
     let still = state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO;
-    HeroView {
+    MainBoxView {
         translational_energy: state.translational_energy(body),
         rotational_energy: state.rotational_energy(body),
         potential_energy: potential_energy(body, state, &law) - base,

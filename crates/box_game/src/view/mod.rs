@@ -1,6 +1,6 @@
 //! The picture: renderer, boxes, floor, comparisons, labels.
 
-mod ghosts;
+mod comparisons;
 mod lattice;
 pub mod renderer;
 pub mod style;
@@ -11,21 +11,21 @@ use box_physics::plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 
 use crate::camera::orbit::move_camera;
 use crate::preferences::Preferences;
-use crate::scene::session::Hero;
+use crate::scene::session::MainBox;
 
 /// Draws boxes, floor and comparisons. Needs a renderer and the cameras.
 pub struct ViewPlugin;
 
 impl Plugin for ViewPlugin {
     fn build(&self, app: &mut App) {
-        app.add_plugins((BodyGizmosPlugin, ghosts::GhostPlugin))
+        app.add_plugins((BodyGizmosPlugin, comparisons::ComparisonsPlugin))
             .add_systems(Startup, visuals::set_up)
             .add_systems(
                 Update,
                 (
                     lattice::draw_lattice.after(move_camera),
                     visuals::dress_boxes,
-                    visuals::tint_hero,
+                    visuals::tint_main_box,
                     visuals::place_floor,
                     switch_gizmos.before(BodyGizmosSystems),
                 ),
@@ -36,14 +36,14 @@ impl Plugin for ViewPlugin {
 /// The switches of the panel: boxes of all bodies, the rest of the main box alone.
 fn switch_gizmos(
     preferences: Res<Preferences>,
-    hero: Query<Entity, With<Hero>>,
+    main_box: Query<Entity, With<MainBox>>,
     mut gizmos: ResMut<GizmoConfigStore>,
 ) {
-    let hero = hero.iter().next();
+    let main_box = main_box.iter().next();
     *gizmos.config_mut::<BodyGizmos>().1 = BodyGizmos {
         aabbs: preferences.show_aabb,
-        axes: preferences.show_axes && hero.is_some(),
-        contacts: preferences.show_contacts && hero.is_some(),
-        only: hero,
+        axes: preferences.show_axes && main_box.is_some(),
+        contacts: preferences.show_contacts && main_box.is_some(),
+        only: main_box,
     };
 }

@@ -54,7 +54,7 @@ fn translate(style: Style) -> IntegratorStyle {
 }
 
 /// The mark and the name: `■ RK4`.
-pub fn tagged(integrator: Integrator) -> String {
+pub fn marked_name(integrator: Integrator) -> String {
     format!("{} {}", of(integrator).glyph, integrator.name())
 }
 

@@ -10,7 +10,7 @@ use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, Integrator, 
 
 use crate::camera::views::everywhere;
 use crate::demo_2012::Demo2012;
-use crate::scene::session::{Hero, Session};
+use crate::scene::session::{MainBox, Session};
 
 /// Edge of the drawn floor \[m\].
 const FLOOR_SIZE: f32 = 200.0;
@@ -22,7 +22,7 @@ pub(super) struct FloorSurface;
 /// Mesh and materials of the boxes.
 #[derive(Resource)]
 pub(super) struct BoxLook {
-    hero: Handle<StandardMaterial>,
+    main_box: Handle<StandardMaterial>,
     load: Handle<StandardMaterial>,
     mesh: Option<(Vec3, Handle<Mesh>)>,
 }
@@ -83,7 +83,7 @@ pub(super) fn set_up(
         ..default()
     };
     commands.insert_resource(BoxLook {
-        hero: materials.add(painted(Color::WHITE)),
+        main_box: materials.add(painted(Color::WHITE)),
         load: materials.add(painted(Color::srgb(0.62, 0.66, 0.72))),
         mesh: None,
     });
@@ -172,23 +172,23 @@ pub(crate) fn box_color(integrator: Integrator) -> Color {
 }
 
 /// Paints the main box in the color of the integrator that moves it; white where that is none of ours.
-pub(super) fn tint_hero(
-    hero: Query<Option<&BodyIntegrator>, With<Hero>>,
+pub(super) fn tint_main_box(
+    main_box: Query<Option<&BodyIntegrator>, With<MainBox>>,
     global: Res<GlobalIntegrator>,
     demo: Res<Demo2012>,
     session: Res<Session>,
     look: Res<BoxLook>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let own = hero.iter().next().flatten();
+    let own = main_box.iter().next().flatten();
     let integrator = own.map_or(global.0, |own| own.0);
     let wanted = match demo.active(&session) {
         Some(_) => Color::WHITE,
         None => box_color(integrator),
     };
     let differs = |m: &StandardMaterial| m.base_color != wanted;
-    if materials.get(&look.hero).is_some_and(differs)
-        && let Some(mut material) = materials.get_mut(&look.hero)
+    if materials.get(&look.main_box).is_some_and(differs)
+        && let Some(mut material) = materials.get_mut(&look.main_box)
     {
         material.base_color = wanted;
     }
@@ -196,12 +196,12 @@ pub(super) fn tint_hero(
 
 /// Gives new boxes a mesh: one mesh and two materials for all, so that they are drawn in few calls.
 pub(super) fn dress_boxes(
-    new: Query<(Entity, &RigidBox, Has<Hero>), Added<RigidBox>>,
+    new: Query<(Entity, &RigidBox, Has<MainBox>), Added<RigidBox>>,
     mut look: ResMut<BoxLook>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut commands: Commands,
 ) {
-    for (entity, body, hero) in &new {
+    for (entity, body, main_box) in &new {
         let half = body.half_extents().as_vec3();
         let mesh = match &look.mesh {
             Some((size, mesh)) if *size == half => mesh.clone(),
@@ -211,8 +211,8 @@ pub(super) fn dress_boxes(
                 mesh
             }
         };
-        let material = if hero {
-            look.hero.clone()
+        let material = if main_box {
+            look.main_box.clone()
         } else {
             look.load.clone()
         };

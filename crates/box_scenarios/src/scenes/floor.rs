@@ -105,7 +105,7 @@ pub fn tumble_storm() -> Scenario {
         title: "Tumble storm",
         lesson: "Each bounce of a tumbling box multiplies every difference. After a few no two integrators agree on the path; energy that never grows is what is left to compare.",
         hints: [
-            "Compare where the ghosts come to rest.",
+            "Compare where the comparisons come to rest.",
             "Halve dt: it does not help for long.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.8, 0.3)),

@@ -1,4 +1,4 @@
-//! Going back: checkpoints, from which the lanes are simulated again.
+//! Going back: checkpoints, from which the comparisons are simulated again.
 
 use std::sync::Arc;
 
@@ -19,8 +19,8 @@ pub(super) struct Checkpoint {
     t: f64,
     reference: LiveReference,
     law: Arc<Model>,
-    hero: (Balance, (f64, f64)),
-    lanes: Vec<Saved>,
+    main_box: (Balance, (f64, f64)),
+    comparisons: Vec<Saved>,
 }
 
 impl Run {
@@ -31,13 +31,13 @@ impl Run {
             .back()
             .is_none_or(|last| self.clock >= last.t + CHECKPOINT);
         if due {
-            let hero = &self.hero;
+            let main_box = &self.main_box;
             self.checkpoints.push_back(Checkpoint {
                 t: self.clock,
                 reference: self.reference.clone(),
                 law: self.law.clone(),
-                hero: (hero.balance, hero.track.now.worst),
-                lanes: self.lanes.iter().map(Runner::save).collect(),
+                main_box: (main_box.balance, main_box.track.now.worst),
+                comparisons: self.comparisons.iter().map(Runner::save).collect(),
             });
             if self.checkpoints.len() > CHECKPOINTS {
                 self.checkpoints.pop_front();
@@ -45,7 +45,7 @@ impl Run {
         }
     }
 
-    /// Back to `t` \[s\], where the hero was in `state`: the lanes return to the checkpoint before it
+    /// Back to `t` \[s\], where the main box was in `state`: the comparisons return to the checkpoint before it
     /// (or to the start) and are simulated again up to there.
     pub fn rewind(&mut self, t: f64, state: &BodyState) {
         let margin = SAME * self.step;
@@ -57,9 +57,9 @@ impl Run {
             self.rules.pop_back();
         }
         let integrators: Vec<Integrator> = self
-            .lanes
+            .comparisons
             .iter()
-            .map(|r| r.lane.driver.integrator)
+            .map(|r| r.simulation.driver.integrator)
             .collect();
         let Some(c) = self.checkpoints.back().cloned() else {
             // Before the first: anew from the start.
@@ -75,31 +75,31 @@ impl Run {
                 self.step,
             );
             self.law = self.start.0.clone();
-            self.lanes.clear();
+            self.comparisons.clear();
             self.choose(integrators);
-            self.hero.balance = Balance::new(&self.law, &self.start.1);
-            self.hero.track = Track::new(&self.law, &self.hero.balance, &self.start.1, 0.0);
+            self.main_box.balance = Balance::new(&self.law, &self.start.1);
+            self.main_box.track = Track::new(&self.law, &self.main_box.balance, &self.start.1, 0.0);
             self.arrive(t, state);
             return;
         };
         self.reference = c.reference.clone();
         self.law = c.law.clone();
-        let mut lanes = core::mem::take(&mut self.lanes);
-        lanes.retain_mut(|r| {
+        let mut comparisons = core::mem::take(&mut self.comparisons);
+        comparisons.retain_mut(|r| {
             let saved = c
-                .lanes
+                .comparisons
                 .iter()
-                .find(|s| s.integrator() == r.lane.driver.integrator);
+                .find(|s| s.integrator() == r.simulation.driver.integrator);
             saved.map(|s| r.restore(s)).is_some()
         });
-        self.lanes = lanes;
+        self.comparisons = comparisons;
         self.choose(integrators);
-        let hero = &mut self.hero;
-        (hero.balance, hero.track.now.worst) = c.hero;
+        let main_box = &mut self.main_box;
+        (main_box.balance, main_box.track.now.worst) = c.main_box;
         self.arrive(t, state);
     }
 
-    /// The hero is in `state` at `t` \[s\], a time between a checkpoint and the next.
+    /// The main box is in `state` at `t` \[s\], a time between a checkpoint and the next.
     fn arrive(&mut self, t: f64, state: &BodyState) {
         // Inputs since the checkpoint belong to the reference as well.
         let from = self.checkpoints.back().map_or(0.0, |c| c.t);
@@ -112,17 +112,17 @@ impl Run {
             }
         }
         self.clock = t;
-        self.hero.track.series.rewind(t);
+        self.main_box.track.series.rewind(t);
         // Its own steps since then are not known: what they left over stays as the last sample had it.
-        let left = self.hero.track.series.last().map_or(0.0, |s| {
+        let left = self.main_box.track.series.last().map_or(0.0, |s| {
             let energy = s.get(Quantity::Energy);
             if energy.is_finite() { energy } else { 0.0 }
         });
-        self.hero.balance.rebase(&self.law, state, left);
-        self.hero.diverged = self.hero.diverged.filter(|d| d.t <= t);
-        self.hero.state = *state;
-        self.hero.before = *state;
-        self.hero.reference = self.reference.at(t);
-        self.hero.next_impulse = self.impulses.partition_point(|i| i.t < t - 1e-9);
+        self.main_box.balance.rebase(&self.law, state, left);
+        self.main_box.diverged = self.main_box.diverged.filter(|d| d.t <= t);
+        self.main_box.state = *state;
+        self.main_box.before = *state;
+        self.main_box.reference = self.reference.at(t);
+        self.main_box.next_impulse = self.impulses.partition_point(|i| i.t < t - 1e-9);
     }
 }

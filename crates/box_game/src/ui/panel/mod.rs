@@ -36,7 +36,7 @@ pub use keys::KEYS;
 pub use memory::{PanelMemory, Section};
 #[doc(hidden)]
 pub use sample::sample_view;
-pub use view::{DemoView, HeroView, HistoryView, IntegratorTiming, LogView, PanelView};
+pub use view::{DemoView, HistoryView, IntegratorTiming, LogView, MainBoxView, PanelView};
 
 use bevy_egui::egui::{Panel, Rect, Ui};
 

@@ -181,7 +181,7 @@ fn keys(ui: &mut Ui) {
 
 /// The one line of a hidden panel, over the picture.
 pub(super) fn hud(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let mut text = format!("{} · {}", view.title, style::tagged(view.integrator));
+    let mut text = format!("{} · {}", view.title, style::marked_name(view.integrator));
     if view.paused {
         text.push_str(" · PAUSED");
     }

@@ -2,10 +2,10 @@
 
 use box_physics::prelude::{DVec3, Integrator};
 
-use super::view::{HeroView, HistoryView, IntegratorTiming, PanelView};
+use super::view::{HistoryView, IntegratorTiming, MainBoxView, PanelView};
 
 use crate::action::Plot;
-use crate::compare::{CompareView, LaneView, Quantity};
+use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::parameters::Parameters;
 use crate::preferences::Preferences;
 
@@ -45,7 +45,7 @@ pub fn sample_view() -> PanelView {
         dropped: 0.0,
         parameters,
         defaults: parameters,
-        hero: HeroView {
+        main_box: MainBoxView {
             translational_energy: 1.5,
             rotational_energy: 0.25,
             potential_energy: 4.9,
@@ -100,20 +100,20 @@ pub fn sample_view() -> PanelView {
 
 /// The main box and two comparisons, two seconds in.
 fn sample_comparison() -> CompareView {
-    let lanes = [
+    let trajectories = [
         Integrator::default(),
         Integrator::Rk4,
         Integrator::SemiImplicitEuler,
     ];
     CompareView {
-        lanes: lanes
+        trajectories: trajectories
             .iter()
             .enumerate()
             .map(|(k, &integrator)| {
                 let error = 1e-6 * 100_f64.powi(k as i32);
-                LaneView {
+                TrajectoryView {
                     integrator,
-                    hero: k == 0,
+                    main_box: k == 0,
                     dt: 1.0 / 60.0,
                     skew: 0.0,
                     status: Default::default(),

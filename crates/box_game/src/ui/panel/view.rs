@@ -41,7 +41,7 @@ pub struct PanelView {
     /// The scene's own, for "reset" and tooltips.
     pub defaults: Parameters,
     /// State of the main box.
-    pub hero: HeroView,
+    pub main_box: MainBoxView,
     /// Timing of every integrator, in the order of the menu.
     pub timings: Vec<IntegratorTiming>,
     /// Body-steps since the start of the scene in which the integrator gave way to `split`.
@@ -112,7 +112,7 @@ pub struct DemoView {
 
 /// The main box now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HeroView {
+pub struct MainBoxView {
     /// ½mv² \[J\].
     pub translational_energy: f64,
     /// ½L·ω \[J\].

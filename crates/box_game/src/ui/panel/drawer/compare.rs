@@ -10,7 +10,7 @@ use super::super::format::number;
 use super::super::linear_axis;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::plots::{describe, frame, line, scrolled, time_and};
-use crate::compare::{CompareView, LaneView, Quantity, RuleKind};
+use crate::compare::{CompareView, Quantity, RuleKind, TrajectoryView};
 use crate::view::style;
 use box_scenarios::Status;
 
@@ -70,19 +70,19 @@ pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
 fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
-        for lane in &view.lanes {
-            let value = lane.get(quantity);
-            let mut text = style::tagged(lane.integrator);
-            if lane.hero {
+        for trajectory in &view.trajectories {
+            let value = trajectory.get(quantity);
+            let mut text = style::marked_name(trajectory.integrator);
+            if trajectory.main_box {
                 text.push_str(" (main)");
             }
             if value.is_finite() {
                 text.push_str(&format!(" {}{unit}", number(value)));
             }
-            if lane.status != Status::Ok {
-                text.push_str(&format!(" · {}", lane.status));
+            if trajectory.status != Status::Ok {
+                text.push_str(&format!(" · {}", trajectory.status));
             }
-            let color = style::of(lane.integrator).color();
+            let color = style::of(trajectory.integrator).color();
             ui.add(Label::new(RichText::new(text).color(color).small()).extend());
         }
         let caption = match quantity {
@@ -123,8 +123,8 @@ fn beside(ui: &mut Ui, n: usize, mut draw: impl FnMut(&mut Ui, usize)) {
 
 fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool) {
     let mut plot = frame(quantity.label())
-        .link_axis("time of the lanes", Vec2b::new(true, false))
-        .link_cursor("time of the lanes", Vec2b::new(true, false))
+        .link_axis("time of the trajectories", Vec2b::new(true, false))
+        .link_cursor("time of the trajectories", Vec2b::new(true, false))
         .x_axis_label("simulated time [s]")
         .y_axis_label(quantity.label())
         .label_formatter(move |at| {
@@ -148,11 +148,11 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
         .show(ui, |plot| {
             rules(plot, view);
             // The main box last, over the others.
-            for lane in view.lanes.iter().rev() {
-                let width = if lane.hero { 2.5 } else { 1.6 };
-                let name = style::tagged(lane.integrator);
-                for (_, points) in lane.lines.iter().filter(|(q, _)| *q == quantity) {
-                    let looks = style::of(lane.integrator);
+            for trajectory in view.trajectories.iter().rev() {
+                let width = if trajectory.main_box { 2.5 } else { 1.6 };
+                let name = style::marked_name(trajectory.integrator);
+                for (_, points) in trajectory.lines.iter().filter(|(q, _)| *q == quantity) {
+                    let looks = style::of(trajectory.integrator);
                     if logarithmic {
                         let log: Vec<_> =
                             points.iter().map(|p| [p[0], to_axis(p[1].abs())]).collect();
@@ -170,9 +170,15 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
 /// For screen readers: what is plotted and where every line stands.
 fn in_words(view: &CompareView, quantity: Quantity) -> String {
     let figures: Vec<String> = view
-        .lanes
+        .trajectories
         .iter()
-        .map(|lane| format!("{} {}", lane.integrator.name(), number(lane.get(quantity))))
+        .map(|trajectory| {
+            format!(
+                "{} {}",
+                trajectory.integrator.name(),
+                number(trajectory.get(quantity))
+            )
+        })
         .collect();
     format!(
         "{} over simulated time, now {}",
@@ -185,7 +191,7 @@ fn in_words(view: &CompareView, quantity: Quantity) -> String {
 fn rules(plot: &mut PlotUi<'_>, view: &CompareView) {
     let newest = view.rules.len().saturating_sub(MOST_RULES);
     let start = view
-        .lanes
+        .trajectories
         .iter()
         .flat_map(|l| &l.lines)
         .filter_map(|(_, points)| points.first())
@@ -218,7 +224,7 @@ const DASHES: LineStyle = LineStyle::Dashed { length: 4.0 };
 /// A stacked bar for each trajectory: where its energy is.
 fn energy_bars(ui: &mut Ui, view: &CompareView) {
     let most = view
-        .lanes
+        .trajectories
         .iter()
         .map(|l| {
             l.energies
@@ -240,14 +246,14 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     });
     // All of them fit: a drawer that grows with them would not shrink again.
     ui.spacing_mut().item_spacing.y = 2.0;
-    let height = (ui.available_height() / view.lanes.len().max(1) as f32).clamp(5.0, 22.0);
-    for lane in &view.lanes {
+    let height = (ui.available_height() / view.trajectories.len().max(1) as f32).clamp(5.0, 22.0);
+    for trajectory in &view.trajectories {
         let (place, response) =
             ui.allocate_exact_size(vec2(ui.available_width(), height - 2.0), Sense::hover());
-        let [t, r, p] = lane.energies;
+        let [t, r, p] = trajectory.energies;
         let text = format!(
             "{}: translation {} J, rotation {} J, potential {} J",
-            lane.integrator.name(),
+            trajectory.integrator.name(),
             number(t),
             number(r),
             number(p)
@@ -259,11 +265,11 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
         painter.text(
             pos2(place.left(), place.center().y),
             bevy_egui::egui::Align2::LEFT_CENTER,
-            style::of(lane.integrator).glyph,
+            style::of(trajectory.integrator).glyph,
             bevy_egui::egui::FontId::proportional((height - 2.0).clamp(5.0, 12.0)),
-            style::of(lane.integrator).color(),
+            style::of(trajectory.integrator).color(),
         );
-        for (energy, (_, color)) in lane.energies.iter().zip(ENERGIES) {
+        for (energy, (_, color)) in trajectory.energies.iter().zip(ENERGIES) {
             let width = (energy.abs() as f32 * scale).min(place.right() - x);
             if width.is_finite() && width > 0.0 {
                 let bar = Rect::from_min_size(pos2(x, place.top()), vec2(width, place.height()));
@@ -276,10 +282,14 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
 }
 
 /// Figures of a comparison that stand for all of it in a row of text.
-pub(super) fn state(lane: &LaneView) -> String {
-    if lane.skew > 0.0 {
-        format!("{} · input {} s late", lane.status, number(lane.skew))
+pub(super) fn state(trajectory: &TrajectoryView) -> String {
+    if trajectory.skew > 0.0 {
+        format!(
+            "{} · input {} s late",
+            trajectory.status,
+            number(trajectory.skew)
+        )
     } else {
-        lane.status.to_string()
+        trajectory.status.to_string()
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
             RichText::new(format!(
                 "plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms",
                 view.step_time(),
-                number(view.compare.lanes_ms * 1e3),
+                number(view.compare.comparisons_ms * 1e3),
                 number(view.compare.panel_ms * 1e3),
                 number(view.frame_time_ms),
             ))
@@ -54,7 +54,7 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
             let (column, row) = ((k / rows) as f32, (k % rows) as f32);
             let at = pos2(right + 8.0 + column * LEGEND, whole.top() + row * line);
             let name =
-                RichText::new(style::tagged(integrator)).color(style::of(integrator).color());
+                RichText::new(style::marked_name(integrator)).color(style::of(integrator).color());
             let cell = Rect::from_min_size(at, vec2(LEGEND, line));
             ui.scope_builder(UiBuilder::new().max_rect(cell), |ui| {
                 ui.add(Label::new(name.small()).truncate());
@@ -92,7 +92,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
                 };
                 line(
                     plot,
-                    &style::tagged(integrator),
+                    &style::marked_name(integrator),
                     &points,
                     style::of(integrator),
                     width,

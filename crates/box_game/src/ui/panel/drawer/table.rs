@@ -10,7 +10,7 @@ use super::super::view::IntegratorTiming;
 use super::compare::state;
 use crate::action::compare::CompareAction;
 use crate::compare::view::verdict;
-use crate::compare::{CompareView, LaneView, Quantity};
+use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::view::style;
 
 const HEADINGS: [(&str, &str); 12] = [
@@ -63,12 +63,15 @@ pub(super) fn show(
                             .on_hover_text(hint);
                     }
                     ui.end_row();
-                    for lane in &compare.lanes {
-                        lane_row(ui, compare, lane, out);
+                    for trajectory in &compare.trajectories {
+                        trajectory_row(ui, compare, trajectory, out);
                         ui.end_row();
                     }
                     let beside = |t: &&IntegratorTiming| {
-                        compare.lanes.iter().all(|l| l.integrator != t.integrator)
+                        compare
+                            .trajectories
+                            .iter()
+                            .all(|l| l.integrator != t.integrator)
                     };
                     for timing in timings.iter().filter(beside) {
                         other_row(ui, timing);
@@ -96,35 +99,40 @@ fn timing(ui: &mut Ui, nanoseconds: Option<(f64, f64, f64)>, evaluations: f64) {
     ui.label(RichText::new(number(evaluations)).monospace());
 }
 
-fn lane_row(ui: &mut Ui, view: &CompareView, lane: &LaneView, out: &mut Vec<CompareAction>) {
-    let info = lane.integrator.info();
+fn trajectory_row(
+    ui: &mut Ui,
+    view: &CompareView,
+    trajectory: &TrajectoryView,
+    out: &mut Vec<CompareAction>,
+) {
+    let info = trajectory.integrator.info();
     ui.horizontal(|ui| {
-        mark(ui, lane.integrator);
-        if lane.hero {
+        mark(ui, trajectory.integrator);
+        if trajectory.main_box {
             ui.add(
                 Label::new(RichText::new(format!("{} · main box", info.name)).strong()).extend(),
             );
             return;
         }
-        let chosen = view.settings.selected == Some(lane.integrator);
+        let chosen = view.settings.selected == Some(trajectory.integrator);
         let button = ui.add(Button::selectable(chosen, info.name));
         button.widget_info(|| {
             let name = format!("Compare the main box with {}", info.name);
             WidgetInfo::selected(WidgetType::Button, true, chosen, name)
         });
         if button.clicked() {
-            out.push(CompareAction::Select(lane.integrator));
+            out.push(CompareAction::Select(trajectory.integrator));
         }
     });
-    timing(ui, lane.nanoseconds, lane.evaluations);
-    ui.label(RichText::new(step_size(lane.dt)).monospace());
+    timing(ui, trajectory.nanoseconds, trajectory.evaluations);
+    ui.label(RichText::new(step_size(trajectory.dt)).monospace());
     for q in [
         Quantity::Position,
         Quantity::Attitude,
         Quantity::Energy,
         Quantity::Momentum,
     ] {
-        let value = lane.get(q);
+        let value = trajectory.get(q);
         let text = if value.is_finite() {
             figure(value)
         } else {
@@ -133,8 +141,12 @@ fn lane_row(ui: &mut Ui, view: &CompareView, lane: &LaneView, out: &mut Vec<Comp
         ui.label(RichText::new(text).monospace());
     }
     ui.label(info.orders.rotation.to_string());
-    let text = RichText::new(state(lane));
-    ui.label(if lane.diverged() { text.strong() } else { text });
+    let text = RichText::new(state(trajectory));
+    ui.label(if trajectory.diverged() {
+        text.strong()
+    } else {
+        text
+    });
 }
 
 /// The size of a small error is all that matters: two digits and an exponent.

@@ -12,7 +12,7 @@ use super::super::widgets::{button, named_toggle};
 use super::plots::{describe, frame, scrolled};
 use crate::action::compare::CompareAction;
 use crate::compare::sweep::{SweepLine, SweepPoint};
-use crate::compare::{CompareView, LaneView};
+use crate::compare::{CompareView, TrajectoryView};
 use crate::view::style;
 
 /// Width of the legend beside the plot, and what the plot keeps beside it [points].
@@ -37,13 +37,13 @@ pub(super) fn show(
         let place = Rect::from_min_max(pos2(right + 8.0, whole.top()), whole.max);
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
-            for lane in &view.lanes {
+            for trajectory in &view.trajectories {
                 let line = view
                     .sweep
                     .lines
                     .iter()
-                    .find(|l| l.integrator == lane.integrator);
-                legend(ui, lane, line, position);
+                    .find(|l| l.integrator == trajectory.integrator);
+                legend(ui, trajectory, line, position);
             }
         });
     }
@@ -96,8 +96,8 @@ fn controls(
 }
 
 /// `■ RK4 (Δtᵖ, p = 4.0)`.
-fn legend(ui: &mut Ui, lane: &LaneView, line: Option<&SweepLine>, position: bool) {
-    let mut text = style::tagged(lane.integrator);
+fn legend(ui: &mut Ui, trajectory: &TrajectoryView, line: Option<&SweepLine>, position: bool) {
+    let mut text = style::marked_name(trajectory.integrator);
     let order = line.map(|l| {
         if position {
             l.order_position
@@ -110,7 +110,7 @@ fn legend(ui: &mut Ui, lane: &LaneView, line: Option<&SweepLine>, position: bool
         Some(None) => text.push_str(" (no order: rounding or diverged)"),
         None => {}
     }
-    let color = style::of(lane.integrator).color();
+    let color = style::of(trajectory.integrator).color();
     ui.add(Label::new(RichText::new(text).small().color(color)).truncate());
 }
 
@@ -148,7 +148,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
         .show(ui, |plot| {
             for sweep in &view.sweep.lines {
                 let looks = style::of(sweep.integrator);
-                let name = style::tagged(sweep.integrator);
+                let name = style::marked_name(sweep.integrator);
                 let points: Vec<[f64; 2]> =
                     sweep.points.iter().map(|p| place(p, position)).collect();
                 for stretch in segments(&points) {
@@ -166,18 +166,18 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                     );
                 }
             }
-            for lane in &view.lanes {
-                let Some(dot) = now(lane, position) else {
+            for trajectory in &view.trajectories {
+                let Some(dot) = now(trajectory, position) else {
                     continue;
                 };
-                let looks = style::of(lane.integrator);
+                let looks = style::of(trajectory.integrator);
                 plot.points(
                     Points::new(
-                        format!("{} now", style::tagged(lane.integrator)),
+                        format!("{} now", style::marked_name(trajectory.integrator)),
                         PlotPoints::new(vec![dot]),
                     )
                     .shape(looks.marker)
-                    .filled(lane.hero)
+                    .filled(trajectory.main_box)
                     .radius(8.0)
                     .color(looks.color()),
                 );
@@ -196,9 +196,13 @@ fn place(p: &SweepPoint, position: bool) -> [f64; 2] {
 }
 
 /// A comparison as it runs: its largest error so far, its median cost.
-fn now(lane: &LaneView, position: bool) -> Option<[f64; 2]> {
-    let (_, median, _) = lane.nanoseconds?;
-    let error = if position { lane.worst.0 } else { lane.worst.1 };
-    let at = [to_axis(error), to_axis(median * 1e-3 / lane.dt)];
-    (at.iter().all(|v| v.is_finite()) && !lane.diverged()).then_some(at)
+fn now(trajectory: &TrajectoryView, position: bool) -> Option<[f64; 2]> {
+    let (_, median, _) = trajectory.nanoseconds?;
+    let error = if position {
+        trajectory.worst.0
+    } else {
+        trajectory.worst.1
+    };
+    let at = [to_axis(error), to_axis(median * 1e-3 / trajectory.dt)];
+    (at.iter().all(|v| v.is_finite()) && !trajectory.diverged()).then_some(at)
 }

@@ -19,7 +19,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         }
         ui.horizontal(|ui| {
             if tick(ui, view, integrator) {
-                out.push(Action::Compare(CompareAction::ToggleLane(integrator)));
+                out.push(Action::Compare(CompareAction::ToggleComparison(integrator)));
             }
             if row(ui, view, integrator) && active(view) != Some(integrator) {
                 if active(view).is_none() {
@@ -41,13 +41,13 @@ fn active(view: &PanelView) -> Option<Integrator> {
 
 /// The checkbox that compares an integrator; returns whether it was changed.
 fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
-    let hero = integrator == view.integrator;
-    let lanes = &view.compare.lanes;
-    let mut on = hero || lanes.iter().any(|l| l.integrator == integrator);
-    let response = ui.add_enabled(!hero, Checkbox::without_text(&mut on));
+    let main_box = integrator == view.integrator;
+    let trajectories = &view.compare.trajectories;
+    let mut on = main_box || trajectories.iter().any(|l| l.integrator == integrator);
+    let response = ui.add_enabled(!main_box, Checkbox::without_text(&mut on));
     response.widget_info(|| {
         let name = format!("Compare {}", integrator.name());
-        WidgetInfo::selected(WidgetType::Checkbox, !hero, on, name)
+        WidgetInfo::selected(WidgetType::Checkbox, !main_box, on, name)
     });
     response
         .on_hover_text("Compare it on the same scene, with the same inputs (Shift + its key).")
@@ -63,8 +63,8 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         for layout in Layout::ALL {
             let hint = match layout {
                 Layout::Solo => "The main box alone (G).",
-                Layout::Ghosts => "All in one place, comparisons translucent (G).",
-                Layout::Lanes => "Side by side; only the picture is shifted (V).",
+                Layout::Overlaid => "All in one place, comparisons translucent (G).",
+                Layout::SideBySide => "Side by side; only the picture is shifted (V).",
                 Layout::Views => "One view each, for up to four (V).",
             };
             let chosen = settings.layout == layout;
@@ -91,9 +91,13 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             (
                 "Compare all",
                 "Compare every integrator.",
-                CompareAction::AllLanes,
+                CompareAction::CompareAll,
             ),
-            ("Compare none", "Compare nothing.", CompareAction::NoLanes),
+            (
+                "Compare none",
+                "Compare nothing.",
+                CompareAction::CompareNone,
+            ),
             (
                 "Re-sync",
                 "Move the main box and every comparison to the reference's state.",

@@ -51,23 +51,24 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
 }
 
 pub(super) fn now(ui: &mut Ui, view: &PanelView) {
-    let hero = &view.hero;
-    let total = hero.translational_energy + hero.rotational_energy + hero.potential_energy;
+    let main_box = &view.main_box;
+    let total =
+        main_box.translational_energy + main_box.rotational_energy + main_box.potential_energy;
     Grid::new("now")
         .num_columns(2)
         .spacing([12.0, 2.0])
         .show(ui, |ui| {
             for (name, value, unit) in [
-                ("Translational ½mv²", hero.translational_energy, "J"),
-                ("Rotational ½L·ω", hero.rotational_energy, "J"),
-                ("Potential energy", hero.potential_energy, "J"),
+                ("Translational ½mv²", main_box.translational_energy, "J"),
+                ("Rotational ½L·ω", main_box.rotational_energy, "J"),
+                ("Potential energy", main_box.potential_energy, "J"),
                 ("Total energy", total, "J"),
-                ("Ang. momentum |L|", hero.angular_momentum, "kg m²/s"),
-                ("Speed |v|", hero.speed, "m/s"),
-                ("Spin |ω|", hero.spin, "rad/s"),
-                ("Position x", hero.position.x, "m"),
-                ("Position y", hero.position.y, "m"),
-                ("Position z", hero.position.z, "m"),
+                ("Ang. momentum |L|", main_box.angular_momentum, "kg m²/s"),
+                ("Speed |v|", main_box.speed, "m/s"),
+                ("Spin |ω|", main_box.spin, "rad/s"),
+                ("Position x", main_box.position.x, "m"),
+                ("Position y", main_box.position.y, "m"),
+                ("Position z", main_box.position.z, "m"),
             ] {
                 ui.label(name);
                 ui.label(RichText::new(format!("{:>10} {unit}", quantity(value))).monospace());
@@ -91,7 +92,7 @@ pub(super) fn now(ui: &mut Ui, view: &PanelView) {
                 ui.end_row();
             }
             ui.label("State");
-            ui.label(RichText::new(hero.state).strong());
+            ui.label(RichText::new(main_box.state).strong());
             ui.end_row();
         });
 }

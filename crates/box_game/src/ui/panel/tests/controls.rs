@@ -43,7 +43,10 @@ fn every_button_asks_for_its_action() {
         ),
         ("Table tab", Action::SelectPlot(Plot::Table)),
         ("Solo", compare(CompareAction::SetLayout(Layout::Solo))),
-        ("Lanes", compare(CompareAction::SetLayout(Layout::Lanes))),
+        (
+            "Side by side",
+            compare(CompareAction::SetLayout(Layout::SideBySide)),
+        ),
         (
             "equal evaluations",
             compare(CompareAction::SetFairness(Fairness::Evaluations)),
@@ -52,8 +55,8 @@ fn every_button_asks_for_its_action() {
             "equal cost",
             compare(CompareAction::SetFairness(Fairness::Cost)),
         ),
-        ("Compare all", compare(CompareAction::AllLanes)),
-        ("Compare none", compare(CompareAction::NoLanes)),
+        ("Compare all", compare(CompareAction::CompareAll)),
+        ("Compare none", compare(CompareAction::CompareNone)),
         ("Re-sync", compare(CompareAction::Resync)),
         ("log", compare(CompareAction::ToggleLogarithmicEnergy)),
         ("10 s", compare(CompareAction::SetWindow(Window::Ten))),
@@ -63,7 +66,7 @@ fn every_button_asks_for_its_action() {
     }
     assert_eq!(person.click("60 Hz"), [], "already so");
     assert_eq!(person.click("Energy tab"), [], "already so");
-    assert_eq!(person.click("Ghosts"), [], "already so");
+    assert_eq!(person.click("Overlaid"), [], "already so");
 }
 
 fn compare(action: CompareAction) -> Action {
@@ -71,15 +74,15 @@ fn compare(action: CompareAction) -> Action {
 }
 
 #[test]
-fn every_integrator_can_be_ticked_but_the_hero_s_own() {
+fn every_integrator_can_be_ticked_but_the_main_box_s_own() {
     let mut person = Person::before(sample_view(), TALL);
     for &integrator in Integrator::ALL {
         let name = format!("Compare {}", integrator.name());
-        let hero = integrator == Integrator::default();
+        let main_box = integrator == Integrator::default();
         let node = person.find(&name).accesskit_node().is_disabled();
-        assert_eq!(node, hero);
-        let toggle = compare(CompareAction::ToggleLane(integrator));
-        let expected = if hero { vec![] } else { vec![toggle] };
+        assert_eq!(node, main_box);
+        let toggle = compare(CompareAction::ToggleComparison(integrator));
+        let expected = if main_box { vec![] } else { vec![toggle] };
         assert_eq!(person.click(&name), expected, "{name}");
     }
 }

@@ -53,16 +53,16 @@ fn long() -> PanelView {
     view.software_rendering = true;
     view.notices = vec!["cannot write /a/b/c.csv: no space left on device".into()];
     view.parameters.linear_drag = 1.234e-5;
-    for (k, lane) in view.compare.lanes.iter_mut().enumerate() {
-        lane.status = Status::Diverged(Divergence {
+    for (k, trajectory) in view.compare.trajectories.iter_mut().enumerate() {
+        trajectory.status = Status::Diverged(Divergence {
             t: 12345.6,
             reason: Reason::Energy,
         });
-        lane.skew = 0.012_345 * k as f64;
-        lane.now = [-1.234_567e-9; 7];
+        trajectory.skew = 0.012_345 * k as f64;
+        trajectory.now = [-1.234_567e-9; 7];
     }
-    view.compare.note = "The lanes simulate the first box alone, without the load.".into();
-    view.hero.position = DVec3::splat(-1.234_567e-9);
+    view.compare.note = "The trajectories simulate the first box alone, without the load.".into();
+    view.main_box.position = DVec3::splat(-1.234_567e-9);
     for timing in &mut view.timings {
         timing.nanoseconds = Some((123_456.7, 234_567.8, 345_678.9));
     }
@@ -214,8 +214,8 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     broken.parameters.gravity = nan;
     broken.parameters.friction = Some(f64::INFINITY);
     broken.parameters.half_extents = DVec3::NAN;
-    broken.hero.position = DVec3::NAN;
-    broken.hero.speed = f64::NEG_INFINITY;
+    broken.main_box.position = DVec3::NAN;
+    broken.main_box.speed = f64::NEG_INFINITY;
     for (k, timing) in broken.timings.iter_mut().enumerate() {
         timing.nanoseconds = if k % 2 == 0 {
             Some((nan, nan, nan))
@@ -232,10 +232,10 @@ fn nothing_a_view_may_hold_makes_it_panic() {
         }
     };
     let integrators = broken.timings.len();
-    for lane in &mut broken.compare.lanes {
-        lane.now = [nan; 7];
-        (lane.dt, lane.energies) = (nan, [nan, f64::INFINITY, -1e300]);
-        for (_, points) in &mut lane.lines {
+    for trajectory in &mut broken.compare.trajectories {
+        trajectory.now = [nan; 7];
+        (trajectory.dt, trajectory.energies) = (nan, [nan, f64::INFINITY, -1e300]);
+        for (_, points) in &mut trajectory.lines {
             *points = (0..1000)
                 .map(|k| [f64::from(k) / 60.0, 1e300 * long_run(k)])
                 .collect();
@@ -255,8 +255,8 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     (empty.actual_speed, empty.lesson) = (None, String::new());
     (empty.parameters.restitution, empty.parameters.friction) = (None, None);
     let mut one_point = sample_view();
-    for lane in &mut one_point.compare.lanes {
-        lane.lines.iter_mut().for_each(|(_, p)| p.truncate(1));
+    for trajectory in &mut one_point.compare.trajectories {
+        trajectory.lines.iter_mut().for_each(|(_, p)| p.truncate(1));
     }
     one_point.history.cpu = vec![(f64::INFINITY, 1.0, 1.0)];
     for view in [broken, empty, one_point] {

@@ -113,7 +113,7 @@ fn hidden_leaves_one_line_and_the_whole_picture() {
     view.paused = true;
     let mut person = Person::before(view, Vec2::new(1280.0, 720.0));
     let line = "Playground · ✚ Split · PAUSED · t = 12.350 s · 0.8 µs/step";
-    let name = style::tagged(Integrator::default());
+    let name = style::marked_name(Integrator::default());
     assert!(person.sees(&line.replace("✚ Split", &name)));
     assert!(!person.sees("Restart") && !person.sees("Gravity [m/s²]"));
     // The harness keeps a margin of 8 points.
@@ -143,13 +143,15 @@ fn the_table_has_a_row_for_every_integrator() {
         assert!(person.sees(heading), "{heading}");
     }
     for &integrator in Integrator::ALL {
-        let lane = view
+        let trajectory = view
             .compare
-            .lanes
+            .trajectories
             .iter()
             .find(|l| l.integrator == integrator);
-        let (cell, role) = match lane {
-            Some(lane) if lane.hero => (format!("{} · main box", integrator.name()), Role::Label),
+        let (cell, role) = match trajectory {
+            Some(trajectory) if trajectory.main_box => {
+                (format!("{} · main box", integrator.name()), Role::Label)
+            }
             Some(_) => (
                 format!("Compare the main box with {}", integrator.name()),
                 Role::Button,
@@ -192,7 +194,7 @@ fn plots_say_what_they_show_and_leave_the_wheel_alone() {
         if plot == Plot::Timing {
             for &integrator in Integrator::ALL {
                 assert!(
-                    person.sees(&style::tagged(integrator)),
+                    person.sees(&style::marked_name(integrator)),
                     "legend of {integrator}"
                 );
             }
@@ -237,8 +239,8 @@ fn a_plot_under_the_pointer_is_frozen() {
     person.harness.hover_at(place.center());
     person.look();
     assert!(person.sees("⏸ frozen"));
-    for lane in &mut person.harness.state_mut().view.compare.lanes {
-        lane.now = [0.5; 7];
+    for trajectory in &mut person.harness.state_mut().view.compare.trajectories {
+        trajectory.now = [0.5; 7];
     }
     person.look();
     assert_eq!(words(&person).1, before);

@@ -19,7 +19,7 @@ const NARROW: f32 = 460.0;
 
 /// Name and error at every box. The labels of comparisons, which are all in one place, stand in a column
 /// beside them, each with a line to its box.
-pub(super) fn draw_tags(
+pub(super) fn draw_labels(
     comparison: Res<Comparison>,
     session: Option<Res<Session>>,
     demo: Option<Res<Demo2012>>,
@@ -32,7 +32,7 @@ pub(super) fn draw_tags(
         return Ok(());
     };
     let layout = drawn(&comparison, area.is_some());
-    if layout == Layout::Solo || run.lanes.is_empty() {
+    if layout == Layout::Solo || run.comparisons.is_empty() {
         return Ok(());
     }
     let context = contexts.ctx_mut()?;
@@ -41,7 +41,7 @@ pub(super) fn draw_tags(
         return Ok(());
     };
     let point = |v: Vec2| egui::pos2(v.x * scale, v.y * scale);
-    let lanes = shown(run, layout);
+    let comparisons = shown(run, layout);
     // In pixels; the views and the whole of them.
     let pixels = |r: URect| {
         let corner =
@@ -49,7 +49,10 @@ pub(super) fn draw_tags(
         egui::Rect::from_min_max(corner(r.min), corner(r.max))
     };
     let cells: Vec<egui::Rect> = match (&area, layout) {
-        (Some(area), Layout::Views) => cells(area.0, lanes.len()).into_iter().map(pixels).collect(),
+        (Some(area), Layout::Views) => cells(area.0, comparisons.len())
+            .into_iter()
+            .map(pixels)
+            .collect(),
         _ => Vec::new(),
     };
     let view = match &area {
@@ -57,7 +60,7 @@ pub(super) fn draw_tags(
         _ => egui::Rect::from_min_max(point(view.min), point(view.max)),
     };
     let painter = context
-        .layer_painter(egui::LayerId::new(egui::Order::Background, "tags".into()))
+        .layer_painter(egui::LayerId::new(egui::Order::Background, "labels".into()))
         .with_clip_rect(view);
     let tip = tip(run);
     let radius = run.law.body.radius() as f32;
@@ -74,20 +77,20 @@ pub(super) fn draw_tags(
     let narrow = cells.first().unwrap_or(&view).width() < NARROW;
     let line = if hidden { 46.0 } else { 10.0 };
     let mut next = view.top() + line;
-    for (k, (integrator, state, track, offset, status)) in lanes.into_iter().enumerate() {
+    for (k, (integrator, state, track, offset, status)) in comparisons.into_iter().enumerate() {
         let name = match stepper {
             Some(stepper) if k == 0 => stepper.name().to_owned(),
             _ if narrow => style::of(integrator).glyph.to_owned(),
-            _ => style::tagged(integrator),
+            _ => style::marked_name(integrator),
         };
-        let text = tag(name, k == 0 && !narrow, track, status, attitude);
+        let text = label(name, k == 0 && !narrow, track, status, attitude);
         let center = state.position.as_vec3() + offset;
         let font = egui::FontId::proportional(13.0);
         let looks = style::of(integrator).color();
         let galley = painter.layout_no_wrap(text, font, egui::Color32::WHITE);
         let size = galley.size() + egui::vec2(12.0, 6.0);
         let corner = match layout {
-            Layout::Lanes => {
+            Layout::SideBySide => {
                 let Some(above) = seen(center + Vec3::Y * radius * 1.25) else {
                     continue;
                 };
@@ -109,7 +112,7 @@ pub(super) fn draw_tags(
                 let down = if cell.top() > view.top() { 10.0 } else { line };
                 cell.min + egui::vec2(12.0, down)
             }
-            Layout::Solo | Layout::Ghosts => {
+            Layout::Solo | Layout::Overlaid => {
                 let corner = egui::pos2(view.left() + 12.0, next);
                 next += size.y + 4.0;
                 let from = egui::pos2(corner.x + size.x, corner.y + 0.5 * size.y);
@@ -137,8 +140,14 @@ pub(super) fn draw_tags(
 }
 
 /// `■ RK4 · 0.13°`.
-fn tag(mut text: String, hero: bool, track: &Track, status: Status, attitude: bool) -> String {
-    if hero {
+fn label(
+    mut text: String,
+    main_box: bool,
+    track: &Track,
+    status: Status,
+    attitude: bool,
+) -> String {
+    if main_box {
         text.push_str(" (main)");
     }
     if status.is_diverged() {

@@ -18,29 +18,32 @@ pub(super) type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3, Status)
 
 /// Every trajectory that is drawn, the main box's first.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
-    let hero = (
-        run.hero.integrator,
-        &run.hero.state,
-        &run.hero.track,
+    let main_box = (
+        run.main_box.integrator,
+        &run.main_box.state,
+        &run.main_box.track,
         Vec3::ZERO,
-        run.hero.status(),
+        run.main_box.status(),
     );
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
-    let lanes = run.lanes.iter().enumerate().map(|(k, r)| {
+    let comparisons = run.comparisons.iter().enumerate().map(|(k, r)| {
         let offset = match layout {
-            Layout::Lanes => side * place(k),
-            Layout::Solo | Layout::Ghosts | Layout::Views => Vec3::ZERO,
+            Layout::SideBySide => side * place(k),
+            Layout::Solo | Layout::Overlaid | Layout::Views => Vec3::ZERO,
         };
-        let driver = &r.lane.driver;
+        let driver = &r.simulation.driver;
         let (integrator, state) = (driver.integrator, &driver.state);
-        (integrator, state, &r.track, offset, r.lane.status())
+        (integrator, state, &r.track, offset, r.simulation.status())
     });
     let beside = match layout {
         Layout::Solo => 0,
-        Layout::Ghosts | Layout::Lanes => run.lanes.len(),
-        Layout::Views => run.lanes.len().min(views::MOST - 1),
+        Layout::Overlaid | Layout::SideBySide => run.comparisons.len(),
+        Layout::Views => run.comparisons.len().min(views::MOST - 1),
     };
-    [hero].into_iter().chain(lanes.take(beside)).collect()
+    [main_box]
+        .into_iter()
+        .chain(comparisons.take(beside))
+        .collect()
 }
 
 /// Right, left, right, left of the main box.
@@ -68,7 +71,7 @@ pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
 /// The layout as it is drawn: views need a room for the picture, and are else drawn in one place.
 pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
     match comparison.settings.layout {
-        Layout::Views if !area => Layout::Ghosts,
+        Layout::Views if !area => Layout::Overlaid,
         layout => layout,
     }
 }
@@ -98,7 +101,7 @@ mod tests {
 
     /// Only the picture is shifted: the states drawn are those simulated.
     #[test]
-    fn lanes_stand_side_by_side_in_the_picture_alone() {
+    fn comparisons_stand_side_by_side_in_the_picture_alone() {
         let setup = Scenario::find("slide").expect("a scene").setup;
         let mut run = Run::new(&setup, None, Integrator::Split, 1.0 / 60.0);
         run.choose([
@@ -106,7 +109,7 @@ mod tests {
             Integrator::ExplicitEuler,
             Integrator::Midpoint,
         ]);
-        let places: Vec<_> = shown(&run, Layout::Lanes);
+        let places: Vec<_> = shown(&run, Layout::SideBySide);
         assert_eq!(places.len(), 4);
         for (k, a) in places.iter().enumerate() {
             assert_eq!(a.1, &setup.initial);
@@ -116,7 +119,7 @@ mod tests {
             assert!(places[..k].iter().all(|b| a.3.distance(b.3) > apart));
         }
         assert!(
-            shown(&run, Layout::Ghosts)
+            shown(&run, Layout::Overlaid)
                 .iter()
                 .all(|s| s.3 == Vec3::ZERO)
         );

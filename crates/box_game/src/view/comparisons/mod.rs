@@ -4,9 +4,9 @@
 //! Nothing here is simulated or read back: side by side, only the picture is shifted.
 
 mod frames;
+mod labels;
 mod shown;
 mod strips;
-mod tags;
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
@@ -20,19 +20,19 @@ use crate::view::visuals::{box_color, shaded_cuboid};
 use shown::{color, drawn, shown};
 
 /// Opacity of a comparison.
-const GHOST: f32 = 0.16;
+const OPACITY: f32 = 0.16;
 
 /// Draws the comparisons of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
 /// [`ComparePlugin`](crate::compare::ComparePlugin); labels need `EguiPlugin`.
-pub(super) struct GhostPlugin;
+pub(super) struct ComparisonsPlugin;
 
-impl Plugin for GhostPlugin {
+impl Plugin for ComparisonsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<frames::Trails>()
             .add_systems(
                 Update,
                 (
-                    place_ghosts,
+                    place_comparisons,
                     strips::place_strips,
                     strips::step_back,
                     frames::lengthen_trails,
@@ -40,19 +40,19 @@ impl Plugin for GhostPlugin {
                 )
                     .chain(),
             )
-            .add_systems(EguiPrimaryContextPass, tags::draw_tags);
+            .add_systems(EguiPrimaryContextPass, labels::draw_labels);
     }
 }
 
 /// The box of a comparison; once spawned it stays, and is hidden when it is not wanted.
 #[derive(Component, Clone, Copy, Debug)]
-pub(super) struct Ghost(pub Integrator);
+pub(super) struct ComparisonBox(pub Integrator);
 
 /// A box for every comparison, where the comparison is.
-fn place_ghosts(
+fn place_comparisons(
     comparison: Res<Comparison>,
-    mut ghosts: Query<(
-        &Ghost,
+    mut boxes: Query<(
+        &ComparisonBox,
         &mut Transform,
         &mut Visibility,
         &mut Mesh3d,
@@ -85,7 +85,7 @@ fn place_ghosts(
         Some((_, tint)) => tint.clone(),
         None => {
             let clear = materials.add(StandardMaterial {
-                base_color: color(i, GHOST),
+                base_color: color(i, OPACITY),
                 alpha_mode: AlphaMode::Blend,
                 unlit: true,
                 ..default()
@@ -101,8 +101,9 @@ fn place_ghosts(
     };
     // With the view that it is seen in alone.
     let mut missing: Vec<_> = wanted[1..].iter().zip(1..).collect();
-    for (ghost, mut transform, mut visibility, mut mesh, mut material, mut layers) in &mut ghosts {
-        let found = missing.iter().position(|((i, ..), _)| *i == ghost.0);
+    for (drawn_box, mut transform, mut visibility, mut mesh, mut material, mut layers) in &mut boxes
+    {
+        let found = missing.iter().position(|((i, ..), _)| *i == drawn_box.0);
         let Some(n) = found else {
             visibility.set_if_neq(Visibility::Hidden);
             continue;
@@ -112,9 +113,9 @@ fn place_ghosts(
         visibility.set_if_neq(Visibility::Visible);
         let [clear, solid] = tint(*integrator);
         let (shape, look, view) = match layout {
-            Layout::Lanes => (shaded, solid, 0),
+            Layout::SideBySide => (shaded, solid, 0),
             Layout::Views => (shaded, solid, k),
-            Layout::Solo | Layout::Ghosts => (plain, clear, 0),
+            Layout::Solo | Layout::Overlaid => (plain, clear, 0),
         };
         if mesh.0 != *shape {
             mesh.0 = shape.clone();
@@ -126,7 +127,7 @@ fn place_ghosts(
     }
     for ((integrator, state, _, offset, _), _) in missing {
         commands.spawn((
-            Ghost(*integrator),
+            ComparisonBox(*integrator),
             Mesh3d(plain.clone()),
             MeshMaterial3d(tint(*integrator)[0].clone()),
             pose(state, *offset),

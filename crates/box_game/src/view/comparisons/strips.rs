@@ -35,7 +35,7 @@ pub(super) fn place_strips(
         return;
     };
     let layout = comparison.settings.layout;
-    let lanes = layout == Layout::Lanes;
+    let side_by_side = layout == Layout::SideBySide;
     let radius = run.law.body.radius() as f32;
     let across = sideways(run);
     let start = run.start();
@@ -50,7 +50,7 @@ pub(super) fn place_strips(
         if moving { 40.0 } else { 3.5 } * radius,
     );
     let grounded = run.law.floor.is_some() || !moving;
-    let mut missing: Vec<_> = if lanes && grounded {
+    let mut missing: Vec<_> = if side_by_side && grounded {
         shown(run, layout).iter().map(|s| (s.0, s.3)).collect()
     } else {
         Vec::new()
@@ -119,10 +119,11 @@ pub(super) fn step_back(
     } else {
         (1.0, 0.0)
     };
-    let lanes = comparison.settings.layout == Layout::Lanes && !run.lanes.is_empty();
+    let side_by_side =
+        comparison.settings.layout == Layout::SideBySide && !run.comparisons.is_empty();
     let mut after = (1.0, 0.0);
-    if lanes {
-        after.0 = 1.0 + STEP_BACK * run.lanes.len() as f32;
+    if side_by_side {
+        after.0 = 1.0 + STEP_BACK * run.comparisons.len() as f32;
         let along_the_row = cameras.iter().any(|camera| {
             let view = Vec3::new(camera.yaw.sin(), 0.0, camera.yaw.cos());
             view.dot(sideways(run)).abs() > ALONG

@@ -76,19 +76,21 @@ pub(super) fn draw_frames(
     if layout == Layout::Solo {
         return;
     }
-    for (k, lane) in shown(run, layout).into_iter().enumerate() {
-        let trail = trails.points.iter().find(|(i, _)| *i == lane.0);
+    for (k, comparison) in shown(run, layout).into_iter().enumerate() {
+        let trail = trails.points.iter().find(|(i, _)| *i == comparison.0);
         let lines = Lines {
             body: &run.law.body,
-            edges: k > 0 && layout == Layout::Ghosts,
-            reference: run.trusted().filter(|_| k == 0 || layout != Layout::Ghosts),
+            edges: k > 0 && layout == Layout::Overlaid,
+            reference: run
+                .trusted()
+                .filter(|_| k == 0 || layout != Layout::Overlaid),
             trail: trail.map(|(_, points)| points),
         };
         match (layout, k) {
-            (Layout::Views, 1) => lines.draw(&mut second, lane),
-            (Layout::Views, 2) => lines.draw(&mut third, lane),
-            (Layout::Views, 3) => lines.draw(&mut fourth, lane),
-            _ => lines.draw(&mut first, lane),
+            (Layout::Views, 1) => lines.draw(&mut second, comparison),
+            (Layout::Views, 2) => lines.draw(&mut third, comparison),
+            (Layout::Views, 3) => lines.draw(&mut fourth, comparison),
+            _ => lines.draw(&mut first, comparison),
         }
     }
 }
