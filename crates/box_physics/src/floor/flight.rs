@@ -4,7 +4,7 @@ use super::FloorContext;
 use super::bounds::{SWING_AHEAD, acceleration_bound, curvature_bound};
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel};
+use crate::force::ForceModel;
 use crate::integrators::{Integrate, IntegratorMemory, StepOutcome};
 use crate::state::BodyState;
 
@@ -66,7 +66,7 @@ fn clears<F: ForceModel>(
     before: f64,
     after: f64,
 ) -> bool {
-    if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
+    if !force.has_wrench() && !force.has_dissipation() {
         // A larger M without a root.
         let spin = SWING_AHEAD * state.body_angular_velocity(body).length_squared();
         let curvature = spin * body.radius() + force.acceleration().y.max(0.0);

@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 use super::FloorContext;
 use super::geometry::{Corners, has, mask};
 use super::projection::recover_penetration;
-use crate::force::{Dissipation, ForceModel};
+use crate::force::ForceModel;
 use crate::integrators::{Integrate, Order};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
@@ -48,7 +48,7 @@ pub(super) fn slide<S: Integrate, F: ForceModel>(
     touching: u8,
 ) -> Option<Slide> {
     let (floor, body, force) = (context.floor, context.body, context.force);
-    let uniform = !force.has_wrench() && force.dissipation() == Dissipation::NONE;
+    let uniform = !force.has_wrench() && !force.has_dissipation();
     if !uniform || matches!(S::INFO.orders.gravity, Order::Of(1)) {
         return None;
     }

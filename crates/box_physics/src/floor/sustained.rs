@@ -206,7 +206,7 @@ impl<F: ForceModel> Start<'_, F> {
     fn free_motion(&self, tau: f64) -> (DMat3, (DVec3, DVec3)) {
         let start = &self.state;
         let (body, force) = (self.context.body, self.context.force);
-        if !force.has_wrench() && force.dissipation() == Dissipation::NONE {
+        if !force.has_wrench() && !force.has_dissipation() {
             // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
             let l = start.angular_momentum;
             let first = l * body.inverse_inertia();

@@ -163,6 +163,12 @@ pub trait ForceModel {
         Dissipation::NONE
     }
 
+    /// Whether [`ForceModel::dissipation`] is anything.
+    #[inline(always)]
+    fn has_dissipation(&self) -> bool {
+        self.dissipation() != Dissipation::NONE
+    }
+
     /// Whether [`ForceModel::wrench`] is ever different from zero; integrators skip the kicks if not.
     #[inline(always)]
     fn has_wrench(&self) -> bool {
@@ -227,6 +233,12 @@ impl ForceModel for Gravity {
     #[inline(always)]
     fn acceleration(&self) -> DVec3 {
         self.0
+    }
+
+    // A constant, so that no loop over free bodies carries the branch.
+    #[inline(always)]
+    fn has_dissipation(&self) -> bool {
+        false
     }
 }
 

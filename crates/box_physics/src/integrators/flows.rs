@@ -160,13 +160,13 @@ pub(super) fn drift<F: ForceModel>(
     h: f64,
     free_rotation: &mut impl FreeRotationFlow,
 ) {
-    let d = force.dissipation();
     let a = force.acceleration();
-    if d == Dissipation::NONE {
+    if !force.has_dissipation() {
         exponential_step(state, a, 0.0, h);
         free_rotation.flow(body, state, h);
         return;
     }
+    let d = force.dissipation();
     half_dissipation(body, state, &d, 0.5 * h);
     exact_drift(body, state, a, &d, h, free_rotation);
     half_dissipation(body, state, &d, 0.5 * h);

@@ -85,18 +85,18 @@ pub(super) fn step<F: ForceModel>(
     h: f64,
     trigonometry: &mut impl Trigonometry,
 ) -> u32 {
-    let d = force.dissipation();
     if force.has_wrench() {
         return forced(body, state, force, h);
     }
     let a = force.acceleration();
-    if d == Dissipation::NONE {
+    if force.has_dissipation() {
+        let d = force.dissipation();
+        translate(body, state, a, &d, h);
+        rotate(body, state, &d, h, trigonometry);
+    } else {
         exponential_step(state, a, 0.0, h);
         free_rotation_by(body, state, h, trigonometry);
-        return 1;
     }
-    translate(body, state, a, &d, h);
-    rotate(body, state, &d, h, trigonometry);
     1
 }
 

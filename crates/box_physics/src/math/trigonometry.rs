@@ -22,7 +22,7 @@ const C: [f64; 6] = [
     -1.1382623647474604e-11,
 ];
 
-/// S(z) and C(z) for z = x², by Estrin's integrator (three independent pairs, so that the processor can
+/// S(z) and C(z) for z = x², by Estrin's scheme (three independent pairs, so that the processor can
 /// work on them at the same time).
 #[inline(always)]
 fn polynomials(z: f64) -> (f64, f64) {
