@@ -1,11 +1,11 @@
-//! The world-aligned bounding box, re-fitted every step.
+//! World-aligned bounding boxes, refitted every step.
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Half-extents \[m\] of the smallest world-aligned box round a box of half-extents `half` at attitude
-/// `rotation`: |R|·h with the absolute values of the rotation matrix. Exact, and no corner is visited:
-/// the extent along world axis i is the support Σ_j |R_ij| h_j (Ericson, *Real-Time Collision
-/// Detection*, 2005, §4.2.6).
+/// Half-extents \[m\] of the smallest world-aligned box around a box of half-extents `half` at attitude
+/// `rotation`: |R|·h with the absolute values of the rotation matrix. Exact, without a loop over corners: the
+/// extent along world axis i is the support Σ_j |R_ij| h_j (Ericson, *Real-Time Collision Detection*, 2005,
+/// §4.2.6).
 ///
 /// ```
 /// use box_physics::{aabb::world_half_extents, prelude::*};
@@ -19,8 +19,7 @@ pub fn world_half_extents(rotation: DQuat, half: DVec3) -> DVec3 {
     r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z
 }
 
-/// Corners (minimum, maximum) of the re-fitted box, rounded outward to f32, so that the f32 box
-/// contains the f64 one.
+/// Corners (minimum, maximum) of the refitted box, rounded outward to f32: the f32 box contains the f64 box.
 #[inline(always)]
 pub fn outward(center: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
     let (low, high) = (center - half, center + half);
@@ -30,8 +29,8 @@ pub fn outward(center: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
     )
 }
 
-/// The largest f32 not above `x`. (Without a branch: which way a number was rounded is a coin toss, and
-/// six wrong guesses of the processor cost more than all the rest of a bounding box.)
+/// The largest f32 not above `x`. Branchless, because the direction of rounding is random: six mispredicted
+/// branches cost more than the rest of a bounding box.
 #[inline(always)]
 fn below(x: f64) -> f32 {
     let nearest = x as f32;
@@ -45,11 +44,11 @@ fn above(x: f64) -> f32 {
     moved(nearest, i32::wrapping_add, f64::from(nearest) < x)
 }
 
-/// `x`, or if it is to `leave` its neighbor: the next further up (by adding) or down (by subtracting).
+/// `x`, or its neighbor if `leave` is true: the next f32 up (by adding) or down (by subtracting).
 ///
-/// The bits of a float grow with its magnitude: its neighbor further up has one more if it is positive,
-/// one less if it is negative. (−0 has none that is found so, but none is asked for: a number is not
-/// rounded across zero, so `below` never leaves 0, nor `above` −0.)
+/// The bits of a float grow with its magnitude. The next number up has one more if the float is positive, one
+/// less if it is negative. This fails for −0, which never occurs: no number is rounded across zero, so
+/// `below` never leaves 0, nor `above` −0.
 #[inline(always)]
 fn moved(x: f32, by: impl Fn(i32, i32) -> i32, leave: bool) -> f32 {
     let bits = x.to_bits() as i32;
@@ -57,7 +56,7 @@ fn moved(x: f32, by: impl Fn(i32, i32) -> i32, leave: bool) -> f32 {
     f32::from_bits(by(bits, upward & -i32::from(leave)) as u32)
 }
 
-/// The eight corners in body axes, sign bit k of the index choosing −/+ along axis k.
+/// The eight corners in body axes. Bit k of the index selects the sign along axis k: 0 is −, 1 is +.
 pub fn corners(half: DVec3) -> [DVec3; 8] {
     core::array::from_fn(|k| {
         let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -70,7 +69,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The definition, in words of the standard library.
+    /// The definition, in terms of the standard library.
     #[test]
     fn neighbors_are_those_of_the_standard_library() {
         let tiny = f64::from(f32::from_bits(1));
@@ -111,7 +110,7 @@ mod tests {
     }
 
     proptest! {
-        /// It contains all eight corners and touches them on every side; the f32 box contains it.
+        /// The box contains all eight corners and touches them on every side; the f32 box contains it.
         #[test]
         fn contains_and_touches_every_corner(
             q in prop::array::uniform4(-1.0..1.0f64),

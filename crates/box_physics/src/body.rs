@@ -1,4 +1,4 @@
-//! The box itself: size, mass, inertia, and what the integrators precompute from them.
+//! The box itself: size, mass, inertia and the constants that the integrators precompute.
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -9,15 +9,15 @@ use crate::rotation::SplitFrame;
 
 const SIZE_LIMITS: (f64, f64) = (1e-6, 1e6);
 const MASS_LIMITS: (f64, f64) = (1e-12, 1e12);
-/// Those of solid boxes within the limits above are between 6e-25 and 7e23 kg m².
+/// Limits of a moment \[kg m²\]. Solid boxes within the limits above have moments from 6e-25 to 7e23 kg m².
 const INERTIA_LIMITS: (f64, f64) = (1e-25, 1e25);
-/// Largest moment over the smallest. A needle of 1e-6 by 1e6 m has 5e23.
+/// Largest allowed ratio of the largest moment to the smallest. A needle of 1e-6 by 1e6 m has 5e23.
 const INERTIA_RATIO: f64 = 1e25;
 
-/// A rigid box: the one component that makes an entity a simulated body.
+/// A rigid box: the component that makes an entity a simulated body.
 ///
-/// Its axes are its principal axes, so the inertia is a diagonal. Everything else a body needs
-/// ([`BodyState`](crate::state::BodyState), `Transform`, …) comes along as required components.
+/// The box axes are the principal axes, so the inertia is a diagonal. The other components of a body
+/// ([`BodyState`](crate::state::BodyState), `Transform`, …) are required components.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -27,11 +27,11 @@ const INERTIA_RATIO: f64 = 1e25;
 /// # Ok::<(), InvalidValue>(())
 /// ```
 ///
-/// It may be replaced while it moves: position, velocity and *angular momentum* stay, so a box that
-/// becomes larger turns more slowly. `Transform::scale` only scales the picture.
+/// You can replace the component while the body moves. Position, velocity and *angular momentum* stay the
+/// same, so a box that becomes larger turns more slowly. `Transform::scale` only scales the rendered mesh.
 ///
-/// To reflection it is opaque (its numbers depend on one another); with the feature `serde` it is read
-/// and written as `half_extents`, `mass` and `inertia`, and checked.
+/// The type is opaque to reflection, because its numbers depend on one another. With the feature `serde` it
+/// is serialized as `half_extents`, `mass` and `inertia`, and checked on loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -58,8 +58,8 @@ pub struct RigidBox {
 }
 
 impl RigidBox {
-    /// A solid box of uniform density. `half_extents` \[m\] from the center to the faces, each between
-    /// 1e-6 and 1e6; `mass` \[kg\] between 1e-12 and 1e12.
+    /// A solid box of uniform density. `half_extents` \[m\] are the distances from the center to the faces,
+    /// each between 1e-6 and 1e6. `mass` \[kg\] is between 1e-12 and 1e12.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
@@ -85,7 +85,7 @@ impl RigidBox {
             mass,
             "finite and between 1e-12 and 1e12 kg",
         )?;
-        // Solid cuboid: I_x = m/3 (h_y² + h_z²), and round.
+        // Solid cuboid: I_x = m/3 (h_y² + h_z²), cyclic.
         let squares = h * h;
         let inertia = (mass / 3.0)
             * DVec3::new(
@@ -99,16 +99,17 @@ impl RigidBox {
     /// A solid cube of edge length `edge` \[m\], twice the half-extent.
     ///
     /// # Errors
-    /// As [`RigidBox::new`].
+    /// The same as [`RigidBox::new`].
     pub fn cube(edge: f64, mass: f64) -> Result<Self, InvalidValue> {
         Self::new(DVec3::splat(0.5 * edge), mass)
     }
 
-    /// The same outside with another principal inertia \[kg m²\], for hollow or weighted boxes.
+    /// Replaces the principal inertia \[kg m²\], for hollow or weighted boxes.
     ///
     /// # Errors
-    /// [`InvalidValue`] if a moment is not between 1e-25 and 1e25 kg m² and at least 1e-25 of the largest, or if
-    /// one exceeds the sum of the other two (by more than rounding), which no distribution of mass can have.
+    /// [`InvalidValue`] if a moment is not between 1e-25 and 1e25 kg m², or is less than 1e-25 of the
+    /// largest. Also if a moment exceeds the sum of the other two by more than rounding, which no
+    /// distribution of mass can have.
     pub fn with_inertia(self, inertia: impl Into<DVec3>) -> Result<Self, InvalidValue> {
         let i = inertia.into();
         for (field, value, others) in [
@@ -176,12 +177,12 @@ impl RigidBox {
         self.inverse_inertia
     }
 
-    /// Distance from the center to a corner \[m\]: the radius of the sphere round the box.
+    /// Distance from the center to a corner \[m\]: the radius of the bounding sphere.
     pub fn radius(&self) -> f64 {
         self.half_extents.length()
     }
 
-    /// How the free rotation is split into planar rotations.
+    /// The splitting of the free rotation into planar rotations.
     pub(crate) fn splitting(&self) -> &Splitting {
         &self.splitting
     }
@@ -197,7 +198,8 @@ impl Default for RigidBox {
 
 #[cfg(feature = "serde")]
 mod serialized {
-    //! What of a box is saved: what cannot be computed. Loading checks it like the constructors.
+    //! Serialized fields of a box: those that cannot be computed. Loading applies the checks of the
+    //! constructors.
 
     use glam::DVec3;
 
@@ -209,7 +211,7 @@ mod serialized {
     pub(super) struct BoxFields {
         half_extents: DVec3,
         mass: f64,
-        /// A solid box's, if absent.
+        /// The inertia of a solid box if absent.
         #[serde(default)]
         inertia: Option<DVec3>,
     }
@@ -236,15 +238,15 @@ mod serialized {
     }
 }
 
-/// Which planar rotations follow the exact rotation with the reference moment (Fassò 2003).
+/// The planar rotations that follow the exact rotation with the reference moment (Fassò 2003).
 ///
-/// H = |L|²/2I_r + ½(J_a−J_r) L_a² + ½(J_c−J_r) L_c², J = 1/I: the first term is a Casimir times a
-/// constant, so its flow commutes with the other two. r is the axis of the middle moment; the outer
-/// axis a (two half steps) is the one with the larger |J_a − J_r|. The rule minimizes the leading
-/// error term |αβ|(|α|/24 + |β|/12) over all choices (numerically, 20 000 random boxes).
+/// H = |L|²/2I_r + ½(J_a−J_r) L_a² + ½(J_c−J_r) L_c², J = 1/I. The first term is a Casimir times a constant,
+/// so its flow commutes with the other two. r is the axis of the middle moment. The outer axis a (two half
+/// steps) is the one with the larger |J_a − J_r|. This rule minimizes the leading error term |αβ|(|α|/24 +
+/// |β|/12) over all choices (numerically, 20 000 random boxes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Splitting {
-    /// The axis rotated by two half steps, and that rotated by one whole step between them.
+    /// The axis rotated by two half steps, and the axis rotated by one whole step between them.
     pub(crate) frame: SplitFrame,
     /// J_r = 1/I_r of the reference (middle) axis.
     pub(crate) reference: f64,
@@ -320,13 +322,13 @@ mod tests {
 
     #[test]
     fn split_axes_follow_the_rule() {
-        // 4:2:1 box: I_x < I_y < I_z, J falls; the outer axis is x with the larger gap.
+        // Box 4:2:1: I_x < I_y < I_z, J decreases. The outer axis is x, which has the larger gap.
         let s = *RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)
             .expect("valid")
             .splitting();
         assert_eq!(s.frame, SplitFrame::new(0, 2));
         assert!(s.alpha > 0.0 && s.beta < 0.0 && s.alpha.abs() >= s.beta.abs());
-        // A cube and a square bar have nothing left to split.
+        // A cube and a square bar leave nothing to split.
         let s = *RigidBox::default().splitting();
         assert_eq!((s.alpha, s.beta), (0.0, 0.0));
         let s = *RigidBox::new(DVec3::new(0.25, 0.5, 0.25), 6.0)

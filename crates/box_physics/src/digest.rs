@@ -1,4 +1,4 @@
-//! A digest of the motion: whether two simulations agree, to the last bit.
+//! Digests of the motion, to compare two simulations bit for bit.
 
 use glam::{DQuat, DVec3};
 
@@ -8,13 +8,13 @@ use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
 
-/// FNV-1a, 64 bit (Fowler, Noll, Vo): its basis and its prime.
+/// FNV-1a, 64 bit (Fowler, Noll, Vo): offset basis and prime.
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const PRIME: u64 = 0x0000_0100_0000_01b3;
 
-/// A digest of these states in this order: FNV-1a over the bits of every number, position, attitude,
-/// velocity and angular momentum of one body after the other. Equal digests mean, but for one chance in
-/// 1.8e19, equal bits: for comparing runs, builds and machines, lock-step peers, replays.
+/// A digest of `states` in this order: FNV-1a over the bits of position, attitude, velocity and angular
+/// momentum of each body. Equal digests mean equal bits, except for one chance in 1.8e19. Use it to compare
+/// runs, builds, machines, lock-step peers and replays.
 ///
 /// 0 and −0 are different bits, and so are q and −q.
 ///
@@ -47,9 +47,9 @@ pub fn state_digest<'a>(states: impl IntoIterator<Item = &'a BodyState>) -> u64 
     hash
 }
 
-/// What this build makes of a fixed scene under `integrator`: the digest of bodies that tumble, bounce,
-/// slide, feel drag and hang on a spring for a second and a half. Peers that compute in lock-step compare it
-/// before they start; a difference in any part of a step shows in it.
+/// A digest of a fixed scene as this build simulates it under `integrator`. The scene lasts a second and a
+/// half; its bodies tumble, bounce, slide, have drag and hang on a spring. Peers in lock-step compare it
+/// before they start: a difference in any part of a step changes it.
 ///
 /// ```
 /// use box_physics::{digest::fingerprint, prelude::*};
@@ -62,12 +62,12 @@ pub fn fingerprint(integrator: Integrator) -> u64 {
     state_digest(&integrator.dispatch(FixedScene))
 }
 
-/// Three bodies over a floor, each with terms of its own in its law, so that no part of a step is left out.
+/// Three bodies over a floor. Each has different terms in its force model, so that every part of a step runs.
 struct FixedScene;
 
 impl FixedScene {
     const STEPS: u32 = 96;
-    /// A power of two: n steps are at n·dt without rounding \[s\].
+    /// A power of two, so that n·dt is exact \[s\].
     const DT: f64 = 1.0 / 64.0;
     const BODIES: usize = 3;
 
@@ -154,7 +154,8 @@ impl IntegratorVisitor for FixedScene {
 mod tests {
     use super::*;
 
-    /// The bits of a NaN are nobody's business; and a scene in which nothing happens proves nothing.
+    /// The states are valid, because the bits of a NaN are not specified. Every body must move, or the digest
+    /// would prove nothing.
     #[test]
     fn the_fixed_scene_is_sound_and_lively_under_every_integrator() {
         let body = FixedScene::body();

@@ -1,4 +1,4 @@
-//! Names that Bevy's derives on the core's types need. The core uses nothing else of Bevy, and not even this
+//! Names that Bevy's derives need on the core types. The core uses nothing else of Bevy, and nothing at all
 //! without the feature `bevy`.
 
 pub(crate) use bevy::ecs::VariantDefaults;

@@ -6,9 +6,9 @@ use crate::body::RigidBox;
 use crate::force::{ForceModel, Forces, Frame};
 use crate::state::BodyState;
 
-/// Potential energy \[J\] of the conservative terms: uniform acceleration (0 at the origin), springs
-/// (0 at the anchor) and point forces constant in the world. Body-fixed forces and torques have none
-/// and do not count.
+/// Potential energy \[J\] of the conservative terms: uniform acceleration (0 at the origin), springs (0 at
+/// the anchor) and point forces constant in the world. Body-fixed forces and torques have no potential and do
+/// not count.
 pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
     let mut energy = -body.mass() * forces.acceleration().dot(state.position);
     for s in forces.springs {
@@ -41,7 +41,8 @@ pub fn total_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 
     state.kinetic_energy(body) + potential_energy(body, state, forces)
 }
 
-/// Whether the law conserves [`total_energy`]: no dissipation, no body-fixed force or torque.
+/// Returns `true` if the force model conserves [`total_energy`]: no dissipation, no body-fixed force or
+/// torque.
 pub fn is_conservative(forces: &Forces) -> bool {
     forces.dissipation == crate::force::Dissipation::NONE
         && forces.body_torque == DVec3::ZERO
@@ -56,7 +57,7 @@ mod tests {
     use crate::force::{PointForce, Spring, Wrench};
     use glam::DQuat;
 
-    /// The force is minus the gradient of the potential, translations and rotations alike.
+    /// The force is minus the gradient of the potential, for translations and rotations.
     #[test]
     fn wrench_is_minus_the_gradient() {
         let body = RigidBox::default();

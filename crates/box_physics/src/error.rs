@@ -1,6 +1,6 @@
-//! What a constructor says when it is given a value that cannot be.
+//! The error that constructors return for an invalid value.
 
-/// A value outside its documented range; names the field, the value and what is allowed.
+/// A value outside its documented range, with the field, the value and the allowed range.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -9,11 +9,11 @@
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvalidValue {
-    /// The field as the caller knows it.
+    /// Name of the field as the caller knows it.
     pub field: &'static str,
-    /// What was given.
+    /// The given value.
     pub value: f64,
-    /// The range, in words and with its unit.
+    /// The allowed range, in words and with its unit.
     pub allowed: &'static str,
 }
 
@@ -31,7 +31,7 @@ impl core::fmt::Display for InvalidValue {
 impl core::error::Error for InvalidValue {}
 
 impl InvalidValue {
-    /// `Ok(value)` if `ok`, otherwise the error that names it.
+    /// Returns `Ok(value)` if `ok`, otherwise an error with these fields.
     pub(crate) fn check(
         ok: bool,
         field: &'static str,

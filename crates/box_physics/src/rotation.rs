@@ -6,8 +6,8 @@ use crate::body::{RigidBox, Splitting};
 use crate::math::{AnyArgument, Trigonometry};
 use crate::state::BodyState;
 
-/// The quaternion of the rotation vector `u` \[rad\]: (u sin(|u|/2)/|u|, cos(|u|/2)). Exact for any
-/// |u|, and no special case at 0.
+/// The quaternion of the rotation vector `u` \[rad\]: (u sin(|u|/2)/|u|, cos(|u|/2)). Exact for any |u|,
+/// without a special case at 0.
 #[inline(always)]
 pub fn exponential_map(u: DVec3) -> DQuat {
     exponential_map_by(u, &mut AnyArgument)
@@ -22,7 +22,7 @@ pub(crate) fn exponential_map_by(u: DVec3, trigonometry: &mut impl Trigonometry)
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
 }
 
-/// q∘p, written out so that the order of the operations, and with it every bit, is ours.
+/// The product q∘p, written out to fix the order of operations and therefore every bit.
 #[inline(always)]
 pub fn compose(q: DQuat, p: DQuat) -> DQuat {
     DQuat::from_xyzw(
@@ -33,8 +33,8 @@ pub fn compose(q: DQuat, p: DQuat) -> DQuat {
     )
 }
 
-/// One Newton step toward unit length: q (3 − |q|²)/2. For group methods, whose quaternion is off
-/// by rounding alone, it is exact to rounding and cheaper than a square root.
+/// One Newton step toward unit length: q (3 − |q|²)/2. In group methods the quaternion is off by rounding
+/// alone; there the step is exact to rounding and cheaper than a square root.
 #[inline(always)]
 pub(crate) fn renormalize(q: DQuat) -> DQuat {
     q * (1.5 - 0.5 * q.length_squared())
@@ -49,8 +49,8 @@ pub fn quaternion_rate(q: DQuat, omega: DVec3) -> DQuat {
     )
 }
 
-/// Cayley's map of the rotation vector u = hω: the unit quaternion along (u/2, 1), a turn of
-/// 2 atan(|u|/2) about u.
+/// The Cayley map of the rotation vector u = hω: the unit quaternion along (u/2, 1), a turn of 2 atan(|u|/2)
+/// about u.
 #[inline(always)]
 pub fn cayley_map(u: DVec3) -> DQuat {
     let c = 0.5 * u;
@@ -58,9 +58,9 @@ pub fn cayley_map(u: DVec3) -> DQuat {
     DQuat::from_xyzw(scale * c.x, scale * c.y, scale * c.z, scale)
 }
 
-/// L, q after the body has turned by `rate`·L_K \[rad\] about its own axis `K`: the flow of ½ δ L_K² over
-/// τ with `rate` = τδ. The momentum is turned backwards (it is constant in the world), with the versine
-/// 2 sin²(θ/2) instead of the cosine, which keeps |L| ten times better.
+/// Turns the body by `rate`·L_K \[rad\] about its own axis `K`: the flow of ½ δ L_K² over τ with `rate` = τδ.
+/// The body momentum turns backward, because it is constant in the world. The versine 2 sin²(θ/2) in place of
+/// the cosine keeps |L| ten times better.
 #[inline(always)]
 fn planar<const K: usize>(
     l: &mut [f64; 3],
@@ -82,20 +82,21 @@ fn planar<const K: usize>(
     q[3] = c * w - s * qk;
 }
 
-/// The axes of a splitting: outer, inner, and the third, which is turned round if need be, so that they
-/// are right-handed. Body **and** world are looked at along them: a vector's components, and the vector
-/// part of the attitude, are merely permuted, and the flows need not ask which axis is which.
+/// The axes of a splitting: outer, inner and third. The third is reversed if necessary, so that they are
+/// right-handed. Body **and** world use this frame: it only permutes the components of vectors and of the
+/// attitude's vector part, and the flows need no branch on the axis.
 ///
-/// Kept as bits that select, so that entering and leaving the frame has no branch and no index: bit 0,
-/// the outer axis is x; 1, it is y; 2 and 3, the inner axis likewise; 63, the third is turned round.
+/// Stored as selector bits, so that entering and leaving the frame needs no branch and no index. Bit 0: the
+/// outer axis is x. Bit 1: it is y. Bits 2 and 3: the same for the inner axis. Bit 63: the third axis is
+/// reversed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SplitFrame(u64);
 
-/// The sign of an f64, and of the third axis of a frame.
+/// Sign bit of an f64 and of the third axis of a frame.
 const SIGN: u64 = 1 << 63;
 
 impl SplitFrame {
-    /// Of two different axes, 0 to 2.
+    /// The frame of two different axes, 0 to 2.
     pub(crate) fn new(outer: usize, inner: usize) -> Self {
         let bit = |set: bool, place: u32| u64::from(set) << place;
         Self(
@@ -138,7 +139,7 @@ impl SplitFrame {
         [0, 1, 2, 3].map(|place: u32| self.0 & (1 << place) != 0)
     }
 
-    /// The third component, turned round if the frame wants it.
+    /// The third component, negated if the third axis is reversed.
     #[inline(always)]
     fn turned(self, x: f64) -> f64 {
         f64::from_bits(x.to_bits() ^ (self.0 & SIGN))
@@ -183,7 +184,7 @@ impl SplitFrame {
         )
     }
 
-    /// L and q along the frame's axes.
+    /// Converts L and q to the frame's axes.
     #[inline(always)]
     pub(crate) fn enter(self, state: &BodyState) -> ([f64; 3], [f64; 4]) {
         let q = state.rotation;
@@ -191,7 +192,7 @@ impl SplitFrame {
         (self.along(state.angular_momentum), [x, y, z, q.w])
     }
 
-    /// Back along the body's own.
+    /// Converts L and q back to body axes and stores them.
     #[inline(always)]
     pub(crate) fn leave(self, state: &mut BodyState, l: [f64; 3], q: [f64; 4]) {
         let v = self.back([q[0], q[1], q[2]]);
@@ -200,7 +201,7 @@ impl SplitFrame {
     }
 }
 
-/// The rates of a splitting's three flows.
+/// Rates of the three flows of a splitting.
 #[derive(Clone, Copy)]
 pub(crate) struct SplitRates {
     /// J_r of the reference axis.
@@ -221,8 +222,8 @@ impl SplitRates {
         }
     }
 
-    /// The exact flow of |L|²/2I_r over `h`: a rotation about the constant momentum. It commutes with
-    /// the planar ones.
+    /// The exact flow of |L|²/2I_r over `h`: a rotation about the constant momentum. It commutes with the
+    /// planar flows.
     #[inline(always)]
     fn reference_turn(
         &self,
@@ -253,10 +254,10 @@ impl SplitRates {
     }
 }
 
-/// Free rotation over `h` \[s\] by the symmetric-top splitting, order 2: exact rotation with the
-/// middle moment, then a half, c whole, a half (Fassò, J. Comput. Phys. 189 (2003) 527; the axes:
-/// `Splitting`). Symplectic and reversible; the world angular momentum is constant to rounding, the
-/// energy bounded, at any step; exact for symmetric bodies and cubes.
+/// Free rotation over `h` \[s\] by the symmetric-top splitting, order 2: exact rotation with the middle
+/// moment, then a half, c whole, a half. Source: Fassò, J. Comput. Phys. 189 (2003) 527; `Splitting` selects
+/// the axes. Symplectic and reversible. The world angular momentum is constant to rounding and the energy is
+/// bounded, at any step. Exact for symmetric bodies and cubes.
 #[inline(always)]
 pub fn free_rotation_strang(body: &RigidBox, state: &mut BodyState, h: f64) {
     free_rotation_strang_by(body, state, h, &mut AnyArgument);
@@ -276,8 +277,8 @@ pub(crate) fn free_rotation_strang_by(
     frame.leave(state, l, q);
 }
 
-/// The seven outer and six inner fractions of Blanes and Moan's order 4 composition S6 (J. Comput.
-/// Appl. Math. 142 (2002) 313), first halves; the rest mirrors them.
+/// The seven outer and six inner fractions of the order-4 composition S6 of Blanes and Moan (J. Comput. Appl.
+/// Math. 142 (2002) 313): first halves. The rest is symmetric.
 pub(crate) mod blanes_moan {
     /// Fractions of the outer flow: A₁ A₂ A₃, then 1 − 2(A₁+A₂+A₃) in the middle.
     pub(crate) const A: [f64; 3] = [0.0792036964311957, 0.353172906049774, -0.0420650803577195];
@@ -289,8 +290,9 @@ pub(crate) mod blanes_moan {
     pub(crate) const B_THIRD: f64 = 0.5 - (B[0] + B[1]);
 }
 
-/// Free rotation over `h` \[s\] by the same two planar flows in Blanes and Moan's composition, order 4:
-/// A B A B A B A B A B A B A, thirteen planar rotations. Keeps what [`free_rotation_strang`] keeps.
+/// Free rotation over `h` \[s\] by the same two planar flows in the composition of Blanes and Moan, order 4:
+/// A B A B A B A B A B A B A, thirteen planar rotations. Conserves the same quantities as
+/// [`free_rotation_strang`].
 pub fn free_rotation_order4(body: &RigidBox, state: &mut BodyState, h: f64) {
     free_rotation_order4_by(body, state, h, &mut AnyArgument);
 }
@@ -307,7 +309,7 @@ pub(crate) fn free_rotation_order4_by(
     let (frame, rates) = (body.splitting().frame, SplitRates::of(body.splitting()));
     let (mut l, q) = frame.enter(state);
     let mut q = rates.reference_turn(l, q, h, trigonometry);
-    // Written out: as a loop over the fractions it would not be vectorized over the bodies.
+    // Unrolled: a loop over the fractions would not be vectorized over the bodies.
     planar::<0>(&mut l, &mut q, A[0] * h * rates.outer, trigonometry);
     planar::<1>(&mut l, &mut q, B[0] * h * rates.inner, trigonometry);
     planar::<0>(&mut l, &mut q, A[1] * h * rates.outer, trigonometry);
@@ -324,8 +326,8 @@ pub(crate) fn free_rotation_order4_by(
     frame.leave(state, l, renormalize(DQuat::from_array(q)).to_array());
 }
 
-/// Free rotation over `h` \[s\] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich
-/// 1994): what a textbook splitting does, without the exact part taken out first.
+/// Free rotation over `h` \[s\] by five planar rotations x½ y½ z y½ x½, order 2 (McLachlan 1993; Reich 1994).
+/// This is the textbook splitting, which does not separate the exact part first.
 pub fn free_rotation_three_axes(body: &RigidBox, state: &mut BodyState, h: f64) {
     free_rotation_three_axes_by(body, state, h, &mut AnyArgument);
 }

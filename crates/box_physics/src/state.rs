@@ -1,4 +1,4 @@
-//! The motion of a body: where it is, how it lies, how it moves.
+//! Motion state of a body: position, attitude, velocity and angular momentum.
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -9,12 +9,12 @@ use crate::rotation::renormalize;
 
 /// The state that the integrators advance, in f64.
 ///
-/// The one stored rotational quantity is the angular momentum in body axes: every integrator is written
-/// in it, and converting to the angular velocity and back each step would bias the energy (a product
-/// I·(1/I) is not exactly 1). The angular velocity is an accessor and a setter, in world axes.
+/// The stored rotational quantity is the angular momentum in body axes, because every integrator is written
+/// in it. Converting to the angular velocity and back each step would bias the energy: the product I·(1/I) is
+/// not exactly 1. The angular velocity has an accessor and a setter, in world axes.
 ///
-/// You may write to it at any time. Change detection wakes a sleeping box, so do not bypass it. (The physics itself
-/// does not mark a state as changed when it moves a body; `Changed<Transform>` says that.)
+/// You may write to the state at any time. Change detection wakes a sleeping box, so do not bypass it. The
+/// physics itself does not mark a state as changed when it moves a body; use `Changed<Transform>` for that.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -53,10 +53,10 @@ pub struct BodyState {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Frame {
-    /// The world's: wind, a magnetic field.
+    /// World axes: wind, a magnetic field.
     #[default]
     World,
-    /// The body's: a thruster.
+    /// Body axes: a thruster.
     Body,
 }
 
@@ -67,7 +67,7 @@ impl Default for BodyState {
 }
 
 impl BodyState {
-    /// At rest at `position` \[m\], axes along the world's.
+    /// A body at rest at `position` \[m\], with its axes along the world's.
     pub fn at(position: impl Into<DVec3>) -> Self {
         Self {
             position: position.into(),
@@ -77,11 +77,11 @@ impl BodyState {
         }
     }
 
-    /// At rest at `position` \[m\] with attitude `rotation`, which is normalized here in f64. A zero or
-    /// non-finite quaternion is left as it is, and the plugin quarantines the body.
+    /// A body at rest at `position` \[m\] with attitude `rotation`, which is normalized here in f64. A zero
+    /// or non-finite quaternion is kept unchanged, and the plugin quarantines the body.
     ///
     /// There is no `with_rotation`: the angular velocities below refer to the attitude, so it comes first.
-    /// [`turn_to`](Self::turn_to) turns a spinning body.
+    /// Use [`turn_to`](Self::turn_to) to turn a spinning body.
     pub fn at_pose(position: impl Into<DVec3>, rotation: DQuat) -> Self {
         let norm = rotation.length();
         Self {
@@ -94,9 +94,9 @@ impl BodyState {
         }
     }
 
-    /// Turns the body to attitude `rotation`, normalized as by [`at_pose`](Self::at_pose). Its angular velocity
-    /// keeps its components in the axes of `spin`: a body that spins about a world axis still does, or one
-    /// that spins about an axis of its own.
+    /// Turns the body to attitude `rotation`, normalized as by [`at_pose`](Self::at_pose). The angular
+    /// velocity keeps its components in the frame `spin`: [`Frame::World`] keeps the world spin axis,
+    /// [`Frame::Body`] keeps the body spin axis.
     ///
     /// ```
     /// use box_physics::prelude::*;
@@ -119,21 +119,21 @@ impl BodyState {
         }
     }
 
-    /// The same with velocity [m/s], world axes.
+    /// Sets the velocity [m/s], world axes.
     #[must_use]
     pub fn with_velocity(mut self, velocity: impl Into<DVec3>) -> Self {
         self.velocity = velocity.into();
         self
     }
 
-    /// The same with angular velocity [rad/s], **world** axes.
+    /// Sets the angular velocity [rad/s], **world** axes.
     #[must_use]
     pub fn with_angular_velocity(mut self, body: &RigidBox, world: impl Into<DVec3>) -> Self {
         self.set_angular_velocity(body, world.into());
         self
     }
 
-    /// The same with angular velocity [rad/s], **body** axes.
+    /// Sets the angular velocity [rad/s], **body** axes.
     #[must_use]
     pub fn with_body_angular_velocity(mut self, body: &RigidBox, local: impl Into<DVec3>) -> Self {
         self.angular_momentum = body.inertia() * local.into();
@@ -151,7 +151,7 @@ impl BodyState {
         body.inverse_inertia() * self.angular_momentum
     }
 
-    /// Sets the angular velocity, world axes [rad/s].
+    /// Sets the angular velocity [rad/s], **world** axes.
     pub fn set_angular_velocity(&mut self, body: &RigidBox, world: DVec3) {
         self.angular_momentum = body.inertia() * (self.rotation.inverse() * world);
     }
@@ -166,17 +166,17 @@ impl BodyState {
         self.rotation * self.angular_momentum
     }
 
-    /// ½ m v² \[J\].
+    /// Translational kinetic energy ½ m v² \[J\].
     pub fn translational_energy(&self, body: &RigidBox) -> f64 {
         0.5 * body.mass() * self.velocity.length_squared()
     }
 
-    /// ½ L·ω \[J\].
+    /// Rotational kinetic energy ½ L·ω \[J\].
     pub fn rotational_energy(&self, body: &RigidBox) -> f64 {
         0.5 * self.angular_momentum.dot(self.body_angular_velocity(body))
     }
 
-    /// Translational and rotational kinetic energy \[J\].
+    /// Total kinetic energy \[J\].
     pub fn kinetic_energy(&self, body: &RigidBox) -> f64 {
         self.translational_energy(body) + self.rotational_energy(body)
     }
@@ -192,15 +192,15 @@ impl BodyState {
         self.velocity + self.rotation * self.body_angular_velocity(body).cross(body_point)
     }
 
-    /// The impulse `impulse` \[N s\] (world axes) at the world point `at` \[m\]:
-    /// Δv = J/m, ΔL_world = (p − x) × J.
+    /// Applies `impulse` \[N s\] (world axes) at the world point `at` \[m\]: Δv = J/m, ΔL_world = (p − x) ×
+    /// J.
     pub fn apply_impulse(&mut self, body: &RigidBox, impulse: DVec3, at: DVec3) {
         self.velocity += impulse * body.inverse_mass();
         let moment = (at - self.position).cross(impulse);
         self.angular_momentum += self.rotation.inverse() * moment;
     }
 
-    /// The impulse `impulse` \[N s\] (world axes) at a point given in body axes from the center \[m\].
+    /// Applies `impulse` \[N s\] (world axes) at a point given in body axes from the center \[m\].
     pub fn apply_impulse_at_body_point(
         &mut self,
         body: &RigidBox,
@@ -211,12 +211,12 @@ impl BodyState {
         self.angular_momentum += body_point.cross(self.rotation.inverse() * impulse);
     }
 
-    /// The angular impulse \[N m s\], world axes.
+    /// Applies an angular impulse \[N m s\], world axes.
     pub fn apply_angular_impulse(&mut self, moment: DVec3) {
         self.angular_momentum += self.rotation.inverse() * moment;
     }
 
-    /// Whether every number is finite.
+    /// Returns `true` if every number is finite.
     pub fn is_finite(&self) -> bool {
         self.position.is_finite()
             && self.rotation.is_finite()
@@ -224,9 +224,9 @@ impl BodyState {
             && self.angular_momentum.is_finite()
     }
 
-    /// Whether it can be stepped and shown: position, velocity and momentum within 1e38 in their units (an f32
-    /// ends at 3.4e38, and their products must not overflow), and the attitude a unit quaternion (to 1e-3 in
-    /// its square).
+    /// Returns `true` if the state can be stepped and displayed. Position, velocity and momentum must be
+    /// within 1e38 in their units (an f32 ends at 3.4e38, and their products must not overflow). The attitude
+    /// must be a unit quaternion, to 1e-3 in its square.
     #[inline(always)]
     pub fn is_valid(&self) -> bool {
         (self.rotation.length_squared() - 1.0).abs() < 1e-3
@@ -235,14 +235,14 @@ impl BodyState {
                 .all(|v| v.abs().cmple(DVec3::splat(1e38)).all())
     }
 
-    /// Rotation angle between two attitudes \[rad\], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂ (`acos` would
-    /// have a floor of 1e-8). q and −q are the same attitude.
+    /// Rotation angle between two attitudes \[rad\], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂. (`acos` would
+    /// have a floor of 1e-8.) q and −q are the same attitude.
     pub fn attitude_difference(&self, other: &Self) -> f64 {
         let d = self.rotation.inverse() * other.rotation;
         2.0 * libm::atan2(d.xyz().length(), d.w.abs())
     }
 
-    /// Turns the body by the small correction that brings the quaternion back to unit length.
+    /// Corrects the quaternion to unit length.
     #[inline(always)]
     pub(crate) fn renormalize(&mut self) {
         self.rotation = renormalize(self.rotation);
@@ -297,7 +297,7 @@ mod tests {
         assert!((w - DVec3::new(1.0, 2.0, -1.0)).length() < 1e-15);
     }
 
-    /// Turning keeps the spin in the axes that were asked for, to rounding, and neither place nor velocity changes.
+    /// Turning keeps the spin in the chosen axes to rounding. Position and velocity do not change.
     #[test]
     fn turning_keeps_the_spin_in_the_axes_asked_for() {
         let (body, before) = (body(), tilted());
@@ -329,7 +329,7 @@ mod tests {
         assert!((dv - j / 3.0).length() < 1e-15);
         let dl = a.angular_momentum_world() - before.angular_momentum_world();
         assert!((dl - (before.rotation * r).cross(j)).length() < 1e-15);
-        // The same impulse at the same point, named in world coordinates.
+        // The same impulse at the same point, given in world coordinates.
         let mut b = before;
         b.apply_impulse(&body, j, before.point(r));
         assert!((b.angular_momentum - a.angular_momentum).length() < 1e-15);

@@ -5,8 +5,8 @@ use glam::DVec3;
 use crate::math::Exponential;
 use crate::state::BodyState;
 
-/// v' = a − (c/m) v over `h` \[s\], exactly: x += hφ₁v + h²φ₂a, v ← e^{−ζ}v + hφ₁a with ζ = (c/m)h.
-/// `rate` is c/m [1/s]; 0 gives the parabola to the last term.
+/// Solves v' = a − (c/m) v over `h` \[s\] exactly: x += hφ₁v + h²φ₂a, v ← e^{−ζ}v + hφ₁a with ζ = (c/m)h.
+/// `rate` is c/m [1/s]; 0 gives the exact parabola.
 #[inline(always)]
 pub fn exponential_step(state: &mut BodyState, acceleration: DVec3, rate: f64, h: f64) {
     if rate == 0.0 {
@@ -19,9 +19,8 @@ pub fn exponential_step(state: &mut BodyState, acceleration: DVec3, rate: f64, h
     }
 }
 
-/// v' = −(k/m)|v|v over `h` \[s\], exactly: v/(1 + (k/m)|v|h). `rate` is k/m [1/m]. It never
-/// reverses the velocity, at any speed and step. The position does not move in it (in a splitting,
-/// the other part moves it).
+/// Solves v' = −(k/m)|v|v over `h` \[s\] exactly: v/(1 + (k/m)|v|h). `rate` is k/m [1/m]. The velocity never
+/// reverses, at any speed and step. The position is unchanged (in a splitting, the other part moves it).
 #[inline(always)]
 pub fn quadratic_drag_flow(velocity: DVec3, rate: f64, h: f64) -> DVec3 {
     velocity / (1.0 + rate * velocity.length() * h)

@@ -1,12 +1,12 @@
-//! The force model of a body, as the integrators see it.
+//! The force model of a body, as the integrators use it.
 //!
 //! ```text
 //! m v' = m a − c₁ v − k₂ |v| v + F(x, q, v, ω)        world axes
 //! L'   = L×ω − γ L − c_ω ω + τ(x, q, v, ω)           body axes, ω = L/I
 //! ```
 //!
-//! The parts are kept apart because a good integrator treats them apart: the uniform acceleration and the
-//! isotropic dissipation have exact flows, the rest (the *wrench*) is what a kick applies.
+//! The parts are separate because a good integrator treats them separately. The uniform acceleration and the
+//! isotropic dissipation have exact flows. A kick applies the rest, the *wrench*.
 
 mod parts;
 
@@ -47,7 +47,7 @@ impl core::ops::AddAssign for Wrench {
     }
 }
 
-/// The isotropic dissipation of a body; every coefficient ≥ 0, and 0 means absent.
+/// Isotropic dissipation of a body. Every coefficient is ≥ 0; 0 means absent.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -88,14 +88,14 @@ impl Dissipation {
     };
 }
 
-/// Dampers at points of a body, each a force −d u at its point, u the point's velocity. Any number of them act on the
-/// body through ten numbers, which do not depend on its pose: the force and torque in body axes are
+/// Dampers at points of a body, each a force −d u at its point, with u the point's velocity. Any number of
+/// them act on the body through ten numbers that do not depend on its pose. Force and torque in body axes:
 ///
 /// ```text
 /// F = −Σd (v + ω×r),   T = Σ r×F
 /// ```
 ///
-/// Add one at a time; every coefficient ≥ 0.
+/// Add one damper at a time; every coefficient is ≥ 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damping {
     /// Σ d [N s/m].
@@ -114,7 +114,7 @@ impl Damping {
         second: DMat3::ZERO,
     };
 
-    /// The same and a damper of `coefficient` d [N s/m] at `body_point` r \[m\], body axes from the center.
+    /// Adds a damper of `coefficient` d [N s/m] at `body_point` r \[m\], body axes from the center.
     #[must_use]
     pub fn with(mut self, body_point: DVec3, coefficient: f64) -> Self {
         let r = body_point;
@@ -127,11 +127,11 @@ impl Damping {
     }
 }
 
-/// What acts on one body. The integrators are generic over it, so a body without a force pays nothing
-/// for it: the compiler removes what [`Gravity`] says is absent.
+/// The forces and torques on one body. The integrators are generic over this trait, so an absent force costs
+/// nothing: the compiler removes the terms that [`Gravity`] reports as absent.
 ///
-/// Implement it for forces of your own: give the state-dependent part in [`ForceModel::wrench`] and
-/// say so in [`ForceModel::has_wrench`].
+/// Implement it for your own forces: return the state-dependent part from [`ForceModel::wrench`] and `true`
+/// from [`ForceModel::has_wrench`].
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -153,8 +153,8 @@ impl Damping {
 /// assert!(state.angular_velocity(&body).z > 4.0);
 /// ```
 pub trait ForceModel {
-    /// The uniform acceleration [m/s²], world axes: gravity and whatever constant force acts on the
-    /// center, divided by the mass. Constant over a step.
+    /// Uniform acceleration [m/s²], world axes: gravity plus any constant force on the center, divided by the
+    /// mass. Constant over a step.
     fn acceleration(&self) -> DVec3;
 
     /// Isotropic drag and damping. Constant over a step.
@@ -163,42 +163,42 @@ pub trait ForceModel {
         Dissipation::NONE
     }
 
-    /// Whether [`ForceModel::dissipation`] is anything.
+    /// Returns `true` if [`ForceModel::dissipation`] is nonzero.
     #[inline(always)]
     fn has_dissipation(&self) -> bool {
         self.dissipation() != Dissipation::NONE
     }
 
-    /// Whether [`ForceModel::wrench`] is ever different from zero; integrators skip the kicks if not.
+    /// Returns `true` if [`ForceModel::wrench`] can be nonzero. If not, integrators skip the kicks.
     #[inline(always)]
     fn has_wrench(&self) -> bool {
         false
     }
 
-    /// Everything else, evaluated at every stage of a multi-stage integrator.
+    /// All other forces and torques, evaluated at every stage of a multi-stage integrator.
     #[inline(always)]
     fn wrench(&self, _body: &RigidBox, _state: &BodyState) -> Wrench {
         Wrench::ZERO
     }
 
-    /// The part of [`ForceModel::wrench`] that does not depend on the velocities, for integrators that
-    /// kick: what it leaves out must be in [`ForceModel::damping`]. By default the whole wrench, whose
-    /// velocity-dependent part such an integrator then takes at the velocity it has (order 1).
+    /// The part of [`ForceModel::wrench`] that does not depend on the velocities, for integrators that kick.
+    /// [`ForceModel::damping`] must contain the rest. The default is the whole wrench; such an integrator
+    /// then takes the velocity-dependent part at the current velocity (order 1).
     #[inline(always)]
     fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
         self.wrench(body, state)
     }
 
-    /// A number that differs wherever [`ForceModel::wrench`] does: over the parameters it depends on, besides body
-    /// and state. Integrators that remember past forces compare it and start again where it changes. `None`, the
-    /// default for a model with a wrench, says that this is not known: they then remember nothing. Mix in a
-    /// constant of your own, so that the number is not that of another model ([`fingerprint`]).
+    /// A number that differs whenever [`ForceModel::wrench`] differs, over all parameters other than body and
+    /// state. Multistep integrators compare it and restart when it changes. `None` means unknown and is the
+    /// default for a model with a wrench; they then remember nothing. Mix in your own constant, so that the
+    /// number differs from that of other models ([`fingerprint`]).
     #[inline(always)]
     fn wrench_fingerprint(&self) -> Option<u64> {
         (!self.has_wrench()).then_some(0)
     }
 
-    /// The part of [`ForceModel::wrench`] that [`ForceModel::elastic_wrench`] leaves out: what is linear in the
+    /// The part of [`ForceModel::wrench`] that [`ForceModel::elastic_wrench`] leaves out, linear in the
     /// velocities. Constant over a step.
     #[inline(always)]
     fn damping(&self) -> Damping {
@@ -206,7 +206,7 @@ pub trait ForceModel {
     }
 }
 
-/// A digest of `numbers`, to the bit, for [`ForceModel::wrench_fingerprint`].
+/// A digest of the bits of `numbers`, for [`ForceModel::wrench_fingerprint`].
 ///
 /// ```
 /// use box_physics::force::fingerprint;
@@ -214,8 +214,9 @@ pub trait ForceModel {
 /// assert_ne!(fingerprint([1.0, 2.0]), fingerprint([2.0, 1.0]));
 /// ```
 pub fn fingerprint(numbers: impl IntoIterator<Item = f64>) -> u64 {
-    // Per number the finalizer of splitmix64 (Steele, Lea, Flood, OOPSLA 2014), which is one to one and lets every
-    // bit reach every other: signs that change in pairs do not cancel, as they would in a bare product.
+    // Each number passes through the finalizer of splitmix64 (Steele, Lea, Flood, OOPSLA 2014). It is one to
+    // one and every bit affects every other. Signs that change in pairs therefore do not cancel, as they
+    // would in a plain product.
     numbers.into_iter().fold(0x9e37_79b9_7f4a_7c15, |hash, x| {
         let mut z = (hash ^ x.to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -235,14 +236,14 @@ impl ForceModel for Gravity {
         self.0
     }
 
-    // A constant, so that no loop over free bodies carries the branch.
+    // A constant, so that loops over free bodies have no branch.
     #[inline(always)]
     fn has_dissipation(&self) -> bool {
         false
     }
 }
 
-/// The time derivatives (v', L') of the whole law at `state`: one force evaluation.
+/// Time derivatives (v', L') of the whole force model at `state`: one force evaluation.
 #[inline(always)]
 pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {
     let (dv, torque) = applied_rates(body, state, force);
@@ -250,7 +251,7 @@ pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (D
     (dv, state.angular_momentum.cross(omega) + torque)
 }
 
-/// [`rates`] without the gyroscopic term L×ω, for integrators whose drift contains it.
+/// [`rates`] without the gyroscopic term L×ω, for integrators whose drift contains that term.
 #[inline(always)]
 pub(crate) fn applied_rates<F: ForceModel>(
     body: &RigidBox,
@@ -280,7 +281,7 @@ mod tests {
     use super::*;
     use glam::DQuat;
 
-    /// A box, and a state without any symmetry.
+    /// A box and a state without any symmetry.
     pub(super) fn setting() -> (RigidBox, BodyState) {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
         let state = BodyState::at_pose(

@@ -1,4 +1,4 @@
-//! The library's own law: forces at points of the body and springs, beside what is uniform.
+//! The force model of the library: uniform terms, forces at body points and springs.
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -8,36 +8,36 @@ use super::{Damping, Dissipation, ForceModel, Wrench, fingerprint};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 
-/// A force at a body point.
+/// A force at a point of the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForce {
-    /// Where it acts, body axes from the center \[m\].
+    /// Point of application, body axes from the center \[m\].
     pub body_point: DVec3,
-    /// The force \[N\], constant in the axes that `frame` names.
+    /// The force \[N\], constant in the axes given by `frame`.
     pub force: DVec3,
-    /// The axes in which it is constant.
+    /// The axes in which the force is constant.
     pub frame: Frame,
 }
 
-/// A spring of zero natural length from a body point to a world anchor, with a damper:
-/// force −k (x + R r − anchor) − d u at the point, u its velocity. A mouse grab is one of these.
+/// A spring of zero natural length from a body point to a world anchor, with a damper. The force is −k (x + R
+/// r − anchor) − d u at the point, with u its velocity. A mouse grab is such a spring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spring {
-    /// Where it holds the box, body axes from the center \[m\].
+    /// Attachment point, body axes from the center \[m\].
     pub body_point: DVec3,
-    /// Where it is fixed in the world \[m\].
+    /// Anchor point in the world \[m\].
     pub anchor: DVec3,
-    /// k [N/m], ≥ 0.
+    /// Stiffness k [N/m], ≥ 0.
     pub stiffness: f64,
-    /// d [N s/m], ≥ 0.
+    /// Damping d [N s/m], ≥ 0.
     pub damping: f64,
 }
 
-/// The whole force model of the library: every term may be absent.
+/// The complete force model of the library. Every term may be absent.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -137,7 +137,7 @@ impl ForceModel for Forces<'_> {
         let parts = points
             .chain(springs)
             .flat_map(|(a, b, rest)| a.to_array().into_iter().chain(b.to_array()).chain(rest));
-        // How many are points tells points from springs.
+        // The number of points separates points from springs.
         Some(fingerprint(
             [self.point_forces.len() as f64]
                 .into_iter()
@@ -209,7 +209,7 @@ mod tests {
         assert!((w.force - state.rotation * DVec3::Y).length() < 1e-15);
     }
 
-    /// What the elastic wrench leaves out is −C (v, ω) in body axes.
+    /// The elastic wrench leaves out −C (v, ω) in body axes.
     #[test]
     fn damping_is_the_rest_of_the_wrench() {
         let (body, state) = setting();

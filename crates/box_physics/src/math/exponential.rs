@@ -1,13 +1,13 @@
 //! e^{−ζ} and the φ functions of exponential integrators (Hochbruck, Ostermann, Acta Numerica 2010, §2).
 
-/// e^x, the same bits on every machine.
+/// e^x, with the same bits on every machine.
 #[inline]
 pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
-/// The decay over one step of v' = −(ζ/h) v + a, from which the whole exponential step follows:
-/// x += h φ₁ v + h² φ₂ a, v ← e^{−ζ} v + h φ₁ a.
+/// Decay of v' = −(ζ/h) v + a over one step. The whole exponential step follows from it: x += h φ₁ v + h² φ₂
+/// a, v ← e^{−ζ} v + h φ₁ a.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponential {
     /// e^{−ζ}
@@ -26,9 +26,9 @@ impl Exponential {
         phi2: 0.5,
     };
 
-    /// For ζ = rate × step, any finite value. Relative error below 4e-16 where |ζ| ≤ 700; no
-    /// cancellation at small ζ: below ½ φ₂ is summed as Σ (−ζ)ⁿ/(n+2)!, and φ₁ = 1 − ζφ₂ and
-    /// e^{−ζ} = 1 − ζφ₁ follow from it; beyond, φ₁ comes from `expm1`.
+    /// The functions at ζ = rate × step, any finite value. Relative error below 4e-16 where |ζ| ≤ 700,
+    /// without cancellation at small ζ. Below ½, φ₂ is summed as Σ (−ζ)ⁿ/(n+2)!, and φ₁ = 1 − ζφ₂ and e^{−ζ}
+    /// = 1 − ζφ₁ follow. Beyond, φ₁ comes from `expm1`.
     #[inline]
     pub fn new(zeta: f64) -> Self {
         if zeta == 0.0 {
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn tiny_and_huge_rates() {
-        // φ₂ = 1/2 − ζ/6 to first order
+        // φ₂ = 1/2 − ζ/6 to first order.
         let e = Exponential::new(1e-9);
         assert!((e.phi2 - (0.5 - 1e-9 / 6.0)).abs() < 1e-16);
         assert!((e.phi1 - (1.0 - 0.5e-9)).abs() < 2e-16);

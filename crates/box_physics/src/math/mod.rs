@@ -1,10 +1,9 @@
 //! Elementary functions that give the same bits everywhere.
 //!
-//! The standard library's `sin`, `cos` and `exp` call the platform's C library, and glam's use them
-//! too, so two machines may disagree in the last bit and a simulation with them soon altogether.
-//! Inside a step only these are used: additions, multiplications, divisions and square roots, which
-//! IEEE 754 defines to the last bit, and the `libm` crate (pure Rust) where speed does not matter.
-//! There is no fused multiply-add.
+//! The standard library's `sin`, `cos` and `exp` call the platform's C library, and so does glam. Two
+//! machines may therefore disagree in the last bit, and their simulations soon diverge. A step uses only
+//! additions, multiplications, divisions and square roots, which IEEE 754 defines to the last bit. Where
+//! speed does not matter it also uses the `libm` crate (pure Rust). It uses no fused multiply-add.
 
 mod exponential;
 mod trigonometry;

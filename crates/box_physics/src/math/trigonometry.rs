@@ -1,10 +1,10 @@
-//! Sine and cosine: a polynomial on |x| ≤ π/4, which is what a step needs; `libm` beyond.
+//! Sine and cosine: a polynomial on |x| ≤ π/4, the usual range of a step, and `libm` beyond.
 
 use core::f64::consts::FRAC_PI_4;
 
-// sin x = x + x³ S(x²), cos x = 1 − x²/2 + x⁴ C(x²). Coefficients: Chebyshev interpolation of S and C
-// on 0 ≤ x² ≤ (π/4)² at 40 digits (mpmath `chebyfit`); interpolation errors 2.0e-17 in S, 1.3e-18 in C,
-// that is below 1e-17 in sin and 5e-19 in cos, a tenth of a rounding unit.
+// sin x = x + x³ S(x²), cos x = 1 − x²/2 + x⁴ C(x²). Coefficients: Chebyshev interpolation of S and C on 0 ≤
+// x² ≤ (π/4)² at 40 digits (mpmath `chebyfit`). Interpolation errors: 2.0e-17 in S, 1.3e-18 in C; that is
+// below 1e-17 in sin and 5e-19 in cos, a tenth of a rounding unit.
 const S: [f64; 6] = [
     -0.16666666666666666,
     0.008333333333330948,
@@ -22,8 +22,8 @@ const C: [f64; 6] = [
     -1.1382623647474604e-11,
 ];
 
-/// S(z) and C(z) for z = x², by Estrin's scheme (three independent pairs, so that the processor can
-/// work on them at the same time).
+/// S(z) and C(z) for z = x², by Estrin's method: three independent pairs, which the processor can evaluate at
+/// the same time.
 #[inline(always)]
 fn polynomials(z: f64) -> (f64, f64) {
     let z2 = z * z;
@@ -48,8 +48,8 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
-/// (sin(√z)/√z, cos(√z)) for z = x² ≥ 0: what the exponential map of a rotation vector needs. For
-/// x ≤ π/4 it takes no square root and no division, so x = 0 is no special case.
+/// (sin(√z)/√z, cos(√z)) for z = x² ≥ 0, for the exponential map of a rotation vector. For x ≤ π/4 it takes
+/// no square root and no division, so x = 0 is not a special case.
 #[inline(always)]
 pub fn sinc_cos(z: f64) -> (f64, f64) {
     if z <= FRAC_PI_4 * FRAC_PI_4 {
@@ -61,14 +61,15 @@ pub fn sinc_cos(z: f64) -> (f64, f64) {
     }
 }
 
-/// Sine and cosine for code that is written once and used twice: for one body, and for many in lanes.
+/// Sine and cosine for code that serves both one body and many bodies in SIMD lanes.
 pub trait Trigonometry {
-    /// As [`sin_cos`].
+    /// Sine and cosine, as [`sin_cos`].
     fn sin_cos(&mut self, x: f64) -> (f64, f64);
-    /// As [`sinc_cos`].
+    /// Sine quotient and cosine, as [`sinc_cos`].
     fn sinc_cos(&mut self, z: f64) -> (f64, f64);
-    /// Whether to continue with a formula that holds only under `condition`. For one body, the condition itself;
-    /// many bodies always continue, and those for which it was false are stepped again one by one.
+    /// Returns `true` if the caller may continue with a formula that holds only under `condition`. For one
+    /// body it returns the condition. For many bodies it always returns `true`; bodies with a false condition
+    /// are stepped again one by one.
     fn holds(&mut self, condition: bool) -> bool;
 }
 
@@ -92,17 +93,17 @@ impl Trigonometry for AnyArgument {
     }
 }
 
-/// The polynomials alone, without a branch: the same bits as [`AnyArgument`] while every argument was
-/// within |x| ≤ π/4, and it says whether that was so.
+/// The polynomials alone, without a branch. Gives the same bits as [`AnyArgument`] while every argument is
+/// within |x| ≤ π/4, and records whether that was so.
 #[derive(Default)]
 pub(crate) struct SmallArguments {
-    /// Arguments that were larger, or no number. (Not a flag: additions are vectorized, a chain of
-    /// conditions is not.)
+    /// Sum that is nonzero if an argument was larger or not a number. (Not a flag: the compiler vectorizes
+    /// additions but not a chain of conditions.)
     others: f64,
 }
 
 impl SmallArguments {
-    /// Whether every argument was small.
+    /// Returns `true` if every argument was small.
     #[inline(always)]
     pub(crate) fn all_small(&self) -> bool {
         self.others == 0.0
@@ -143,7 +144,7 @@ fn small_sinc_cos(z: f64) -> (f64, f64) {
     (1.0 + z * s, (1.0 - 0.5 * z) + z * z * c)
 }
 
-/// The general case, out of line so that the common one stays small.
+/// The general case, in a separate function so that the common case stays small.
 #[cold]
 #[inline(never)]
 fn beyond(x: f64) -> (f64, f64) {
@@ -154,8 +155,7 @@ fn beyond(x: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// sin and cos by their Taylor series in double-double arithmetic would be the purest check;
-    /// libm's are correct to 1 ulp, which is sharp enough for a bound of 1.5e-16.
+    /// libm is correct to 1 ulp, which suffices for a bound of 1.5e-16.
     #[test]
     fn within_bound_of_libm_over_the_polynomial_range() {
         let n = 200_000;

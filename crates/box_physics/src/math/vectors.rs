@@ -1,24 +1,24 @@
-//! Loops that the compiler turns into vector instructions, compiled for more than one instruction set.
+//! Loops that the compiler vectorizes, compiled for more than one instruction set.
 
 /// A loop over plain slices, without a branch.
 ///
-/// Vector and scalar additions, multiplications, divisions, square roots and conversions round alike, and
-/// nothing is contracted or reordered: the result has the same bits whatever it was compiled for.
+/// Vector and scalar additions, multiplications, divisions, square roots and conversions round alike. Nothing
+/// is contracted or reordered, so the result has the same bits on every target.
 pub(crate) trait VectorLoop {
-    /// Runs it. Must be `#[inline(always)]`, and all that it calls: only what is inlined is compiled for
-    /// the instruction set of the caller. Best hand the slices on as the arguments of a function of their
-    /// own, so that the compiler knows that they do not overlap.
+    /// Runs the loop. This function and everything it calls must be `#[inline(always)]`: only inlined code is
+    /// compiled for the caller's instruction set. Pass the slices as arguments of a separate function, so
+    /// that the compiler knows that they do not overlap.
     fn run(self);
 }
 
-/// Runs the loop: compiled for AVX2 (four f64 at a time) where the processor has it, which is asked at run
-/// time; elsewhere for what every x86-64 has (two at a time), or what the target has.
+/// Runs the loop. Uses AVX2 (four f64 at a time) if the processor has it, detected at run time. Otherwise
+/// uses the target's baseline, which is two f64 at a time on x86-64.
 #[inline]
 pub(crate) fn vectorized<L: VectorLoop>(work: L) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         #[expect(unsafe_code, reason = "the same code, compiled for AVX2")]
-        // SAFETY: the processor has AVX2, as was asked in the line above.
+        // SAFETY: the line above checks that the processor has AVX2.
         return unsafe { with_avx2(work) };
     }
     work.run();
