@@ -1,15 +1,15 @@
 //! Elliptic integrals of the first kind, by the arithmetic–geometric mean.
 //!
-//! Everything takes the *complementary modulus* k' = √(1−m) instead of the parameter m: near the
-//! separatrix m rounds to 1 while 1−m, computed without cancellation, is still good to every digit.
+//! All functions take the *complementary modulus* k' = √(1−m) instead of the parameter m. Near the separatrix
+//! m rounds to 1, but 1−m, computed without cancellation, keeps every digit.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// The mean has converged when its two sequences agree to the square root of the rounding unit: the
+/// Relative difference at which the mean has converged: the square root of the rounding unit, because the
 /// next step squares the difference.
 const AGREEMENT: f64 = 1e-8;
 
-/// k' = 1e-160 needs 12 steps; the cap only stops a NaN.
+/// Maximum number of steps. k' = 1e-160 needs 12; the cap only stops a NaN.
 const MOST_STEPS: usize = 24;
 
 /// The complete integral K = ∫₀^{π/2} dθ/√(1 − m sin²θ) = π/(2 agm(1, k')), k' = √(1−m) in (0, 1].
@@ -34,13 +34,13 @@ pub fn complete_integral(complementary_modulus: f64) -> f64 {
     FRAC_PI_2 / a
 }
 
-/// The incomplete integral F(φ|m) = ∫₀^φ dθ/√(1 − m sin²θ) for |φ| ≤ π/2, φ given by two numbers
+/// The incomplete integral F(φ|m) = ∫₀^φ dθ/√(1 − m sin²θ) for |φ| ≤ π/2. φ is given by two numbers
 /// proportional to its `sine` and `cosine` (≥ 0), so that amplitudes near 0 and near π/2 are equally
-/// sharp. k' = √(1−m) in [0, 1]. F(φ+π) = F(φ) + 2K for other amplitudes.
+/// accurate. k' = √(1−m) in [0, 1]. For other amplitudes, F(φ+π) = F(φ) + 2K.
 ///
-/// Landen's transformation on the tangent, tan(φ₁−φ) = (b/a) tan φ, beside the mean of a = 1 and
-/// b = k'; the branch of the growing amplitude is counted, and one arctangent ends it (Bulirsch, Numer.
-/// Math. 7 (1965) 78, procedure `el1`). At k' = 0 it is asinh tan φ.
+/// Landen's transformation on the tangent, tan(φ₁−φ) = (b/a) tan φ, runs along with the mean of a = 1 and b =
+/// k'. The branch of the growing amplitude is counted, and a final arctangent gives the result (Bulirsch,
+/// Numer. Math. 7 (1965) 78, procedure `el1`). At k' = 0 the result is asinh tan φ.
 ///
 /// ```
 /// use box_physics::free_motion::incomplete_integral;
@@ -56,8 +56,8 @@ pub fn incomplete_integral(sine: f64, cosine: f64, complementary_modulus: f64) -
         return libm::asinh(sine / cosine);
     }
     let mut cotangent = (cosine / sine).abs();
-    // m and b are the doubled means of Bulirsch's procedure: no halving in the loop. A cotangent of
-    // 0 (φ = π/2) becomes −∞ (φ₁ = π) and stays there.
+    // m and b are twice the means of Bulirsch's procedure, which avoids halving in the loop. A cotangent of 0
+    // (φ = π/2) becomes −∞ (φ₁ = π) and remains −∞.
     let (mut m, mut b) = (1.0, complementary_modulus);
     let mut half_turns = 0_u64;
     for _ in 0..MOST_STEPS {
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
-    /// Against mpmath (40 digits), k' as the f64 shown.
+    /// Compared with mpmath (40 digits), k' as the f64 shown.
     #[test]
     fn complete_integral_to_the_last_digits() {
         for (k, expected) in [
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(complete_integral(0.0), f64::INFINITY);
     }
 
-    /// Against mpmath (Carlson's form, 60 digits): sine and cosine parts, k', F.
+    /// Compared with mpmath (Carlson's form, 60 digits): sine and cosine parts, k', F.
     #[test]
     fn incomplete_integral_to_the_last_digits() {
         for (sine, cosine, k, expected) in [

@@ -1,25 +1,25 @@
 //! The torque-free rotation over one step as an explicit algebraic map: no iteration, no branch, no memory.
 //!
-//! The rotation with the middle moment I_r, `exp(h J_r L)`, commutes with the rest and is taken out exactly
-//! (Fassò, J. Comput. Phys. 189 (2003) 527). What is left is a top with J = 1/I − 1/I_r, one of them 0:
+//! The rotation with the middle moment I_r, `exp(h J_r L)`, commutes with the rest and is applied exactly
+//! (Fassò, J. Comput. Phys. 189 (2003) 527). The remaining top has J = 1/I − 1/I_r, with one component 0:
 //!
 //! ```text
 //! L_i' = g_i L_j L_k,    g_i = J_k − J_j,    2C = |L|²,   2H = Σ J_i L_i²        i, j, k cyclic
 //! ε_i − ε_j = 2 g_k (J_k C − H),  Σ ε = 0:   ξ = g_j g_k L_i² + ε_i is the same for all i
 //! ```
 //!
-//! and ξ' ² = 4 Π (ξ − ε_i): ξ is Weierstrass' ℘ of the time. Its addition theorem is the motion. With
-//! P_i = √(W − z² ε_i), W = z² ℘(z), z = h/2, and M the momentum at half time,
+//! and ξ' ² = 4 Π (ξ − ε_i), so ξ is Weierstrass' ℘ of the time. The addition theorem of ℘ gives the motion.
+//! With P_i = √(W − z² ε_i), W = z² ℘(z), z = h/2, and M the momentum at half time,
 //!
 //! ```text
 //! M_i ∝ P_j P_k L_i + z P_i g_i L_j L_k,     L_i(h) = L_i + 2 z P_i g_i M_j M_k / (P_i² − z² g_j g_k M_i²)
 //! attitude: Cayley's vector                  c_i = z (J_i + δ) M_i / P_i
 //! ```
 //!
-//! δ depends on J, C, H and h alone. W and δ are power series in h²; with one J zero, δ has few terms. Whatever is
-//! cut off W is an error of the step's length, whatever is cut off δ an error of the angle about L: the world
-//! momentum, |L| and the energy are exact whatever is cut off, and a step back is the inverse. The derivation is
-//! in `docs/free-rotation.md`.
+//! δ depends on J, C, H and h alone. W and δ are power series in h²; with one J zero, δ has few terms.
+//! Truncating W causes an error in the step length; truncating δ causes an error in the angle about L. The
+//! world momentum, |L| and the energy are exact for any truncation, and a step back is the inverse.
+//! `docs/free-rotation.md` has the derivation.
 //!
 //! Sources: Moser, Veselov, Commun. Math. Phys. 139 (1991) 217; McLachlan, Zanna, Found. Comput. Math. 5 (2005) 87;
 //! Hairer, Vilmart, J. Phys. A 39 (2006) 13225 and Vilmart, J. Comput. Phys. 227 (2008) 7083: a discrete top with
@@ -33,16 +33,17 @@ use crate::math::{AnyArgument, Trigonometry};
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// Largest z² (|J L|² + λ²), λ² = −p₂|L|² the square of the growth rate about the middle axis: where 2 × its root is
-/// 0.3, which is |ω|h = 0.3 to 1.1 by the body. There the truncation of δ is at most 1.1e-14 rad (40 000 bodies; the
-/// median 4e-16), and it falls as h¹³.
+/// Largest z² (|J L|² + λ²), where λ² = −p₂|L|² is the square of the growth rate about the middle axis. At
+/// this limit 2 × the root is 0.3, which means |ω|h = 0.3 to 1.1 depending on the body. The truncation of δ
+/// is then at most 1.1e-14 rad (40 000 bodies; median 4e-16), and decreases as h¹³.
 const LARGEST: f64 = 0.15 * 0.15;
 
-/// Most parts into which a larger step is cut; beyond, the closed form is cheaper.
+/// Maximum number of parts of a larger step. Beyond it, the closed form is cheaper.
 const MOST_PARTS: f64 = 32.0;
 
-/// Free rotation over `h` \[s\] of either sign: right to rounding at any step, like [`FreeRotation`], but without
-/// a memory and several times cheaper. World momentum, |L| and energy are kept to rounding; −`h` is the inverse.
+/// Free rotation over `h` \[s\] of either sign, accurate to rounding at any step. Compared with
+/// [`FreeRotation`] it needs no memory and is several times cheaper. World momentum, |L| and energy are
+/// conserved to rounding; −`h` is the inverse.
 ///
 /// ```
 /// use box_physics::free_motion::{FreeRotation, free_rotation};
@@ -79,7 +80,8 @@ pub(crate) fn free_rotation_by(
     (state.rotation, state.angular_momentum) = top.apply(compose(state.rotation, spin), l);
 }
 
-/// A step beyond [`LARGEST`]: in parts, or by the closed form. Non-finite numbers go there as well and stay so.
+/// A step beyond [`LARGEST`]: in parts or by the closed form. Non-finite numbers also take this path and stay
+/// non-finite.
 #[cold]
 #[inline(never)]
 fn large_step(body: &RigidBox, state: &mut BodyState, h: f64) {
@@ -102,9 +104,9 @@ fn large_step(body: &RigidBox, state: &mut BodyState, h: f64) {
     }
 }
 
-/// One step of the top that is left when the middle moment's rotation is taken out.
+/// One step of the top that remains after the rotation with the middle moment.
 struct Map {
-    /// Turn of the body's axes, not normalized.
+    /// Turn of the body axes, not normalized.
     turn: [f64; 4],
     /// Change of L times `denominator`/2.
     change: [f64; 3],
@@ -172,13 +174,13 @@ impl Map {
         }
     }
 
-    /// Attitude and momentum after the step. The quaternion is normalized here; the momentum moves by an
-    /// increment, so that its rounding is that of the increment.
+    /// Attitude and momentum after the step. The quaternion is normalized here. The momentum changes by an
+    /// increment, so its rounding error is that of the increment.
     #[inline(always)]
     fn apply(&self, q: DQuat, l: DVec3) -> (DQuat, DVec3) {
         let q = compose(q, DQuat::from_array(self.turn));
         let norm = q.length();
-        // One division for both.
+        // One division for both results.
         let r = 1.0 / (self.denominator * norm);
         let change = DVec3::from_array(self.change) * (r * (2.0 * norm));
         (q * (r * self.denominator), l + change)
@@ -199,10 +201,10 @@ fn weierstrass(y: [f64; 3]) -> f64 {
     1.0 + ((c2 + c3) + (c4 + c5) + (c6 + c7))
 }
 
-/// z δ/(2 p₂ H) as a series in a = p₁ H, b = p₂ C, q = p₂ H² (each with the powers of z and the factors 2 that the
-/// caller gives it) to the fourth degree, q counting twice: order 12 in h. p₁ = Σ J, p₂ = Σ J_j J_k; p₃ is 0.
+/// z δ/(2 p₂ H) as a series in a = p₁ H, b = p₂ C, q = p₂ H² to the fourth degree, q counting twice: order 12
+/// in h. The caller includes the powers of z and the factors 2. p₁ = Σ J, p₂ = Σ J_j J_k; p₃ is 0.
 ///
-/// The coefficients are rational: the power series of the Riccati equation in `docs/free-rotation.md`.
+/// The rational coefficients come from the power series of the Riccati equation in `docs/free-rotation.md`.
 #[inline(always)]
 fn precession(a: f64, b: f64, q: f64) -> f64 {
     let s0 = 1.0 / 6.0
@@ -235,7 +237,7 @@ mod tests {
         2.0 * libm::atan2(d.xyz().length(), d.w.abs())
     }
 
-    /// Attitude \[rad\] and relative momentum, against `reference`.
+    /// Errors of attitude \[rad\] and momentum (relative) with respect to `reference`.
     fn difference(state: &BodyState, reference: (DQuat, DVec3)) -> (f64, f64) {
         let l = reference.1;
         (
@@ -252,11 +254,11 @@ mod tests {
         let cases = [
             // ordinary
             ([0.078125, 0.265625, 0.3125], [0.1171875, 0.6640625, 0.3125], 0.015625, [0.011625805922158042, 0.019609084132354404, 0.007675665566669531, 0.9997106624490204], [0.1153812797161453, 0.6694178078827892, 0.30155451056644106]),
-            // fast, in one application
+            // fast, in one map
             ([0.078125, 0.265625, 0.3125], [0.703125, 3.984375, 1.875], 0.015625, [0.06674177495828164, 0.11946926736249903, 0.04203828909401758, 0.9896996574119512], [0.6427765205778536, 4.154038639004828, 1.4886420780358016]),
-            // needle
+            // needle, about its axis
             ([0.001220703125, 1.000244140625, 1.0009765625], [0.0244140625, 1.000244140625, 0.50048828125], 0.015625, [0.15559432027661366, 0.00832494371707615, 0.0026455031034273006, 0.9877824173992448], [0.024409999718179597, 1.105600254875595, 0.16918964301562772]),
-            // needle across, in parts
+            // needle, across its axis, in parts
             ([0.001220703125, 1.000244140625, 1.0009765625], [0.3662109375, 40.009765625, -20.01953125], 0.015625, [0.6686136704981603, -0.32366908666001654, -0.11116820912947654, -0.6601785449729438], [0.3677087099158373, 19.26907216703895, 40.376536941818074]),
             // plate
             ([0.14068603515625, 0.390625, 0.25006103515625], [0.42205810546875, 0.1953125, 1.000244140625], 0.03125, [0.04732783212360985, 0.008644011428309563, 0.062052881470793526, 0.9969126327186743], [0.4317053249264352, 0.2365201062324158, 0.9871459414294996]),
@@ -272,7 +274,7 @@ mod tests {
             ([0.078125, 0.265625, 0.3125], [7.8125e-11, 5.3125, -3.125e-11], 0.03125, [1.5710800099924836e-11, 0.30743851458038085, -4.57735898666893e-12, 0.9515679480481722], [8.668167605437096e-11, 5.3125, -1.534265945575229e-10]),
             // on the separatrix
             ([3.0, 4.0, 6.0], [12.0, 0.0, 12.0], 0.0625, [0.12430999670629311, 0.005832737528465797, 0.06245910375041816, 0.9902584835539153], [11.953277104636907, 1.4961059185519663, 11.953277104636907]),
-            // backwards
+            // backward
             ([0.078125, 0.265625, 0.3125], [0.703125, -3.984375, 1.875], -0.015625, [-0.06674177495828164, 0.11946926736249903, -0.04203828909401758, 0.9896996574119512], [0.6427765205778536, -4.154038639004828, 1.4886420780358016]),
             // 32 parts
             ([0.078125, 0.265625, 0.3125], [0.1171875, 0.6640625, 0.3125], 8.0, [0.3547008882865882, 0.1393058856522928, -0.8946288652629225, -0.23328168275651465], [0.08984263137224714, -0.7329526612001479, 0.08412408745556628]),
@@ -289,14 +291,14 @@ mod tests {
             free_rotation(&b, &mut state, h);
             let reference = (DQuat::from_array(q), DVec3::from_array(momentum));
             let (attitude, momentum) = difference(&state, reference);
-            // A moment's reciprocal is rounded: the angle has that relative error.
+            // The reciprocal of a moment is rounded, so the angle has that relative error.
             let bound = 1e-15 * (1.0 + turn);
             assert!(attitude < bound, "{inertia:?}, {h}: {attitude:e} rad");
             assert!(momentum < bound, "{inertia:?}, {h}: {momentum:e}");
         }
     }
 
-    /// A truncation error of order 13 in one step, beyond the range in which the map is used: order 12.
+    /// Truncation error of order 13 in one step, beyond the range of the map: order 12.
     #[test]
     fn the_order_shows_beyond_the_range() {
         let b = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
@@ -306,7 +308,7 @@ mod tests {
             let spin = exponential_map_by((h * b.splitting().reference) * l, &mut AnyArgument);
             let (q, m) = Map::new(j, l, h).apply(spin, l);
             let exact = FreeRotation::new(b.inertia(), DQuat::IDENTITY, l).at(h);
-            // Exact whatever is cut off.
+            // Exact for any truncation.
             assert!((q * m - l).length() < 2e-15 * l.length());
             let energy = |l: DVec3| l.dot(b.inverse_inertia() * l);
             assert!((energy(m) / energy(l) - 1.0).abs() < 3e-15);
@@ -317,14 +319,14 @@ mod tests {
         assert!((slope - 13.0).abs() < 0.5, "{slope} ({coarse:e}, {fine:e})");
     }
 
-    /// Where one way to take the step hands over to the next, the error does not jump.
+    /// The error has no jump where one method of stepping replaces another.
     #[test]
     fn no_jump_at_the_hand_over() {
         let b = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
         let l = b.inertia() * DVec3::new(1.5, 2.5, 1.0);
         let j = b.inverse_inertia() - DVec3::splat(b.splitting().reference);
         let limit = (LARGEST / Map::new(j, l, 1.0).size).sqrt();
-        // The application at its limit is off by a few 1e-15 for this body.
+        // At its limit the map has an error of a few 1e-15 for this body.
         for parts in [1.0, 2.0, 4.0, 8.0, 16.0, 32.0] {
             for h in [limit * parts * 0.999_999, limit * parts * 1.000_001] {
                 let mut state = BodyState {
@@ -343,15 +345,15 @@ mod tests {
         }
     }
 
-    /// Energy, |L| and world momentum over a million steps: rounding alone. It is not unbiased: what is rounded of
-    /// the constants of the motion is rounded alike in every step, so that 1e-17 × (ωh)² a step remains.
+    /// Over a million steps, energy, |L| and world momentum change by rounding alone. The rounding is biased:
+    /// constants of the motion are rounded alike in every step, which leaves 1e-17 × (ωh)² a step.
     #[test]
     fn a_million_steps() {
         for (half, omega, bound) in [
             ([0.5, 0.25, 0.125], [1.5, 2.5, 1.0], 5e-13),
             ([0.5, 1.0 / 128.0, 0.375], [3.0, 0.5, 4.0], 5e-13),
             ([0.5, 0.25, 0.125], [0.0078125, 8.0, -0.00390625], 5e-13),
-            // A third of a radian a step about the long axis.
+            // A third of a radian per step about the long axis.
             ([1.0, 1.0 / 32.0, 1.0 / 64.0], [20.0, 1.0, 0.5], 3e-11),
         ] {
             let b = RigidBox::new(DVec3::from_array(half), 3.0).expect("valid");
@@ -381,7 +383,7 @@ mod tests {
             let b = b.expect("valid");
             let unit = b.inertia() * DVec3::new(1.5, 2.5, 1.0);
             for factor in [1e-30, 1e-10, 1.0, 1e10, 1e38 / unit.max_element().max(1.0)] {
-                // The same turns at any scale.
+                // The turns are the same at any scale.
                 let l = unit * factor;
                 for h in [0.01 / factor, -0.3 / factor, 5.0 / factor] {
                     let mut state = BodyState {
@@ -417,8 +419,8 @@ mod tests {
     }
 
     fn inertia() -> impl Strategy<Value = DVec3> {
-        // Moments a = y + z, …: x, y, z ≥ 0 are the sums of squares along the axes; one may be 0 (a disc or rod at
-        // the edge of the triangle inequality), two may be equal or nearly so.
+        // Moments a = y + z, …, where x, y, z ≥ 0 are the sums of squares along the axes. One may be 0 (a
+        // disc or rod at the edge of the triangle inequality); two may be equal or nearly so.
         let squares = prop::array::uniform3(prop_oneof![
             4 => 0.001..1.0_f64,
             1 => Just(0.25),
@@ -439,8 +441,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Any body, any spin, any step against the closed form (an independent derivation by theta functions), and
-        /// back again.
+        /// Any body, spin and step agrees with the closed form (an independent derivation by theta
+        /// functions), and a step back returns to the start.
         #[test]
         fn agrees_with_the_closed_form(
             inertia in inertia(),
@@ -462,8 +464,8 @@ mod tests {
             free_rotation(&b, &mut state, h);
             let exact = FreeRotation::new(inertia, start.rotation, l).at(h);
             let (attitude, momentum) = difference(&state, exact);
-            // The momentum may be large against I_min ω: then its rounding is a turn of the thin axis. Over a long
-            // step next to the separatrix rounding grows by e^(λh).
+            // The momentum may be large compared with I_min ω. Its rounding is then a turn of the thin axis.
+            // Over a long step near the separatrix, rounding grows by e^(λh).
             let ratio = inertia.max_element() / inertia.min_element();
             let growth = (b.splitting().alpha * b.splitting().beta).abs().sqrt() * l.length() * turn / omega.length();
             let bound = 2e-14 * (1.0 + turn) * ratio.min(1e3) * crate::math::exp(growth.min(25.0));

@@ -6,13 +6,13 @@ use super::elliptic::{complete_integral, nome};
 use super::phase::{nearest, sin_cos_of_phase};
 use super::theta::{Constants, SERIES, TERMS, alternating_sum, base_series, finish, odd, powers};
 
-/// The elliptic functions and Z of one motion (see [`Tumbling`](super::tumbling::Tumbling)).
+/// Elliptic functions and Z of one motion (see [`Tumbling`](super::tumbling::Tumbling)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Series {
     /// π/2K (turns u into x), or π/2K′ (turns u into x′).
     scale: f64,
     branch: Branch,
-    /// By powers of v: the six series, constant factors included.
+    /// The six series by powers of v, including constant factors.
     coefficients: [[f64; SERIES]; 4],
 }
 
@@ -27,26 +27,26 @@ enum Branch {
         /// 2K and its reciprocal; both 0 on the separatrix, which has no period.
         period: f64,
         frequency: f64,
-        /// Half of what the precession gains with every half turn u → u + 2K: −σy′.
+        /// Half of the increase of the precession at every half turn u → u + 2K: −σy′.
         half_jump: f64,
     },
 }
 
 /// The values at one u.
 pub(super) struct Jacobi {
-    /// `A_a cn u`, `σA_b sn u`, `A_c dn u`; the first two without their change of sign at half turns.
+    /// `A_a cn u`, `σA_b sn u`, `A_c dn u`; the first two without their sign change at half turns.
     pub(super) l: [f64; 3],
-    /// Z for σ = −1, its conjugate for σ = 1, up to a positive factor and the same sign.
+    /// Z for σ = −1, its conjugate for σ = 1, both up to the same positive factor and the same sign.
     pub(super) re: f64,
     pub(super) im: f64,
-    /// The half turns' part of half the precession \[rad\].
+    /// Half of the precession due to half turns \[rad\].
     pub(super) half_jumps: f64,
-    /// −1 after an odd number of half turns taken off.
+    /// −1 after an odd number of subtracted half turns.
     pub(super) flip: f64,
 }
 
 impl Series {
-    /// For m ≤ ½: `complementary` is √(1−m), `f` the integral in y, `amplitudes` `A_a`, `σA_b`, `A_c`.
+    /// Series for m ≤ ½. `complementary` is √(1−m), `f` the integral in y, `amplitudes` `A_a`, `σA_b`, `A_c`.
     /// Also returns A₂'s quotient of sums times π/2K.
     pub(super) fn circular(
         m: f64,
@@ -86,11 +86,11 @@ impl Series {
         (series, scale * slope / value)
     }
 
-    /// For m > ½: `complement` is 1−m (0 on the separatrix), `modulus` √m, the rest as above.
+    /// Series for m > ½. `complement` is 1−m (0 on the separatrix), `modulus` √m; the rest is as above.
     ///
-    /// The transformed phase: θ₁(x+iy|p) ∝ e^{−2ixy/πκ} Ẑ with κ = K′/K, x′ = x/κ, y′ = y/κ and
-    /// Ẑ = Σ(−1)^k p′^{k(k+1)} [cos (2k+1)y′ sinh (2k+1)x′ + i sin (2k+1)y′ cosh (2k+1)x′]. With n half
-    /// turns taken off x, the linear parts of A₂t and of this phase leave
+    /// The transformed phase is θ₁(x+iy|p) ∝ e^{−2ixy/πκ} Ẑ with κ = K′/K, x′ = x/κ, y′ = y/κ and Ẑ = Σ(−1)^k
+    /// p′^{k(k+1)} [cos (2k+1)y′ sinh (2k+1)x′ + i sin (2k+1)y′ cosh (2k+1)x′]. With n half turns subtracted
+    /// from x, the linear parts of A₂t and of this phase leave
     ///
     /// ```text
     /// φ = A′t − 2σny′ − σ arg Ẑ
@@ -175,8 +175,8 @@ impl Series {
             } => {
                 let mut half_turns = nearest(u * frequency);
                 let mut rest = u - half_turns * period;
-                // After some 1e15 half turns their product is rounded by more than one: where in a turn it is
-                // nobody knows any more, but it must be within one, or the series is none.
+                // After about 1e15 half turns their product is rounded by more than one. The position within
+                // a turn is then lost, but it must be within one turn, or the series does not converge.
                 while (rest * frequency).abs() > 0.51 {
                     let more = nearest(rest * frequency);
                     rest -= more * period;
@@ -227,7 +227,7 @@ mod tests {
     use super::*;
     use crate::free_motion::incomplete_integral;
 
-    /// The series for 1−m = `mc` with unit amplitudes, by the branch asked for.
+    /// The series for 1−m = `mc` with unit amplitudes, by the chosen branch.
     fn series(mc: f64, circular: bool, sigma: f64) -> (Series, f64) {
         let (k, kc) = ((1.0 - mc).sqrt(), mc.sqrt());
         let f = incomplete_integral(0.6, 0.8, k);
@@ -265,8 +265,8 @@ mod tests {
         }
     }
 
-    /// Where both expansions are good they are the same functions: also Z, as the precession that
-    /// it and the linear part make up over a time.
+    /// Both expansions give the same functions where they converge. Z is compared as the precession that it
+    /// and the linear part give over a time.
     #[test]
     fn both_expansions_agree() {
         for (mc, sigma) in [(0.5, 1.0), (0.5, -1.0), (0.48, 1.0), (0.52, -1.0)] {

@@ -1,17 +1,18 @@
-//! The torque-free rotation of a rigid body in closed form: where the body is at *any* time, without
-//! stepping there. It is the heart of the `exact` integrator and a reference for everything else.
+//! The torque-free rotation of a rigid body in closed form: attitude and momentum at *any* time, without
+//! steps. It is the core of the `exact` integrator and a reference for the others.
 //!
 //! ```text
 //! L' = L × ω,   q' = ½ q∘(ω, 0),   ω_i = L_i/I_i                body axes
 //! ```
 //!
-//! The momentum runs along a closed curve (the polhode) on the sphere |L| = const: a point where the
-//! body is at rest or spins about a principal axis, a circle if two moments are equal, and otherwise
-//! Jacobi's elliptic functions. The attitude follows because the world momentum is constant: two of
-//! its three angles are those of L in the body, the third (the precession about L) is an integral that
-//! is elementary for the circle and an argument of a theta function otherwise (Jacobi 1849; Landau,
-//! Lifshitz, *Mechanics* §37; van Zon, Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni, Fassò,
-//! Säfström, Zanna, SIAM J. Sci. Comput. 30 (2008) 2084).
+//! The momentum moves along a closed curve (the polhode) on the sphere |L| = const. The curve is a point if
+//! the body is at rest or spins about a principal axis, and a circle if two moments are equal. Otherwise it
+//! is given by Jacobi's elliptic functions.
+//!
+//! The attitude follows because the world momentum is constant. Two of its three angles are those of L in the
+//! body. The third (the precession about L) is an integral: elementary for the circle, otherwise an argument
+//! of a theta function. Sources: Jacobi 1849; Landau, Lifshitz, *Mechanics* §37; van Zon, Schofield, J.
+//! Comput. Phys. 225 (2007) 145; Celledoni, Fassò, Säfström, Zanna, SIAM J. Sci. Comput. 30 (2008) 2084.
 //!
 //! ```
 //! use box_physics::free_motion::FreeRotation;
@@ -45,22 +46,22 @@ use glam::{DQuat, DVec3};
 use symmetric::Symmetric;
 use tumbling::Tumbling;
 
-/// A body whose momentum is off a principal axis by less than this part spins about that axis for
-/// good. Above it the squares that the general case needs do not underflow. Even about the middle
-/// axis such a deviation takes ln(1e140) = 322 growth times to show.
+/// Relative deviation of the momentum from a principal axis below which the motion counts as a permanent spin
+/// about that axis. Above it the squares of the general case do not underflow. Even about the middle axis
+/// such a deviation takes ln(1e140) = 322 growth times to show.
 const PRINCIPAL: f64 = 1e-140;
 
-/// The motion of one freely rotating body from one instant (the *event*) on: set up once, evaluated
-/// at any time before or after.
+/// The motion of one freely rotating body, set up once at an instant (the *event*) and evaluated at any time
+/// before or after it.
 ///
-/// Errors do not accumulate: at time t \[s\] they are a few rounding units, times the phase |ω|t \[rad\]
-/// that they are relative to, times e^{λt} where the motion itself amplifies (near the separatrix).
+/// Errors do not accumulate. At time t \[s\] they are a few rounding units, times the phase |ω|t \[rad\],
+/// times e^{λt} where the motion itself amplifies errors (near the separatrix).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeRotation {
     motion: Motion,
 }
 
-/// The branches.
+/// Branches of the solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
@@ -74,22 +75,22 @@ enum Motion {
 }
 
 impl FreeRotation {
-    /// The motion of a body with principal moments `inertia` \[kg m²\] (positive, any scale) that has
-    /// attitude `rotation` (body to world) and angular momentum `momentum` [kg m²/s], **body** axes,
-    /// at time 0. About 0.5 µs.
+    /// The motion of a body with principal moments `inertia` \[kg m²\] (positive, any scale), attitude
+    /// `rotation` (body to world) and angular momentum `momentum` [kg m²/s], **body** axes, at time 0. Takes
+    /// about 0.5 µs.
     ///
-    /// Moments count as equal only if they are the same f64: a gap of one rounding unit is resolved
-    /// (the general solution is exact there, the symmetric one is off by gap × phase).
+    /// Moments count as equal only if they are the same f64, so a gap of one rounding unit is resolved. There
+    /// the general solution is exact; the symmetric one has an error of gap × phase.
     pub fn new(inertia: DVec3, rotation: DQuat, momentum: DVec3) -> Self {
         let rotation = rotation * (1.0 / rotation.length());
-        // Powers of two bring inertia and momentum to the order of 1: exact, and no product of
+        // Powers of two scale inertia and momentum to the order of 1. The scaling is exact, and no product of
         // moments or squares of momenta can overflow or underflow.
         let (inertia, inertia_scale) = scaled(inertia);
         let (l, momentum_scale) = scaled(momentum);
         let rate = momentum_scale / inertia_scale;
         let (i, k) = (inertia.to_array(), l.to_array());
-        // Equal moments first: symmetric about the remaining axis; all three is a sphere, which is
-        // symmetric about any.
+        // Equal moments first: the body is symmetric about the remaining axis. Three equal moments are a
+        // sphere, which is symmetric about any axis.
         let symmetric_axis = (0..3).find(|&a| i[(a + 1) % 3] == i[(a + 2) % 3]);
         let motion = if l == DVec3::ZERO || !l.is_finite() {
             Motion::Symmetric(Symmetric::rest(rotation, momentum))
@@ -106,8 +107,8 @@ impl FreeRotation {
         Self { motion }
     }
 
-    /// Attitude (body to world; q or −q, which are the same attitude) and angular momentum
-    /// [kg m²/s], body axes, at time `t` \[s\], of either sign. About 0.1 µs.
+    /// Attitude (body to world; q and −q are the same attitude) and angular momentum [kg m²/s], body axes, at
+    /// time `t` \[s\] of either sign. Takes about 0.1 µs.
     #[inline]
     pub fn at(&self, t: f64) -> (DQuat, DVec3) {
         match &self.motion {
@@ -117,7 +118,7 @@ impl FreeRotation {
     }
 }
 
-/// `v` over a power of two, and that power, so that the largest component is in [½, 1).
+/// `v` divided by a power of two, and that power, so that the largest component is in [½, 1).
 fn scaled(v: DVec3) -> (DVec3, f64) {
     let (_, exponent) = libm::frexp(v.abs().max_element());
     // Within ±1000 the power and its reciprocal are normal numbers.

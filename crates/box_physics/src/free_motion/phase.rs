@@ -1,18 +1,18 @@
-//! Angles that have grown large.
+//! Large angles.
 
 use core::f64::consts::FRAC_2_PI;
 
 use crate::math::sin_cos;
 
-/// π/2 in three parts: 33 bits, 33 bits, the rest (fdlibm, Sun Microsystems 1993). A multiple below
+/// π/2 in three parts: 33 bits, 33 bits and the remainder (fdlibm, Sun Microsystems 1993). A multiple below
 /// 2²⁰ of the first two is exact.
 const FIRST: f64 = 1.5707963267341256;
 const SECOND: f64 = 6.077100506303966e-11;
 const THIRD: f64 = 2.0222662487959506e-21;
 const EXACT_MULTIPLES: f64 = 1_048_576.0;
 
-/// The nearest whole number, ties to even, by adding and subtracting 1.5·2⁵², at which the spacing
-/// of the f64 is 1. Beyond 2⁵¹ the number itself.
+/// The nearest whole number, ties to even, by adding and subtracting 1.5·2⁵², where the spacing of f64 is 1.
+/// Returns `x` itself beyond 2⁵¹.
 #[inline(always)]
 pub(super) fn nearest(x: f64) -> f64 {
     const SHIFT: f64 = 6_755_399_441_055_744.0;
@@ -23,9 +23,9 @@ pub(super) fn nearest(x: f64) -> f64 {
     }
 }
 
-/// (sin x, cos x) like [`sin_cos`], and as fast for an `x` \[rad\] of thousands of turns as for a small
-/// one: the quarter turns are taken off in three parts (Cody, Waite 1980), the rest is in the range
-/// of the polynomials.
+/// (sin x, cos x) like [`sin_cos`], and as fast for an `x` \[rad\] of thousands of turns as for a small one.
+/// Quarter turns are subtracted in three parts (Cody, Waite 1980); the remainder is in the range of the
+/// polynomials.
 #[inline(always)]
 pub(super) fn sin_cos_of_phase(x: f64) -> (f64, f64) {
     let quarters = nearest(x * FRAC_2_PI);

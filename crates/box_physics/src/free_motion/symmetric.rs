@@ -1,4 +1,4 @@
-//! Free rotation with two equal moments, about a principal axis, or none: elementary functions.
+//! Free rotation with two or three equal moments, or about a principal axis: elementary functions.
 
 use glam::{DQuat, DVec3};
 
@@ -10,16 +10,16 @@ use crate::rotation::compose;
 /// L(t) = L turned by −t (1/I₃ − 1/I₁) L₃ about e₃              body axes, 3 the symmetry axis
 /// ```
 ///
-/// L' = L×ω = (1/I₃ − 1/I₁) L₃ L×e₃ since ω = L/I₁ + (1/I₃ − 1/I₁) L₃ e₃: a steady turn. In the axes
-/// that turn with it ω is constant, hence the first factor (Landau, Lifshitz §35). A sphere, and a
-/// body that spins about e₃, have no second factor.
+/// L' = L×ω = (1/I₃ − 1/I₁) L₃ L×e₃ since ω = L/I₁ + (1/I₃ − 1/I₁) L₃ e₃: a steady turn. In the axes that
+/// turn with it ω is constant, hence the first factor (Landau, Lifshitz §35). The second factor is absent for
+/// a sphere and for a body that spins about e₃.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Symmetric {
     rotation: DQuat,
     momentum: DVec3,
-    /// Direction of the first factor.
+    /// Direction of the axis of the first factor.
     axis: DVec3,
-    /// Half its rate [rad/s].
+    /// Half the rate of the first factor [rad/s].
     half_rate: f64,
     /// The symmetry axis, 0 to 2.
     third: usize,
@@ -39,8 +39,8 @@ impl Symmetric {
         }
     }
 
-    /// `inertia` and `l` are scaled to the order of 1; `rate` [rad/s] times l/I is the angular
-    /// velocity; `momentum` is l unscaled.
+    /// `inertia` and `l` are scaled to the order of 1. `rate` [rad/s] times l/I is the angular velocity;
+    /// `momentum` is l unscaled.
     pub(super) fn new(
         third: usize,
         inertia: DVec3,
@@ -61,7 +61,7 @@ impl Symmetric {
         }
     }
 
-    /// Pure spin about principal axis `axis`; other components of `l` are negligible and stay.
+    /// Pure spin about principal axis `axis`. Other components of `l` are negligible and stay constant.
     pub(super) fn spin(
         axis: usize,
         inertia: DVec3,
@@ -87,7 +87,7 @@ impl Symmetric {
             let (s, c) = sin_cos_of_phase(self.half_slip * t);
             let v = s * DVec3::AXES[self.third];
             q = compose(q, DQuat::from_xyzw(v.x, v.y, v.z, c));
-            // Turned backwards by twice the half angle, with the versine 2 s² for 1 − cos.
+            // Turned backward by twice the half angle, with the versine 2 s² for 1 − cos.
             let (sine, versine) = (2.0 * s * c, 2.0 * s * s);
             let (i, j) = ((self.third + 1) % 3, (self.third + 2) % 3);
             let (a, b) = (l[i], l[j]);

@@ -15,8 +15,8 @@ fn energy(inertia: DVec3, l: DVec3) -> f64 {
     0.5 * l.dot(l / inertia)
 }
 
-/// Runs one motion over times up to `t` and checks all that must hold of any: finite, unit
-/// quaternion, energy and world momentum constant, the start at time 0.
+/// Evaluates one motion at times up to `t` and checks the general properties: finite numbers, unit
+/// quaternion, constant energy and world momentum, and the start at time 0.
 fn check(inertia: DVec3, l: DVec3, t: f64) {
     let start = DQuat::from_xyzw(0.1, -0.7, 0.1, 0.7);
     let motion = FreeRotation::new(inertia, start, l);
@@ -46,7 +46,7 @@ fn hard_cases_to_rounding() {
         // tiny deviation about the middle axis: flips only after 40 s
         ([0.078125, 0.265625, 0.3125], [0.0, 2.0, 1e-100], 48.0, [3.468051883279515e-08, -0.997933160542902, -1.8985773425578433e-07, 0.06426046287428386]),
         ([0.078125, 0.265625, 0.3125], [1e-120, -2.0, 0.0], 60.0, [0.0022920930472019366, 0.3072643151316628, -0.0014284097748882279, 0.9516203794589774]),
-        // next to the separatrix, either side
+        // next to the separatrix, on both sides
         ([0.078125, 0.265625, 0.3125], [0.3, 0.2, -1.1999999999988], 3.0, [0.6500378281974282, -0.46150164858054366, -0.39656388046322133, 0.4551968134573913]),
         ([0.078125, 0.265625, 0.3125], [0.3, 0.2, -1.2000000000000013], 3.0, [0.650037827915259, -0.4615016484682874, -0.3965638806374669, 0.4551968138223491]),
         // gaps from 1e-2 to one rounding unit
@@ -74,7 +74,7 @@ fn hard_cases_to_rounding() {
     }
 }
 
-/// On the separatrix exactly: `I = (3, 4, 6)` and `L_x² = L_z²`, every choice of signs (the same Taylor
+/// On the separatrix exactly: `I = (3, 4, 6)` and `L_x² = L_z²`, with every choice of signs (the same Taylor
 /// series, at 9 s).
 #[test]
 fn on_the_separatrix() {
@@ -93,13 +93,13 @@ fn on_the_separatrix() {
         let l = DVec3::from_array(l);
         let motion = FreeRotation::new(DVec3::new(3.0, 4.0, 6.0), DQuat::IDENTITY, l);
         assert!(angle(motion.at(9.0).0, DQuat::from_array(q)) < 2e-15);
-        // It tends to a spin about the middle axis, and does not turn back.
+        // The motion tends to a spin about the middle axis and does not return.
         assert!(motion.at(1e3).1.abs().y / l.length() > 1.0 - 1e-15);
     }
 }
 
-/// The project's reference trajectories (30 digits), a few samples: inertia, body ω, first attitude,
-/// time, attitude.
+/// Samples of the project's reference trajectories (30 digits): inertia, body ω, first attitude, time,
+/// attitude.
 #[test]
 fn reference_trajectories() {
     #[rustfmt::skip]
@@ -120,8 +120,8 @@ fn reference_trajectories() {
     }
 }
 
-/// The symmetric formula, `q₀∘exp(t L/I₁)∘exp(t (1/I₃ − 1/I₁) L₃ e₃)`, is off by gap × phase at most when the moments
-/// are not quite equal.
+/// The symmetric formula, `q₀∘exp(t L/I₁)∘exp(t (1/I₃ − 1/I₁) L₃ e₃)`, has an error of at most gap × phase if
+/// the moments are not quite equal.
 #[test]
 fn almost_symmetric_is_almost_symmetric() {
     let l = DVec3::new(0.3, 0.7, 0.9);
@@ -168,7 +168,7 @@ fn vanishing_components() {
     }
 }
 
-/// D from 1e-2 to 0 from both sides: the motion tends to the separatrix, as eps e^{λt} allows.
+/// D from 1e-2 to 0 from both sides: the motion tends to the separatrix within eps e^{λt}.
 #[test]
 fn towards_the_separatrix() {
     let inertia = DVec3::new(3.0, 4.0, 6.0);
@@ -196,8 +196,9 @@ fn towards_the_separatrix() {
     }
 }
 
-/// Where a turn is below the rounding of the phase the attitude is arbitrary, and yet a rotation with the true energy
-/// and momentum (a game that multiplies a momentum by 1e15 asks for it; an hour of hostile play did).
+/// If one turn is below the rounding of the phase, the attitude is arbitrary. It must still be a rotation
+/// with the true energy and momentum. (A game that multiplies a momentum by 1e15 reaches this; an hour of
+/// hostile play did.)
 #[test]
 fn phases_without_digits() {
     let inertia = DVec3::new(0.012087243, 0.004346205, 0.007978717);
@@ -218,11 +219,11 @@ fn rest_and_nonsense_do_no_harm() {
     let inertia = DVec3::new(1.0, 2.0, 2.5);
     let rest = FreeRotation::new(inertia, DQuat::IDENTITY, DVec3::ZERO);
     assert_eq!(rest.at(1e9), (DQuat::IDENTITY, DVec3::ZERO));
-    // Not a number in, not a number out, and it ends.
+    // A non-finite input gives a non-finite output, and the evaluation terminates.
     let (_, l) =
         FreeRotation::new(inertia, DQuat::IDENTITY, DVec3::new(1.0, f64::NAN, 0.0)).at(1.0);
     assert!(l.is_nan());
-    // Phases of 1e12 rad: no digit of the angle is left, everything else is.
+    // Phases of 1e12 rad: the angle has no digits left, but the other properties hold.
     check(inertia, DVec3::new(1.0, 2.0, 3.0), 1e12);
     check(inertia * 1e-24, DVec3::new(1.0, 2.0, 3.0) * 1e-22, 1e6);
     check(inertia * 1e24, DVec3::new(1.0, 2.0, 3.0) * 1e-300, 1e6);
@@ -231,7 +232,7 @@ fn rest_and_nonsense_do_no_harm() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// From a to b and from there on is from a on; and RK4 in small steps gets there too.
+    /// Evaluating from a to b and then on equals evaluating from a. RK4 with small steps agrees.
     #[test]
     fn random_boxes(
         half in prop::array::uniform3(0.05_f64..2.0),
@@ -248,7 +249,7 @@ proptest! {
         let (q, l) = motion.at(t1);
         let (there, m) = FreeRotation::new(inertia, q, l).at(t2);
         let (direct, n) = motion.at(t1 + t2);
-        // Rounding errors in L grow like e^{λt} near the separatrix.
+        // Rounding errors in L grow as e^{λt} near the separatrix.
         prop_assert!(angle(there, direct) < 1e-11);
         prop_assert!((m - n).length() < 1e-11 * n.length());
 

@@ -1,13 +1,13 @@
-//! Sums of theta series as polynomials: the coefficients, by powers of cos 2x.
+//! Theta series as polynomials: the coefficients by powers of cos 2x.
 
-/// Terms of each series. With a nome p ≤ e^{−π} the first omitted ones are p^{16} = 1e-22 and
+/// Number of terms of each series. With a nome p ≤ e^{−π} the first omitted terms are p^{16} = 1e-22 and
 /// p^{20} = 5e-28 of the leading one.
 pub(super) const TERMS: usize = 4;
 
 /// Number of series: `l_a`, `l_b`, `l_c`, their common denominator, Re Z, ∓Im Z.
 pub(super) const SERIES: usize = 6;
 
-/// `sin (2k+1)x = sin x · P_k(cos 2x)`; one row a k, by powers.
+/// `sin (2k+1)x = sin x · P_k(cos 2x)`, one row per k, by powers.
 const SINES: [[f64; 4]; TERMS] = [
     [1.0, 0.0, 0.0, 0.0],
     [1.0, 2.0, 0.0, 0.0],
@@ -21,7 +21,7 @@ const COSINES: [[f64; 4]; TERMS] = [
     [-1.0, -2.0, 4.0, 0.0],
     [1.0, -4.0, -4.0, 8.0],
 ];
-/// `cos 2kx = T_k(cos 2x)`, Chebyshev's polynomials; twice, but for k = 0.
+/// `cos 2kx = T_k(cos 2x)`, the Chebyshev polynomials, doubled except for k = 0.
 const EVEN: [[f64; 4]; TERMS] = [
     [1.0, 0.0, 0.0, 0.0],
     [0.0, 2.0, 0.0, 0.0],
@@ -34,7 +34,7 @@ pub(super) const fn odd(k: usize) -> f64 {
     (2 * k + 1) as f64
 }
 
-/// p⁰ … p¹², the highest power wanted being k(k+1) for k = 3.
+/// p⁰ … p¹²; the highest power needed is k(k+1) for k = 3.
 pub(super) fn powers(p: f64) -> [f64; 13] {
     let mut powers = [1.0; 13];
     for n in 1..13 {
@@ -68,8 +68,8 @@ impl Constants {
     }
 }
 
-/// By powers n of v, times p^{n·`lower`} (v = cosh 2x · p if `lower` is 1): θ₂(x), θ₁(x), θ₃(x), θ₄(x)
-/// over their leading factors, and the two of Z with the given functions of y.
+/// θ₂(x), θ₁(x), θ₃(x), θ₄(x) over their leading factors, and the two series of Z with the given functions of
+/// y. Coefficients are by powers n of v, times p^{n·`lower`} (v = cosh 2x · p if `lower` is 1).
 pub(super) fn base_series(
     powers: &[f64; 13],
     lower: usize,
@@ -93,8 +93,7 @@ pub(super) fn base_series(
     rows
 }
 
-/// Multiplies the constant factors in: amplitudes and ratios of theta constants, and the sign that
-/// conjugates Z.
+/// Multiplies by the constant factors: amplitudes, ratios of theta constants, and the sign that conjugates Z.
 pub(super) fn finish(
     rows: &mut [[f64; SERIES]; 4],
     amplitudes: [f64; 3],

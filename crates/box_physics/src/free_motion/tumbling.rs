@@ -9,10 +9,10 @@ use crate::rotation::compose;
 
 /// # The motion
 ///
-/// Let c be the axis that the momentum circulates about (its component never changes sign), a the
-/// other extreme axis, b the middle one, all signed so that the components of L along a and c
-/// are not negative and (a, b, c) is right-handed. With `D = |L|² − 2T I_b`, c is the axis of the largest moment if D > 0 (σ = 1), of the
-/// smallest if not (σ = −1), and
+/// Let c be the axis that the momentum circulates about (its component never changes sign), a the other
+/// extreme axis and b the middle one. The signs are chosen so that the components of L along a and c are not
+/// negative and (a, b, c) is right-handed. With `D = |L|² − 2T I_b`, c is the axis of the largest moment if
+/// D > 0 (σ = 1), otherwise of the smallest (σ = −1), and
 ///
 /// ```text
 /// L_a = A_a cn(u|m),  L_b = σ A_b sn(u|m),  L_c = A_c dn(u|m),   u = λt + u₀
@@ -29,39 +29,39 @@ use crate::rotation::compose;
 /// A₂ = |L|/I_a − σ(πλ/2K) Σ(−1)^k p^{k(k+1)}(2k+1)cosh (2k+1)y / Σ(−1)^k p^{k(k+1)}sinh (2k+1)y
 /// ```
 ///
-/// The turn from the body to those axes is `R_z(φ − α′) B`, with B the least turn that takes l = L/|L| to
-/// c, `B ∝ (1 + l_c; l_b, −l_a, 0)`, and α the azimuth of L in the (a, b) plane, α′ = α + π/2. So
-/// `e^{i(φ−α′)} ∝ e^{iA₂t} Z^{∓1} (l_a − i l_b)`: no arctangent is ever taken, only one square root for
-/// the half angle that the quaternion wants. Then q(t) = q₀ ∘ b(0)* ∘ b(t).
+/// The turn from the body to those axes is `R_z(φ − α′) B`. B is the least turn that takes l = L/|L| to c,
+/// `B ∝ (1 + l_c; l_b, −l_a, 0)`. α is the azimuth of L in the (a, b) plane, α′ = α + π/2. So
+/// `e^{i(φ−α′)} ∝ e^{iA₂t} Z^{∓1} (l_a − i l_b)`. This needs no arctangent, only one square root for the half
+/// angle of the quaternion. Then q(t) = q₀ ∘ b(0)* ∘ b(t).
 ///
 /// # The series
 ///
-/// For m ≤ ½ the nome is p ≤ e^{−π} and four terms of each series reach 1e-17. For m > ½ Jacobi's
-/// imaginary transformation (θ₁(z|τ) = i(−iτ)^{−½} e^{z²/πiτ} θ₁(z/τ|−1/τ), and so on; Whittaker, Watson
-/// 21.51) gives the same sums in the complementary nome p′ ≤ e^{−π} with hyperbolic functions of
-/// x′ = πu/2K′: four terms again, no loss of digits at the separatrix (where the series in p loses
-/// four at 1−m = 1e-16), and with p′ = 0 the separatrix itself. See [`Series`].
+/// For m ≤ ½ the nome is p ≤ e^{−π}, and four terms of each series reach 1e-17. For m > ½ Jacobi's imaginary
+/// transformation gives the same sums in the complementary nome p′ ≤ e^{−π}, with hyperbolic functions of
+/// x′ = πu/2K′ (θ₁(z|τ) = i(−iτ)^{−½} e^{z²/πiτ} θ₁(z/τ|−1/τ), and so on; Whittaker, Watson 21.51). Again four
+/// terms suffice. No digits are lost at the separatrix, where the series in p loses four at 1−m = 1e-16; p′ = 0
+/// is the separatrix itself. See [`Series`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tumbling {
     /// q₀ ∘ b(0)*
     left: DQuat,
     /// |L| [kg m²/s]
     momentum: f64,
-    /// Which body axis each of a, b, c is, and its sign.
+    /// Body axis of each of a, b, c, and its sign.
     axes: [usize; 3],
     signs: [f64; 3],
     /// λ [1/s] and u₀.
     frequency: f64,
     offset: f64,
-    /// ½A₂, or half of what stands in its place for m > ½ [rad/s].
+    /// ½A₂, or for m > ½ half of A′ [rad/s].
     half_precession: f64,
     series: Series,
 }
 
 impl Tumbling {
-    /// `inertia` and `l` are scaled to the order of 1; `rate` [rad/s] times l/I is the angular
-    /// velocity; `momentum_scale` times l the momentum. Three different moments, and no two
-    /// components of `l` negligible.
+    /// `inertia` and `l` are scaled to the order of 1. `rate` [rad/s] times l/I is the angular velocity;
+    /// `momentum_scale` times l is the momentum. The three moments differ, and at most one component of `l`
+    /// is negligible.
     pub(super) fn new(
         inertia: DVec3,
         rate: f64,
@@ -82,7 +82,7 @@ impl Tumbling {
         let ab = (lb * lb + la * la / to_a).sqrt();
         let ac2 = lc * lc + lb * lb * (ic * gap_ab) / (ib * gap_ac);
         let ac = ac2.sqrt();
-        // The parameter and its complement, each without cancellation; the smaller one counts.
+        // The parameter and its complement, each without cancellation; the smaller one decides.
         let m = ab * ab * (ic * gap_ab) / (ib * gap_ac * ac2);
         let complement = axes.discriminant.abs() * ic / (gap_bc * ac2);
         let lambda = rate * (ac / ic) * (gap_bc * gap_ac / (ia * ib)).sqrt();
@@ -113,7 +113,7 @@ impl Tumbling {
             half_precession: 0.5 * (free - sigma * lambda * precession),
             series,
         };
-        // With `left` = q₀ the motion would start from q₀ ∘ b(0).
+        // With `left` = q₀ the motion starts from q₀ ∘ b(0).
         let (first, _) = motion.frame(0.0);
         motion.left = compose(rotation, first.conjugate());
         motion
@@ -137,8 +137,7 @@ impl Tumbling {
             half_jumps,
             flip,
         } = self.series.at(u);
-        // W = Z^∓ (l_a − i l_b): a half turn u → u + 2K changes the sign of both factors, so that it
-        // is left out of both.
+        // W = Z^∓ (l_a − i l_b). A half turn u → u + 2K changes the sign of both factors, so both omit it.
         let (w_re, w_im) = (re * la + im * lb, im * la - re * lb);
         // √W up to a positive factor, without cancellation in either half plane.
         let w = (w_re * w_re + w_im * w_im).sqrt();
@@ -150,7 +149,7 @@ impl Tumbling {
         let (sin, cos) = sin_cos_of_phase(self.half_precession * t + half_jumps);
         let z_re = root_re * cos - root_im * sin;
         let z_im = root_re * sin + root_im * cos;
-        // Rounding leaves |l| off 1 by a few units: one Newton step.
+        // Rounding changes |l| from 1 by a few units; one Newton step corrects it.
         let unit = 1.5 - 0.5 * (la * la + lb * lb + lc * lc);
         let (la, lb, lc) = (flip * unit * la, flip * unit * lb, unit * lc);
         // (0, 0, z_im; z_re) ∘ (l_b, −l_a, 0; 1 + l_c)
@@ -178,8 +177,8 @@ impl Tumbling {
     }
 }
 
-/// Which body axis is which, and the signs that make (a, b, c) right-handed and the components of L
-/// along a and c positive.
+/// Body axes of a, b, c, and the signs that make (a, b, c) right-handed and the components of L along a and c
+/// positive.
 struct Axes {
     index: [usize; 3],
     sign: [f64; 3],
@@ -195,7 +194,7 @@ impl Axes {
         let mut order = [0_usize, 1, 2];
         order.sort_by(|&a, &b| i[a].total_cmp(&i[b]));
         let [low, middle, high] = order;
-        // D = |L|² − 2T I_b, summed so that its sign is right next to the separatrix.
+        // D = |L|² − 2T I_b, summed so that its sign is correct next to the separatrix.
         let part = |k: usize| l[k] * l[k] * ((i[k] - i[middle]) / i[k]);
         let discriminant = part(low) + part(high);
         let (a, c, sigma) = if discriminant > 0.0 {

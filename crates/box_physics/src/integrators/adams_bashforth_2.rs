@@ -12,12 +12,13 @@ use crate::state::BodyState;
 
 /// `y_{n+1} = y_n + h (3/2 f_n − 1/2 f_{n−1})` on (x, q, v, L), the quaternion normalized.
 ///
-/// One evaluation a step for order 2. As in `JSBSim`, the first step takes `f_{−1} = f_0`, which is Euler's step;
-/// so does every step after a change of state, body, forces or step, and every step in contact, where the forces
-/// are other ones each time.
+/// One evaluation per step for order 2. As in `JSBSim`, the first step takes `f_{−1} = f_0`, which is a step
+/// of Euler's method. The same applies after a change of state, body, forces or step size, and to every step
+/// in contact, because contact changes the forces each time.
 ///
-/// On y' = λy the growth factor solves ζ² = (1 + 3z/2) ζ − z/2, z = λh: stable for real z down to −1, half of
-/// Euler's range, and on the imaginary axis |ζ| ≈ 1 + |z|⁴/4: every oscillation and every spin gains energy.
+/// On y' = λy the growth factor solves ζ² = (1 + 3z/2) ζ − z/2, z = λh. It is stable for real z down to −1,
+/// half of Euler's range. On the imaginary axis |ζ| ≈ 1 + |z|⁴/4, so every oscillation and every spin gains
+/// energy.
 pub struct AdamsBashforth2;
 
 /// The derivative at the start of the last step, and the length of that step \[s\].
@@ -75,7 +76,8 @@ impl Integrate for AdamsBashforth2 {
     }
 }
 
-/// Whether two steps are of one length. Those who divide a time into steps get it to rounding only.
+/// Returns `true` if two step sizes are equal up to rounding, because dividing a time into steps gives them
+/// only to rounding.
 #[inline(always)]
 fn same_step(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * b.abs()
@@ -102,7 +104,7 @@ mod tests {
         }
     }
 
-    /// The parabola but for Euler's first step, which is ½ g h² behind.
+    /// The parabola except for Euler's first step, which is ½ g h² behind.
     #[test]
     fn free_fall() {
         let (v, g, h) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81, 1.0 / 60.0);
@@ -111,7 +113,8 @@ mod tests {
         assert!((s.position - (4.0 * v + 8.0 * g - 0.5 * h * h * g)).length() < 1e-12);
     }
 
-    /// The free top of van Zon and Schofield (2007), on which `JSBSim` 1.3.3 with this method is off by 0.66 rad.
+    /// The free top of van Zon and Schofield (2007), on which `JSBSim` 1.3.3 with this method has an error of
+    /// 0.66 rad.
     #[test]
     fn a_flight_simulators_error() {
         let error = Case::van_zon_schofield().error::<AdamsBashforth2>(60);

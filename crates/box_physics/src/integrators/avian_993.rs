@@ -12,20 +12,20 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// L is turned about an axis that is chosen for the energy, then the box by the new angular velocity
+/// Turns L about an axis that is chosen for the energy, then turns the box by the new angular velocity
 /// (Spiers's "modified Jolt method", with the exponential map in both turns):
 ///
 /// ```text
 /// k = ω×L,  J' = k·I⁻¹k/|k|²,  Ω = ω − J'L          L ← exp(−hΩ) L,  q ← q∘exp(hω_new)
 /// ```
 ///
-/// Ω×L = ω×L whatever J' is; this J' makes the second derivative of the energy vanish, so a step changes it by
-/// O(h³) instead of the O(h²) of `engine-rescaled`. Where two moments are equal, J' is their inverse and L turns
-/// about the axis of symmetry: its motion in the body, and the energy, are then exact. The attitude is of first
-/// order, because it is turned by the velocity at the end of the step.
+/// Ω×L = ω×L for any J'. This J' makes the second derivative of the energy vanish, so a step changes the
+/// energy by O(h³) instead of the O(h²) of `engine-rescaled`. If two moments are equal, J' is their inverse
+/// and L turns about the axis of symmetry: its motion in the body and the energy are then exact. The attitude
+/// has order 1, because it turns by the velocity at the end of the step.
 ///
-/// The rest is as in `engine-newton`: velocities first, damping by implicit factors, drag with its coefficient at
-/// the start of the step.
+/// The rest is as in `engine-newton`: velocities first, damping by implicit factors, drag with its
+/// coefficient at the start of the step.
 pub struct Avian993;
 
 impl Integrate for Avian993 {
@@ -97,7 +97,7 @@ fn turn_momentum(
     let w = j * l;
     let k = w.cross(l);
     let (square, weighted) = (k.length_squared(), k.dot(j * k));
-    // Where k is 0 nothing turns.
+    // If k is 0, nothing turns.
     let rate = if square > 0.0 { weighted / square } else { 0.0 };
     let axis = if square > 0.0 {
         w - rate * l
@@ -137,7 +137,7 @@ mod tests {
         }
     }
 
-    /// With two equal moments L moves in the body as it should, at any step: by (J₃ − J₁)L₃h about the axis.
+    /// If two moments are equal, L moves exactly in the body at any step: by (J₃ − J₁)L₃h about the axis.
     #[test]
     fn symmetric_bodies_turn_their_momentum_exactly() {
         let body = RigidBox::new(DVec3::new(0.25, 0.5, 0.25), 6.0).expect("valid");
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// The energy of a brick changes by O(h³) a step, O(h²) in a given time.
+    /// The energy of a brick changes by O(h³) per step, O(h²) in a given time.
     #[test]
     fn energy_of_second_order() {
         let Case { body, start, .. } = Case::free();

@@ -1,4 +1,4 @@
-//! `backward-euler`: the true implicit Euler method, which damps everything.
+//! `backward-euler`: the true implicit Euler method, which damps every motion.
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
@@ -11,16 +11,16 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// Everything at the end of the step, solved to convergence (`implicit_stage`):
+/// All terms are taken at the end of the step and solved to convergence (`implicit_stage`):
 ///
 /// ```text
 /// v₁ = v₀ + h (a − (c₁ + k₂|v₁|) v₁/m + F₁/m),              x₁ = x₀ + h v₁
 /// L₁ = L₀ + h (L₁×ω₁ − γL₁ − c_ω ω₁ + T₁),  ω₁ = L₁/I,       q₁ = q₀∘exp(hω₁)
 /// ```
 ///
-/// R(z) = 1/(1 − z): A- and L-stable. Free rotation: ω₁·(L₁ − L₀) = 0 makes 2E₁ = ω₁·L₀ ≤ 2√(E₀E₁), so
-/// the energy never rises; in the same way |L| never does, and both fall until the box spins about one
-/// axis (23 % of the energy in 10 s for a brick at 60 Hz).
+/// R(z) = 1/(1 − z): A- and L-stable. In free rotation ω₁·(L₁ − L₀) = 0 gives 2E₁ = ω₁·L₀ ≤ 2√(E₀E₁), so the
+/// energy never rises. By the same argument |L| never rises. Both fall until the box spins about one axis (23
+/// % of the energy in 10 s for a brick at 60 Hz).
 pub struct BackwardEuler;
 
 impl Integrate for BackwardEuler {
@@ -158,7 +158,7 @@ mod tests {
         }
     }
 
-    /// Neither the energy nor |L| of a free box ever rises, whatever the step.
+    /// Neither the energy nor |L| of a free box ever rises, at any step size.
     #[test]
     fn free_rotation_only_loses() {
         let Case { body, start, .. } = Case::free();
@@ -185,7 +185,8 @@ mod tests {
         assert!((lost - 0.23).abs() < 0.01, "{lost}");
     }
 
-    /// A central spring loses its energy by 1/(1 + (ωh)²) each step; one at a corner loses it too.
+    /// A central spring loses energy by the factor 1/(1 + (ωh)²) each step; a spring at a corner also loses
+    /// energy.
     #[test]
     fn springs_lose_energy_at_any_stiffness() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");

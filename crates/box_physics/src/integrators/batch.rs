@@ -1,15 +1,15 @@
-//! Many bodies at once: free flight under gravity alone, which is what most bodies do most of the time.
+//! Many bodies at once, in free flight under gravity alone, the most common case.
 //!
-//! An integrator whose step has no branch there ([`Integrate::BRANCHES`]) is run over a group of bodies in one plain loop, of
-//! which the compiler makes vector instructions: two bodies at a time on any x86-64, four where the
-//! processor has AVX2, which is asked at run time. The bodies stay where they are; what the compiler
-//! shuffles into lanes never leaves the registers. Vector and scalar additions, multiplications, divisions
-//! and square roots round alike, nothing is contracted or reordered, so the bits are the same whatever the
-//! instruction set and whichever lane a body is in.
+//! An integrator whose step has no branch ([`Integrate::BRANCHES`]) runs over a group of bodies in one plain
+//! loop, which the compiler vectorizes. It takes two bodies at a time on any x86-64, and four if the
+//! processor has AVX2, detected at run time. The layout of the bodies in memory does not change; the compiler
+//! shuffles them into SIMD lanes in registers. Vector and scalar additions, multiplications, divisions and
+//! square roots round alike, and nothing is contracted or reordered. The bits are therefore the same for
+//! every instruction set and every lane.
 //!
-//! A body for which the loop does not apply (its turn is beyond the polynomials' range, a number is not
-//! finite) is left as it was and takes the integrator's plain step, which gives the same bits wherever both
-//! apply.
+//! The loop does not apply to a body whose turn is beyond the polynomials' range, or which has a non-finite
+//! number. Such a body is left unchanged and takes the integrator's plain step, which gives the same bits
+//! where both apply.
 
 use core::marker::PhantomData;
 use core::ops::Range;
@@ -22,29 +22,30 @@ use crate::force::Gravity;
 use crate::math::{SmallArguments, VectorLoop, vectorized};
 use crate::state::BodyState;
 
-/// Bodies in a block of the loop: those that did not apply are noted, and stepped after it.
+/// Number of bodies in a block of the loop. Bodies to which the loop did not apply are recorded and stepped
+/// after the block.
 const BLOCK: usize = 64;
 
-/// Bodies that are stepped one by one before they are looked at.
+/// Number of bodies that are stepped one by one before they are checked.
 const ROW: usize = 8;
 
-/// Fewer bodies than this are stepped one by one.
+/// Groups with fewer bodies than this are stepped one by one.
 const FEW: usize = 4;
 
 /// Gravity, the only force on a group [m/s²].
 #[derive(Clone, Copy, Debug)]
 pub enum GravityField<'a> {
-    /// The same for all.
+    /// The same for all bodies.
     Uniform(DVec3),
-    /// Of each body.
+    /// One value per body.
     Each(&'a [DVec3]),
 }
 
-/// Either, told apart before the loop.
+/// Either kind of gravity, selected before the loop.
 trait Field: Copy {
-    /// Of so many bodies, at least one.
+    /// The field of the first `count` bodies, at least one.
     fn first(self, count: usize) -> Self;
-    /// Of body `i` [m/s²].
+    /// Gravity of body `i` [m/s²].
     fn at(self, i: usize) -> DVec3;
 }
 
@@ -72,18 +73,18 @@ impl Field for &[DVec3] {
     }
 }
 
-/// Neighbors in a table, all in free flight. The slices are of one length (what is beyond the shortest is
-/// left alone).
+/// Consecutive bodies of a table, all in free flight. The slices have equal lengths; elements beyond the
+/// shortest are ignored.
 pub struct Group<'a> {
     /// The bodies.
     pub bodies: &'a [RigidBox],
-    /// Their states. One that does not stay sound in the step is left as it was.
+    /// Their states. A state that would become invalid in the step is left unchanged.
     pub states: &'a mut [BodyState],
     /// Their integrators' memories.
     pub memories: &'a mut [IntegratorMemory],
     /// Gravity, the only force.
     pub gravity: GravityField<'a>,
-    /// Where the indices of bodies go that did not stay sound.
+    /// Receives the indices of bodies whose states would become invalid.
     pub faults: &'a mut Vec<usize>,
 }
 
@@ -108,8 +109,8 @@ impl Group<'_> {
         total
     }
 
-    /// Whether they stayed sound is asked after the last: what a step has just written, number by number,
-    /// is slow to read back in whole vectors.
+    /// Validity is checked after the last step, because numbers just written one by one are slow to read back
+    /// as whole vectors.
     #[inline(always)]
     fn step_row<S: Integrate>(&mut self, row: Range<usize>, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
@@ -135,7 +136,8 @@ impl Group<'_> {
         total
     }
 
-    /// The step of `S` in lanes: the same bits as [`one_by_one`](Self::one_by_one), several bodies at a time.
+    /// The step of `S` in SIMD lanes: the same bits as [`one_by_one`](Self::one_by_one), several bodies at a
+    /// time.
     pub(super) fn in_lanes<S: Integrate>(&mut self, h: f64) -> StepOutcome {
         let count = self.len();
         if h == 0.0 || count < FEW {
@@ -184,7 +186,7 @@ impl Group<'_> {
         });
     }
 
-    /// Out of line: the exception.
+    /// In a separate function, because it is the exception.
     #[cold]
     #[inline(never)]
     fn step_refused<S: Integrate>(&mut self, start: usize, refused: &[f64], h: f64) -> StepOutcome {
@@ -198,7 +200,8 @@ impl Group<'_> {
     }
 }
 
-/// Steps all bodies; 1 in `refused` where the body was left alone, because the loop does not apply.
+/// Steps all bodies. Writes 1 to `refused` for a body that was left unchanged because the loop does not
+/// apply.
 struct LaneLoop<'a, S, G> {
     bodies: &'a [RigidBox],
     states: &'a mut [BodyState],
@@ -223,7 +226,7 @@ fn step_each<S: Integrate>(
     h: f64,
     refused: &mut [f64],
 ) {
-    // Slices of one known length: no bounds are checked in the loop.
+    // Slices of one known length, so that the loop needs no bounds checks.
     let count = bodies.len().min(states.len()).min(refused.len());
     let (bodies, gravity) = (&bodies[..count], gravity.first(count));
     let (states, refused) = (&mut states[..count], &mut refused[..count]);
@@ -239,8 +242,8 @@ fn step_each<S: Integrate>(
     }
 }
 
-/// At most what [`BodyState::is_valid`] accepts, in fewer operations. A number that is not finite makes the
-/// sum so.
+/// Accepts no more than [`BodyState::is_valid`], in fewer operations. A non-finite number makes the sum
+/// non-finite.
 #[inline(always)]
 fn is_valid(state: &BodyState) -> bool {
     let (x, v, l) = (state.position, state.velocity, state.angular_momentum);
@@ -251,7 +254,7 @@ fn is_valid(state: &BodyState) -> bool {
     (sum < 1e38) & ((square - 1.0).abs() < 0.5e-3)
 }
 
-/// `a` or `b`, number by number.
+/// Selects `a` or `b`, number by number.
 #[inline(always)]
 fn choose(a_is_it: bool, a: &BodyState, b: &BodyState) -> BodyState {
     let one = |a: f64, b: f64| if a_is_it { a } else { b };
@@ -266,10 +269,10 @@ fn choose(a_is_it: bool, a: &BodyState, b: &BodyState) -> BodyState {
 }
 
 impl Integrator {
-    /// One step of `h` \[s\] of many bodies in free flight, each as [`Integrator::step`] under `gravity`
-    /// does, to the last bit, but several at a time where the integrator can. A body whose new state would
-    /// not be sound stays as it was. The three slices are of equal length (what is beyond the shortest
-    /// is left alone).
+    /// Advances many bodies in free flight by one step of `h` \[s\]. Each result equals that of
+    /// [`Integrator::step`] under `gravity` bit for bit, but several bodies are stepped at a time if the
+    /// integrator allows it. A body whose new state would be invalid stays unchanged. The three slices have
+    /// equal lengths; elements beyond the shortest are ignored.
     pub fn step_all(
         self,
         bodies: &[RigidBox],
@@ -309,7 +312,7 @@ mod tests {
     use crate::rotation::exponential_map;
     use proptest::prelude::*;
 
-    /// Numbers as they come: ordinary, both zeros, tiny, large, not finite.
+    /// Numbers of all kinds: ordinary, both zeros, tiny, large, non-finite.
     fn number() -> impl Strategy<Value = f64> {
         prop_oneof![
             8 => -3.0..3.0_f64,
@@ -353,7 +356,7 @@ mod tests {
         .map(f64::to_bits)
     }
 
-    /// One step by the loop as it is compiled for every x86-64, and for what this processor has.
+    /// One step by the loop compiled for every x86-64, and by the loop compiled for this processor.
     struct ByInstructionSets<'a> {
         set: &'a [(RigidBox, BodyState)],
         gravity: DVec3,
@@ -391,7 +394,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// The instruction set changes no bit, nor which bodies the loop refuses.
+        /// The instruction set changes neither bits nor the set of bodies that the loop refuses.
         #[test]
         fn instruction_sets_agree(
             set in prop::collection::vec(moving(), 1..=BLOCK),
@@ -403,8 +406,8 @@ mod tests {
             }
         }
 
-        /// Every integrator, any number of bodies, zeros of both signs, turns beyond the kernels' range,
-        /// one state that is not finite: bit for bit what the plain steps give, over several steps.
+        /// Every integrator, any number of bodies, zeros of both signs, turns beyond the kernels' range and
+        /// one non-finite state. Over several steps the results equal those of the plain steps bit for bit.
         #[test]
         fn all_at_once_is_one_by_one(
             set in prop::collection::vec(moving(), 1..150),

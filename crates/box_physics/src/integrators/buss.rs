@@ -1,4 +1,4 @@
-//! `buss`: the second-order method of Buss: a turn by the mean angular velocity, at a constant world momentum.
+//! `buss`: the second-order method of Buss, a turn by the mean angular velocity at constant world momentum.
 
 use glam::DVec3;
 
@@ -13,15 +13,15 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// Free rotation by a turn about the mean angular velocity of the step,
+/// Free rotation by a turn about the mean angular velocity of the step:
 ///
 /// ```text
 /// ω̄ = ω + h/2 ω'            ω' = I⁻¹(L×ω)
 /// q ← q∘exp(hω̄),  L in the world as it was
 /// ```
 ///
-/// between two half kicks by the forces, as in `velocity-verlet` (the paper is about free bodies).
-/// It is the Magnus expansion cut off: |L| and its direction are kept to rounding, the energy is not.
+/// It runs between two half kicks by the forces, as in `velocity-verlet` (the paper is about free bodies).
+/// The method truncates the Magnus expansion: L in the world is conserved to rounding, the energy is not.
 pub struct Buss;
 
 impl Integrate for Buss {
@@ -70,7 +70,7 @@ impl Integrate for Buss {
     }
 }
 
-/// Kick, drift, kick; the rotation with or without the term of the augmented method.
+/// Kick, drift, kick. With `augmented`, the rotation has the additional term of the augmented method.
 #[inline(always)]
 pub(super) fn kick_drift_kick<F: ForceModel>(
     body: &RigidBox,
@@ -87,13 +87,13 @@ pub(super) fn kick_drift_kick<F: ForceModel>(
     let turn = exponential_map_by(h * mean(w, rate, h, augmented), trigonometry);
     state.rotation = compose(state.rotation, turn);
     state.renormalize();
-    // L turned the other way: with p the vector part of the turn, L − 2w p×L + 2p×(p×L).
+    // L turned backward: with p the vector part of the turn, L − 2w p×L + 2p×(p×L).
     let across = turn.xyz().cross(l);
     state.angular_momentum = l + 2.0 * (turn.xyz().cross(across) - turn.w * across);
     half_kick(body, state, force, 0.5 * h);
 }
 
-/// ω̄ of a step from ω and ω', with or without the term of the augmented method.
+/// ω̄ of a step from ω and ω'. With `augmented`, it has the additional term of the augmented method.
 #[inline(always)]
 pub(super) fn mean(w: DVec3, rate: DVec3, h: f64, augmented: bool) -> DVec3 {
     let mean = w + (0.5 * h) * rate;
@@ -111,7 +111,7 @@ mod tests {
     use crate::force::Gravity;
     use crate::rotation::exponential_map;
 
-    /// One step is the formula; a principal spin is exact.
+    /// One step equals the formula; a principal spin is exact.
     #[test]
     fn formula() {
         let Case { body, start, .. } = Case::free();
@@ -140,7 +140,7 @@ mod tests {
         }
     }
 
-    /// Measured beside others in Python, pub01 at 60 Hz: 4.3e-3 rad.
+    /// Independent measurement in Python, pub01 at 60 Hz: 4.3e-3 rad.
     #[test]
     fn second_order_in_rotation_and_torque() {
         assert!((Case::free().error::<Buss>(60) - 4.3e-3).abs() < 1e-4);

@@ -12,11 +12,12 @@ use crate::state::BodyState;
 
 /// `buss` with the next commutator of the Magnus expansion: ω̄ = ω + h/2 ω' + h²/12 ω'×ω.
 ///
-/// The other term of the same order, h²/6 ω'', is left out, so the order stays 2 and the error is another one:
-/// smaller where the spin is fast and nearly steady, larger for a slow tumbling.
+/// The other term of the same order, h²/6 ω'', is omitted, so the order stays 2. The error is smaller where
+/// the spin is fast and nearly steady, and larger for a slow tumbling.
 ///
-/// `JSBSim`'s "Buss 2" is this turn with angular velocities from Adams–Bashforth 4, where the paper's come from
-/// the momentum: a hundred times better on a fast spin (a test below), but it keeps no momentum.
+/// `JSBSim`'s "Buss 2" is this turn with angular velocities from Adams–Bashforth 4; the paper takes them from
+/// the momentum. On a fast spin that is a hundred times better (a test below), but it does not conserve
+/// momentum.
 pub struct BussAugmented;
 
 impl Integrate for BussAugmented {
@@ -74,7 +75,7 @@ mod tests {
     use crate::rotation::{compose, exponential_map};
     use glam::DVec3;
 
-    /// One step is the formula.
+    /// One step equals the formula.
     #[test]
     fn formula() {
         let Case { body, start, .. } = Case::free();
@@ -90,8 +91,8 @@ mod tests {
         assert!((s.rotation.dot(turned).abs() - 1.0).abs() < 1e-15);
     }
 
-    /// With velocities from Adams–Bashforth 4, started by repeating the first derivative, the turn is as good as
-    /// `JSBSim` 1.3.3 is with it: 0.012 rad.
+    /// With velocities from Adams–Bashforth 4, started by repeating the first derivative, the turn is as
+    /// accurate as in `JSBSim` 1.3.3: 0.012 rad.
     #[test]
     fn as_flight_simulators_use_the_turn() {
         let case = Case::van_zon_schofield();
@@ -111,7 +112,7 @@ mod tests {
         assert!(case.error::<BussAugmented>(60) > 1.0);
     }
 
-    /// Measured beside others in Python, pub01 at 60 Hz: 6.7e-3 rad.
+    /// Independent measurement in Python, pub01 at 60 Hz: 6.7e-3 rad.
     #[test]
     fn second_order_in_rotation_and_torque() {
         assert!((Case::free().error::<BussAugmented>(60) - 6.7e-3).abs() < 1e-4);

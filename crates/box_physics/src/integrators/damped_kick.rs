@@ -1,4 +1,5 @@
-//! The wrench at a fixed pose together with everything that damps linearly: dampers, drag, angular damping and drag.
+//! The wrench at a fixed pose together with all linear damping: dampers, drag, angular damping and angular
+//! drag.
 
 use glam::DVec3;
 
@@ -16,16 +17,17 @@ type Complex = (f64, f64);
 /// y ← e(Z) y + h φ(Z) g + (1 − e(Z)) y*,    Z = hG,  e(z) = 1/(1 + z + z²/2),  φ(z) = (1 − e(z))/z = (1 + z/2)/(1 + z + z²/2)
 /// ```
 ///
-/// e is the Padé approximant (0, 2) of e^{−z}: order 2, positive and falling for every z ≥ 0, so a mode is neither
-/// reversed nor raised; L-stable; and y = G⁻¹g is a fixed point: the body ends at its terminal velocity. With the
-/// poles −1 ± i of both, the sum is the real part of one complex solution,
+/// e is the Padé approximant (0, 2) of e^{−z}: order 2, positive and decreasing for every z ≥ 0, so a mode is
+/// neither reversed nor amplified. It is L-stable, and y = G⁻¹g is a fixed point: the body ends at its
+/// terminal velocity. Both functions have the poles −1 ± i, so the sum is the real part of one complex
+/// solution,
 ///
 /// ```text
 /// y⁺ = Re [(Z + 1 − i)⁻¹ (h g − i (2 y + h g))],
 /// ```
 ///
-/// of M (1 − i) + hC, symmetric with a definite real part for h > 0: elimination needs no pivots. y* is what the
-/// [`curvature`] of the points' paths demands; its weight keeps the order.
+/// of M (1 − i) + hC. This matrix is symmetric with a definite real part for h > 0, so elimination needs no
+/// pivots. y* follows from the [`curvature`] of the points' paths; its weight preserves the order.
 pub(super) fn damped_kick<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
@@ -41,7 +43,7 @@ pub(super) fn damped_kick<F: ForceModel>(
     let c = coefficients(body, &force.dissipation(), &force.damping());
     let resolvent = Resolvent::new(&mass, &c, h);
     let mut y = resolvent.real(|i| (h * f[i], -(2.0 * mass[i] * y[i] + h * f[i])));
-    // h φ(Z) M⁻¹ f, once for the force that cancels the curvature, once more to weigh it with 1 − e(Z).
+    // h φ(Z) M⁻¹ f: once for the force that cancels the curvature, once more for the weight 1 − e(Z).
     let f = curvature(body, force, DVec3::new(y[3], y[4], y[5]), h);
     let terminal = resolvent.real(|i| (h * f[i], -h * f[i]));
     let f = c.map(|row| (0..6).map(|k| row[k] * terminal[k]).sum::<f64>());
@@ -53,7 +55,7 @@ pub(super) fn damped_kick<F: ForceModel>(
     state.angular_momentum = body.inertia() * DVec3::new(y[3], y[4], y[5]);
 }
 
-/// The dampers of `force` alone over `h` \[s\]: y ← e(Z) y.
+/// Applies only the dampers of `force` over `h` \[s\]: y ← e(Z) y.
 pub(super) fn damp<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) {
     let mass = six(DVec3::splat(body.mass()), body.inertia());
     let inverse = state.rotation.inverse();
@@ -68,9 +70,9 @@ fn six(a: DVec3, b: DVec3) -> [f64; 6] {
     [a.x, a.y, a.z, b.x, b.y, b.z]
 }
 
-/// The wrench of all dampers at the point velocities −½h (α×r + ω×(ω×r)). A damped point that the kick leaves at rest
-/// is at rest for that instant alone: until the next kick it moves on a curve, by ½h² times its acceleration in the
-/// drift. This cancels it.
+/// The wrench of all dampers at the point velocities −½h (α×r + ω×(ω×r)). A damped point that is at rest
+/// after the kick stays at rest only for an instant. Until the next kick it moves on a curve, by ½h² times
+/// its acceleration in the drift. This wrench cancels that motion.
 fn curvature<F: ForceModel>(body: &RigidBox, force: &F, omega: DVec3, h: f64) -> [f64; 6] {
     let dampers = force.damping();
     let (s, p) = (dampers.moment, dampers.second);
@@ -80,7 +82,8 @@ fn curvature<F: ForceModel>(body: &RigidBox, force: &F, omega: DVec3, h: f64) ->
     six(-0.5 * h * moved, -0.5 * h * turned)
 }
 
-/// C of `−C (v, ω)`, body axes: dampers at points r, each d JᵀJ with J = (1, −[r]×), and the body's own.
+/// C of `−C (v, ω)`, body axes: dampers at points r, each d JᵀJ with J = (1, −[r]×), plus the dissipation of
+/// the body.
 fn coefficients(body: &RigidBox, own: &Dissipation, dampers: &Damping) -> [[f64; 6]; 6] {
     let (s, p) = (dampers.moment, dampers.second);
     let mut c = [[0.0; 6]; 6];
@@ -203,7 +206,8 @@ mod tests {
         }
     }
 
-    /// Dampers at two points with drag and damping: energy only falls, at any rate, and to first order it is the wrench.
+    /// Dampers at two points with drag and damping: energy decreases at any rate, and to first order the
+    /// change is the wrench.
     #[test]
     fn energy_only_falls() {
         let (body, start) = (brick(), moving());
@@ -240,7 +244,7 @@ mod tests {
         }
     }
 
-    /// A stiff damper holds its point still and leaves the turning about it alone.
+    /// A stiff damper holds its point at rest and does not affect rotation about that point.
     #[test]
     fn what_is_not_damped_stays() {
         let (body, start) = (brick(), moving());
@@ -251,7 +255,7 @@ mod tests {
         };
         let (mut once, h) = (start, 1e-3);
         damped_kick(&body, &mut once, &law, h);
-        // At rest but for half of what its path curves until the next kick.
+        // At rest except for half of the curvature of its path until the next kick.
         let (r, omega) = (springs[0].body_point, once.body_angular_velocity(&body));
         let alpha = body.inverse_inertia() * once.angular_momentum.cross(omega);
         let curved = once.rotation * (alpha.cross(r) + omega.cross(omega.cross(r)));

@@ -16,19 +16,19 @@ use crate::state::BodyState;
 
 /// The discrete Moser–Veselov algorithm on modified moments of inertia.
 ///
-/// The algorithm (Moser, Veselov 1991) is an integrable discretization of the free rigid body: it
-/// conserves energy and momentum and moves along the true polhode, only at a speed off by O(h²). That
-/// speed is a function of energy and |L| alone, so the same algorithm for moments Ĩ chosen by them runs
-/// along the same curve with an error O(h⁶) (the 2005 and 2006 papers of the sources).
-/// In c, the tangent-half-angle vector of the step's turn:
+/// The algorithm (Moser, Veselov 1991) is an integrable discretization of the free rigid body. It conserves
+/// energy and momentum and moves along the true polhode, but at a speed with an error of O(h²). That speed is
+/// a function of energy and |L| alone. With moments Ĩ chosen by them, the same algorithm moves along the same
+/// curve with an error O(h⁶) (the 2005 and 2006 papers of the sources). In c, the tangent-half-angle vector
+/// of the step's turn:
 ///
 /// ```text
 /// c_i = (1 + |c|²) b_i + e_i c_j c_k          b_i = (h/2) L_i/Ĩ_i,  e_i = (Ĩ_j − Ĩ_k)/Ĩ_i,  ijk cyclic
 /// q ← q ∘ (c, 1)/√(1 + |c|²),   L turned the other way
 /// ```
 ///
-/// solved by Newton's method. Everything else is as in `split`, and a step whose turn |ω|h exceeds 1
-/// is `split`'s altogether, and counted.
+/// Newton's method solves this equation. The other terms are as in `split`. A step whose turn |ω|h exceeds 1
+/// is a step of `split`, and counted.
 pub struct Dmv6;
 
 impl Integrate for Dmv6 {
@@ -84,7 +84,7 @@ impl Integrate for Dmv6 {
     }
 }
 
-/// The algorithm, or `split`'s flow where it does not apply, counted.
+/// The algorithm, or the flow of `split` where it does not apply, counted.
 struct MoserVeselov<'a, T> {
     trigonometry: &'a mut T,
     fallbacks: u64,
@@ -100,23 +100,23 @@ impl<T: Trigonometry> FreeRotationFlow for MoserVeselov<'_, T> {
     }
 }
 
-/// Up to this |ω|h \[rad\], |ω| the largest along the free motion, the step is the integrator's own.
+/// Largest |ω|h \[rad\] of a step by this algorithm, with |ω| the largest along the free motion.
 ///
-/// By experiment (600 000 random boxes of aspects up to 64, and spins): Newton's method converges for
-/// every body up to 1.4 and fails for some beyond, where the expansion of the modified moments in h
-/// has lost its meaning. Up to 1 the worst error of a single step is 8e-4 rad, where `split`'s is 3e-2; at
-/// 1.4 the two are equal.
+/// By experiment (600 000 random boxes of aspects up to 64, and spins), Newton's method converges for every
+/// body up to 1.4. Beyond, it fails for some, because the expansion of the modified moments in h is no longer
+/// valid. Up to 1 the largest error of a single step is 8e-4 rad, compared with 3e-2 for `split`; at 1.4 the
+/// two are equal.
 const LARGEST_TURN: f64 = 1.0;
 
-/// Newton's method is quadratic, with a factor of at most about 1 here: once a correction δ is below
-/// 3e-9 √|c|, the next would be below 1e-17 |c|. Stated as |δ|⁴ ≤ 1e-34 |c|².
+/// Tolerance of Newton's method, which is quadratic with a factor of at most about 1 here. After a correction
+/// δ below 3e-9 √|c|, the next would be below 1e-17 |c|. Written as |δ|⁴ ≤ 1e-34 |c|².
 const TOLERANCE: f64 = 1e-34;
 
-/// Twice the 5 that any body needs up to the limit.
+/// Maximum number of iterations: twice the 5 that any body needs up to the limit.
 const MOST_ITERATIONS: usize = 10;
 
-/// Free rotation over `h` \[s\] by the algorithm, order 6. False, and `state` as it was, if the step is
-/// too large for it.
+/// Free rotation over `h` \[s\] by the algorithm, order 6. Returns `false` and leaves `state` unchanged if
+/// the step is too large.
 #[inline(always)]
 fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
     let l = state.angular_momentum;
@@ -126,8 +126,8 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
     let Some(c) = half_turn(body, l, h) else {
         return false;
     };
-    // L turned by Cayley's rotation of −c. At the solution this is the usual
-    // L_i += (4/h)(Ĩ_j − Ĩ_k) c_j c_k/(1 + |c|²), but the world's L stays whatever c is.
+    // L turned by Cayley's rotation of −c. At the solution this equals the usual L_i += (4/h)(Ĩ_j − Ĩ_k) c_j
+    // c_k/(1 + |c|²), but it conserves the world's L for any c.
     let across = c.cross(l);
     let scale = 2.0 / (1.0 + c.length_squared());
     state.angular_momentum = l + scale * (c.cross(across) - across);
@@ -137,10 +137,10 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
 
 /// The largest |ω|² along the free motion through `l` [rad²/s²].
 ///
-/// With T and |L| given, |ω|² is linear in the square of any one component:
-/// `|ω|² = 2T(J_a + J_c) − J_a J_c|L|² + (J_b − J_a)(J_b − J_c) L_b²`. For the middle axis b the
-/// last term is negative, so |ω|² is largest where b's share is 0, which every motion passes. A constant of
-/// the motion: a body does not change between this integrator and `split` as it tumbles, and neither does it
+/// For given T and |L|, |ω|² is linear in the square of any one component:
+/// `|ω|² = 2T(J_a + J_c) − J_a J_c|L|² + (J_b − J_a)(J_b − J_c) L_b²`. For the middle axis b the last term is
+/// negative, so |ω|² is largest where L_b is 0, which every motion passes. It is a constant of the motion: a
+/// tumbling body does not switch between this integrator and `split`, forward or backward.
 /// backwards.
 #[inline(always)]
 fn largest_speed_squared(body: &RigidBox, l: DVec3) -> f64 {
@@ -171,7 +171,7 @@ fn modified_moments(body: &RigidBox, l: DVec3, h: f64) -> (f64, f64) {
     (s, det * d)
 }
 
-/// The solution c of the integrator's equation; `None` if it does not converge.
+/// The solution c of the equation; `None` if it does not converge.
 #[inline(always)]
 fn half_turn(body: &RigidBox, l: DVec3, h: f64) -> Option<DVec3> {
     let (i, j) = (body.inertia(), body.inverse_inertia());
@@ -179,12 +179,12 @@ fn half_turn(body: &RigidBox, l: DVec3, h: f64) -> Option<DVec3> {
     // g = 1/Ĩ
     let g = s * j + DVec3::splat(d);
     let b = (0.5 * h) * (g * l);
-    // e_i = (1/g_j − 1/g_k) g_i = g_i (g_k − g_j)/(g_j g_k), where g_k − g_j = S (I_j − I_k)/(I_j I_k):
-    // no difference of reciprocals, so equal moments are no special case.
+    // e_i = (1/g_j − 1/g_k) g_i = g_i (g_k − g_j)/(g_j g_k), where g_k − g_j = S (I_j − I_k)/(I_j I_k). There
+    // is no difference of reciprocals, so equal moments are not a special case.
     let gaps = DVec3::new(i.y - i.z, i.z - i.x, i.x - i.y);
     let ratio = s * (j.x * j.y * j.z) / (g.x * g.y * g.z);
     let e = ratio * (g * g * i * gaps);
-    // Two sweeps of the equation itself, which cost less than one of Newton's and save one.
+    // Two fixed-point sweeps, which cost less than one Newton iteration and save one.
     let sweep = |c: DVec3| (1.0 + c.length_squared()) * b + e * pairs(c);
     let mut c = sweep(sweep(b));
     for _ in 0..MOST_ITERATIONS {
@@ -261,8 +261,8 @@ mod tests {
         run(body, start, h, n).attitude_difference(&BodyState { rotation, ..*start })
     }
 
-    /// Its own discrete answer: spin about a fixed axis turns by asin(x − x³/6 + x⁵/120), x = ωh, a
-    /// step, because c/(1 + c²) = ½ sin(turn) and the modified moment is the sine's series.
+    /// The discrete solution: a spin about a fixed axis turns by asin(x − x³/6 + x⁵/120), x = ωh, per step.
+    /// This follows because c/(1 + c²) = ½ sin(turn) and the modified moment is the sine's series.
     #[test]
     fn phase_of_a_fixed_axis_spin() {
         for half in [[0.5, 0.5, 0.5], [0.5, 0.25, 0.125]] {
@@ -372,8 +372,7 @@ mod tests {
     }
 
     proptest! {
-        /// At the limit the equation is always solved, and the limit does not change as the body
-        /// tumbles.
+        /// The equation is always solvable at the limit, and the limit does not change as the body tumbles.
         #[test]
         fn converges_up_to_the_limit(
             shape in prop::array::uniform3(-3.0_f64..3.0),

@@ -12,7 +12,7 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// Velocities first, as those engines do:
+/// Velocities first, as in those engines:
 ///
 /// ```text
 /// v ← v/(1 + hc/m) + h(a + F/m),  x += h v_new
@@ -20,13 +20,15 @@ use crate::state::BodyState;
 /// ω₁ = ω − (I + h([ω]I − [Iω]))⁻¹ hω×Iω,  q ← q∘exp(hω₁)
 /// ```
 ///
-/// The third line is one Newton step from ω on I(ω₁ − ω) + hω₁×Iω₁ = 0, never iterated, by design.
-/// It dissipates like the backward Euler method that it approximates while |ω|h is small. But its matrix
-/// is not always regular: Df = ∂(I⁻¹(Iω×ω))/∂ω has real eigenvalues up to |ω| (near the middle axis, where
-/// the motion diverges), and 1 − hDf is singular where one of them is 1/h. From |ω|h = 1 on a step close
-/// to that multiplies the energy, of random boxes by up to 1e9. Damping is box3d's implicit
-/// factor on the old velocity alone; quadratic and angular drag, which no engine has, enter it with
-/// their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
+/// The third line is one Newton step from ω on I(ω₁ − ω) + hω₁×Iω₁ = 0, never iterated, by design. While |ω|h
+/// is small, it dissipates like backward Euler, which it approximates.
+///
+/// The matrix is not always regular. Df = ∂(I⁻¹(Iω×ω))/∂ω has real eigenvalues up to |ω| near the middle
+/// axis, where the motion diverges; 1 − hDf is singular if one of them is 1/h. From |ω|h = 1 on, a step close
+/// to that multiplies the energy, by up to 1e9 for random boxes.
+///
+/// Damping is box3d's implicit factor on the old velocity alone. Quadratic and angular drag, which no engine
+/// has, use their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
 pub struct EngineNewton;
 
 impl Integrate for EngineNewton {
@@ -86,8 +88,8 @@ impl Integrate for EngineNewton {
     }
 }
 
-/// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for
-/// any size of body: with `α_x = (I_z − I_y)/I_x` and round,
+/// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for any
+/// body size. With `α_x = (I_z − I_y)/I_x`, cyclic:
 ///
 /// ```text
 ///         ⎡  0    α_xω_z  α_xω_y ⎤                    ⎡ α_x ω_yω_z ⎤
@@ -140,7 +142,7 @@ mod tests {
         }
     }
 
-    /// A principal spin is exact, free fall ahead by ½ght, a constant torque by half a step.
+    /// A principal spin is exact, free fall is ahead by ½ght, a constant torque by half a step.
     #[test]
     fn closed_forms() {
         let body = brick();

@@ -12,18 +12,20 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// Velocities first, as those engines do:
+/// Velocities first, as in those engines:
 ///
 /// ```text
 /// L* = (L − hω×L)·|L|/|L − hω×L|,  L ← (L* + hτ)·max(0, 1 − hγ),  q ← q∘exp(hω_new)
 /// v ← (v + h(a + F/m))·max(0, 1 − hc/m),  x += h v_new
 /// ```
 ///
-/// The explicit step L − hω×L is longer than L by √(1 + h²|ω×L|²/|L|²), because the two terms are
-/// at right angles; rescaling takes out that growth, and with it the blow-up, but not the error in
-/// direction, which drives every spin toward the middle axis: `E → L²/2I_mid`. Damping is the clamped
-/// factor of Jolt (`ApplyForceTorqueAndDragInternal`); quadratic and angular drag, which no engine has,
-/// enter it with their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
+/// The explicit step L − hω×L is longer than L by √(1 + h²|ω×L|²/|L|²), because the two terms are at right
+/// angles. Rescaling removes that growth and with it the blow-up. The error in direction remains and drives
+/// every spin toward the middle axis: `E → L²/2I_mid`.
+///
+/// Damping is the clamped factor of Jolt (`ApplyForceTorqueAndDragInternal`). Quadratic and angular drag,
+/// which no engine has, use their coefficient at the start of the step, `c = c₁ + k₂|v|`,
+/// `γ_i = γ + c_ω/I_i`.
 pub struct EngineRescaled;
 
 impl Integrate for EngineRescaled {
@@ -148,7 +150,8 @@ mod tests {
         assert!((s.body_angular_velocity(&body) - (spin + alpha * t)).length() < 1e-12);
     }
 
-    /// |L| to rounding, bounded at any step, and the energy goes to L²/2I of the middle axis.
+    /// |L| is conserved to rounding, the motion is bounded at any step, and the energy tends to L²/2I of the
+    /// middle axis.
     #[test]
     fn momentum_is_kept_and_energy_goes_to_the_middle() {
         let Case { body, start, .. } = Case::free();

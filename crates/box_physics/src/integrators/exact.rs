@@ -1,4 +1,4 @@
-//! `exact`: the closed-form motion from the last event, so that nothing accumulates.
+//! `exact`: the closed-form motion since the last event, without accumulated errors.
 
 use super::split;
 use super::trajectory::{FreeFlight, Trajectory};
@@ -13,20 +13,20 @@ use crate::state::BodyState;
 
 /// The exact solution under gravity, linear drag −c₁v and angular damping −γL.
 ///
-/// An *event* is whatever the integrator finds changed: an impulse, a teleport, another force, its first
-/// step. From the event, at time t,
+/// An *event* is any change that the integrator detects: an impulse, a teleport, another force, its first
+/// step. At time t after the event,
 ///
 /// ```text
 /// x = x₀ + t (φ₁ v₀ + t φ₂ a),  v = e^{−ζ} v₀ + t φ₁ a          ζ = (c₁/m) t
 /// q = free rotation over s,     L = e^{−γt} L_free(s)           s = (1 − e^{−γt})/γ
 /// ```
 ///
-/// The second line because Euler's equations are quadratic in L: with L = e^{−γt} M, dM/ds = M×M/I, the
-/// free motion in rescaled time. The free rotation is
-/// [`FreeRotation`](crate::free_motion::FreeRotation). Each step evaluates these formulas at its own t and never starts again from its
-/// last result, so the error does not depend on the step and hardly on their number.
+/// The second line follows because Euler's equations are quadratic in L: with L = e^{−γt} M, dM/ds = M×M/I,
+/// the free motion in rescaled time. The free rotation is [`FreeRotation`](crate::free_motion::FreeRotation).
 ///
-/// With any other force, or quadratic or angular drag, it takes the step of `split`, and counts it.
+/// Each step evaluates these formulas at its own t and never restarts from its last result. The error
+/// therefore does not depend on the step size and hardly on the number of steps. With any other force, or
+/// with quadratic or angular drag, the integrator takes a step of `split` and counts it.
 pub struct Exact;
 
 impl Integrate for Exact {
@@ -153,7 +153,7 @@ mod tests {
         }
     }
 
-    /// `symmetric-top` at a step so small that only its own error, ∝ h², is left.
+    /// `symmetric-top` at a step so small that only its error ∝ h² remains.
     #[test]
     fn agrees_with_a_splitting() {
         let (body, start) = tumbling();
@@ -184,7 +184,7 @@ mod tests {
         assert!(energy.abs() < 2e-15);
         assert!(drift.length() < 2e-15 * start.angular_momentum.length());
         assert!((state.rotation.length() - 1.0).abs() < 4e-16);
-        // In one step: phases of 5e4 rad leave 1e-11 of the same rounding.
+        // One step: phases of 5e4 rad leave 1e-11 of the same rounding.
         let mut one = start;
         run(&body, &mut one, &Forces::default(), 1e6 / 60.0, 1);
         assert!(one.attitude_difference(&state) < 1e-10);
@@ -198,7 +198,7 @@ mod tests {
             for _ in 0..600 {
                 Exact::step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
             }
-            // Once with the memory, once from the far end as from an event.
+            // Once with the memory, once from the end state as an event.
             for mut memory in [memory, IntegratorMemory::default()] {
                 let mut back = state;
                 for _ in 0..600 {
@@ -209,7 +209,7 @@ mod tests {
         }
     }
 
-    /// What contact does to find an impact: many trial steps from one state, then one of them kept.
+    /// The contact solver takes many trial steps from one state to find an impact, then keeps one of them.
     #[test]
     fn trial_steps_change_nothing() {
         let (body, start) = tumbling();
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// A change of step keeps the event, a change of anything else does not.
+    /// A change of step size keeps the event; any other change does not.
     #[test]
     fn an_event_is_a_change() {
         let (body, start) = tumbling();

@@ -1,4 +1,4 @@
-//! `explicit-euler`: the first method anyone writes, for teaching.
+//! `explicit-euler`: the simplest method, for teaching.
 
 use super::slope::Slope;
 use super::{

@@ -1,4 +1,4 @@
-//! The exact flows of which `split` and its relatives are composed.
+//! Exact flows for `split` and related integrators.
 
 use glam::DVec3;
 
@@ -12,14 +12,14 @@ use crate::rotation::exponential_map;
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
-/// A flow of the free rotation: what the integrators made of these pieces differ in. (A trait and not a closure,
-/// which cannot be marked to be inlined, and would keep the loop over many bodies from being vectorized.)
+/// A flow of the free rotation, which distinguishes the integrators composed of these flows. (A trait, not a
+/// closure: a closure cannot be marked `#[inline(always)]` and would prevent vectorization over many bodies.)
 pub(crate) trait FreeRotationFlow {
-    /// Over `h` \[s\].
+    /// Advances the free rotation over `h` \[s\].
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64);
 }
 
-/// [`free_rotation`](crate::free_motion::free_rotation), with this sine and cosine.
+/// [`free_rotation`](crate::free_motion::free_rotation) with a given sine and cosine.
 pub(super) struct ExactRotation<'a, T>(pub(super) &'a mut T);
 
 impl<T: Trigonometry> FreeRotationFlow for ExactRotation<'_, T> {
@@ -29,8 +29,8 @@ impl<T: Trigonometry> FreeRotationFlow for ExactRotation<'_, T> {
     }
 }
 
-/// Kick, drift, kick (Strang) with a given flow of the free rotation, or [`damped_step`]. Returns the number of force
-/// evaluations.
+/// Kick, drift, kick (Strang) with a given flow of the free rotation, or [`damped_step`]. Returns the number
+/// of force evaluations.
 #[inline(always)]
 pub(crate) fn kick_drift_kick<F: ForceModel>(
     body: &RigidBox,
@@ -52,9 +52,10 @@ pub(crate) fn kick_drift_kick<F: ForceModel>(
     2
 }
 
-/// The step without contact of which the floor takes the corners' mean velocities: the wrench of the start moves the
-/// body by ½h² of its whole acceleration, as if it were not damped and the pose held. That is what a floor has to
-/// bear that holds the body. Dampers act on what moves already. Order 2; returns the number of force evaluations.
+/// The step without contact from which the floor computes the mean velocities of the corners. The initial
+/// wrench moves the body by ½h² of its whole acceleration, as if undamped and at a fixed pose; a floor that
+/// holds the body must bear that wrench. Dampers act on the existing motion only. Order 2; returns the number
+/// of force evaluations.
 pub(crate) fn impulse_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
@@ -79,12 +80,13 @@ pub(crate) fn impulse_step<F: ForceModel>(
     2
 }
 
-/// A step under a wrench that must be taken together with what damps it, or `false`: ½ drift, whole kick, ½ drift,
-/// order 2, one evaluation. A composition that ends with a kick would leave the velocity hF/2m instead of F/d.
+/// A step under a wrench that must be combined with the damping: ½ drift, whole kick, ½ drift, order 2, one
+/// evaluation. A composition that ends with a kick would leave the velocity hF/2m instead of F/d. Returns
+/// `false` if no such step is necessary.
 ///
-/// With dampers the kick contains all linear damping ([`damped_kick`]) and the weight, and the drifts neither: as
-/// d → ∞ the kick ends at the terminal velocity F/d, with which the drifts move the body. Where only the body's own
-/// damping is fast (rate × step above 1), the drifts contain it, exactly.
+/// With dampers the kick contains all linear damping ([`damped_kick`]) and the weight, and the drifts contain
+/// neither. As d → ∞ the kick ends at the terminal velocity F/d, with which the drifts move the body. If only
+/// the damping of the body itself is fast (rate × step above 1), the drifts contain it exactly.
 #[inline(always)]
 pub(super) fn damped_step<F: ForceModel>(
     body: &RigidBox,
@@ -117,7 +119,7 @@ pub(super) fn damped_step<F: ForceModel>(
     true
 }
 
-/// v += τF/m, L += τT at a fixed pose: one evaluation of the wrench.
+/// Applies v += τF/m, L += τT at a fixed pose: one evaluation of the wrench.
 #[inline(always)]
 pub(super) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
     let w = force.elastic_wrench(body, state);
@@ -125,14 +127,14 @@ pub(super) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force:
     state.angular_momentum += tau * w.torque;
 }
 
-/// Chin's modified kick: [`kick`] over τ with the wrench of the pose that the wrench itself displaces by c \[s²\],
+/// Chin's modified kick: [`kick`] over τ with the wrench at a pose displaced by that wrench times c \[s²\],
 ///
 /// ```text
 /// x̃ = x + c F/m,  q̃ = q∘exp(c e),  e = T/I:   v += τ F̃/m,  L += τ (T̃ + c e×T)
 /// ```
 ///
-/// the flow of the kick and its double commutator with the drift (Chin, Phys. Lett. A 226 (1997) 344; the term e×T is
-/// that of body axes, Omelyan, J. Chem. Phys. 127 (2007) 044102). Two evaluations of the wrench.
+/// the flow of the kick and its double commutator with the drift (Chin, Phys. Lett. A 226 (1997) 344). The
+/// term e×T comes from body axes (Omelyan, J. Chem. Phys. 127 (2007) 044102). Two evaluations of the wrench.
 #[inline(always)]
 pub(super) fn modified_kick<F: ForceModel>(
     body: &RigidBox,
@@ -151,7 +153,7 @@ pub(super) fn modified_kick<F: ForceModel>(
     state.angular_momentum += tau * (there.torque + c * e.cross(w.torque));
 }
 
-/// Everything but the wrench over `h`: the exact pieces round the exact middle.
+/// All terms except the wrench over `h`: half dissipation, exact drift, half dissipation.
 #[inline(always)]
 pub(super) fn drift<F: ForceModel>(
     body: &RigidBox,
@@ -172,8 +174,8 @@ pub(super) fn drift<F: ForceModel>(
     half_dissipation(body, state, &d, 0.5 * h);
 }
 
-/// Gravity with linear drag, and free rotation with angular damping, over `h`: both exact, but for
-/// the flow of the free rotation itself.
+/// Gravity with linear drag, and free rotation with angular damping, over `h`. Exact except for the flow of
+/// the free rotation itself.
 #[inline(always)]
 pub(super) fn exact_drift(
     body: &RigidBox,

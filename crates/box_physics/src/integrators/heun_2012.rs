@@ -1,4 +1,4 @@
-//! `heun-2012`: what the 2012 dissertation called "implicit Euler", under its true name.
+//! `heun-2012`: the method that the 2012 dissertation called "implicit Euler".
 
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
@@ -10,11 +10,11 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new; the angular momentum likewise, then
-/// q ← q∘exp(h ω_new).
+/// k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new. The angular momentum uses the same formula,
+/// then q ← q∘exp(h ω_new).
 ///
-/// It is explicit: Heun's method on the velocity. The position by the new velocity costs the second
-/// order again: under gravity it is ahead by exactly ½ g h t.
+/// The method is explicit: Heun's method on the velocity. Moving the position by the new velocity loses the
+/// second order: under gravity it is ahead by exactly ½ g h t.
 pub struct Heun2012;
 
 impl Integrate for Heun2012 {

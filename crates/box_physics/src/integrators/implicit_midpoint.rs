@@ -1,4 +1,4 @@
-//! `implicit-midpoint`: the honest implicit method, A-stable and conserving.
+//! `implicit-midpoint`: the implicit midpoint rule, A-stable and conserving.
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
@@ -11,7 +11,7 @@ use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose};
 use crate::state::BodyState;
 
-/// The implicit midpoint rule, on the rotation with Cayley's map:
+/// The implicit midpoint rule, with Cayley's map for the rotation:
 ///
 /// ```text
 /// v_m  = v₀ + h/2 (a − (c₁ + k₂|v_m|) v_m/m + F/m),            v₁ = 2v_m − v₀,    x₁ = x₀ + h v_m
@@ -19,20 +19,26 @@ use crate::state::BodyState;
 /// ```
 ///
 /// Free motion: `L₁ − L₀ = h L_m×ω_m` is at right angles to `ω_m` and to `L_m = ½(L₀ + L₁)`, so energy and
-/// |L| do not change; and `cay(hω_m) L₁ = L₀` (that map is *defined* by v' − v = hω×½(v' + v)), so neither
-/// does L in the world. (To rounding, which grows with the turn of a step: a needle's energy was kept to 4e-11 at
-/// |ω|h = 2e6 and to 5e-9 at 2e8; from 1e14 on, where a turn has no digits left, it is not, and the solver gives up now
-/// and then.) On linear drag R(z) = (1 + z/2)/(1 − z/2): never above 1, but −1 for z → −∞.
+/// |L| do not change. L in the world does not change either, because `cay(hω_m) L₁ = L₀` (that map is
+/// *defined* by v' − v = hω×½(v' + v)).
 ///
-/// With a wrench the equations are solved together (`implicit_stage`), A-stable on springs.
-/// The wrench is the mean of those at the two attitudes q₀ and q₁ (at `x_m, v_m, ω_m`), its torque the
-/// mean in *world* axes, brought to body axes as `T = t − h/2 ω_m×t`, `t = q₀*T_w`. Then
-/// L₁ = cay⁻¹(L₀ + h t): world torque adds to the world momentum exactly. And since the chord
-/// R₁r − R₀r = hω×½(R₀ + R₁)r, the work F·Δx + T·hω of springs of zero length and of constant world
-/// forces at body points is exactly the potential they lose: energy is kept with them too, at any
-/// step (Simo and Wong's energy–momentum method). What limits a very stiff spring at a corner is finding
-/// the root: while the box turns by more than about a radian a step, steps are parted and reported, and
-/// beyond √(k/m) h ≈ 100 some end as `split`'s (`shortened`). A central spring has no limit.
+/// All three hold to rounding, which grows with the turn of a step. For a needle the energy was conserved to
+/// 4e-11 at |ω|h = 2e6 and to 5e-9 at 2e8. From 1e14 on, a turn has no digits left, energy is not conserved,
+/// and the solver occasionally fails. On linear drag R(z) = (1 + z/2)/(1 − z/2): never above 1, but −1 for
+/// z → −∞.
+///
+/// With a wrench the equations are solved together (`implicit_stage`), A-stable on springs. The wrench is the
+/// mean of those at the two attitudes q₀ and q₁ (at `x_m, v_m, ω_m`). The torque is the mean in *world* axes,
+/// converted to body axes as `T = t − h/2 ω_m×t`, `t = q₀*T_w`. Then L₁ = cay⁻¹(L₀ + h t): world torque adds
+/// to the world momentum exactly.
+///
+/// The chord is R₁r − R₀r = hω×½(R₀ + R₁)r. For springs of zero length and constant world forces at body
+/// points, the work F·Δx + T·hω is therefore exactly the potential that they lose. Energy is conserved with
+/// them too, at any step (Simo and Wong's energy–momentum method).
+///
+/// The limit for a very stiff spring at a corner is finding the root. While the box turns by more than about
+/// a radian per step, steps are divided and reported. Beyond √(k/m) h ≈ 100 some become steps of `split`
+/// (`shortened`). A central spring has no limit.
 pub struct ImplicitMidpoint;
 
 impl Integrate for ImplicitMidpoint {
@@ -154,7 +160,7 @@ mod tests {
         assert!((s.position - (4.0 * v + 8.0 * g)).length() < 1e-12);
     }
 
-    /// Every dissipation at once: the step satisfies its own equations.
+    /// All kinds of dissipation at once: the step satisfies its equations.
     #[test]
     fn solves_its_equations() {
         let case = Case::free();
@@ -196,7 +202,7 @@ mod tests {
         }
     }
 
-    /// Energy and world momentum at any step, every step converged.
+    /// Conserves energy and world momentum at any step, and every step converges.
     #[test]
     fn keeps_energy_and_momentum() {
         let Case { body, start, .. } = Case::free();
@@ -220,7 +226,7 @@ mod tests {
         }
     }
 
-    /// On a central spring a step turns the phase by 2 atan(ωh/2), however stiff it is.
+    /// On a central spring a step turns the phase by 2 atan(ωh/2), at any stiffness.
     #[test]
     fn oscillator_phase() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
@@ -255,8 +261,8 @@ mod tests {
         assert!((s.angular_momentum - DVec3::Z * 4.0).length() < 1e-12);
     }
 
-    /// Energy with a spring at a corner, soft to stiff (√(k/m) h from 0.1 to 10), and with a dipole.
-    /// The stiffest spins the box by a radian a step: such steps are parted and reported.
+    /// Energy with a spring at a corner, soft to stiff (√(k/m) h from 0.1 to 10), and with a dipole. The
+    /// stiffest spins the box by a radian per step: such steps are divided and reported.
     #[test]
     fn keeps_energy_under_force() {
         let body = brick();
@@ -310,7 +316,7 @@ mod tests {
         }
     }
 
-    /// A negative step that cancels the damping has no solution: `split` takes it, and it is reported.
+    /// A negative step that cancels the damping has no solution: `split` takes the step, which is reported.
     #[test]
     fn an_unsolvable_step_is_reported() {
         let body = brick();

@@ -5,9 +5,9 @@
 //! Iω = L₀ + τ (Iω×ω − γ Iω − c_ω ω + T)                  body axes
 //! ```
 //!
-//! where F, T is the wrench at the stage's own pose and velocities. For a *given* wrench both have a
-//! root that can always be found (`stage_equations`). So the unknown of the coupled problem is the
-//! wrench, six numbers, and without a wrench there is none.
+//! F, T is the wrench at the pose and velocities of the stage. For a *given* wrench both equations have a
+//! root that can always be found (`stage_equations`). The unknown of the coupled problem is therefore the
+//! wrench, six numbers; without a wrench there is no unknown.
 
 use glam::DVec3;
 
@@ -20,23 +20,23 @@ use crate::force::{ForceModel, Wrench};
 use crate::math::AnyArgument;
 use crate::state::BodyState;
 
-/// Shortest part of a step that is tried: a 1024th.
+/// Largest number of parts of a step.
 const MOST_PARTS: u32 = 1024;
 
-/// What came of a step.
+/// Result of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Attempt {
     Solved(Stage),
-    /// No convergence, after so many evaluations.
+    /// No convergence, after this many evaluations.
     Unconverged(u32),
-    /// The equations have no solution: a negative step that cancels the dissipation, or no finite state.
+    /// The equations have no solution: a negative step cancels the dissipation, or the state is not finite.
     Unsolvable,
 }
 
-/// A whole step by `one`, which leaves the state alone unless it solves its equations. Where they do
-/// not converge (a stiff spring that turns the box by more than a radian a step), the step is taken in
-/// 4, 16, … 1024 shorter ones, each as stable as the whole, and reported as unconverged; a step that even
-/// so cannot be taken is `split`'s, and reported as a fallback.
+/// Takes a whole step by `one`, which leaves the state unchanged unless it solves its equations. The
+/// equations may not converge if a stiff spring turns the box by more than a radian per step. The step is
+/// then divided into 4, 16, … 1024 shorter ones, each as stable as the whole, and reported as unconverged. If
+/// that also fails, `split` takes the step, which is reported as a fallback.
 #[inline(always)]
 pub(super) fn shortened<F: ForceModel>(
     body: &RigidBox,
@@ -92,12 +92,12 @@ fn in_parts<F: ForceModel>(
     outcome
 }
 
-/// Solves the stage equations. `wrench_at` gives the wrench for the stage's velocity and angular
-/// velocity, by as many evaluations of the force as `each` says.
+/// Solves the stage equations. `wrench_at` returns the wrench for the velocity and angular velocity of the
+/// stage, with `each` evaluations of the force.
 ///
-/// With a wrench the unknowns are z = (τF/m, τ ρ I⁻¹T), two velocities [m/s] (ρ the box's radius); they
-/// are iterated to 2e-15 of the velocities about, or to what rounding of the pose amounts to,
-/// ε(|x| + ρ)/τ ([`Scales`]).
+/// With a wrench the unknowns are z = (τF/m, τ ρ I⁻¹T), two velocities [m/s], with ρ the radius of the box.
+/// They are iterated to 2e-15 of the velocities involved, or to the rounding of the pose, ε(|x| + ρ)/τ
+/// ([`Scales`]).
 #[inline(always)]
 pub(super) fn solve<F: ForceModel>(
     body: &RigidBox,

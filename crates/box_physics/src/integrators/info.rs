@@ -1,9 +1,9 @@
-//! What an integrator says of itself: the one place for its name, order, cost, range and properties. The
-//! menu, the report, the documentation and the tests all read it here, and the tests hold it to it.
+//! Properties of an integrator: the only place for its name, order, cost, stable range and conserved
+//! quantities. The menu, the report and the documentation read them here, and the tests check them.
 
 use core::fmt;
 
-/// The parts of the force model, each with an order of its own.
+/// The parts of the force model, each with a separate order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Channel {
     /// Uniform acceleration: the parabola.
@@ -14,7 +14,7 @@ pub enum Channel {
     QuadraticDrag,
     /// The gyroscopic term: free rotation of an asymmetric body.
     Rotation,
-    /// Torque that depends on the attitude, or is constant in some axes.
+    /// Torque that depends on the attitude or is constant in some axes.
     Torque,
     /// Spring at a body point.
     Spring,
@@ -25,7 +25,7 @@ pub enum Channel {
 }
 
 impl Channel {
-    /// Every channel.
+    /// All channels.
     pub const ALL: [Self; 8] = [
         Self::Gravity,
         Self::LinearDrag,
@@ -37,7 +37,7 @@ impl Channel {
         Self::AngularDrag,
     ];
 
-    /// As a heading.
+    /// Heading of the channel.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gravity => "gravity",
@@ -55,7 +55,7 @@ impl Channel {
 /// Order of convergence of the global error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// No truncation error: rounding alone.
+    /// No truncation error, only rounding.
     Exact,
     /// Error ∝ hᵖ.
     Of(u8),
@@ -122,14 +122,14 @@ impl Orders {
     }
 }
 
-/// Up to where an integrator stays bounded.
+/// Range of step sizes in which an integrator stays bounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// At every step.
+    /// Bounded at every step.
     None,
-    /// Up to this value of the dimensionless step.
+    /// Bounded up to this value of the dimensionless step.
     Below(f64),
-    /// Not for any step: the amplitude grows slowly or quickly.
+    /// Not bounded at any step: the amplitude grows slowly or quickly.
     AlwaysGrows,
 }
 
@@ -143,7 +143,7 @@ impl fmt::Display for Limit {
     }
 }
 
-/// Stable ranges in the four dimensionless steps that matter.
+/// Stable ranges in four dimensionless steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stability {
     /// |ω| h of a free tumbling body.
@@ -152,23 +152,23 @@ pub struct Stability {
     pub drag: Limit,
     /// d h / m of a damper at the center of mass.
     pub damper: Limit,
-    /// √(k/m) h of an undamped spring at the center of mass. At a corner a spring turns the box as well,
-    /// which an implicit integrator's iteration may not follow at extreme stiffness (then counted).
+    /// √(k/m) h of an undamped spring at the center of mass. A spring at a corner also turns the box. There
+    /// the iteration of an implicit integrator may fail at extreme stiffness, which is counted.
     pub oscillator: Limit,
 }
 
-/// What becomes of the energy of a free tumbling body.
+/// Behavior of the energy of a free tumbling body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EnergyBehavior {
     /// Constant to rounding.
     Exact,
-    /// Oscillates within a band ∝ hᵖ without a trend.
+    /// Oscillates within a band ∝ hᵖ without drift.
     Bounded,
-    /// Falls.
+    /// Decreases.
     Dissipates,
-    /// Rises.
+    /// Increases.
     Gains,
-    /// Falls or rises slowly, by the motion.
+    /// Decreases or increases slowly, depending on the motion.
     Drifts,
 }
 
@@ -184,29 +184,30 @@ impl fmt::Display for EnergyBehavior {
     }
 }
 
-/// What an integrator keeps of a free tumbling body, to rounding unless said otherwise.
+/// Quantities of a free tumbling body that an integrator conserves, to rounding unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Keeps {
-    /// The energy.
+    /// Behavior of the energy.
     pub energy: EnergyBehavior,
     /// |L|, the magnitude of the angular momentum.
     pub momentum_magnitude: bool,
     /// L in world axes, magnitude and direction.
     pub momentum: bool,
-    /// n steps forwards and n backwards return to the start.
+    /// n steps forward and n backward return to the start.
     pub reversible: bool,
 }
 
 /// Force evaluations per step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Evaluations {
-    /// With uniform gravity and dissipation alone.
+    /// With uniform gravity and dissipation only.
     pub free: u32,
     /// With a state-dependent force.
     pub forced: u32,
-    /// At most this many more in a step without enough of a memory: the first, and after a change from outside.
+    /// Maximum number of additional evaluations in a step without enough memory: the first, and after an
+    /// external change.
     pub starting: u32,
-    /// Whether the integrator iterates: then both are per iteration.
+    /// `true` if the integrator iterates: then both numbers are per iteration.
     pub per_iteration: bool,
 }
 
@@ -221,7 +222,7 @@ impl Evaluations {
         }
     }
 
-    /// The same with first steps that cost so many more.
+    /// Sets the number of additional evaluations of starting steps.
     #[must_use]
     pub const fn starting(self, starting: u32) -> Self {
         Self { starting, ..self }
@@ -239,7 +240,7 @@ impl Evaluations {
 }
 
 impl fmt::Display for Evaluations {
-    /// `1 · 2`: free, forced; `1 · 2 per iteration`.
+    /// Format: `1 · 2` (free, forced), or `1 · 2 per iteration`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} · {}", self.free, self.forced)?;
         if self.per_iteration {
@@ -249,21 +250,21 @@ impl fmt::Display for Evaluations {
     }
 }
 
-/// The part of the menu that an integrator is listed in. The menu has the groups in this order.
+/// Section of the menu that lists the integrator, in menu order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MenuGroup {
-    /// Made for this library.
+    /// Developed for this library.
     Ours,
-    /// Of the textbooks on ordinary differential equations and mechanics.
+    /// From textbooks on ordinary differential equations and mechanics.
     Textbook,
-    /// What game engines and simulators do.
+    /// From game engines and simulators.
     Engines,
-    /// Of the dissertation of 2012.
+    /// From the dissertation of 2012.
     Dissertation2012,
 }
 
 impl MenuGroup {
-    /// As a heading.
+    /// Heading of the group.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ours => "Ours",
@@ -274,7 +275,7 @@ impl MenuGroup {
     }
 }
 
-/// Everything an integrator says of itself.
+/// All properties of an integrator.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -289,22 +290,22 @@ impl MenuGroup {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorInfo {
-    /// As typed on a command line and in files: lower case, hyphens.
+    /// Identifier on the command line and in files: lower case, hyphens.
     pub id: &'static str,
-    /// As shown in a menu.
+    /// Display name.
     pub name: &'static str,
-    /// Where in the menu.
+    /// Section of the menu.
     pub group: MenuGroup,
-    /// One plain sentence for a tooltip.
+    /// One sentence for a tooltip.
     pub summary: &'static str,
     /// Author, year, equation.
     pub source: &'static str,
-    /// Order per channel.
+    /// Order of convergence per channel.
     pub orders: Orders,
     /// Force evaluations per step.
     pub evaluations: Evaluations,
     /// Stable ranges.
     pub stability: Stability,
-    /// What it keeps.
+    /// Conserved quantities.
     pub keeps: Keeps,
 }

@@ -1,4 +1,4 @@
-//! What an integrator may remember of a body between steps.
+//! Memory of an integrator about a body between steps.
 
 use core::any::{Any, TypeId};
 use core::fmt::Debug;
@@ -13,12 +13,12 @@ use crate::ecs::*;
 use crate::force::{Dissipation, ForceModel};
 use crate::state::BodyState;
 
-/// An integrator's memory of one body. Most integrators need none and never touch it. It is checked, not
-/// trusted: the library drops it whenever state, body or forces are not bit for bit what the integrator
-/// last left, so teleports, impulses and live switching need no notice. An empty memory is always valid.
+/// An integrator's memory of one body. Most integrators need none and never access it. The library checks it:
+/// it discards the memory unless state, body and forces match the last step of the integrator bit for bit.
+/// Teleports, impulses and live switching therefore need no notice. An empty memory is always valid.
 ///
 /// To try several steps from one state, copy the memory into a scratch one with
-/// [`clone_from`](Clone::clone_from), which reuses what the scratch has allocated.
+/// [`clone_from`](Clone::clone_from), which reuses the allocation of the scratch.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -49,7 +49,7 @@ use crate::state::BodyState;
     reflect(Serialize, Deserialize)
 )]
 pub struct IntegratorMemory {
-    /// Allocated when an integrator first remembers something of the body, then overwritten in place.
+    /// Allocated when an integrator first stores a memory of the body, then overwritten in place.
     kept: Option<Box<Kept>>,
 }
 
@@ -66,14 +66,14 @@ impl Clone for IntegratorMemory {
 }
 
 impl IntegratorMemory {
-    /// What `S` has stored, whether or not it still holds.
+    /// The stored memory of `S`, valid or not.
     #[cfg(test)]
     pub(super) fn peek<S: Integrate>(&self) -> Option<S::Memory> {
         let mut content = self.kept.as_ref()?.content.clone();
         content.of::<S>().cloned()
     }
 
-    /// Runs `step`, one step of `S`, with what `S` remembers of the body.
+    /// Runs `step`, one step of `S`, with the memory of `S` about the body.
     #[inline(always)]
     pub(super) fn during<S: Integrate, F: ForceModel, R>(
         &mut self,
@@ -105,18 +105,18 @@ impl IntegratorMemory {
     }
 }
 
-/// A memory, and for what it holds.
+/// A memory and the situation for which it is valid.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Kept {
-    /// `None` for forces that cannot say whether they are the same: then the memory never holds.
+    /// `None` for forces without a fingerprint: then the memory is never valid.
     situation: Option<Situation>,
-    /// The state that the step left.
+    /// The state after the step.
     last: BodyState,
     content: Content,
 }
 
-/// All that a step depends on besides the state and its length.
+/// Inputs of a step besides the state and the step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Situation {
@@ -142,13 +142,13 @@ impl Situation {
     }
 }
 
-/// What the integrator `S` remembers of the body that it steps.
+/// The memory of the integrator `S` about the body that it steps.
 ///
-/// It is there only if body, state and forces are bit for bit what the last step of `S` left; the length of
-/// the step is the integrator's own to compare. A step that neither recalls nor stores anything leaves the
-/// memory as it was, valid for the state it belongs to.
+/// It is present only if body, state and forces match the last step of `S` bit for bit. The integrator itself
+/// compares the step size. A step that neither recalls nor stores leaves the memory unchanged and valid for
+/// its state.
 pub struct MemorySlot<'a, S: Integrate> {
-    /// `None`: nothing can be stored.
+    /// `None` if nothing can be stored.
     memory: Option<&'a mut IntegratorMemory>,
     holds: bool,
     used: bool,
@@ -156,7 +156,7 @@ pub struct MemorySlot<'a, S: Integrate> {
 }
 
 impl<S: Integrate> MemorySlot<'_, S> {
-    /// A slot that stays empty, for integrators that remember nothing.
+    /// A slot that stays empty, for integrators without a memory.
     #[inline(always)]
     pub(super) const fn none() -> Self {
         Self {
@@ -167,7 +167,7 @@ impl<S: Integrate> MemorySlot<'_, S> {
         }
     }
 
-    /// What the last step left, if this one follows it.
+    /// Memory of the last step, if this step follows it.
     #[inline(always)]
     pub fn recall(&mut self) -> Option<&mut S::Memory> {
         if !self.holds {
@@ -179,8 +179,8 @@ impl<S: Integrate> MemorySlot<'_, S> {
         memory
     }
 
-    /// Remembers `memory` until the next step. An integrator that is not on the list of
-    /// [`Integrator`](super::Integrator) has nowhere to store it: every step is then its first.
+    /// Stores `memory` until the next step. An integrator that is not on the list of
+    /// [`Integrator`](super::Integrator) cannot store it, so every step is its first.
     #[inline(always)]
     pub fn store(&mut self, memory: S::Memory) {
         let (Some(slot), Some(content)) = (&mut self.memory, Content::new::<S>(memory)) else {
@@ -200,24 +200,25 @@ impl<S: Integrate> MemorySlot<'_, S> {
     }
 }
 
-/// What a memory has to be: plain values that can be copied, compared and, with the feature `serde`, saved.
+/// Requirements for a memory: plain values that can be copied, compared and, with the feature `serde`,
+/// serialized.
 pub trait Remember: Saved + Clone + Debug + PartialEq + Send + Sync + 'static {}
 
 impl<T: Saved + Clone + Debug + PartialEq + Send + Sync + 'static> Remember for T {}
 
-/// Serializable, with the feature `serde`; anything, without.
+/// Serializable with the feature `serde`; without it, no requirement.
 #[cfg(feature = "serde")]
 pub trait Saved: serde::Serialize + serde::de::DeserializeOwned {}
 #[cfg(feature = "serde")]
 impl<T: serde::Serialize + serde::de::DeserializeOwned> Saved for T {}
 
-/// Serializable, with the feature `serde`; anything, without.
+/// Serializable with the feature `serde`; without it, no requirement.
 #[cfg(not(feature = "serde"))]
 pub trait Saved {}
 #[cfg(not(feature = "serde"))]
 impl<T> Saved for T {}
 
-/// `value` as a `T`, if `S` is `Owner`: the same integrator, so the same type.
+/// `value` as a `T`, if `S` and `Owner` are the same integrator and therefore the same type.
 #[inline(always)]
 pub(super) fn same<S: 'static, Owner: 'static, T: 'static>(value: &mut dyn Any) -> Option<&mut T> {
     if TypeId::of::<S>() == TypeId::of::<Owner>() {
@@ -248,13 +249,13 @@ mod tests {
         assert!(scratch != memory);
         scratch.clone_from(&memory);
         assert!(scratch == memory && address(&scratch) == first && first.is_some());
-        // An event overwrites in place as well.
+        // An event also overwrites in place.
         state.velocity = DVec3::X;
         Integrator::Exact.step(&body, &mut state, &law, 0.1, &mut memory);
         assert_eq!(address(&memory), own);
     }
 
-    /// Whatever can be stepped with a memory: an integrator, or a dishonest one of these tests.
+    /// A method with a memory: an integrator, or a faulty one of these tests.
     trait Steps {
         type Memory: Default;
         fn step<F: ForceModel>(
@@ -265,7 +266,7 @@ mod tests {
             h: f64,
             memory: &mut Self::Memory,
         );
-        /// The largest difference that a change of the step may make: rounding, for closed forms.
+        /// Maximum difference that a change of the step may cause: rounding, for closed forms.
         fn slack(&self, force: &Forces) -> f64;
     }
 
@@ -296,7 +297,7 @@ mod tests {
         }
     }
 
-    /// What a step depends on.
+    /// Inputs of a step.
     #[derive(Clone, PartialEq)]
     struct Scene {
         body: RigidBox,
@@ -414,8 +415,8 @@ mod tests {
             .max((a.rotation - b.rotation).length())
     }
 
-    /// After a change of state, body, forces or step, a step with what was remembered must be the step from
-    /// an empty memory.
+    /// After a change of state, body, forces or step size, a step with the memory must equal the step from an
+    /// empty memory.
     fn honest<S: Steps>(stepper: &S) -> Result<(), String> {
         for scene in [Scene::free(), Scene::forced()] {
             for (what, change) in CHANGES {
@@ -455,7 +456,7 @@ mod tests {
         }
     }
 
-    /// A model that does not say whether it is the same as before.
+    /// A model that does not report whether it has changed.
     struct Motor(f64);
 
     impl ForceModel for Motor {
@@ -494,7 +495,7 @@ mod tests {
         }
     }
 
-    /// A two-step method that does not look at one of the things that its memory depends on.
+    /// A two-step method that ignores one of the inputs of its memory.
     struct Careless(&'static str);
 
     #[derive(Clone, Copy, PartialEq)]

@@ -1,9 +1,10 @@
-//! The numerical integrators. **One integrator is one file and one line in the list below**; the menu, the
+//! The numerical integrators. **An integrator is one file and one line in the list below**; the menu, the
 //! report, the benchmarks and the convergence tests follow from the list.
 //!
-//! To add one: write `my_integrator.rs` beside the others, with a unit type, its formula and source, an
-//! [`impl Integrate`](Integrate) and its tests; add `MyIntegrator = my_integrator,` to `integrators!`. The tests
-//! then hold it to what its [`IntegratorInfo`] claims. `ARCHITECTURE.md` has the steps and a model of each kind.
+//! To add one, write `my_integrator.rs` in this directory with a unit type, its formula and source, an
+//! [`impl Integrate`](Integrate) and its tests. Add `MyIntegrator = my_integrator,` to `integrators!`. The
+//! tests then check the claims of its [`IntegratorInfo`]. `ARCHITECTURE.md` has the steps and a model of each
+//! kind.
 
 mod batch;
 mod damped_kick;
@@ -41,25 +42,25 @@ use crate::state::BodyState;
 
 /// A numerical integrator for translation and rotation.
 ///
-/// An integrator writes one function, [`advance`](Self::advance), once for a single body and for SIMD lanes.
+/// An integrator implements one function, [`advance`](Self::advance), for a single body and for SIMD lanes.
 pub trait Integrate: Sized + 'static {
     /// Name, order, cost and properties.
     const INFO: IntegratorInfo;
 
-    /// Whether a step in free flight branches: on a number, by iterating, or on a memory. An integrator that does
-    /// not is stepped two or four bodies at a time. A choice between two numbers is not a branch, and neither is a
-    /// question that [`Gravity`](crate::force::Gravity) answers when the code is compiled, as
-    /// [`ForceModel::has_wrench`] is.
+    /// `true` if a step in free flight branches: on a number, by iterating, or on a memory. Integrators
+    /// without branches step two or four bodies at a time. Selecting one of two numbers is not a branch.
+    /// Neither is a condition that [`Gravity`](crate::force::Gravity) decides at compile time, such as
+    /// [`ForceModel::has_wrench`].
     const BRANCHES: bool = false;
 
-    /// What it remembers of a body from one step to the next; `()` for nothing.
+    /// Memory of a body from one step to the next; `()` for none.
     type Memory: Remember;
 
-    /// Advances `state` by `h` ≠ 0 \[s\] under `force`. A negative `h` runs a reversible integrator backwards and
-    /// is otherwise merely another step.
+    /// Advances `state` by `h` ≠ 0 \[s\] under `force`. A negative `h` runs a reversible integrator backward;
+    /// for other integrators it is an ordinary step.
     ///
-    /// Sines and cosines come from `trigonometry`, which has a branch for one body and none for many. Mark the
-    /// function `#[inline(always)]`, and what it calls: a loop with a call in it is not vectorized.
+    /// Take sines and cosines from `trigonometry`, which has a branch for one body and none for many. Mark
+    /// this function and its callees `#[inline(always)]`: a loop that contains a call is not vectorized.
     fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
@@ -69,7 +70,7 @@ pub trait Integrate: Sized + 'static {
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome;
 
-    /// Advances `state` by `h` \[s\] under `force`. `h` = 0 is the identity, bit for bit.
+    /// Advances `state` by `h` \[s\] under `force`. `h` = 0 leaves every bit unchanged.
     #[inline(always)]
     fn step<F: ForceModel>(
         body: &RigidBox,
@@ -90,8 +91,8 @@ pub trait Integrate: Sized + 'static {
         })
     }
 
-    /// Steps the bodies of `group` in free flight, each bit for bit as [`Integrate::step`] under
-    /// [`Gravity`](crate::force::Gravity): several at a time unless the integrator branches.
+    /// Steps the bodies of `group` in free flight: several at a time unless the integrator branches. Each
+    /// result equals that of [`Integrate::step`] under [`Gravity`](crate::force::Gravity) bit for bit.
     fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
         const {
             let plain = size_of::<Self::Memory>() == 0 && !Self::INFO.evaluations.per_iteration;
@@ -108,20 +109,20 @@ pub trait Integrate: Sized + 'static {
     }
 }
 
-/// What a step cost and whether it had to give way.
+/// Cost of a step, and its fallbacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct StepOutcome {
     /// Evaluations of the force model.
     pub evaluations: u64,
-    /// Steps that the integrator handed to `split`, because it does not apply.
+    /// Steps handed to `split`, because the integrator does not apply.
     pub fallbacks: u64,
     /// Iterations that ended at their cap instead of their tolerance.
     pub unconverged: u64,
 }
 
 impl StepOutcome {
-    /// A plain step of `evaluations` force evaluations.
+    /// An ordinary step of `evaluations` force evaluations.
     #[inline(always)]
     pub const fn plain(evaluations: u32) -> Self {
         Self {
@@ -132,7 +133,7 @@ impl StepOutcome {
     }
 }
 
-/// So many alike.
+/// The sum of `count` equal outcomes.
 impl core::ops::Mul<u64> for StepOutcome {
     type Output = Self;
 
@@ -157,9 +158,9 @@ impl core::ops::AddAssign for StepOutcome {
 
 /// Code that is generic over the integrator; see [`Integrator::dispatch`].
 pub trait IntegratorVisitor {
-    /// What it returns.
+    /// Result of the visit.
     type Output;
-    /// Runs with the integrator as a type, so that the loop inside is compiled for it.
+    /// Runs with the integrator as a type, so that the inner loop is compiled for it.
     fn visit<S: Integrate>(self) -> Self::Output;
 }
 
@@ -168,7 +169,7 @@ macro_rules! integrators {
         $(mod $module;)+
         $(pub use $module::$name;)+
 
-        /// A choice of integrator: every integrator there is, in the order of the menu.
+        /// A choice of integrator. The variants are in menu order.
         ///
         /// ```
         /// use box_physics::prelude::*;
@@ -202,7 +203,7 @@ macro_rules! integrators {
         }
 
         impl Content {
-            /// What `S` remembers, if it is `S` whose memory this is.
+            /// The memory of `S`, if this is the memory of `S`.
             #[inline(always)]
             fn of<S: Integrate>(&mut self) -> Option<&mut S::Memory> {
                 match self {
@@ -210,7 +211,7 @@ macro_rules! integrators {
                 }
             }
 
-            /// `None` if `S` is not on the list.
+            /// Returns `None` if `S` is not on the list.
             #[inline(always)]
             fn new<S: Integrate>(memory: S::Memory) -> Option<Self> {
                 let mut memory = Some(memory);
@@ -222,10 +223,10 @@ macro_rules! integrators {
         }
 
         impl Integrator {
-            /// Every integrator, in the order of the menu.
+            /// All integrators, in menu order.
             pub const ALL: &[Self] = &[$(Self::$name),+];
 
-            /// What the integrator says of itself.
+            /// Name, order, cost and properties of the integrator.
             pub const fn info(self) -> &'static IntegratorInfo {
                 match self {
                     $(Self::$name => const { &<$name as Integrate>::INFO },)+
@@ -240,7 +241,7 @@ macro_rules! integrators {
                 }
             }
 
-            /// One step of one body by the chosen integrator; see [`Integrate::step`].
+            /// Advances one body by one step of the chosen integrator; see [`Integrate::step`].
             #[inline]
             pub fn step<F: ForceModel>(
                 self,
@@ -282,17 +283,17 @@ integrators! {
 }
 
 impl Integrator {
-    /// As typed: `split`, `rk4`, …
+    /// Identifier on the command line and in files: `split`, `rk4`, …
     pub const fn id(self) -> &'static str {
         self.info().id
     }
 
-    /// As shown.
+    /// Display name.
     pub const fn name(self) -> &'static str {
         self.info().name
     }
 
-    /// Place in the menu, from 0.
+    /// Position in the menu, from 0.
     pub const fn index(self) -> usize {
         self as usize
     }
@@ -304,10 +305,10 @@ impl fmt::Display for Integrator {
     }
 }
 
-/// No integrator has this id; the message lists those there are.
+/// Error for an unknown integrator id; the message lists the valid ids.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownIntegrator {
-    /// What was typed.
+    /// The given text.
     pub given: String,
 }
 
@@ -339,7 +340,7 @@ impl FromStr for Integrator {
     }
 }
 
-/// Saved under its id.
+/// Serialized as its id.
 #[cfg(feature = "serde")]
 impl serde::Serialize for Integrator {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -413,7 +414,7 @@ mod tests {
                     let spent = i
                         .step(&body, &mut state, &law, 1.0 / 60.0, &mut memory)
                         .evaluations;
-                    // The first starts, the last does not; between them a long memory fills.
+                    // The first step starts and the last does not; between them a long memory fills.
                     let (least, most) = match step {
                         1 => (claim + claimed.starting, claim + claimed.starting),
                         8 => (claim, claim),

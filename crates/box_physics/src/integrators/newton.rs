@@ -1,29 +1,29 @@
-//! A globalised quasi-Newton solver for six equations z = f(z): what the implicit integrators iterate when
-//! a force depends on where the step ends.
+//! A globalized quasi-Newton solver for six equations z = f(z). The implicit integrators use it for forces
+//! that depend on the end of the step.
 
-/// Iterations allowed; a stiff spring takes about ten, a soft one four.
+/// Maximum number of iterations; a stiff spring takes about ten, a soft one four.
 const ITERATIONS: u32 = 30;
-/// Smallest fraction of a Newton step tried before giving up.
+/// Smallest fraction of a Newton step that is tried.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
-/// A Jacobian is kept while each iteration makes the correction this many times smaller.
+/// Contraction of the correction per iteration below which the Jacobian is kept.
 const KEEP_BELOW: f64 = 0.1;
-/// Forward difference, relative to the scale of the unknowns: √ε, where its truncation and its rounding
-/// are about equal.
+/// Forward difference relative to the scale of the unknowns: √ε, where truncation and rounding errors are
+/// about equal.
 const DIFFERENCE: f64 = 1.5e-8;
 
 /// Six unknowns or equations.
 pub(super) type Six = [f64; 6];
 
-/// What the unknowns and their rounding measure, in the units of the unknowns.
+/// Scales of the unknowns and of their rounding, in the units of the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
-    /// Size of what stands beside them in the equations: a correction below 2e-15 of it (and of the
-    /// unknowns) is convergence, and so is one below 1e-9 of it once the corrections stop falling.
+    /// Size of the other terms in the equations. A correction below 2e-15 of it (and of the unknowns) is
+    /// convergence. So is a correction below 1e-9 of it once the corrections stop falling.
     pub(super) size: f64,
-    /// Error that rounding makes anyhow: corrections below a tenth of it, or below 100 times it once they
-    /// stop falling, are convergence too.
+    /// Unavoidable rounding error. A correction below a tenth of it is convergence. So is a correction below
+    /// 100 times it once the corrections stop falling.
     pub(super) rounding: f64,
-    /// A change that is small, but not for rounding: with `size`, the scale of the differences.
+    /// A change that is small but above rounding. With `size`, it gives the scale of the differences.
     pub(super) small: f64,
 }
 
@@ -37,24 +37,25 @@ impl Scales {
     }
 }
 
-/// What the iteration came to.
+/// Result of the iteration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Root {
     pub(super) z: Six,
     /// Evaluations of f.
     pub(super) evaluations: u32,
-    /// Whether the tolerance was met within the cap.
+    /// `true` if the tolerance was met within the cap.
     pub(super) converged: bool,
 }
 
 /// Solves z = f(z) from `z`.
 ///
-/// With A ≈ 1 − f' and r = z − f(z), the correction is δ = A⁻¹ r. A is first the identity, so that a
-/// weak coupling is a plain fixed-point iteration of one evaluation each; where the next correction
-/// (with the same A) is not ten times smaller, A is taken anew by six forward differences. With a fresh
-/// A the step is halved until the next correction is smaller by 1 − λ/2: Deuflhard's natural
-/// monotonicity test (Newton Methods for Nonlinear Problems, 2004, §3.3), which does not care how the
-/// equations are scaled, so a stiff and a soft direction may be mixed.
+/// With A ≈ 1 − f' and r = z − f(z), the correction is δ = A⁻¹ r. A starts as the identity, so a weak
+/// coupling is a plain fixed-point iteration of one evaluation each. If the next correction (with the same A)
+/// is not ten times smaller, A is recomputed by six forward differences.
+///
+/// With a new A the step is halved until the next correction is smaller by 1 − λ/2. This is Deuflhard's
+/// natural monotonicity test (Newton Methods for Nonlinear Problems, 2004, §3.3). It does not depend on the
+/// scaling of the equations, so stiff and soft directions may be mixed.
 pub(super) fn fixed_point(mut z: Six, scales: Scales, mut f: impl FnMut(&Six) -> Six) -> Root {
     let mut evaluations = 1;
     let mut residual = difference(&z, &f(&z));
@@ -145,7 +146,7 @@ fn jacobian(z: &Six, residual: &Six, scales: &Scales, f: &mut impl FnMut(&Six) -
     rows
 }
 
-/// A matrix as the product of triangles, rows exchanged (Doolittle, partial pivoting).
+/// LU decomposition with row exchanges (Doolittle, partial pivoting).
 #[derive(Clone, Copy, Debug)]
 struct Lu {
     rows: [Six; 6],
@@ -153,7 +154,7 @@ struct Lu {
 }
 
 impl Lu {
-    /// `None` for a singular or non-finite matrix.
+    /// Returns `None` for a singular or non-finite matrix.
     fn new(mut rows: [Six; 6]) -> Option<Self> {
         let mut order = [0, 1, 2, 3, 4, 5];
         for k in 0..6 {
@@ -221,7 +222,7 @@ mod tests {
         assert!(Lu::new([[f64::NAN; 6]; 6]).is_none());
     }
 
-    /// A weak coupling takes fixed-point iterations alone; a strong linear one, one Jacobian.
+    /// A weak coupling takes only fixed-point iterations; a strong linear one takes one Jacobian.
     #[test]
     fn linear_equations() {
         let root = |slope: f64| fixed_point([0.0; 6], SCALES, |z| z.map(|z| 1.0 + slope * z));
@@ -233,7 +234,7 @@ mod tests {
         assert!((stiff.z[3] * (1.0 + 1e6) - 1.0).abs() < 1e-12);
     }
 
-    /// z = b − k atan(z) from afar: full Newton steps diverge, halved ones arrive.
+    /// z = b − k atan(z) from a distant start: full Newton steps diverge, halved steps converge.
     #[test]
     fn globalised() {
         let f = |z: &Six| z.map(|z| -1e4 * libm::atan(z));

@@ -16,7 +16,7 @@ use crate::state::BodyState;
 /// y += h/6 (k₁ + 2k₂ + 2k₃ + k₄).
 pub struct Rk4;
 
-/// The weight of k₁ and k₄; a multiplication, because a division costs four times as much in lanes.
+/// Weight of k₁ and k₄. A multiplication, because a division costs four times as much in SIMD lanes.
 const SIXTH: f64 = 1.0 / 6.0;
 
 impl Integrate for Rk4 {
@@ -79,7 +79,7 @@ mod tests {
     use crate::force::{Dissipation, Forces, Gravity};
     use glam::DVec3;
 
-    /// Its own discrete answer: with linear drag a step multiplies v by R(z) = Σ zᵏ/k!, k ≤ 4.
+    /// The discrete solution: with linear drag a step multiplies v by R(z) = Σ zᵏ/k!, k ≤ 4.
     #[test]
     fn amplification_factor() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");

@@ -1,4 +1,4 @@
-//! `semi-implicit-euler`: velocities first, then the pose with the new ones; gyroscopic term explicit.
+//! `semi-implicit-euler`: velocities first, then the pose by the new velocities; explicit gyroscopic term.
 
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
@@ -12,8 +12,8 @@ use crate::state::BodyState;
 
 /// v += h f(x, v), x += h v; L += h(L×ω + τ), q ← q∘exp(h ω_new).
 ///
-/// Symplectic for forces of the position alone; not for rotation, where the explicit gyroscopic term
-/// feeds energy into every tumbling body.
+/// Symplectic for forces that depend on position alone. Not symplectic for rotation: the explicit gyroscopic
+/// term adds energy to every tumbling body.
 pub struct SemiImplicitEuler;
 
 impl Integrate for SemiImplicitEuler {

@@ -1,4 +1,4 @@
-//! The time derivative of a whole state: what the integrators of one formula for everything add up.
+//! The time derivative of a whole state, for integrators that apply one formula to all variables.
 
 use glam::{DQuat, DVec3};
 
@@ -30,8 +30,8 @@ impl Slope {
         }
     }
 
-    /// `state` + `h` × this slope. The quaternion is not normalized: inside a step it differs from a
-    /// unit one by O(h²) alone, and every order condition holds for the extended field.
+    /// `state` + `h` × this slope. The quaternion is not normalized. Inside a step it differs from a unit
+    /// quaternion by only O(h²), and every order condition holds for the extended field.
     #[inline(always)]
     pub(crate) fn from(&self, state: &BodyState, h: f64) -> BodyState {
         BodyState {

@@ -1,4 +1,4 @@
-//! `split`, the default: every part of the law by its own exact flow, composed symmetrically.
+//! `split`, the default: exact flows of every part of the force model, composed symmetrically.
 
 use super::flows::{
     ExactRotation, damped_step, exact_drift, half_dissipation, kick, modified_kick,
@@ -27,9 +27,9 @@ use glam::{DQuat, DVec3};
 /// ```
 ///
 /// Q is the exact flow of quadratic and angular drag. Free rotation is the algebraic map of
-/// [`free_rotation`](crate::free_motion::free_rotation). Angular damping −γL only rescales time: the free rotation
-/// over s = (1 − e^{−γh})/γ, then L ← e^{−γh} L, is exact. Where the body's own
-/// linear damping is fast (rate × step above 1), a wrench is one kick between halves of D, order 2.
+/// [`free_rotation`](crate::free_motion::free_rotation). Angular damping −γL only rescales time: the free
+/// rotation over s = (1 − e^{−γh})/γ, then L ← e^{−γh} L, is exact. If the linear damping of the body is fast
+/// (rate × step above 1), a wrench is one kick between halves of D, order 2.
 pub struct Split;
 
 impl Integrate for Split {
@@ -76,7 +76,7 @@ impl Integrate for Split {
     }
 }
 
-/// The step of [`Split`], for integrators that give way to it. Returns the number of force evaluations.
+/// The step of [`Split`], for integrators that fall back to it. Returns the number of force evaluations.
 #[inline(always)]
 pub(super) fn step<F: ForceModel>(
     body: &RigidBox,
@@ -100,7 +100,7 @@ pub(super) fn step<F: ForceModel>(
     1
 }
 
-/// With a wrench; out of line, so that the loop over free bodies stays small.
+/// The step with a wrench, in a separate function so that the loop over free bodies stays small.
 #[inline(never)]
 fn forced<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) -> u32 {
     if damped_step(body, state, force, h, &mut ExactRotation(&mut AnyArgument)) {
@@ -140,7 +140,7 @@ fn chin<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, d: &Di
     kick(body, state, force, h / 6.0);
 }
 
-/// The center without a wrench: exact but for quadratic drag, which is extrapolated.
+/// The center of mass without a wrench: exact except for quadratic drag, which is extrapolated.
 #[inline(always)]
 fn translate(body: &RigidBox, state: &mut BodyState, a: DVec3, d: &Dissipation, h: f64) {
     let linear = d.linear_drag * body.inverse_mass();
@@ -162,7 +162,7 @@ fn translate(body: &RigidBox, state: &mut BodyState, a: DVec3, d: &Dissipation, 
     state.velocity = extrapolated(start, one.velocity, state.velocity);
 }
 
-/// The rotation without a wrench: exact but for angular drag, which is extrapolated.
+/// The rotation without a wrench: exact except for angular drag, which is extrapolated.
 #[inline(always)]
 fn rotate(
     body: &RigidBox,
@@ -194,9 +194,10 @@ fn rotate(
     extrapolate_rotation(&start, &one, state);
 }
 
-/// Richardson's extrapolation of a symmetric step of order 2 to order 4, from `one` step and `two` halves of a velocity
-/// or momentum that was `start`. Where the two differ by more than half of it the step is too long for an
-/// extrapolation to mean anything, and the halves stand: it never reverses what a flow has damped.
+/// Richardson's extrapolation of a symmetric step of order 2 to order 4, for a velocity or momentum. `start`
+/// is the initial value, `one` the result of one step and `two` of two half steps. If `one` and `two` differ
+/// by more than half of `two`, the step is too long to extrapolate and the result is `two`. The result never
+/// reverses a quantity that a flow has damped.
 #[inline(always)]
 fn extrapolated(start: DVec3, one: DVec3, two: DVec3) -> DVec3 {
     let difference = two - one;
@@ -208,7 +209,7 @@ fn extrapolated(start: DVec3, one: DVec3, two: DVec3) -> DVec3 {
     }
 }
 
-/// The same for the attitude and the momentum, in place of the two halves in `state`.
+/// The same for the attitude and the momentum, replacing the two half steps in `state`.
 #[inline(always)]
 fn extrapolate_rotation(start: &BodyState, one: &BodyState, state: &mut BodyState) {
     let near = if one.rotation.dot(state.rotation) < 0.0 {
@@ -295,7 +296,7 @@ mod tests {
         }
     }
 
-    /// Its own discrete closed form on a central spring: Chin's five shears.
+    /// The discrete closed form on a central spring: Chin's five shears.
     #[test]
     fn oscillator_closed_form() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
@@ -369,7 +370,7 @@ mod tests {
         }
     }
 
-    /// A drag of any size never reverses a velocity or adds energy, whatever the step.
+    /// Drag of any size never reverses a velocity or adds energy, at any step size.
     #[test]
     fn drag_never_reverses() {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
@@ -405,8 +406,8 @@ mod tests {
         }
     }
 
-    /// A die on a damped spring, from rest off its anchor: creeps back the slower, the stronger the damper. The answers
-    /// after half a second are the overdamped oscillator's.
+    /// A die on a damped spring, released at rest away from its anchor. A stronger damper makes it return
+    /// more slowly. The expected positions after half a second are those of the overdamped oscillator.
     #[test]
     fn more_damping_is_more_damped() {
         let body = RigidBox::cube(0.016, 0.005).expect("valid");
@@ -451,8 +452,8 @@ mod tests {
         }
     }
 
-    /// Springs and dampers at corners, with gravity and from a spin: energy never rises, and what is reached is the
-    /// equilibrium.
+    /// Springs and dampers at corners, with gravity and an initial spin: energy never rises, and the body
+    /// reaches equilibrium.
     #[test]
     fn dampers_at_corners_settle() {
         let body = RigidBox::cube(0.016, 0.005).expect("valid");
@@ -490,8 +491,8 @@ mod tests {
                         integrator.step(&body, &mut s, &law, 1.0 / 64.0, &mut memory);
                         highest = highest.max(energy(&s));
                     }
-                    // An undamped turning about a point that a damper holds: the point creeps by what its path's
-                    // curvature is not constant in a step.
+                    // Undamped rotation about a point that a damper holds. The point creeps as far as the
+                    // curvature of its path varies within a step.
                     let bound = 0.01 * start;
                     assert!(
                         highest <= start + bound,

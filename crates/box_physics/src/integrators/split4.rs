@@ -1,4 +1,4 @@
-//! `split4`: fourth order under torque too, by a composition of kicks and exact drifts.
+//! `split4`: a composition of kicks and exact drifts with fourth order under torque.
 
 use super::flows::{FreeRotationFlow, damped_step, drift, exact_drift, half_dissipation, kick};
 use super::split;
@@ -12,23 +12,23 @@ use crate::math::Trigonometry;
 use crate::rotation::free_rotation_order4_by;
 use crate::state::BodyState;
 
-/// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b` with kick K = wrench and drift
+/// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b`. The kick is K = wrench. The drift is
 /// D = gravity + linear drag (exponential), free rotation + angular damping (order 4, rescaled time).
 ///
 /// A kick depends on the pose alone and the drift is at most quadratic in (v, L), so the brackets
-/// `[K,[K,[K,D]]]` vanish: a Runge–Kutta–Nyström composition has order 4 here too, and of the two tried
-/// it is the better (asymmetric dipole, 1/60 s: 7e-10 rad; the partitioned S6 2.9e-8).
+/// `[K,[K,[K,D]]]` vanish. A Runge–Kutta–Nyström composition therefore has order 4 here too. It is the better
+/// of the two tried (asymmetric dipole, 1/60 s: 7e-10 rad; the partitioned S6 2.9e-8).
 ///
-/// Without a wrench the whole step is one drift. Quadratic and angular drag stay outside, half before and half after
-/// (Strang): order 2 in those. With dampers the step is `damped_step`. The negative drift D₃ undoes
-/// damping, e^{0.35 ζ} times rounding with ζ = rate × h; above ζ = 20 the step is `split`'s.
+/// Without a wrench the whole step is one drift. Quadratic and angular drag are applied half before and half
+/// after (Strang), with order 2. With dampers the step is `damped_step`. The negative drift D₃ undoes
+/// damping, e^{0.35 ζ} times rounding with ζ = rate × h; above ζ = 20 the integrator takes a step of `split`.
 pub struct Split4;
 
 /// Fractions of the kicks K₁ K₂ K₃; K₄ = 1 − 2(K₁+K₂+K₃).
 const KICKS: [f64; 3] = [0.0829844064174052, 0.396309801498368, -0.0390563049223486];
 /// Fractions of the drifts D₁ D₂; D₃ = ½ − D₁ − D₂ = −0.35.
 const DRIFTS: [f64; 2] = [0.245298957184271, 0.604872665711080];
-/// Greatest damping × step of the composition: e^{0.35·20} ε = 2e-13 is still rounding.
+/// Largest damping × step of the composition: e^{0.35·20} ε = 2e-13 is still rounding.
 const STIFFEST: f64 = 20.0;
 
 impl Integrate for Split4 {
@@ -104,7 +104,7 @@ impl Integrate for Split4 {
     }
 }
 
-/// The composition of order 4, with this sine and cosine.
+/// The composition of order 4 with a given sine and cosine.
 struct Order4<'a, T>(&'a mut T);
 
 impl<T: Trigonometry> FreeRotationFlow for Order4<'_, T> {
@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    /// Damping and linear drag ride in the drifts at order 4, with a spring as the kick.
+    /// The drifts contain damping and linear drag at order 4, with a spring as the kick.
     #[test]
     fn fourth_order_with_spring_and_damping() {
         let case = Case::dipole();
@@ -171,7 +171,7 @@ mod tests {
         }
     }
 
-    /// pub08 and pub13: linear drag exact, angular damping as accurate as the rotation.
+    /// pub08 and pub13: linear drag is exact, angular damping is as accurate as the rotation.
     #[test]
     fn free_flight_with_damping() {
         let case = Case::free();
@@ -201,7 +201,7 @@ mod tests {
         assert!((libm::log2(error(30) / error(60)) - 4.0).abs() < 0.2);
     }
 
-    /// pub11: quadratic drag is Strang's, order 2.
+    /// pub11: quadratic drag has order 2 (Strang).
     #[test]
     fn quadratic_drag_is_second_order() {
         let cube = RigidBox::cube(1.0, 2.0).expect("valid");
@@ -221,7 +221,7 @@ mod tests {
         assert!(error(360) < 2e-3);
     }
 
-    /// On a central spring: the product of its own thirteen shears, to rounding; bounded up to ωh = 3.16.
+    /// On a central spring: the product of its thirteen shears, to rounding; bounded up to ωh = 3.16.
     #[test]
     fn oscillator_closed_form() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
@@ -290,7 +290,7 @@ mod tests {
         }
     }
 
-    /// Too stiff for negative substeps: `split`'s step, reported; exact drag all the same.
+    /// Too stiff for negative substeps: a reported step of `split`, with exact drag.
     #[test]
     fn stiff_damping_falls_back() {
         let cube = RigidBox::cube(1.0, 2.0).expect("valid");

@@ -1,5 +1,5 @@
-//! The stage equations of the implicit integrators under a given wrench: a formula for the velocity, one
-//! scalar equation for the angular velocity. They have a root at any step, and it is always found.
+//! Stage equations of the implicit integrators under a given wrench: a formula for the velocity, one scalar
+//! equation for the angular velocity. They have a root at any step, and the solver always finds it.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
 use crate::state::BodyState;
 
-/// Evaluations of the scalar equation allowed: bisection alone needs 53 to reach rounding.
+/// Maximum number of evaluations of the scalar equation: bisection alone needs 53 to reach rounding.
 const SCALAR_ITERATIONS: u32 = 80;
 
 /// The velocities that solve the stage equations.
@@ -17,13 +17,13 @@ pub(super) struct Stage {
     pub(super) velocity: DVec3,
     /// ω [rad/s], body axes.
     pub(super) omega: DVec3,
-    /// Evaluations of the force model: of the wrench where there is one, else of the scalar equation.
+    /// Number of evaluations: of the wrench if present, otherwise of the scalar equation.
     pub(super) evaluations: u32,
-    /// Whether the tolerance was met within the cap.
+    /// `true` if the tolerance was met within the cap.
     pub(super) converged: bool,
 }
 
-/// The stage equations but for the wrench.
+/// The stage equations without the wrench.
 pub(super) struct Equations {
     velocity: DVec3,
     pub(super) acceleration: DVec3,
@@ -99,15 +99,15 @@ impl Equations {
 
     /// `ω_i = w_i + κ_i ω_j ω_k` with w = P/D, P = L₀ + τT.
     ///
-    /// Take i to be the axis of the smallest or the largest moment. Then `κ_j κ_k ≤ 0`, and for a given
-    /// `y = ω_i` the other two equations are linear with determinant `n = 1 − κ_j κ_k y² ≥ 1`:
+    /// Let i be the axis of the smallest or the largest moment. Then `κ_j κ_k ≤ 0`, and for a given `y = ω_i`
+    /// the other two equations are linear with determinant `n = 1 − κ_j κ_k y² ≥ 1`:
     ///
     /// `p = ω_j = (w_j + κ_j y w_k)/n`, `r = ω_k = (w_k + κ_k y w_j)/n`.
     ///
-    /// What remains is `g(y) = y − w_i − κ_i p r = 0`. Because `Σ D_i κ_i = 0`, the products cancel in
-    /// `D_i y g(y) = Σ D (ω − w/2)² − ¼ Σ D w²`, which is not negative once `|y − w_i/2| ≥ ½Y` with
-    /// `Y² = Σ D w²/D_i`: g changes sign on the interval `[(w_i − Y)/2, (w_i + Y)/2]`, so there is a root at
-    /// any step, and a bracketed Newton iteration cannot miss it. Below |ω|h = 2 it is the only one.
+    /// The remaining equation is `g(y) = y − w_i − κ_i p r = 0`. Because `Σ D_i κ_i = 0`, the products cancel
+    /// in `D_i y g(y) = Σ D (ω − w/2)² − ¼ Σ D w²`. This is not negative once `|y − w_i/2| ≥ ½Y` with
+    /// `Y² = Σ D w²/D_i`. So g changes sign on the interval `[(w_i − Y)/2, (w_i + Y)/2]`: there is a root at
+    /// any step, and a bracketed Newton iteration always finds it. Below |ω|h = 2 the root is unique.
     #[inline(always)]
     fn omega_of(&self, momentum: DVec3) -> (DVec3, u32, bool) {
         let (i, j, k) = (self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3);
@@ -118,7 +118,7 @@ impl Equations {
         let rest = (d[j] * w[j] * w[j] + d[k] * w[k] * w[k]) / d[i];
         let reach = (w[i] * w[i] + rest).sqrt();
         let (mut low, mut high) = (0.5 * (w[i] - reach), 0.5 * (w[i] + reach));
-        // One explicit step ahead: the first guess.
+        // First guess: one explicit step.
         let start = self.omega.to_array();
         let mut y = (w[i] + kappa[i] * start[j] * start[k]).max(low).min(high);
         let (mut p, mut r) = (w[j], w[k]);
@@ -172,8 +172,8 @@ mod tests {
         Equations::new(body, start, law, tau)?.solve_for(DVec3::ZERO, DVec3::ZERO)
     }
 
-    /// Boxes from needles to plates, steps up to |ω|h = 1000, with and without dissipation: both
-    /// equations hold to rounding, and no iteration reaches its cap.
+    /// Boxes from needles to plates, steps up to |ω|h = 1000, with and without dissipation. Both equations
+    /// hold to rounding, and no iteration reaches its cap.
     #[test]
     fn free_equations_are_always_solved() {
         let mut seed = 1_u32;

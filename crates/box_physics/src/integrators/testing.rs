@@ -1,5 +1,5 @@
-//! What the integrators' tests share: two tumbling cases with known answers, and the order of an integrator on
-//! them.
+//! Shared helpers of the integrators' tests: tumbling cases with known solutions, and the measured order of
+//! an integrator.
 
 use glam::{DQuat, DVec3};
 
@@ -9,7 +9,7 @@ use crate::force::{Dissipation, Forces, Frame, PointForce};
 use crate::free_motion::FreeRotation;
 use crate::state::BodyState;
 
-/// `n` steps of `S` over the time `t` \[s\].
+/// Runs `n` steps of `S` over the time `t` \[s\].
 pub(crate) fn run<S: Integrate>(
     body: &RigidBox,
     start: BodyState,
@@ -20,7 +20,7 @@ pub(crate) fn run<S: Integrate>(
     run_counted::<S>(body, start, law, t, n).0
 }
 
-/// The same with the sum of what the steps reported.
+/// Also returns the sum of the step outcomes.
 pub(crate) fn run_counted<S: Integrate>(
     body: &RigidBox,
     start: BodyState,
@@ -36,7 +36,7 @@ pub(crate) fn run_counted<S: Integrate>(
     (state, outcome)
 }
 
-/// Linear drag c₁ [N s/m] and angular damping γ [1/s] alone.
+/// Only linear drag c₁ [N s/m] and angular damping γ [1/s].
 pub(crate) fn drag(linear_drag: f64, angular_damping: f64) -> Forces<'static> {
     Forces {
         dissipation: Dissipation {
@@ -81,7 +81,8 @@ impl Case {
         }
     }
 
-    /// The free top of van Zon and Schofield (J. Comput. Phys. 225 (2007) 145): moments of 10, 20 and 26 kg m², 4 s.
+    /// The free top of van Zon and Schofield (J. Comput. Phys. 225 (2007) 145): moments of 10, 20 and 26 kg
+    /// m², 4 s.
     pub(crate) fn van_zon_schofield() -> Self {
         let body = RigidBox::new(DVec3::new(3.0, 2.0, 1.0), 6.0).expect("valid");
         let start =
@@ -96,8 +97,8 @@ impl Case {
         }
     }
 
-    /// The same box in the field (0, 1, ½) with the dipole (0, 1.5, ½), ω = (1, 4, −2), 6 s; the
-    /// reference is RK4 with 1/3840 s (its error there: 4e-13 rad).
+    /// The same box in the field (0, 1, ½) with the dipole (0, 1.5, ½), ω = (1, 4, −2), 6 s. The reference is
+    /// RK4 with 1/3840 s (error: 4e-13 rad).
     pub(crate) fn dipole() -> Self {
         let mut case = Self::free();
         case.start =
@@ -156,7 +157,7 @@ impl Case {
         })
     }
 
-    /// The error falls by 2^order from `rate` to twice the rate, within a fifth of an order.
+    /// Asserts that the error falls by 2^order from `rate` to twice the rate, within a fifth of an order.
     pub(crate) fn expect_order<S: Integrate>(&self, rate: u32, order: f64) {
         let (coarse, fine) = (self.error::<S>(rate), self.error::<S>(2 * rate));
         let observed = libm::log2(coarse / fine);
@@ -167,8 +168,8 @@ impl Case {
         );
     }
 
-    /// 600 steps of 1/60 s out and back: the largest difference from the start, attitude \[rad\],
-    /// position \[m\] and velocity [m/s].
+    /// Runs 600 steps of 1/60 s forward and back. Returns the largest difference from the start: attitude
+    /// \[rad\], position \[m\] and velocity [m/s].
     pub(crate) fn return_error<S: Integrate>(&self, law: &Forces) -> f64 {
         let out = run::<S>(&self.body, self.start, law, 10.0, 600);
         let back = run::<S>(&self.body, out, law, -10.0, 600);

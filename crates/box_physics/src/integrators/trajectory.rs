@@ -8,7 +8,7 @@ use crate::free_motion::FreeRotation;
 use crate::math::Exponential;
 use crate::state::BodyState;
 
-/// What the motion of the center and the damping of the spin depend on besides the state.
+/// Inputs of the center's motion and of the spin damping besides the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeFlight {
     /// [m/s²]
@@ -30,10 +30,10 @@ impl FreeFlight {
     }
 }
 
-/// The motion since the last event, and how far it has been followed.
+/// The motion since the last event, and the time reached.
 ///
-/// The motion has no clock of its own: it may be taken up again whenever body, state and forces are what its
-/// last step left, however they came to be so.
+/// The motion does not keep a clock. It can continue whenever body, state and forces equal the result of its
+/// last step, however that state arose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -46,8 +46,8 @@ pub struct Trajectory {
     /// The state at the event.
     pub(super) event: BodyState,
     rotation: FreeRotation,
-    /// Time since the event \[s\]: `origin` + `steps` × `step`, so that the time after n equal steps is
-    /// n h to rounding; a sum of n terms would be off by n/2 roundings.
+    /// Time since the event \[s\] is `origin` + `steps` × `step`, so that the time after n equal steps is n h
+    /// to rounding. A sum of n terms would have an error of n/2 roundings.
     origin: f64,
     steps: f64,
     step: f64,
@@ -69,7 +69,7 @@ impl Trajectory {
         }
     }
 
-    /// Moves `state`, where the last step ended, on by `h` \[s\].
+    /// Advances `state`, the result of the last step, by `h` \[s\].
     #[inline]
     pub(super) fn advance(&mut self, law: &FreeFlight, state: &mut BodyState, h: f64) {
         if h != self.step {
@@ -81,7 +81,7 @@ impl Trajectory {
         let t = self.origin + self.steps * h;
         let before = state.rotation;
         *state = self.at(law, t);
-        // Of q and −q the one that continues the motion, for those who interpolate.
+        // Selects the sign of q that continues the motion, for interpolation.
         if state.rotation.dot(before) < 0.0 {
             state.rotation = -state.rotation;
         }
@@ -110,7 +110,7 @@ impl Trajectory {
 
 #[cfg(feature = "serde")]
 mod serialized {
-    //! What of a trajectory is saved. The rotation follows from the event, to the last bit.
+    //! Serialized fields of a trajectory. The rotation follows from the event, bit for bit.
 
     use super::{BodyState, DVec3, Trajectory};
 

@@ -1,4 +1,4 @@
-//! `velocity-verlet`: kick–drift–kick as textbooks write it, drag lagging by half a step.
+//! `velocity-verlet`: kick–drift–kick as in textbooks; drag lags by half a step.
 
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
@@ -10,14 +10,14 @@ use crate::math::Trigonometry;
 use crate::rotation::free_rotation_three_axes_by;
 use crate::state::BodyState;
 
-/// v += h/2 a(x, v); x += h v; v += h/2 a(x, v), and the same on L with the torques, the drift being
-/// five planar rotations x½ y½ z y½ x½ (`McLachlan` 1993; Reich 1994), which contain the gyroscopic term.
+/// v += h/2 a(x, v); x += h v; v += h/2 a(x, v), and the same for L with the torques. The drift is five
+/// planar rotations x½ y½ z y½ x½ (`McLachlan` 1993; Reich 1994), which contain the gyroscopic term.
 ///
-/// The first kick takes the drag at `v_n`, the second at `v_{n+½}`: each multiplies v by 1 + z/2, together
-/// R(z) = 1 + z + z²/4 with z = −ch/m. That is stable for z ≥ −4, but e^z only to first order, so the
-/// order 2 holds for forces of the pose alone. (A first kick that reuses the last acceleration, as
-/// "one evaluation a step" means, would have R = 1 + z from half step to half step: stable to −2 only,
-/// with twice the error.)
+/// The first kick takes the drag at `v_n`, the second at `v_{n+½}`. Each multiplies v by 1 + z/2; together
+/// R(z) = 1 + z + z²/4 with z = −ch/m. This is stable for z ≥ −4 but equals e^z only to first order, so order
+/// 2 holds only for forces that depend on the pose alone. (A first kick that reuses the last acceleration, as
+/// in "one evaluation per step", would have R = 1 + z from half step to half step: stable only to −2, with
+/// twice the error.)
 pub struct VelocityVerlet;
 
 impl Integrate for VelocityVerlet {
@@ -69,7 +69,7 @@ impl Integrate for VelocityVerlet {
     }
 }
 
-/// Everything but the gyroscopic term at the state as it is: one evaluation.
+/// All terms except the gyroscopic one, at the current state: one evaluation.
 #[inline(always)]
 pub(super) fn half_kick<F: ForceModel>(
     body: &RigidBox,
@@ -107,7 +107,7 @@ mod tests {
             assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);
             assert!((s.body_angular_velocity(&body).y - v).abs() < 1e-12);
         }
-        // Bounded up to z = −4, not beyond.
+        // Bounded down to z = −4, not beyond.
         let end = |c| {
             let start = BodyState::default().with_velocity(DVec3::X);
             run::<VelocityVerlet>(&body, start, &drag(2.0 * c, 0.0), 400.0, 400)
