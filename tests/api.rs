@@ -1,4 +1,4 @@
-//! The library as its users type it: scenes in `bsn!`, reflection, schedules, parts left out.
+//! The library from a user's view: scenes in `bsn!`, reflection, schedules, optional parts.
 
 use std::any::TypeId;
 
@@ -156,7 +156,7 @@ fn resources_are_reflected() {
     }
 }
 
-/// An inspector writes through reflection; the box itself is opaque, so that mass and inertia agree.
+/// An inspector writes through reflection. The box itself is opaque, so that mass and inertia agree.
 #[test]
 fn reflection_reads_and_writes() {
     let mut state = BodyState::default();
@@ -173,7 +173,7 @@ fn reflection_reads_and_writes() {
 #[test]
 fn the_floor_can_be_left_out() {
     let mut app = app_with(PhysicsPlugins::default().build().disable::<FloorPlugin>());
-    // Even a Floor that somebody else inserts is nothing then.
+    // A Floor inserted by other code must have no effect either.
     app.insert_resource(Floor::default());
     let lying = BodyState::at(DVec3::Y * 0.25);
     let entity = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
@@ -224,7 +224,7 @@ fn errors_are_bevy_errors() {
     assert_eq!(error.field, "linear drag");
 }
 
-/// Every integrator goes on to the last bit from what was saved in the middle of a flight, a bounce, a rest.
+/// Every integrator continues bit for bit from a state saved in flight, during a bounce and at rest.
 #[cfg(feature = "serde")]
 #[test]
 fn saved_bodies_continue_bit_for_bit_under_every_integrator() {

@@ -1,4 +1,4 @@
-//! The comparison through the whole game without a window: main box, comparisons, reference, inputs, fairness,
+//! The comparison in the whole game without a window: main box, comparisons, reference, inputs, fairness,
 //! log, memory.
 
 use bevy::input::InputPlugin;
@@ -60,7 +60,7 @@ fn updates(app: &mut App, n: usize) {
     }
 }
 
-/// The comparison of an integrator.
+/// The comparison that runs `integrator`.
 fn comparison(app: &App, integrator: Integrator) -> &box_game::compare::runner::Runner {
     run(app)
         .comparisons
@@ -69,7 +69,7 @@ fn comparison(app: &App, integrator: Integrator) -> &box_game::compare::runner::
         .expect("a comparison")
 }
 
-/// The main box, a body of the plugin, and a comparison under the same integrator are the same bit for bit, through
+/// The main box (a body of the plugin) and a comparison under the same integrator agree bit for bit, through
 /// pushes, changed parameters and contact.
 #[test]
 fn the_main_box_is_its_own_comparison_bit_for_bit() {
@@ -88,14 +88,15 @@ fn the_main_box_is_its_own_comparison_bit_for_bit() {
             let other = Integrator::Midpoint;
             let list = format!("{other},{integrator}");
             let mut app = game(&[scene, "--integrator", &list]);
-            // A comparison of `integrator` from the start, and the main box of the same integrator by restart.
+            // A comparison of `integrator` from the start, and a main box that restarts with the same
+            // integrator.
             let mut twin = game(&[scene, "--integrator", integrator.id()]);
             for app in [&mut app, &mut twin] {
                 updates(app, 30);
             }
             for k in 0..60 {
                 if k == 10 {
-                    // The same impulse for both, whatever the main boxes do.
+                    // The same impulse for both, independent of the main boxes.
                     for app in [&mut app, &mut twin] {
                         let entity = app
                             .world_mut()
@@ -134,7 +135,7 @@ fn the_main_box_is_its_own_comparison_bit_for_bit() {
     }
 }
 
-/// A pushed run is still measured: the reference goes through the same push at the same time.
+/// A pushed run is still measured: the reference receives the same push at the same time.
 #[test]
 fn the_reference_takes_every_push() {
     let mut app = game(&["throw", "--integrator", "exact,split,explicit-euler"]);
@@ -158,7 +159,7 @@ fn the_reference_takes_every_push() {
     assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
 }
 
-/// Putting the box elsewhere by hand puts every comparison there.
+/// A teleport of the main box moves every comparison.
 #[test]
 fn a_teleport_takes_the_comparisons_along() {
     let mut app = game(&["throw", "--integrator", "split,explicit-euler"]);
@@ -178,7 +179,7 @@ fn a_teleport_takes_the_comparisons_along() {
     assert!(run(&app).main_box.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
-/// An integrator ticked in flight is simulated from the start, through everything that happened since.
+/// A comparison that is added in flight is simulated from the start with all inputs so far.
 #[test]
 fn a_late_comparison_catches_up_with_all_inputs() {
     let mut early = game(&["throw", "--integrator", "split,rk4"]);
@@ -197,7 +198,7 @@ fn a_late_comparison_catches_up_with_all_inputs() {
         comparison(&late, Integrator::Rk4),
     );
     assert_eq!(a.simulation.driver.time, b.simulation.driver.time);
-    // Its boundaries are sums of steps: the push may be a rounding away.
+    // The step boundaries are sums of steps, so the push may be off by rounding.
     assert!(
         (a.simulation.driver.state.position - b.simulation.driver.state.position).length() < 1e-9
     );
@@ -207,7 +208,7 @@ fn a_late_comparison_catches_up_with_all_inputs() {
     assert_eq!(run(&late).comparisons.len(), Integrator::ALL.len() - 1);
 }
 
-/// 5.7 no. 6: a comparison that diverges stops, says so, and nothing else notices.
+/// 5.7 no. 6: a comparison that diverges stops and reports it; nothing else is affected.
 #[test]
 fn a_diverged_comparison_stops_at_its_last_good_state() {
     let mut app = game(&["needle", "--integrator", "split,semi-implicit-euler"]);
@@ -227,7 +228,7 @@ fn a_diverged_comparison_stops_at_its_last_good_state() {
     assert!(back.track.now.sample.get(Quantity::Position) < 1e-9);
 }
 
-/// Where an integrator runs as a comparison, making it the main box changes places; each trajectory stays one integrator's.
+/// Making a comparison's integrator the main one swaps the two. Each trajectory stays that of one integrator.
 #[test]
 fn main_box_and_comparison_change_places() {
     let mut app = game(&["dzhanibekov", "--integrator", "split,explicit-euler"]);
@@ -246,7 +247,7 @@ fn main_box_and_comparison_change_places() {
     updates(&mut app, 10);
     updates(&mut euler, 10);
     assert_eq!(main_box(&mut app), main_box(&mut euler));
-    // While the clock stands the picture follows at once, and is no teleport.
+    // While the clock is paused, the displayed pose follows at once and does not count as a teleport.
     ask(&mut app, Action::TogglePause);
     ask(&mut app, Action::SetIntegrator(Integrator::Split));
     let state = main_box(&mut app);
@@ -263,8 +264,8 @@ fn main_box_and_comparison_change_places() {
     assert_eq!(inputs.filter(|r| r.kind == RuleKind::Input).count(), 0);
 }
 
-/// Equal evaluations: the comparison's step is longer by what its evaluations are more. Inputs reach it at its
-/// own boundary, late by less than a step, and the log says by how much.
+/// With equal evaluations, the comparison's step is longer in proportion to its evaluations. Inputs take
+/// effect at its next step boundary, less than one step late, and the log records the delay.
 #[test]
 fn equal_evaluations_and_late_inputs() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -276,7 +277,7 @@ fn equal_evaluations_and_late_inputs() {
         "--log",
         path.to_str().expect("utf-8"),
     ]);
-    // Until every integrator has been sampled.
+    // Long enough to sample every integrator.
     updates(&mut app, 30);
     compare(&mut app, CompareAction::SetFairness(Fairness::Evaluations));
     updates(&mut app, 3);
@@ -321,7 +322,7 @@ fn equal_evaluations_and_late_inputs() {
     assert!(comparison(&app, Integrator::Rk4).factor > 0.5);
 }
 
-/// The local error is in the log of every comparison; after chaos it still says something.
+/// The log has the local error of every comparison, which stays meaningful after chaos.
 #[test]
 fn the_log_has_a_row_for_every_comparison() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -351,7 +352,7 @@ fn the_log_has_a_row_for_every_comparison() {
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Contact));
 }
 
-/// 5.7 no. 9: ten minutes at 60 Hz with five comparisons stay within a fixed memory and point budget.
+/// 5.7 no. 9: ten minutes at 60 Hz with five comparisons stay within a fixed budget of memory and points.
 #[test]
 fn ten_minutes_keep_memory_flat() {
     let mut app = game(&[
@@ -359,7 +360,7 @@ fn ten_minutes_keep_memory_flat() {
         "--integrator",
         "split,rk4,engine-newton,semi-implicit-euler,explicit-euler",
     ]);
-    // Ten steps a frame.
+    // Ten steps per frame.
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(10));
     let mut kept = Vec::new();
     for minute in 0..10 {
@@ -376,12 +377,12 @@ fn ten_minutes_keep_memory_flat() {
         }
     }
     assert!(run(&app).clock > 599.0);
-    // 5 tracks of 3700 samples and 1024 stretches, and lines and checkpoints.
+    // 5 tracks of 3700 samples and 1024 stretches, plus lines and checkpoints.
     let most = 5 * (3700 + 1024) + 512 + 240;
     assert!(kept.iter().all(|k| *k <= most), "{kept:?}");
 }
 
-/// Stepping back: the comparisons follow the clock, and are where they were.
+/// After a step back, the comparisons have the states of the earlier time.
 #[test]
 fn comparisons_follow_the_clock_back() {
     let setup = box_scenarios::Scenario::find("throw")
@@ -428,8 +429,8 @@ fn comparisons_follow_the_clock_back() {
     }
 }
 
-/// The same through the keys of the game: back and forward again, with a push in between, main box and comparisons
-/// are at every step where they were.
+/// The same with the keys of the game. Back and forward again, with a push in between, main box and
+/// comparisons have their earlier state at every step.
 #[test]
 fn stepping_back_takes_the_comparisons_along() {
     let mut app = game(&["contact", "--integrator", "split,rk4,semi-implicit-euler"]);
@@ -463,7 +464,7 @@ fn stepping_back_takes_the_comparisons_along() {
         assert_eq!(now.1, then.1, "the main box, {back} back");
         assert_eq!(now.2, then.2, "the comparisons, {back} back");
     }
-    // Past the push, which is not repeated by going back: what is to come is new.
+    // After the push: going back does not repeat it, because the future is new.
     let again = past
         .iter()
         .position(|p| (p.0 - run(&app).clock).abs() < 1e-9);
@@ -475,8 +476,8 @@ fn stepping_back_takes_the_comparisons_along() {
     }
 }
 
-/// In the scene of 2012 its stepper moves the main box alone: the comparisons go their own way, through the same
-/// pushes, and what the stepper gets wrong is in the main box's error and in nobody else's.
+/// In the scene of 2012 its integrator moves the main box alone. The comparisons are independent of it and
+/// receive the same pushes. Its error appears only in the main box.
 #[test]
 fn the_stepper_of_2012_moves_the_main_box_and_no_comparison() {
     let mut app = game(&["dissertation-2012", "--integrator", "split,rk4,exact"]);
@@ -505,9 +506,10 @@ fn the_stepper_of_2012_moves_the_main_box_and_no_comparison() {
             r.simulation.driver.integrator
         );
     }
-    // It falls at 9.81 m/s from the start: three meters apart by now.
+    // It falls at 9.81 m/s from the start, so the difference is three meters by now.
     assert!(run(&app).main_box.track.now.worst.0 > 1.0);
-    // Ours takes over from where the box is; the comparisons go along and everything is right again.
+    // The library's integrator continues from the current state of the box. The comparisons follow, and all
+    // values are correct again.
     ask(&mut app, Action::SetDemo(None));
     compare(&mut app, CompareAction::Resync);
     updates(&mut app, 10);
@@ -521,8 +523,8 @@ fn the_stepper_of_2012_moves_the_main_box_and_no_comparison() {
     assert!(apart < 1e-9, "{apart:e}");
 }
 
-/// The first run: `dzhanibekov`, the main box and two comparisons, the drawer on Energy, and within five seconds at
-/// 60 Hz something has visibly gone wrong.
+/// The first run: `dzhanibekov`, the main box, two comparisons and the drawer on Energy. Within five seconds
+/// at 60 Hz a visible error appears.
 #[test]
 fn the_first_run_shows_something_in_five_seconds() {
     let mut app = game(&[]);
@@ -553,7 +555,7 @@ fn the_first_run_shows_something_in_five_seconds() {
     );
 }
 
-/// Keys: Shift + digit ticks an integrator, V and G go through the layouts.
+/// Keys: Shift + digit toggles a comparison; V and G cycle through the layouts.
 #[test]
 fn keys_of_the_comparison() {
     use bevy::input::ButtonState;
@@ -572,7 +574,7 @@ fn keys_of_the_comparison() {
     };
     let (down, up) = (ButtonState::Pressed, ButtonState::Released);
     key(&mut app, KeyCode::ShiftLeft, "", down);
-    // A key that types nothing asks for nothing.
+    // A key that types nothing triggers nothing.
     assert!(
         !app.world()
             .contains_resource::<box_game::record::csv_log::CsvLog>()

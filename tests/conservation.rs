@@ -1,4 +1,5 @@
-//! What each integrator says it keeps of a freely tumbling body, it keeps; what it says it loses, it loses.
+//! Each integrator conserves the quantities of a freely tumbling body that it claims to conserve, and no
+//! others.
 
 use box_physics::integrators::EnergyBehavior;
 use box_physics::prelude::*;
@@ -24,7 +25,7 @@ fn plate() -> Setup {
     )
 }
 
-/// (L vector, |L|, energy): largest relative errors over `n` steps.
+/// Largest relative errors of (L vector, |L|, energy) over `n` steps.
 fn drift(setup: &Setup, i: Integrator, n: u64) -> (f64, f64, f64) {
     let (body, start) = (&setup.body, setup.initial);
     let (model, mut driver) = (Model::of(setup), Driver::new(start, i));
@@ -46,7 +47,8 @@ fn drift(setup: &Setup, i: Integrator, n: u64) -> (f64, f64, f64) {
     worst
 }
 
-/// 600 steps leave at most a few hundred roundings; what is not kept is lost by far more.
+/// Largest relative error of a conserved quantity: 600 steps cause at most a few hundred roundings. Other
+/// quantities change by far more.
 const KEPT: f64 = 1e-12;
 const LOST: f64 = 1e-9;
 
@@ -84,7 +86,7 @@ fn energy_as_claimed() {
             (EnergyBehavior::Bounded, Some(t)) => worst > 1e-11 && t.abs() < 1e-9,
             (EnergyBehavior::Dissipates, Some(t)) => (-1.0..-1e-9).contains(&t),
             (EnergyBehavior::Gains, Some(t)) => t > 1e-9,
-            // Growth without end is a gain.
+            // Unbounded growth is a gain.
             (EnergyBehavior::Gains, None) => true,
             (EnergyBehavior::Drifts, Some(t)) => (1e-9..1.0).contains(&t.abs()),
             (_, None) => false,
@@ -120,7 +122,8 @@ fn no_trend_in_a_million_steps() {
     }
 }
 
-/// The default over a million steps: energy, |L| and L in the world to 1e-12; and 600 steps out and back to 1e-12.
+/// Over a million steps the default conserves energy, |L| and L in the world to 1e-12. 600 steps forward and
+/// back return to 1e-12.
 #[test]
 fn the_default_keeps_everything_to_rounding() {
     for setup in [brick(), plate()] {
@@ -140,7 +143,7 @@ fn the_default_keeps_everything_to_rounding() {
     }
 }
 
-/// 600 steps out and 600 back, tumbling and under gravity.
+/// 600 steps forward and 600 back, tumbling and under gravity.
 #[test]
 fn reversible_as_claimed() {
     for &i in Integrator::ALL {

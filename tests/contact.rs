@@ -1,5 +1,5 @@
-//! The hard cases of contact, 25 to 32, under the integrators that a game would choose. Their table in
-//! `docs/contact.md` is made by `box_report bless`.
+//! The contact cases 25 to 32 under the integrators that suit a game. `box_report bless` writes their table
+//! in `docs/contact.md`.
 
 use box_physics::integrators::Integrator;
 use box_scenarios::contact_cases;

@@ -1,5 +1,5 @@
-//! The same bits: in every run, debug and release, on every machine, with any number of threads, in any
-//! order of insertion, with and without the optional parts.
+//! The same bits in every run, debug and release, on every machine, with any number of threads, in any order
+//! of insertion, and with or without the optional parts.
 
 use std::process::Command;
 
@@ -13,7 +13,7 @@ use box_physics::prelude::*;
 
 const H: f64 = 1.0 / 64.0;
 
-/// The stored digests, which every machine must find. A change is a change of results and belongs in the
+/// The stored digests, equal on every machine. A changed digest is a changed result and belongs in the
 /// changelog.
 fn stored_digests() -> Vec<(Integrator, u64)> {
     let path = concat!(
@@ -34,7 +34,7 @@ fn brick() -> RigidBox {
     RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
 }
 
-/// Numbers in [0, 1) that are the same everywhere: multiples of the golden ratio.
+/// Numbers in [0, 1) that are the same on every machine: multiples of the golden ratio.
 fn spread(k: u32) -> f64 {
     (f64::from(k) * 0.618_033_988_749_894_9).fract()
 }
@@ -49,7 +49,7 @@ fn start(k: u32) -> BodyState {
     .with_angular_velocity(&brick(), 1.5 * DVec3::new(s(3), s(5), s(1)))
 }
 
-/// Every third body feels drag, every other third hangs on a damped spring; all over a floor.
+/// Every third body has drag, every other third hangs on a damped spring; all are over a floor.
 fn springs(k: u32) -> [Spring; 1] {
     [Spring {
         body_point: DVec3::new(0.5, 0.25, 0.125),
@@ -72,7 +72,7 @@ fn dissipation(k: u32) -> Dissipation {
     }
 }
 
-/// Bodies 0..n for `steps` steps, one after the other, by the core alone.
+/// Bodies 0..n for `steps` steps, one after the other, in the core alone.
 struct Scene {
     bodies: u32,
     steps: u32,
@@ -139,7 +139,7 @@ fn every_integrator_finds_the_stored_bits() {
     );
 }
 
-/// Which place a body has in the scene, in whatever order it was spawned.
+/// Position of a body in the scene, independent of the order of spawning.
 #[derive(Component, Clone, Copy)]
 struct Place(u32);
 
@@ -150,7 +150,7 @@ struct Variant {
     threads: usize,
     order: fn(u32, u32) -> u32,
     parts: bool,
-    /// Another component on every so-manieth body: other tables, the same bodies.
+    /// An additional component on every n-th body: other tables, the same bodies.
     table_every: u32,
 }
 
@@ -167,7 +167,7 @@ impl Variant {
         }
     }
 
-    /// The states in order of place.
+    /// The states in order of position.
     fn run(&self) -> Vec<BodyState> {
         let mut app = App::new();
         app.add_plugins(MinimalPlugins.set(TaskPoolPlugin {
@@ -180,7 +180,7 @@ impl Variant {
         }
         app.insert_resource(Floor::default())
             .insert_resource(GlobalIntegrator(self.integrator))
-            // Every thread there is gets bodies, however few they are.
+            // Every available thread gets bodies, even if they are few.
             .insert_resource(PhysicsThreads {
                 bodies_each: 1,
                 ..default()
@@ -269,12 +269,12 @@ fn the_plugin_is_the_core_whatever_the_order_the_tables_and_the_parts() {
     }
 }
 
-/// The task pools belong to the process, so every number of threads is a process of its own: this test
-/// again, told by the environment how many.
+/// The task pools belong to the process, so each number of threads needs a separate process. It runs this
+/// test, with the number in an environment variable.
 #[test]
 fn any_number_of_threads() {
     const THREADS: &str = "BOX_PHYSICS_TEST_THREADS";
-    // In three tables of which each is cut into four chunks (of 512 bodies).
+    // Three tables, each divided into four chunks (of 512 bodies).
     const BODIES: u32 = 3 * 4 * 512;
     let digest = |threads| {
         let variant = Variant {

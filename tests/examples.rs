@@ -1,5 +1,5 @@
-//! Every file in `examples/` is a target, has a first line that says what it shows and how to run it, and
-//! none of them waits for a window. (`.ci/examples` runs them.)
+//! Every file in `examples/` is a target and has a header with its purpose and command. None of them opens a
+//! window. (`.ci/examples` runs them.)
 
 use std::path::Path;
 

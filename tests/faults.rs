@@ -1,5 +1,5 @@
-//! What goes wrong in other people's games: nothing panics, neighbors do not notice, and what happened is
-//! said once, not every frame.
+//! Faults in a user's game: nothing panics, other bodies are unaffected, and each fault is reported once, not
+//! every frame.
 
 #[path = "faults/entities.rs"]
 mod entities;
@@ -16,7 +16,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// Everything that the library logged since the guard was taken. Tests that take it run one at a time.
+/// Collects the library's log messages from now on. Tests that use it run one at a time.
 struct Log(MutexGuard<'static, ()>);
 
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
@@ -45,7 +45,7 @@ impl Log {
         let guard = ONE_AT_A_TIME
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
-        // A second call fails, and that is all right.
+        // A second call fails, which is fine.
         let _ = log::set_logger(&Collector);
         log::set_max_level(log::LevelFilter::Warn);
         let log = Self(guard);
@@ -62,7 +62,7 @@ impl Log {
         )
     }
 
-    /// There is one line since the last look, and it says this.
+    /// Asserts that there is one message since the last call, and that it contains `words`.
     #[track_caller]
     fn says_once(&self, words: &str) {
         let lines = self.take();

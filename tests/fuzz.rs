@@ -1,5 +1,5 @@
-//! Files of reference trajectories with anything in them: an error that names the file, or a case that runs;
-//! never a panic, never a hang.
+//! Trajectory files with arbitrary contents give an error that names the file, or a case that runs. They
+//! never panic or hang.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -8,7 +8,7 @@ use box_physics::prelude::*;
 use box_scenarios::oracle::{Case, Status};
 use proptest::prelude::*;
 
-/// What a file leads to must end, whatever it is: an error, or a case of which a few steps are run.
+/// Every file must lead to an end: an error, or a case that runs for a few steps.
 fn examine(text: &str) -> Result<(), TestCaseError> {
     let file = Path::new("case.json");
     let case = match Case::parse(file, text) {
@@ -22,7 +22,7 @@ fn examine(text: &str) -> Result<(), TestCaseError> {
     };
     prop_assert!(case.setup.initial.is_finite());
     for dt in [1.0 / 60.0, 1e-300, 1e300] {
-        // The clock of a hostile file: say so, and do not run for years.
+        // A hostile file can request steps for years: the case must report that as unsupported.
         let plan = case.plan(dt);
         if case.unsupported(dt).is_some() {
             let measured = case.measure(Integrator::Split, dt);
@@ -52,7 +52,7 @@ fn files() -> Vec<PathBuf> {
     files
 }
 
-/// The first samples of every file: short, so that mutations hit what matters.
+/// The first samples of every file: short, so that mutations hit the relevant parts.
 fn short_files() -> &'static [String] {
     static FILES: OnceLock<Vec<String>> = OnceLock::new();
     FILES.get_or_init(read_short_files)
@@ -68,7 +68,7 @@ fn read_short_files() -> Vec<String> {
     files().iter().map(shorten).collect()
 }
 
-/// What a mutation writes over a piece of a good file.
+/// Replacement text for mutations of a good file.
 const SCRAPS: &[&str] = &[
     "",
     "0",
@@ -93,7 +93,7 @@ const SCRAPS: &[&str] = &[
     "\n",
 ];
 
-/// Keys of the format, and others.
+/// Keys of the format and other keys.
 const KEYS: &[&str] = &[
     "name",
     "kind",
@@ -142,7 +142,7 @@ fn number() -> impl Strategy<Value = serde_json::Value> {
     ]
 }
 
-/// Any JSON, with keys that the format knows.
+/// Any JSON, with keys of the format.
 fn structure() -> impl Strategy<Value = serde_json::Value> {
     let leaf = prop_oneof![
         Just(serde_json::Value::Null),
@@ -170,7 +170,7 @@ proptest! {
         examine(&text)?;
     }
 
-    /// As a file, whether it is text or not.
+    /// Arbitrary bytes, text or not.
     #[test]
     fn arbitrary_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         let file = tempfile::NamedTempFile::new().expect("a temporary file");
@@ -184,7 +184,7 @@ proptest! {
         examine(&json.to_string())?;
     }
 
-    /// Good files in which pieces are overwritten, doubled and cut out.
+    /// Good files with parts overwritten, duplicated or removed.
     #[test]
     fn spoilt_files(
         which in any::<prop::sample::Index>(),
@@ -202,7 +202,7 @@ proptest! {
         examine(&text)?;
     }
 
-    /// Good files in which any one value is another.
+    /// Good files with any one value replaced.
     #[test]
     fn files_with_one_other_value(
         which in any::<prop::sample::Index>(),
@@ -235,7 +235,7 @@ proptest! {
     }
 }
 
-/// Bytes that are no text, nesting without end, an empty file, one beyond all measure, a folder.
+/// Bytes that are not text, unlimited nesting, an empty file, a huge file, a folder.
 #[test]
 fn files_that_are_no_text() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! The game without a window: keys, actions, scenes, log, all through the same systems as with one.
+//! The game without a window: keys, actions, scenes and log run through the same systems as with a window.
 
 use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
 use bevy::input::{ButtonState, InputPlugin};
@@ -39,7 +39,7 @@ fn key(app: &mut App, key_code: KeyCode, state: ButtonState) {
     });
 }
 
-/// What the key types on a US keyboard.
+/// The character of the key on a US keyboard.
 fn logical(code: KeyCode) -> Key {
     let name = format!("{code:?}");
     let character = match code {
@@ -56,7 +56,7 @@ fn logical(code: KeyCode) -> Key {
     Key::Character(character.into())
 }
 
-/// Presses and releases, one update.
+/// Presses and releases a key, with one update.
 fn tap(app: &mut App, code: KeyCode) {
     key(app, code, ButtonState::Pressed);
     app.update();
@@ -104,7 +104,7 @@ fn keys_push_along_the_box_s_own_axes() {
         let before = main_box(&mut app);
         tap(&mut app, code);
         let after = main_box(&mut app);
-        // The scene's push changes the velocity by 1 m/s along the box's own axis at that moment.
+        // The scene's push changes the velocity by 1 m/s along the box's axis at that moment.
         let expected = before.rotation * direction;
         assert!(
             (after.velocity - before.velocity - expected).length() < 1e-12,
@@ -150,7 +150,7 @@ fn a_held_key_repeats_ten_times_a_second() {
     app.update();
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
     key(&mut app, KeyCode::KeyD, ButtonState::Pressed);
-    // 1.01 s of frames: at once, and then every tenth of a second.
+    // 1.01 s of frames: a push at once, and then every tenth of a second.
     for _ in 0..51 {
         app.update();
     }
@@ -172,7 +172,7 @@ fn letters_belong_to_a_text_field_that_is_typed_into() {
     tap(&mut app, KeyCode::KeyP);
     assert!((main_box(&mut app).velocity - before.velocity).length() < 1e-12);
     assert!(!app.world().resource::<PhysicsClock>().paused);
-    // A focused slider: P still pauses, Space belongs to the slider.
+    // With a focused slider P still pauses, but the slider receives Space.
     app.insert_resource(UiFocus {
         text: false,
         widget: true,
@@ -319,7 +319,7 @@ fn step_and_substeps_change_live() {
 #[test]
 fn every_scene_starts_and_runs_with_every_integrator() {
     let mut app = game(&[]);
-    // The built-in ones and those in files.
+    // Built-in scenes and scenes from files.
     let scenes = app.world().resource::<SceneLibrary>().scenes().len();
     for _ in 0..scenes {
         tap(&mut app, KeyCode::BracketRight);
@@ -394,7 +394,7 @@ fn the_log_has_a_row_per_step_and_says_what_was_done() {
         .expect("readable");
     let columns = reader.headers().expect("a header").clone();
     let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
-    // The main box's rows; the comparisons have their own.
+    // Rows of the main box; the comparisons have separate rows.
     let rows = reader.records().map(|r| r.expect("a row"));
     let rows: Vec<_> = rows.filter(|r| &r[at("trajectory")] == "0").collect();
     assert_eq!(rows.len(), 4);
@@ -405,7 +405,7 @@ fn the_log_has_a_row_per_step_and_says_what_was_done() {
     let first: f64 = rows[0][time].parse().expect("a number");
     let second: f64 = rows[1][time].parse().expect("a number");
     assert!((second - first - h).abs() < 1e-12);
-    // Known before the push, and after: the reference takes it as well.
+    // The reference is known before and after the push, because it also receives the push.
     for row in &rows {
         assert!(row[error].parse::<f64>().expect("known") < 1e-9);
     }

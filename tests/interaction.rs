@@ -1,4 +1,4 @@
-//! Hands, scene files, scripts, the 2012 scene and settings, in the game without a window; and the
+//! Interaction, scene files, scripts, the 2012 scene and settings in the game without a window, and the
 //! acceptance checks of the game by name.
 
 use std::path::Path;
@@ -129,7 +129,7 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
         session(&app).truth.is_none(),
         "the scene's answer knows no poke"
     );
-    // One that names no place does nothing but say so.
+    // An invalid position only causes a message.
     let nowhere = Poke {
         normal: DVec3::NAN,
         ..poke
@@ -166,7 +166,7 @@ fn a_held_box_follows_the_hand_and_is_let_go() {
             run(&mut app, 120);
             assert!(main_box(&mut app).position.y < 0.8, "it falls again");
         }
-        // A restart lets go.
+        // A restart releases the grab.
         ask(&mut app, Action::Grab(Some(hold)));
         ask(&mut app, Action::Restart);
         assert_eq!(app.world().resource::<Grip>().0, None);
@@ -201,7 +201,7 @@ fn stepping_back_returns_every_state_and_the_future_repeats() {
             assert_eq!(main_box(&mut app), *expected, "{scene}: step {k}");
         }
         assert_eq!((clock(&app).steps(), clock(&app).elapsed()), (steps, time));
-        // The picture shows the state, not a teleport.
+        // The displayed transform shows the state without a teleport.
         let transform = *app
             .world_mut()
             .query_filtered::<&Transform, With<MainBox>>()
@@ -225,7 +225,7 @@ fn the_past_is_bounded_and_ends_at_the_start() {
     ask(&mut app, Action::StepBack(1));
     let said = session(&app).notices.back().cloned().unwrap_or_default();
     assert!(said.contains("No earlier step is stored"), "{said}");
-    // Too many boxes to keep: said, not slow.
+    // Too many boxes to store: reported, not slow.
     let mut app = game(&["load", "--boxes", "1500"]);
     run(&mut app, 3);
     assert!(app.world().resource::<Rewind>().is_empty());
@@ -261,13 +261,13 @@ fn parameters_and_resets_are_undone_and_redone() {
         press(&mut app, &[CONTROL, SHIFT, (KeyCode::KeyZ, "Z")]);
         assert_eq!(gravity(&app), wanted);
     }
-    // A drag of a slider is one change.
+    // Dragging a slider is one change.
     for k in 0..20 {
         ask(&mut app, Action::Set(Parameter::LinearDrag, f64::from(k)));
     }
     ask(&mut app, Action::Undo);
     assert_eq!(session(&app).parameters.linear_drag, 0.0);
-    // A new change forgets what could be redone.
+    // A new change clears the redo history.
     ask(&mut app, Action::Set(Parameter::Substeps, 4.0));
     assert_eq!(app.world().resource::<UndoStack>().redoes(), None);
     ask(&mut app, Action::Undo);
@@ -276,7 +276,7 @@ fn parameters_and_resets_are_undone_and_redone() {
     ask(&mut app, Action::ResetParameters);
     ask(&mut app, Action::Undo);
     assert_eq!(session(&app).parameters.mass, 7.0);
-    // Another scene: nothing of this one is left to take back.
+    // Another scene clears the undo history of this one.
     ask(&mut app, Action::NextScene);
     assert_eq!(app.world().resource::<UndoStack>().undoes(), None);
 }
@@ -294,7 +294,7 @@ fn an_undone_restart_goes_on_where_it_was() {
     assert_eq!(clock(&app).steps(), steps);
 }
 
-/// Switching to an integrator that is compared swaps the two trajectories; undo swaps them back.
+/// Switching to the integrator of a comparison swaps the two trajectories; undo swaps them back.
 #[test]
 fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
     let mut app = game(&["throw", "--integrator", "split,rk4"]);
@@ -315,13 +315,14 @@ fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
     assert_eq!(main_box(&mut app), before);
 }
 
-/// A digit key means its place where it types something else; with AltGr it means what it types.
+/// A digit key acts by its position on layouts where it types another character. With AltGr it acts by its
+/// character.
 #[test]
 fn digits_and_symbols_do_not_collide_on_other_keyboards() {
     let mut app = game(&["throw", "--integrator", "split"]);
     let integrator = |app: &App| app.world().resource::<GlobalIntegrator>().0;
     let scene = session(&app).scenario.id;
-    // AZERTY: the key of 6 types a minus.
+    // AZERTY: the 6 key types a minus sign.
     press(&mut app, &[(KeyCode::Digit6, "-")]);
     let by_key = integrator(&app);
     assert_eq!(box_scenarios::style::integrator_of_key(6), Some(by_key));

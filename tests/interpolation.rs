@@ -1,5 +1,5 @@
-//! Physics at one rate, frames at another, drawn between the steps by `bevy_transform_interpolation`:
-//! no stutter, and the physics does not notice.
+//! Physics at one rate and frames at another, interpolated by `bevy_transform_interpolation`: motion does not
+//! stutter, and the physics is unaffected.
 
 use std::time::Duration;
 
@@ -142,8 +142,8 @@ fn a_teleport_is_taken_and_not_drawn_as_a_flight() {
     assert_eq!(state(&app, smooth).velocity, DVec3::X * 3.0);
 }
 
-/// Smoothed as well as not, at any rates: a teleport is shown in its own frame, is never lost, and is not drawn as
-/// a flight; nor is a written state.
+/// With and without smoothing, at any rates: a teleport is displayed in its own frame, is never lost, and is
+/// not interpolated. The same holds for a written state.
 #[test]
 fn a_teleport_cannot_be_lost_and_is_not_drawn_as_a_flight() {
     #[derive(Resource, Clone, Copy)]
@@ -199,7 +199,7 @@ fn a_teleport_cannot_be_lost_and_is_not_drawn_as_a_flight() {
                         (y - 50.0).abs() < 1e-4,
                         "{physics}, {frames}, {frame}: {y} m"
                     );
-                    // Two ticks at most ahead, and never back by more than one.
+                    // At most two ticks ahead, and never back by more than one.
                     let ahead = f64::from(x - last);
                     let (tick, step) = (3.0 / physics, 3.0 / frames);
                     assert!(ahead > -tick - 1e-4 && ahead < 2.0 * tick + step + 1e-4);
@@ -215,7 +215,7 @@ fn a_teleport_cannot_be_lost_and_is_not_drawn_as_a_flight() {
     }
 }
 
-/// The spin stays in the axes that were asked for.
+/// The spin keeps its components in the chosen axes.
 #[test]
 fn a_teleport_turns_and_keeps_the_spin_that_it_should() {
     for body_spin in [false, true] {
@@ -242,7 +242,7 @@ fn a_teleport_turns_and_keeps_the_spin_that_it_should() {
             after.angular_velocity(&brick()) - before.angular_velocity(&brick())
         };
         assert!(changed.length() < 1e-15, "{changed}");
-        // What is no pose, or no body, changes nothing.
+        // An invalid pose or an entity that is not a body changes nothing.
         let nowhere = Teleport::to(smooth, DVec3::NAN);
         app.world_mut().commands().queue(nowhere);
         app.world_mut()
@@ -253,7 +253,7 @@ fn a_teleport_turns_and_keeps_the_spin_that_it_should() {
     }
 }
 
-/// A new body does not glide in from the origin, however slow the clock.
+/// A new body is not interpolated from the origin, even with a slow clock.
 #[test]
 fn a_new_body_is_not_drawn_on_its_way_from_the_origin() {
     let mut app = app(30.0, 60.0);
@@ -278,7 +278,7 @@ fn a_new_body_is_not_drawn_on_its_way_from_the_origin() {
     }
 }
 
-/// Disabled while it is drawn between two steps, it stays where the last step left it.
+/// A body that is disabled while it is interpolated stays at the result of the last step.
 #[test]
 fn a_smoothed_body_that_is_disabled_does_not_move() {
     use bevy::ecs::entity_disabling::Disabled;
@@ -299,7 +299,7 @@ fn a_smoothed_body_that_is_disabled_does_not_move() {
         );
         app.world_mut().entity_mut(smooth).remove::<Disabled>();
         assert_eq!(state(&app, smooth), before);
-        // Enabled, it goes on from there.
+        // Enabled again, it continues from there.
         let steps = app.world().resource::<PhysicsClock>().steps();
         for _ in 0..20 {
             app.update();

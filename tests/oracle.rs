@@ -1,5 +1,5 @@
-//! The reference trajectories: how far each integrator is from them at 60 Hz, that the order shows, that our
-//! own references are theirs, and that a bad file is refused by name.
+//! The reference trajectories. Tests of each integrator's errors at 60 Hz and its order, of our own
+//! references, and of the error messages for bad files.
 
 use std::path::{Path, PathBuf};
 
@@ -27,8 +27,8 @@ fn case(prefix: &str) -> Case {
     all.remove(0)
 }
 
-/// What a case is about: the channel whose order must show, and what it measures, the attitude \[rad\] or the
-/// position \[m\]. The last number is what the motion makes of an error on its way: pub02 passes the separatrix
+/// The channel that each case tests: its order must show in the attitude \[rad\] or the position \[m\]. The
+/// last number is the amplification of an error by the motion: pub02 passes the separatrix
 /// (`attitude_sensitivity`).
 const ABOUT: &[(&str, Channel, f64)] = &[
     ("pub01", Channel::Rotation, 1.0),
@@ -51,9 +51,10 @@ fn integrator(id: &str) -> Integrator {
     id.parse().expect("an integrator")
 }
 
-/// The fastest rate of the motion in `channel` [1/s], and the size of what is measured \[rad or m\]: a method of
-/// order p is off by about size × (rate × h)ᵖ, at most twice that. A method that lets the energy go is off by as much in the angular
-/// velocity, so that its attitude error grows with the square of the time.
+/// The fastest rate of the motion in `channel` [1/s], and the size of the measured quantity \[rad or m\]. A
+/// method of order p has an error of about size × (rate × h)ᵖ, at most twice that. A method that does not
+/// conserve energy has the same relative error in the angular velocity, so its attitude error grows with the
+/// square of the time.
 fn scales(case: &Case, channel: Channel, i: Integrator) -> (f64, f64) {
     let Setup {
         body,
@@ -80,8 +81,8 @@ fn scales(case: &Case, channel: Channel, i: Integrator) -> (f64, f64) {
     }
 }
 
-/// Every integrator on every case at 60 Hz: right to rounding where it claims to be exact, within what its order
-/// allows elsewhere, and better by that order at 120 Hz.
+/// Every integrator on every case at 60 Hz: accurate to rounding where it claims to be exact, otherwise
+/// within the bound of its order, and better by that order at 120 Hz.
 #[test]
 fn errors_at_60_hz_and_the_order_behind_them() {
     let cases = cases();
@@ -97,7 +98,7 @@ fn errors_at_60_hz_and_the_order_behind_them() {
             let (m1, m2) = (case.measure(i, 1.0 / 60.0), case.measure(i, 1.0 / 120.0));
             let (e1, e2) = (error(&m1), error(&m2));
             let (rate, size) = scales(case, channel, i);
-            // 600 steps of a few roundings.
+            // 600 steps with a few roundings each.
             let rounding = 1e-11 * sensitivity.sqrt() * size.max(1.0).sqrt();
             let orders = &i.info().orders;
             let (claim, other) = (
@@ -135,8 +136,8 @@ fn errors_at_60_hz_and_the_order_behind_them() {
             if e1.is_nan() || e1 > bound {
                 wrong.push(format!("{i}, {prefix}: claims order {p} in {}; measured: {e1:.1e}, allowed: {bound:.1e}", channel.name()));
             }
-            // Half an order is left for terms of higher order. None shows in long steps, nor beyond a tenth of a radian
-            // or of the way.
+            // Half an order is left for terms of higher order. No order shows in long steps, or beyond a
+            // tenth of a radian or of the distance.
             let slope = (e1 / e2).log2();
             let shows = e2 > rounding && e1 < 0.1 * size.min(1.0) && rate / 60.0 < 0.5;
             if shows && slope.is_nan() | (slope < f64::from(p) - 0.5) {
@@ -151,7 +152,7 @@ fn errors_at_60_hz_and_the_order_behind_them() {
     );
 }
 
-/// What the default promises at 60 Hz over the whole horizon: attitude \[rad\] or position \[m\].
+/// Claims of the default at 60 Hz over the whole duration: attitude \[rad\] or position \[m\].
 #[test]
 fn the_default_is_right_to_rounding_in_flight_and_of_fourth_order_under_forces() {
     for (prefix, bound) in [
@@ -176,8 +177,8 @@ fn the_default_is_right_to_rounding_in_flight_and_of_fourth_order_under_forces()
     }
 }
 
-/// Formulas and numerical references of our own against the files. Two independent derivations, so
-/// rounding is all that may be between them; pub02 multiplies it by 6e3 (`attitude_sensitivity`).
+/// Our own formulas and numerical references compared with the files. They are two independent derivations,
+/// so only rounding may separate them; pub02 multiplies it by 6e3 (`attitude_sensitivity`).
 #[test]
 fn our_references_are_theirs() {
     let mut kinds = (0, 0);
@@ -202,8 +203,9 @@ fn our_references_are_theirs() {
     assert!(kinds.0 >= 15 && kinds.1 >= 2, "{kinds:?}");
 }
 
-/// Contact: an impact located inside the step keeps the integrator's order, and a constant deceleration is
-/// exact. Flat cases to rounding; after a corner impact the tumbling has the integrator's own error.
+/// Contact: an impact located within the step preserves the integrator's order, and a constant deceleration
+/// is exact. Flat cases are accurate to rounding. After a corner impact the tumbling has the error of the
+/// integrator.
 #[test]
 fn contact_cases() {
     for id in ["split", "exact", "split4", "rk4"] {
@@ -230,7 +232,7 @@ fn energy_is_judged_only_where_it_is_known() {
             .energy
             .is_some_and(|e| e < 1e-8)
     );
-    // Conserved although the file does not say it.
+    // Conserved, although the file has no energies.
     case.samples.iter_mut().for_each(|s| s.energy = None);
     assert!(
         case.measure(rk4, 1.0 / 60.0)
@@ -252,7 +254,7 @@ fn explosions_are_called_by_their_name() {
     }
 }
 
-/// A run that ends is not ok when its result says nothing: explicit Euler ends pub15 with ten times the energy
+/// A run that ends with a meaningless result is not ok: explicit Euler ends pub15 with ten times the energy
 /// and an attitude error of 3 rad.
 #[test]
 fn a_run_beyond_the_stated_errors_is_lost() {
@@ -260,7 +262,7 @@ fn a_run_beyond_the_stated_errors_is_lost() {
     let spun = measure("pub15", "explicit-euler");
     assert_eq!(spun.status, Status::Lost("attitude"));
     assert!(spun.energy.is_some_and(|e| e > 5.0) && spun.attitude.is_finite());
-    // A prescribed energy that is never reached, and a body that is elsewhere.
+    // A prescribed energy that is never reached, and a body in the wrong place.
     let mut wrong = case("pub01");
     let lost = |c: &Case| c.measure(integrator("exact"), 1.0 / 60.0).status;
     wrong.samples[3].state.position.x += wrong.setup.body.radius();
@@ -272,7 +274,7 @@ fn a_run_beyond_the_stated_errors_is_lost() {
     assert_eq!(lost(&case("pub01")), Status::Ok);
 }
 
-// ---- files that are not ours -------------------------------------------------------------------
+// ---- user files --------------------------------------------------------------------------------
 
 fn good() -> Value {
     json!({
@@ -307,14 +309,14 @@ fn impulses_act_after_the_sample_of_their_time() {
     let m = case.measure(Integrator::Split, 0.1);
     assert!(m.position < 1e-14 && m.velocity < 1e-14, "{m:?}");
     assert_eq!(m.totals.steps, 20);
-    // A solid box where no inertia is given; another one where it is.
+    // A solid box if no inertia is given; another inertia if it is.
     assert_eq!(case.setup.body.inertia().x, 0.078125);
     let mut v = good();
     v["body"]["inertia_diag_body"] = json!([0.1, 0.2, 0.25]);
     assert_eq!(parse(&v).expect("good").setup.body.inertia().z, 0.25);
 }
 
-/// Every force of the format against the numerical reference of our own.
+/// Every force of the format compared with our own numerical reference.
 #[test]
 fn every_key_of_the_law_acts() {
     let mut v = good();
@@ -338,7 +340,7 @@ fn every_key_of_the_law_acts() {
         let fine = case.measure(i, 1.0 / 1920.0);
         assert_eq!(fine.status, Status::Ok, "{i}");
         assert!(fine.position < 0.02 && fine.attitude < 0.1, "{i}: {fine:?}");
-        // It converges to this law and not to another: four times finer is at least three times better.
+        // It converges to this force model and to no other: four times finer is at least three times better.
         assert!(
             fine.attitude < coarse.attitude / 3.0 || fine.attitude < 1e-9,
             "{i}: {coarse:?} {fine:?}"

@@ -1,15 +1,15 @@
-//! The order of every integrator in every channel of the force model: what its metadata claims is what is
-//! measured, no less and no more.
+//! The order of every integrator in every channel of the force model: the measured order equals the claim of
+//! its metadata.
 
 use box_physics::integrators::{Channel, Order, Orders};
 use box_physics::prelude::*;
 use box_scenarios::{ForceSet, Plan, Setup, StateError, run_plan};
 
-/// Comparisons with the reference along the way; every number of steps is a multiple of it.
+/// Number of comparisons with the reference along the way; every number of steps is a multiple of it.
 const SAMPLES: u32 = 8;
-/// The coarsest run has this many steps, then twice as many, and so on.
+/// Number of steps of the coarsest run; each next level has twice as many.
 const COARSEST: u32 = 8;
-/// Numbers of steps tried.
+/// Number of levels.
 const LEVELS: u32 = 9;
 
 /// A smooth motion of 2 s that exercises one channel.
@@ -17,8 +17,8 @@ fn setup(channel: Channel) -> Setup {
     setup_of(channel, DVec3::new(0.5, 0.25, 0.125), 9.81)
 }
 
-/// The same without what could hide the channel's own error behind its own: the gyroscopic term, which a cube does
-/// not have, and gravity.
+/// The same without the terms that could hide the error of the channel: the gyroscopic term, which a cube
+/// does not have, and gravity.
 fn bare_setup(channel: Channel) -> Setup {
     setup_of(channel, DVec3::splat(0.375), 0.0)
 }
@@ -77,7 +77,7 @@ fn setup_of(channel: Channel, half_extents: DVec3, gravity: f64) -> Setup {
     Setup::new(body, start, forces, 2.0)
 }
 
-/// What a channel is measured in: [m] or [rad], largest over the samples.
+/// The error that a channel is measured by: [m] or [rad], largest over the samples.
 fn error(channel: Channel, e: &StateError) -> f64 {
     match channel {
         Channel::Gravity | Channel::LinearDrag | Channel::QuadraticDrag => e.position,
@@ -86,7 +86,7 @@ fn error(channel: Channel, e: &StateError) -> f64 {
     }
 }
 
-/// The largest error with each number of steps.
+/// The largest error for each number of steps.
 fn errors(setup: &Setup, channel: Channel, i: Integrator) -> Vec<f64> {
     let times: Vec<f64> = (0..=SAMPLES)
         .map(|k| setup.duration * f64::from(k) / f64::from(SAMPLES))
@@ -110,8 +110,8 @@ fn errors(setup: &Setup, channel: Channel, i: Integrator) -> Vec<f64> {
     (0..LEVELS).map(run).collect()
 }
 
-/// The order that can show in `channel`, and whether that is less than the channel's own: where the motion is a
-/// tumbling, no better than the rotation's; under gravity, no better than gravity's.
+/// The order that can show in `channel`, and whether it is lower than the channel's claim. In a tumbling
+/// motion it is at most that of the rotation, under gravity at most that of gravity.
 fn expected(orders: &Orders, channel: Channel) -> (Order, bool) {
     let own = orders.of(channel);
     let other = match channel {
@@ -122,17 +122,17 @@ fn expected(orders: &Orders, channel: Channel) -> (Order, bool) {
     match (own, other) {
         (Order::Of(p), Order::Of(q)) => (Order::Of(p.min(q)), p > q),
         (Order::Of(p), Order::Exact) => (Order::Of(p), false),
-        // Exact in the channel: it adds no error (a test below holds the damping to it).
+        // Exact in the channel: it adds no error (a test below checks the damping).
         (Order::Exact, shown) => (shown, false),
     }
 }
 
-/// Below this, rounding is more than a tenth of the error: 2000 steps of a few roundings each.
+/// Error below which rounding is more than a tenth of it: 2000 steps with a few roundings each.
 const FLOOR: f64 = 3e-12;
 
-/// The slope over the finest three halvings whose errors are above rounding. The band of ±0.25 around
-/// the claim: with an error C hᵖ(1 + κh + …), κh ≤ 0.1 at the coarse end makes at most log₂(1.1)/3 ≈
-/// 0.05; where the leading terms nearly cancel, κ is larger. A missing order is 1.
+/// The slope over the finest three halvings whose errors are above rounding. The tolerance of ±0.25 follows
+/// from an error C hᵖ(1 + κh + …): κh ≤ 0.1 at the coarse end gives at most log₂(1.1)/3 ≈ 0.05. Where the
+/// leading terms nearly cancel, κ is larger. A missing order is 1.
 fn slope(errors: &[f64]) -> Option<f64> {
     let usable: Vec<f64> = errors.iter().copied().take_while(|&e| e > FLOOR).collect();
     let last = usable.len().checked_sub(1)?;
@@ -145,7 +145,7 @@ fn list(errors: &[f64]) -> String {
     all.join(", ")
 }
 
-/// The errors of one integrator in one channel, with and without what hides its own.
+/// The errors of one integrator in one channel, with and without the terms that hide its own error.
 struct Measured {
     channel: Channel,
     errors: Vec<f64>,
@@ -162,7 +162,7 @@ fn measure(i: Integrator) -> Vec<Measured> {
     .collect()
 }
 
-/// Where `claims` are not what was measured.
+/// Differences between `claims` and the measurement.
 fn contradictions(i: Integrator, claims: &Orders, measured: &[Measured]) -> Vec<String> {
     let mut wrong = Vec::new();
     for Measured {
@@ -175,7 +175,7 @@ fn contradictions(i: Integrator, claims: &Orders, measured: &[Measured]) -> Vec<
             match claim {
             Order::Exact => {
                 let worst = errors.iter().copied().fold(0.0, f64::max);
-                // 2048 steps of a few roundings of numbers up to 10.
+                // 2048 steps with a few roundings each of numbers up to 10.
                 if worst > 1e-11 {
                     wrong.push(format!(
                         "{i} claims to be exact in {}; measured: off by {worst:.1e}. Claim `Order::Of(p)` in its INFO, or mend its step",
@@ -208,7 +208,7 @@ fn every_integrator_has_the_order_it_claims_in_every_channel_and_no_higher() {
     for &i in Integrator::ALL {
         let (claims, measured) = (i.info().orders, measure(i));
         wrong.extend(contradictions(i, &claims, &measured));
-        // One more than that, in any channel, is contradicted.
+        // A claim that is one order higher is rejected in every channel.
         for channel in Channel::ALL {
             let Order::Of(p) = claims.of(channel) else {
                 continue;
@@ -226,7 +226,7 @@ fn every_integrator_has_the_order_it_claims_in_every_channel_and_no_higher() {
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }
 
-/// `orders` with another claim in one channel.
+/// `orders` with a different claim in one channel.
 fn with(mut orders: Orders, channel: Channel, order: Order) -> Orders {
     *match channel {
         Channel::Gravity => &mut orders.gravity,
@@ -241,8 +241,8 @@ fn with(mut orders: Orders, channel: Channel, order: Order) -> Orders {
     orders
 }
 
-/// "Exact" in the angular damping means: it adds nothing to the error of the rotation itself. Damping
-/// only shortens the steps of the rescaled time, so the damped error must not exceed the free one.
+/// "Exact" angular damping adds nothing to the error of the rotation itself. Damping only shortens the steps
+/// of the rescaled time, so the damped error must not exceed the free one.
 #[test]
 fn exact_damping_adds_no_error() {
     let (damped, free) = (setup(Channel::AngularDamping), setup(Channel::Rotation));
@@ -260,7 +260,7 @@ fn exact_damping_adds_no_error() {
     }
 }
 
-/// Dampers at springs, too, keep the order of the spring (2 at most: they are taken symmetrically).
+/// Dampers at springs also preserve the order of the spring, up to 2, because they are applied symmetrically.
 #[test]
 fn dampers_converge() {
     let mut setup = setup(Channel::Spring);
@@ -268,7 +268,7 @@ fn dampers_converge() {
     for &i in Integrator::ALL {
         let errors = errors(&setup, Channel::Spring, i);
         let s = slope(&errors).expect("above rounding");
-        // A damper is drag at a point: an integrator that lags drag (order 1) lags it as well.
+        // A damper is drag at a point. An integrator that lags in drag (order 1) also lags in damping.
         let of = |order| match order {
             Order::Exact => 2.0,
             Order::Of(p) => f64::from(p.min(2)),

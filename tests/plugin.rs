@@ -1,4 +1,4 @@
-//! The plugin in an app without window or renderer: what it does to entities, step by step.
+//! The plugin in an app without window or renderer: its effect on entities, step by step.
 
 #[path = "plugin/clock.rs"]
 mod clock;
@@ -16,7 +16,7 @@ use bevy::time::TimeUpdateStrategy;
 use box_physics::plugin::{Stage, integrator_path};
 use box_physics::prelude::*;
 
-/// The tick of a 60 Hz clock as Bevy keeps it: whole nanoseconds.
+/// One tick of a 60 Hz clock in whole nanoseconds, as Bevy stores it.
 fn tick() -> Duration {
     Time::<Fixed>::from_hz(60.0).timestep()
 }
@@ -158,7 +158,7 @@ fn switching_live_and_per_body_carries_the_state_over_exactly() {
         assert_eq!(state(&app, global), expected_global, "{integrator}");
         assert_eq!(state(&app, own), expected_own);
     }
-    // The override goes, and the global integrator takes over.
+    // Without the override, the global integrator applies.
     app.world_mut().entity_mut(own).remove::<BodyIntegrator>();
     app.insert_resource(GlobalIntegrator(Integrator::Rk4));
     app.update();
@@ -220,7 +220,7 @@ fn pause_stands_still_and_a_single_step_is_one_tick() {
         app.update();
     }
     assert_eq!(state(&app, entity), tumbling(), "paused");
-    // The step happens at once, not at the next tick, and the impulse waited for it.
+    // The step happens at once, not at the next tick, and includes the pending impulse.
     app.world_mut().commands().queue(StepPhysics(1));
     app.world_mut().flush();
     let mut expected = tumbling();
@@ -301,7 +301,7 @@ fn changing_transform_teleports_and_keeps_the_motion() {
         DVec3::new(7.5, f64::from(1.0_f32), f64::from(0.3_f32))
     );
     assert!((after.angular_velocity(&brick()) - DVec3::Y * 3.0).length() < 1e-12);
-    // Not a place: ignored, and put right.
+    // An invalid position is ignored and corrected.
     app.world_mut()
         .get_mut::<Transform>(entity)
         .expect("required")
@@ -536,7 +536,7 @@ fn floor_contacts_are_told_to_those_who_ask() {
     }
     assert_eq!(began, 4, "four corners of a flat landing");
     assert!(persists > 0);
-    // J = m √(2 g d) with d = 0.25 m, and what little weight acts until the end of that step.
+    // J = m √(2 g d) with d = 0.25 m, plus the weight until the end of that step.
     let expected = 3.0 * (2.0_f64 * 9.81 * 0.25).sqrt();
     assert!(impulse >= expected * (1.0 - 1e-9) && impulse <= expected + 3.0 * 9.81 / 60.0 + 1e-9);
 }
@@ -618,7 +618,7 @@ fn a_state_written_while_paused_is_shown_at_once() {
     let aabb = app.world().get::<WorldAabb>(entity).expect("comes along").0;
     // The axes are permuted: x is along the world's y, and so on.
     assert!((Vec3::from(aabb.max) - Vec3::new(7.125, 8.5, 9.25)).length() < 1e-5);
-    // A teleport that waits for its step is not undone by it.
+    // A pending teleport is not overwritten.
     app.world_mut()
         .get_mut::<Transform>(entity)
         .expect("required")

@@ -1,4 +1,5 @@
-//! The program `box_report`, as a user types it: what it writes, what it refuses, what an interruption leaves.
+//! The program `box_report` from a user's view: its outputs, its errors, and the files that an interruption
+//! leaves.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The rows of a CSV file, each by the names of its columns.
+/// The rows of a CSV file, each as a map from column names.
 fn rows(path: &Path) -> Vec<HashMap<String, String>> {
     let mut reader =
         csv::Reader::from_path(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -47,7 +48,7 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     files
 }
 
-/// A part in a hurry, into a fresh folder.
+/// A quick run of one part into a new folder.
 fn quick(part: &str, more: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().to_str().expect("text");
@@ -88,7 +89,7 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
             "{table}"
         );
     }
-    // Every family by time and by evaluations, and the further errors.
+    // Every family by time and by evaluations, plus the additional errors.
     let figures = files(&report, "svg");
     assert!(figures.len() >= 2 * 12 + 5, "{figures:?}");
     let page = read(&report.join("report.md"));
@@ -109,7 +110,7 @@ fn everything_in_a_hurry_writes_every_page_table_and_figure() {
             "{integrator}"
         );
     }
-    // The digest: readable, its figures there and small.
+    // The digest is readable, and its figures exist and are small.
     let digest = read(&docs.join("results.md"));
     for rate in [30, 60, 120] {
         assert!(digest.contains(&format!("At {rate} Hz take `")), "{rate}");
@@ -169,7 +170,7 @@ fn a_failed_run_leaves_a_gap_and_no_cost() {
         &["--integrators", "semi-implicit-euler,split"],
     );
     let rows = rows(&folder.path().join("work-precision.csv"));
-    // At 30 and 60 Hz the needle tears the explicit gyroscopic term apart.
+    // At 30 and 60 Hz the explicit gyroscopic term diverges on the needle.
     let needle = |integrator: &str| -> Vec<_> {
         let wanted =
             |r: &&HashMap<String, String>| r["family"] == "needle" && r["integrator"] == integrator;
@@ -317,11 +318,11 @@ fn a_trajectory_as_csv() {
         "0.5",
     ]);
     assert_eq!(text(&o.stdout).lines().count(), 32, "{}", text(&o.stderr));
-    // Corner drop with friction: no answer to compare with.
+    // A corner drop with friction has no reference.
     assert!(table.lines().nth(1).is_some_and(|l| l.ends_with(",,")));
 }
 
-/// A repository with the stored files alone.
+/// A repository with only the stored files.
 fn stored_files() -> tempfile::TempDir {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let copy = tempfile::tempdir().expect("a folder");
@@ -348,7 +349,8 @@ fn what_is_stored_is_what_the_program_makes() {
 fn check_names_a_changed_number_and_bless_stores_it() {
     let copy = stored_files();
     let root = copy.path().to_str().expect("text");
-    // What bless would have stored for an integrator that is a hundred times worse, dearer and different.
+    // The values that bless would have stored for an integrator that is a hundred times less accurate and
+    // more expensive, with different digests.
     let errors = copy.path().join("tests/expected/report.csv");
     let before = read(&errors);
     let exact = before
@@ -400,7 +402,7 @@ fn check_names_a_changed_number_and_bless_stores_it() {
     assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
 }
 
-/// Ctrl-C in the middle: the first part is there and shown, the others are named as not reached.
+/// Ctrl-C during the run: the first part is written and shown, the others are listed as not reached.
 #[cfg(unix)]
 #[test]
 fn an_interruption_leaves_what_was_finished() {
@@ -411,7 +413,7 @@ fn an_interruption_leaves_what_was_finished() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
-    // The efficiency table is written in the moment in which the first measurement is complete.
+    // The efficiency table is written as soon as the first measurement is complete.
     let first = path.join("efficiency.csv");
     let patience = Instant::now();
     while !first.is_file() && patience.elapsed() < Duration::from_secs(240) {

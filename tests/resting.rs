@@ -1,5 +1,4 @@
-//! A box that lies still is not even looked at, until something changes: whatever that is, it then does what
-//! a box does that was just put there.
+//! A resting box is skipped until something changes. It then behaves exactly like a box that was just placed.
 
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
@@ -9,7 +8,7 @@ fn brick() -> RigidBox {
     RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
 }
 
-/// Boxes on the floor at x = 0, 3, 6 m; the middle one is what is looked at.
+/// Boxes on the floor at x = 0, 3, 6 m; the tests observe the middle one.
 struct Scene {
     app: App,
     bodies: [Entity; 3],
@@ -27,7 +26,7 @@ impl Scene {
         Self { app, bodies }
     }
 
-    /// Dropped, and at rest long enough to be known to rest.
+    /// Boxes that were dropped and have been at rest long enough to sleep.
     fn at_rest() -> Self {
         let start = [0.0, 3.0, 6.0].map(|x| {
             let state =
@@ -43,13 +42,13 @@ impl Scene {
         scene
     }
 
-    /// The same boxes, put there a moment ago.
+    /// The same boxes, just placed.
     fn put_there(&self) -> Self {
         let parts = self
             .bodies
             .map(|body| (self.get(body), self.get::<ContactState>(body)));
         let mut scene = Self::new(parts);
-        // The step in which it is found that they rest.
+        // This step detects that they rest.
         scene.step(1);
         scene
     }
@@ -76,15 +75,15 @@ impl Scene {
         self.app.world_mut().entity_mut(body).insert(parts);
     }
 
-    /// All that can be seen of the three.
+    /// The visible state of the three boxes.
     fn seen(&self) -> [(BodyState, Transform, WorldAabb, ContactState); 3] {
         self.bodies
             .map(|b| (self.get(b), self.get(b), self.get(b), self.get(b)))
     }
 }
 
-/// Does the same to boxes that lie there for long and to boxes that were just put there. Whether it moved the
-/// middle one, and whether it moved the others.
+/// Disturbs sleeping boxes and just placed boxes in the same way, and asserts that they behave alike. Returns
+/// whether the middle one moved, and whether the others moved.
 fn compare(what: &str, disturb: impl Fn(&mut Scene)) -> (bool, bool) {
     let mut moved = (false, false);
     let mut known = Scene::at_rest();
@@ -177,7 +176,7 @@ fn boxes_are_moved_by_a_change_of_the_world() {
     assert_eq!(compare("no settings of the contact", no_settings), STILL);
 }
 
-/// What happens while a box is not looked at counts when it is again.
+/// Changes to a box that is skipped take effect when it is processed again.
 #[test]
 fn a_box_that_was_left_out_is_looked_at_again() {
     let meanwhile = |scene: &mut Scene, done: &dyn Fn(&mut Scene)| {
@@ -208,7 +207,7 @@ fn a_box_that_was_left_out_is_looked_at_again() {
     assert_eq!(compare("there was no contact", no_contact_meanwhile), ALL);
 }
 
-/// A force that held it is gone.
+/// A force that held the box is removed.
 #[test]
 fn a_box_that_was_held_is_let_go() {
     let mut scene = Scene::at_rest();
@@ -234,8 +233,8 @@ fn a_box_that_was_held_is_let_go() {
     assert!(scene.seen()[1].0.position.x > before[1].0.position.x + 0.01);
 }
 
-/// A pose that was overwritten after teleports were taken is written again in the same step; one that is no
-/// teleport, but not what was shown either, in the next.
+/// A pose that is overwritten after teleports were read is written again in the same step. A pose that is not
+/// a teleport but differs from the written one is corrected in the next step.
 #[test]
 fn a_pose_overwritten_is_shown_again() {
     let mut scene = Scene::at_rest();
@@ -254,7 +253,7 @@ fn a_pose_overwritten_is_shown_again() {
     }
 }
 
-/// What is set between *Integrate* and *Contact* counts in this step.
+/// Changes between *Integrate* and *Contact* take effect in this step.
 #[test]
 fn between_the_sets_a_box_can_still_be_moved() {
     let mut scene = Scene::at_rest();

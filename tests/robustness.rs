@@ -1,4 +1,4 @@
-//! Extreme sizes, places and steps; degenerate shapes; stable ranges as the metadata claims them.
+//! Extreme sizes, positions and steps; degenerate shapes; stable ranges as claimed by the metadata.
 
 use box_physics::integrators::Limit;
 use box_physics::prelude::*;
@@ -22,8 +22,8 @@ fn run(setup: &Setup, i: Integrator, h: f64, n: u64) -> BodyState {
 const BRICK: DVec3 = DVec3::new(0.5, 0.25, 0.125);
 const SPIN: DVec3 = DVec3::new(1.5, 2.5, 1.0);
 
-/// Moments cancel from Euler's equations: the attitude does not depend on mass and size. Bounds: the
-/// roundings of 120 steps, which differ, times what the motion makes of them.
+/// Mass and size cancel from Euler's equations, so the attitude does not depend on them. Bounds: the
+/// roundings of 120 steps, which differ, times the amplification of the motion.
 #[test]
 fn mass_and_size_do_not_matter() {
     for &i in Integrator::ALL {
@@ -41,8 +41,8 @@ fn mass_and_size_do_not_matter() {
     }
 }
 
-/// 100 km away everything happens as at the origin: attitude and velocity bit for bit, the position to
-/// half a unit in the last place per step.
+/// At 100 km the motion equals that at the origin: attitude and velocity bit for bit, the position to half a
+/// unit in the last place per step.
 #[test]
 fn far_from_the_origin() {
     for &i in Integrator::ALL {
@@ -68,8 +68,8 @@ fn far_from_the_origin() {
     }
 }
 
-/// A gap of 1e-12 between two moments changes nothing that can be seen; neither do zero and principal
-/// spins lead to anything but numbers.
+/// A gap of 1e-12 between two moments has no visible effect. Zero spin and principal spins give finite
+/// numbers.
 #[test]
 fn degenerate_shapes_are_continuous() {
     let bar = DVec3::new(0.25, 0.5, 0.25);
@@ -84,7 +84,7 @@ fn degenerate_shapes_are_continuous() {
                 let near = half * DVec3::new(1.0 + gap, 1.0, 1.0 - gap);
                 let state = run(&tumbling(near, 6.0, omega), i, H, 300);
                 let error = state.attitude_difference(&exact);
-                // 5 s at 6 rad/s times the gap in the moments, and what first-order growth adds.
+                // 5 s at 6 rad/s times the gap in the moments, plus the effect of first-order growth.
                 assert!(
                     error < 1e-12 + 1e3 * gap,
                     "{i}: {error:e} rad for a gap of {gap:e}"
@@ -104,12 +104,12 @@ fn degenerate_shapes_are_continuous() {
     }
 }
 
-/// Whether a growth is above `bound`; lost in NaN counts.
+/// Returns `true` if a growth is above `bound` or NaN.
 fn exceeds(growth: f64, bound: f64) -> bool {
     growth.is_nan() || growth > bound
 }
 
-/// The amplitude of a velocity after 400 steps at z = c·h/m of linear drag, over the first.
+/// Amplitude of a velocity after 400 steps at z = c·h/m of linear drag, relative to the first.
 fn drag_growth(i: Integrator, z: f64) -> f64 {
     let mut setup = tumbling(BRICK, 1.0, DVec3::ZERO);
     setup.initial.velocity = DVec3::X;
@@ -117,7 +117,7 @@ fn drag_growth(i: Integrator, z: f64) -> f64 {
     run(&setup, i, H, 400).velocity.length()
 }
 
-/// The same of a damper at the center.
+/// The same for a damper at the center.
 fn damper_growth(i: Integrator, z: f64) -> f64 {
     let mut setup = tumbling(BRICK, 1.0, DVec3::ZERO);
     setup.initial.velocity = DVec3::X;
@@ -151,7 +151,7 @@ fn drag_and_damper_limits_as_claimed() {
     }
 }
 
-/// Energy of an oscillator after 4000 steps at √(k/m)·h = z, over the first.
+/// Energy of an oscillator after 4000 steps at √(k/m)·h = z, relative to the first.
 fn oscillator_growth(i: Integrator, z: f64) -> f64 {
     let mut setup = tumbling(BRICK, 1.0, DVec3::ZERO);
     setup.initial.position = DVec3::X;
@@ -169,9 +169,9 @@ fn oscillator_limits_as_claimed() {
                 }
             }
             Limit::Below(x) => {
-                // Near its limit a kicked oscillator swings 1/√(1 − (z/2)²) higher, and does not grow.
+                // Near its limit a kicked oscillator swings 1/√(1 − (z/2)²) higher but does not grow.
                 assert!(oscillator_growth(i, 0.95 * x) < 100.0, "{i} below {x}");
-                // The first unstable window of a composition may be as narrow as a thousandth.
+                // The first unstable range of a composition may be as narrow as a thousandth.
                 let mut beyond =
                     (1..400).map(|k| oscillator_growth(i, (1.0 + 5e-4 * f64::from(k)) * x));
                 assert!(
@@ -187,7 +187,8 @@ fn oscillator_limits_as_claimed() {
     }
 }
 
-/// Integrators without a limit in |ω|h stay sane on three bodies up to 1000; the others below theirs.
+/// Integrators without a limit in |ω|h remain bounded on three bodies up to 1000; the others below their
+/// limits.
 #[test]
 fn rotation_limits_as_claimed() {
     let bodies = [
@@ -227,7 +228,7 @@ fn rotation_limits_as_claimed() {
     }
 }
 
-/// No hard case turns an integrator without limits into nonsense, whichever it is.
+/// Integrators without limits give valid states on every hard case.
 #[test]
 fn unlimited_integrators_survive_every_hard_case() {
     let cases = hard_cases();
@@ -237,7 +238,7 @@ fn unlimited_integrators_survive_every_hard_case() {
     };
     for &i in Integrator::ALL.iter().filter(unlimited) {
         for c in &cases {
-            // Limited by the kicks of a spring, not by these ranges; a million steps: elsewhere.
+            // Limited by the kicks of a spring, not by these ranges; another test takes the million steps.
             if matches!(c.id, "corner-spring" | "long-run") {
                 continue;
             }

@@ -1,6 +1,6 @@
-//! Hostile play at full speed: bodies come and go, are pushed, poisoned, teleported, resized; the floor
-//! moves and vanishes, integrators and settings change, the game pauses. No panic, no leak, no energy from
-//! nothing. A minute of it in every test run; an hour by `BOX_SOAK_SECONDS=3600`, another one by `BOX_SOAK_SEED=…`.
+//! Hostile play at full speed. Bodies come and go and are pushed, poisoned, teleported and resized; the floor
+//! moves and vanishes; integrators and settings change; the game pauses. No panic, no leak, no energy gain.
+//! Every test run plays a minute; `BOX_SOAK_SECONDS=3600` plays an hour, `BOX_SOAK_SEED=…` another one.
 
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
@@ -9,11 +9,11 @@ use box_physics::energy::total_energy;
 use box_physics::floor::ContactState;
 use box_physics::prelude::*;
 
-/// Updates a second of play.
+/// Updates per second of play.
 const RATE: u32 = 60;
 const MOST_BODIES: usize = 150;
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same play in every run.
+/// SplitMix64 (Steele, Lea, Flood 2014): the same sequence in every run.
 struct Dice(u64);
 
 impl Dice {
@@ -42,7 +42,7 @@ impl Dice {
         self.unit() < p
     }
 
-    /// Between 1/`r` and `r`, evenly in the logarithm.
+    /// A number between 1/`r` and `r`, uniform in the logarithm.
     fn scale(&mut self, r: f64) -> f64 {
         libm::pow(r, 2.0 * self.unit() - 1.0)
     }
@@ -81,7 +81,7 @@ fn spawn(app: &mut App, dice: &mut Dice) {
     }
 }
 
-/// One hostile act.
+/// Performs one hostile action.
 fn act(app: &mut App, dice: &mut Dice, graveyard: &[Entity]) {
     let all = bodies(app);
     if all.is_empty() {
@@ -140,7 +140,7 @@ fn act(app: &mut App, dice: &mut Dice, graveyard: &[Entity]) {
             world.remove_resource::<Floor>();
         }
         14 => {
-            // An earlier act of this frame may have taken it: it is put back at the next tick.
+            // An earlier action of this frame may have removed it; the plugin restores it at the next tick.
             let Some(mut state) = world.get_mut::<BodyState>(one) else {
                 return;
             };
@@ -215,11 +215,12 @@ fn act(app: &mut App, dice: &mut Dice, graveyard: &[Entity]) {
     }
 }
 
-/// Nobody does anything for three seconds: then no energy may come from nothing. The largest gain of a body, and
-/// how many there were to see.
+/// Three seconds without actions: no body may gain energy. Returns the largest gain of a body, and the number
+/// of bodies observed.
 fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
-    // The two that keep the energy of a spin at any step, and add none at the floor. The second one only while the
-    // turn of a step has digits to spare (its file tells); the play makes spins of 1e30 rad/s.
+    // These two integrators conserve the energy of a spin at any step and add none at the floor. The second
+    // does so only while the turn of a step has enough digits (see its file); the play makes spins of
+    // 1e30 rad/s.
     let chosen = [Integrator::Exact, Integrator::ImplicitMidpoint][dice.below(2)];
     app.insert_resource(GlobalIntegrator(chosen));
     app.insert_resource(WorldGravity::default());
@@ -230,7 +231,7 @@ fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
             .remove::<(BodyIntegrator, ExternalForce, Springs, Quarantined)>()
             .remove::<(LinearDrag, QuadraticDrag, AngularDamping, AngularDrag)>();
     }
-    // What was asked for before the pause happens, and what is in the floor is lifted out.
+    // Requests from before the pause take effect, and bodies in the floor are moved out.
     for _ in 0..2 {
         app.update();
     }
@@ -246,7 +247,7 @@ fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
             .query_filtered::<(Entity, &RigidBox, &BodyState), Without<Quarantined>>();
         all.iter(app.world())
             .map(|(e, b, s)| {
-                // Of what a rounding is a part: kinetic, and potential in both directions.
+                // The scale of the rounding: kinetic energy, and potential energy in both directions.
                 let size =
                     s.kinetic_energy(b) + 9.81 * b.mass() * (s.position.length() + b.radius());
                 (e, total_energy(b, s, &law), size, *b, *s)
@@ -278,7 +279,7 @@ fn rest(app: &mut App, dice: &mut Dice) -> (f64, usize) {
     (worst, seen)
 }
 
-/// Whatever was done to them: every body can be stepped and is shown somewhere.
+/// Every body can be stepped and is displayed at a finite position.
 fn assert_sound(app: &mut App) {
     let mut all = app
         .world_mut()
@@ -292,7 +293,7 @@ fn assert_sound(app: &mut App) {
     }
 }
 
-/// Resident memory of this process \[bytes\], where the system tells.
+/// Resident memory of this process \[bytes\], if the system reports it.
 fn resident() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;
     Some(text.split(' ').nth(1)?.parse::<u64>().ok()? * 4096)
@@ -341,7 +342,7 @@ fn hostile_play() {
             println!("{} minutes", (second + 1) / 60);
         }
         graveyard = bodies(&mut app);
-        // Nothing but bodies was ever spawned (resources are entities as well), and no message stays.
+        // Only bodies were spawned (resources are entities as well), and no message remains.
         let others = app.world().entities().count_spawned() as usize - graveyard.len();
         most_others = most_others.max(others);
         if second < 10 {
@@ -366,7 +367,7 @@ fn hostile_play() {
         most_others <= early_others + 4,
         "{early_others} other entities became {most_others}"
     );
-    // Once every kind of table has been there the memory stays.
+    // Once every kind of table exists, the memory does not grow.
     if let (Some(early), Some(last)) = (memory.get(memory.len() / 3), memory.last()) {
         assert!(
             *last < early + (16 << 20),

@@ -1,4 +1,4 @@
-//! The command `box_report verify`, as a user types it.
+//! The command `box_report verify` from a user's view.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! Entities and components that come, go and stand where they should not, between steps and within one.
+//! Entities and components that appear, disappear or have the wrong parent, between steps and within a step.
 
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
@@ -35,7 +35,7 @@ fn bodies_that_go_while_the_step_runs() {
     ] {
         let mut app = app();
         app.insert_resource(Floor::default());
-        // Bodies that are just being quarantined go as well.
+        // Bodies that are being quarantined are despawned as well.
         app.add_systems(
             PhysicsSchedule,
             (|bodies: Query<Entity, With<GravityScale>>, mut commands: Commands| {
@@ -103,7 +103,7 @@ fn components_that_are_removed_in_flight() {
             log.says_once(words);
         }
     }
-    // A state that is lost begins again where the body is shown.
+    // A lost state restarts at the displayed pose of the body.
     let mut app = app();
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
     run(&mut app, 10);
@@ -142,7 +142,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
         app.world_mut().entity_mut(parent).add_child(child);
         child
     };
-    // At the origin, unturned, unscaled: a folder, and nothing to say.
+    // A parent at the origin, unrotated and unscaled, is a folder and needs no message.
     let mut app = app();
     let parent = app.world_mut().spawn(Transform::IDENTITY).id();
     spawn_under(&mut app, parent);
@@ -163,7 +163,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     let child = spawn_under(&mut app, parent);
     run(&mut app, 5);
     log.says_once(&grandparent.to_string());
-    // One that is scaled later.
+    // A grandparent that is scaled later.
     let mut later = super::app();
     let [grandparent, parent] =
         [(), ()].map(|()| later.world_mut().spawn(Transform::IDENTITY).id());
@@ -178,7 +178,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
         .scale = Vec3::splat(2.0);
     run(&mut later, 5);
     log.says_once(&grandparent.to_string());
-    // A parent that is put below something displaced.
+    // A parent that moves below a displaced entity.
     let mut moved = super::app();
     let far = moved
         .world_mut()
@@ -191,7 +191,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     moved.world_mut().entity_mut(far).add_child(parent);
     run(&mut moved, 5);
     log.says_once(&far.to_string());
-    // It is simulated in world coordinates all the same.
+    // It is still simulated in world coordinates.
     let mut expected = tumbling();
     let mut memory = IntegratorMemory::default();
     let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();

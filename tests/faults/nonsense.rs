@@ -1,4 +1,4 @@
-//! NaN and infinities in every component that users can write.
+//! NaN and infinity in every component that users can write.
 
 use bevy::ecs::message::Messages;
 use bevy::math::bounding::Aabb3d;
@@ -152,8 +152,8 @@ fn nan_in_every_component() {
                 assert_eq!(poisoned(Some(poison)), clean, "{name}: neighbors notice");
                 let lines = log.take();
                 assert!(lines.len() <= 1, "{name}: {lines:#?}");
-                // An infinite drag is a wall to an integrator that takes drag exactly, and a resting box
-                // feels none of the drags.
+                // Infinite drag stops a body under an integrator that solves drag exactly, and a resting box
+                // has no drag at all.
                 let a_drag = name.contains("Drag") || name == "AngularDamping";
                 let unfelt = with_floor && a_drag;
                 if !matches!(name, "WorldAabb" | "LinearDrag infinite") && !unfelt {
@@ -193,7 +193,7 @@ fn a_body_that_begins_as_nonsense() {
             lines.iter().any(|l| l.contains("is quarantined")),
             "{lines:#?}"
         );
-        // Nobody can make a quarantined body show nonsense.
+        // Writing a state cannot make a quarantined body display invalid numbers.
         *app.world_mut().get_mut(entity).expect("a body") = bad;
         run(&mut app, 3);
         assert_shown_sanely(&mut app);

@@ -9,8 +9,8 @@ use box_physics::prelude::*;
 
 use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
 
-/// Two plugins of a game that both need the physics: the second is ignored and said once, and a tick is still one
-/// step.
+/// Two plugins of a game both need the physics: the second is ignored with one message, and a tick is still
+/// one step.
 #[test]
 fn a_duplicate_plugin_is_ignored() {
     let log = Log::start();
@@ -36,7 +36,7 @@ fn a_duplicate_plugin_is_ignored() {
     log.is_silent();
 }
 
-/// Settings that somebody removes are put back: said once each, and the world goes on.
+/// Removed settings are restored with one message each, and the simulation continues.
 #[test]
 fn a_removed_setting_is_put_back() {
     let log = Log::start();
@@ -94,7 +94,7 @@ fn what_comes_before_the_plugin_is_not_lost() {
         *app.world().resource::<GlobalIntegrator>(),
         GlobalIntegrator(Integrator::Rk4)
     );
-    // It fell on the floor and lies there.
+    // It fell on the floor and rests there.
     assert!((state(&app, entity).position.y - 0.25).abs() < 1e-9);
     assert!(app.world().get::<WorldAabb>(entity).is_some());
     let late = app.world_mut().spawn((brick(), tumbling())).id();
@@ -178,7 +178,7 @@ fn settings_out_of_range_stop_the_clock_until_they_are_put_right() {
             let fault = app.world().resource::<PhysicsClock>().fault();
             assert_eq!(fault.map(|f| f.field), Some(field));
             assert_eq!((state(&app, entity), steps(&app)), before);
-            // Put right, it goes on.
+            // Corrected, it continues.
             app.insert_resource(WorldGravity::default())
                 .insert_resource(Floor::default())
                 .insert_resource(ContactSettings::default());
@@ -206,15 +206,15 @@ fn constants_that_change_in_motion() {
         for entity in [flying, lying] {
             app.world_mut().entity_mut(entity).insert(larger);
         }
-        // The numbers of the motion stay; the angular velocity follows from the new inertia.
+        // The momenta stay the same; the angular velocity follows from the new inertia.
         assert_eq!(state(&app, flying), before);
         run(&mut app, 30);
         assert_shown_sanely(&mut app);
-        // It was in the floor: it is lifted out, and not shot out.
+        // It was inside the floor: penetration recovery moves it out without a jump.
         let up = state(&app, lying);
         assert!((up.position.y - 0.9).abs() < 1e-9, "{integrator}: {up:?}");
         assert!(up.velocity.length() < 1e-9, "{integrator}: {up:?}");
-        // Hot changes of everything else.
+        // Changes of all other settings at run time.
         app.insert_resource(WorldGravity(DVec3::new(1.0, -3.0, 0.0)))
             .insert_resource(Floor::new(0.5, 1.0, 0.0).expect("valid"));
         app.world_mut().resource_mut::<PhysicsClock>().substeps = 7;

@@ -1,4 +1,4 @@
-//! Clocks: none, one that stands still, one that jumps, a tick far too long.
+//! Clocks: missing, stopped, jumping, and with a tick that is far too long.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ fn without_a_clock_it_says_so() {
     app.world_mut().commands().queue(StepPhysics(1));
     app.world_mut().flush();
     log.says_once("Time<Fixed>");
-    // In a schedule of its own the same.
+    // The same in a custom schedule.
     let mut app = App::new();
     app.add_plugins((
         TaskPoolPlugin::default(),
@@ -33,8 +33,8 @@ fn without_a_clock_it_says_so() {
     log.says_once("TimePlugin");
 }
 
-/// Frames without length, in a schedule of variable time: nothing moves, nothing is told, and what was
-/// asked for is done at the first tick that takes time.
+/// Frames of zero length in a schedule of variable time: nothing moves, nothing is reported, and requests
+/// take effect at the first tick of nonzero length.
 #[test]
 fn frames_of_no_time_change_nothing() {
     let log = Log::start();
@@ -114,7 +114,7 @@ fn a_hitch_costs_a_bounded_number_of_steps_and_is_counted() {
         clock.dropped() - before.dropped(),
         Duration::from_millis(9_750)
     );
-    // Paused time is not lost.
+    // Paused time does not count as dropped.
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
     app.update();
     assert_eq!(

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The columns of the log that no two runs share.
+/// Columns of the log that differ between runs.
 const TIMES: [&str; 6] = [
     "wall_t_s",
     "step_ns_min",
@@ -41,7 +41,7 @@ fn acceptance_2_headless_runs_repeat_but_for_times() {
     assert!(first == second);
 }
 
-/// Check 3: the step is taken in the frame of the click, exactly one, from any state of the clock.
+/// Check 3: a step while paused is exactly one, in the frame of the click, from any state of the clock.
 #[test]
 fn acceptance_3_a_step_while_paused_is_one_dt_in_the_same_frame() {
     let mut app = game(&["throw", "--dt", "1/120"]);
@@ -85,8 +85,8 @@ fn acceptance_7_without_a_display_it_compares() {
     assert_eq!(wrong.status.code(), Some(2));
 }
 
-/// Check 10 for what the game starts: every scene's trusted answer is there at its start, and the default
-/// integrator stays by it for a second.
+/// Check 10 for the scenes of the game: each has a reference at its start, and the default integrator stays
+/// close to it for a second.
 #[test]
 fn acceptance_10_every_scene_starts_on_its_truth() {
     for build in Scenario::ALL {
@@ -105,7 +105,7 @@ fn acceptance_10_every_scene_starts_on_its_truth() {
         let state = main_box(&mut app);
         let size = scene.setup.body.radius();
         let error = (state.position - reference.position).length();
-        // Stiff springs at the step of a game are second order at best.
+        // Stiff springs at the step of a game have at best order 2.
         let bound = if scene.setup.forces.springs.is_empty() {
             1e-2
         } else {

@@ -12,7 +12,7 @@ fn the_2012_scene_moves_as_its_own_steppers_have_it() {
         assert_eq!(setup.body.mass(), 10.0);
         let demo = Demo::of(&setup.body, Some(0.0));
         let mut expected = State::new(&setup.body, &setup.initial);
-        // The restart's own frame took a step.
+        // The frame of the restart took a step.
         let h = clock(&app).step();
         demo.cycle(stepper, &mut expected, h);
         for k in 0..120 {
@@ -62,7 +62,7 @@ fn a_button_switches_to_ours_and_back_in_flight() {
         (after.position.y - before.position.y - gone).abs() < 1e-6,
         "goes on from there"
     );
-    // Only in its own scene.
+    // Available only in its own scene.
     ask(&mut app, Action::SelectScene("throw".to_owned()));
     let demo = app.world().resource::<Demo2012>();
     assert_eq!(demo.active(session(&app)), None);

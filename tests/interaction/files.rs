@@ -1,4 +1,4 @@
-//! Scenes from files, scripts, and the command line that brings a set-up back.
+//! Scenes from files, scripts, and the command line that reproduces a setup.
 
 use super::*;
 
@@ -27,11 +27,11 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
         DVec3::NEG_Y * 1.62
     );
     assert!(session(&app).truth.is_some());
-    // A change of the file is read within a second, and the scene starts anew.
+    // A change of the file is read within a second, and the scene restarts.
     std::fs::write(&path, MINE.replace("mass: 4", "mass: 5.5")).expect("writable");
     run(&mut app, 60);
     assert_eq!(session(&app).parameters.mass, 5.5);
-    // Broken: said with its place, and the last good one goes on.
+    // An invalid file is reported with its location, and the last valid scene continues.
     std::fs::write(&path, MINE.replace("mass: 4", "mass: -4")).expect("writable");
     run(&mut app, 60);
     let errors = app.world().resource::<SceneLibrary>().errors();
@@ -45,14 +45,14 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     run(&mut app, 60);
     assert!(app.world().resource::<SceneLibrary>().errors().is_empty());
     assert_eq!(session(&app).parameters.mass, 4.0);
-    // It stands in the menu, and the list goes round through it.
+    // The scene is in the menu, and cycling through the list includes it.
     let scenes = app.world().resource::<SceneLibrary>().scenes();
     assert!(scenes.contains(&("mine".to_owned(), "Mine".to_owned())));
     ask(&mut app, Action::NextScene);
     assert_ne!(session(&app).scenario.id, "mine");
     ask(&mut app, Action::SelectScene("mine".to_owned()));
     assert_eq!(session(&app).scenario.id, "mine");
-    // Gone: what plays goes on.
+    // The file is deleted; the running scene continues.
     std::fs::remove_file(&path).expect("there");
     run(&mut app, 60);
     assert!(main_box(&mut app).is_valid());

@@ -1,8 +1,8 @@
-//! What is kept between two starts.
+//! Settings that persist between two starts.
 
 use super::*;
 
-/// Runs in a process of its own, with the settings folder of the test.
+/// Runs in a separate process with the settings folder of the test.
 #[test]
 #[ignore = "run by the test below, in a process of its own"]
 fn settings_child() {
@@ -52,7 +52,7 @@ fn settings_are_found_again() {
         third.contains("found 1.25 true false"),
         "toggled again: {third}"
     );
-    // A file that says nonsense is no reason not to start.
+    // An invalid file does not prevent the start.
     let file = walk(folder.path()).expect("a settings file");
     std::fs::write(&file, "[box_game]\nui_scale = 1e30\nshow_plots = true\n").expect("writable");
     assert!(start().contains("found 2 true"));
@@ -60,7 +60,7 @@ fn settings_are_found_again() {
     assert!(start().contains("found 1 true false"));
 }
 
-/// The settings file somewhere below `folder`.
+/// The settings file in `folder` or below.
 fn walk(folder: &Path) -> Option<std::path::PathBuf> {
     std::fs::read_dir(folder).ok()?.flatten().find_map(|entry| {
         let path = entry.path();

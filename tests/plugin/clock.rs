@@ -20,7 +20,7 @@ fn copy(
     }
 }
 
-/// Steps one body of which every step is copied in `Last`.
+/// Steps one body, and copies every step in `Last`.
 fn recorded(substeps: u32, ticks: u32, from: Option<&Copy>) -> Vec<Copy> {
     let mut app = app();
     app.init_resource::<Copies>()
@@ -41,7 +41,7 @@ fn recorded(substeps: u32, ticks: u32, from: Option<&Copy>) -> Vec<Copy> {
         .0
 }
 
-/// What the clock says in a step is all of the step's end, and a copy made there continues bit for bit.
+/// In a step, the clock has the values of the end of that step. A copy made there continues bit for bit.
 #[test]
 fn a_copy_made_in_last_continues_bit_for_bit() {
     for substeps in [1, 4] {

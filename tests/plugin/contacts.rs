@@ -1,4 +1,4 @@
-//! Every contact that is reported begins once and ends once, whatever ends it.
+//! Every reported contact begins once and ends once, for any cause.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::message::Messages;
@@ -7,7 +7,7 @@ use box_physics::prelude::*;
 
 use super::{app, brick, state};
 
-/// A brick that lies on the floor and reports it.
+/// A brick that rests on the floor and reports contacts.
 fn lying() -> (App, Entity) {
     let mut app = app();
     app.insert_resource(Floor::default());
@@ -118,7 +118,7 @@ fn reports_begin_when_somebody_asks_for_them() {
     assert_eq!(reports(&mut app, entity, 1), [4, 0, 0]);
 }
 
-/// Without the settings of the contact the defaults hold, and the floor.
+/// Without the contact settings, the defaults and the floor apply.
 #[test]
 fn settings_of_the_contact_that_are_removed_are_restored() {
     let (mut app, entity) = lying();
@@ -137,7 +137,7 @@ fn settings_of_the_contact_that_are_removed_are_restored() {
     );
 }
 
-/// Whoever moves a body within the step is shown right by it, also a body that rested.
+/// A body that is moved within the step has a matching bounding box, even if it was at rest.
 #[test]
 fn the_box_follows_a_body_that_is_moved_within_the_step() {
     let (mut app, entity) = lying();

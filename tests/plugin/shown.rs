@@ -1,4 +1,4 @@
-//! New bodies, and states that are written: shown in the frame in which that happens, whatever the clock does.
+//! New bodies and written states are displayed in their frame, for any state of the clock.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use box_physics::prelude::*;
 
 use super::{brick, state};
 
-/// Frames of 10 ms, ten of them a tick, in an app that propagates transforms.
+/// An app with frames of 10 ms, ten per tick, that propagates transforms.
 fn slow_app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, PhysicsPlugins::default()))
@@ -28,7 +28,7 @@ fn posed() -> BodyState {
     .with_velocity(DVec3::X)
 }
 
-/// The body shows this state and nothing else.
+/// Asserts that the body displays exactly this state.
 #[track_caller]
 fn assert_shown(app: &App, entity: Entity, expected: &BodyState) {
     let body = app.world().entity(entity);
@@ -67,7 +67,7 @@ fn a_new_body_is_shown_in_the_frame_in_which_it_comes() {
         Update.intern(),
         PostUpdate.intern(),
         Last.intern(),
-        // No tick comes in these frames: spawned by the tick of the first one below.
+        // These frames have no tick; the tick of the first one below spawns the body.
         FixedUpdate.intern(),
     ];
     for schedule in schedules {
@@ -85,7 +85,7 @@ fn a_new_body_is_shown_in_the_frame_in_which_it_comes() {
             }
             let entity = app.world().resource::<Spawned>().0;
             if schedule == FixedUpdate.intern() && !stop {
-                // The tick that follows is the body's first.
+                // The next tick is the body's first.
                 assert_eq!(app.world().resource::<PhysicsClock>().steps(), 1);
                 assert_shown(&app, entity, &state(&app, entity));
             } else {
@@ -104,7 +104,7 @@ fn observers_commands_and_late_parts_make_bodies_as_well() {
     app.world_mut().flush();
     let entity = app.world().resource::<Spawned>().0;
     assert_shown(&app, entity, &posed());
-    // Parts that come later in the same frame count.
+    // Parts that are added later in the same frame count.
     app.add_systems(Update, |mut commands: Commands, mut done: Local<bool>| {
         if !std::mem::replace(&mut *done, true) {
             let late_state = commands.spawn(brick()).insert(posed()).id();
@@ -122,7 +122,7 @@ fn observers_commands_and_late_parts_make_bodies_as_well() {
     assert_shown(&app, late_state, &posed());
     let at_rest = posed().with_velocity(DVec3::ZERO);
     assert_shown(&app, late_transform, &at_rest);
-    // A child is where its parent takes it.
+    // A child follows its parent.
     let parent = app.world_mut().spawn(Transform::IDENTITY).id();
     let child = app
         .world_mut()
@@ -135,7 +135,7 @@ fn observers_commands_and_late_parts_make_bodies_as_well() {
 #[derive(Resource)]
 struct Late([Entity; 2]);
 
-/// However the clock is stopped or slowed, what is written to a state is shown in that frame.
+/// A written state is displayed in that frame, however the clock is stopped or slowed.
 #[test]
 fn a_written_state_is_shown_however_the_clock_is_stopped() {
     let stops: [(&str, fn(&mut World)); 5] = [
@@ -175,7 +175,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
             println!("{name}, {k}");
             assert_shown(&app, entity, &written);
         }
-        // So is another size.
+        // The same holds for another size.
         app.world_mut()
             .entity_mut(entity)
             .insert(RigidBox::cube(3.0, 1.0).expect("valid"));
@@ -185,7 +185,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
     }
 }
 
-/// Changes made while a body is out of sight count when it comes back, whatever its neighbors do.
+/// Changes to a body while it is disabled or has no `RigidBox` take effect when it returns.
 #[test]
 fn what_is_changed_while_a_body_is_out_of_sight_counts() {
     let away: [(&str, fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
@@ -280,7 +280,7 @@ fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
     }
 }
 
-/// An impulse that is sent in a pause waits for the next step, or is dropped: its sender says which.
+/// An impulse sent during a pause waits for the next step or is dropped, as its sender chose.
 #[test]
 fn impulses_sent_in_a_pause_are_kept_or_dropped_as_their_sender_chose() {
     let stops: [fn(&mut World, bool); 3] = [

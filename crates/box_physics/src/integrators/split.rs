@@ -196,8 +196,8 @@ fn rotate(
 
 /// Richardson's extrapolation of a symmetric step of order 2 to order 4, for a velocity or momentum. `start`
 /// is the initial value, `one` the result of one step and `two` of two half steps. If `one` and `two` differ
-/// by more than half of `two`, the step is too long to extrapolate and the result is `two`. The result never
-/// reverses a quantity that a flow has damped.
+/// by more than half of the larger of `start` and `two`, the step is too long to extrapolate and the result is
+/// `two`. The result never reverses a quantity that a flow has damped.
 #[inline(always)]
 fn extrapolated(start: DVec3, one: DVec3, two: DVec3) -> DVec3 {
     let difference = two - one;
