@@ -1,5 +1,5 @@
-//! Which boxes are in a region, and which one does a ray hit? `WorldAabb` is Bevy's `Aabb3d`, so
-//! everything in `bevy::math::bounding` works on it. `cargo run --release --example aabb_queries`
+//! Finds the boxes in a region and the box that a ray hits. `WorldAabb` is Bevy's `Aabb3d`, so everything in
+//! `bevy::math::bounding` works on it. `cargo run --release --example aabb_queries`
 
 use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume, RayCast3d};
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(WorldGravity(DVec3::ZERO))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(Startup, |mut commands: Commands| {
             for k in 0_u8..10 {
                 let turned = Transform::from_xyz(3.0 * f32::from(k), 0.0, 0.0)
@@ -32,13 +32,13 @@ fn main() {
     println!("{inside} boxes in the region");
     assert_eq!(inside, 3); // at x = 6, 9 and 12
 
-    // A ray along x, a little above the middle: the bounding boxes say who may be hit …
+    // A ray along x, a little above the middle. The bounding boxes give the candidates …
     let ray = Ray3d::new(Vec3::new(-5.0, 0.2, 0.0), Dir3::X);
     let cast = RayCast3d::from_ray(ray, 100.0);
     let nearest = boxes
         .iter(app.world())
         .filter(|(aabb, ..)| cast.aabb_intersection_at(&aabb.0).is_some())
-        // … and the box itself, seen from its own axes, says where.
+        // … and the box itself, in its own axes, gives the hit point.
         .filter_map(|(_, body, state, _)| {
             let inverse = state.rotation.inverse();
             let local = Ray3d {
@@ -52,7 +52,7 @@ fn main() {
     println!("the ray hits after {nearest:?} m");
     assert!(nearest.is_some_and(|d| (d - 4.5).abs() < 1e-6));
 
-    // The box that holds all of them: where a camera should look.
+    // The bounding box of all bodies, for example as the target of a camera.
     let all = boxes
         .iter(app.world())
         .map(|(aabb, ..)| aabb.0)

@@ -1,5 +1,5 @@
-//! The physics without Bevy's `App`: values and one function call a step. For servers, tools, tests and
-//! papers. `cargo run --release --example core_only`
+//! The physics without Bevy's `App`: plain values and one function call per step. For servers, tools, tests
+//! and papers. `cargo run --release --example core_only`
 
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::integrators::Split;
@@ -12,7 +12,7 @@ fn main() -> Result<(), InvalidValue> {
         .with_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
     let h = 1.0 / 60.0;
 
-    // Free flight under any integrator, and what it costs.
+    // Free flight under any integrator, and its cost.
     let vacuum = Gravity(DVec3::ZERO);
     for integrator in [
         Integrator::Exact,
@@ -30,7 +30,7 @@ fn main() -> Result<(), InvalidValue> {
         println!("{integrator:>14}: {evaluations} evaluations, energy {drift:+.1e}");
     }
 
-    // Over a floor: the same integrator, impacts located in time.
+    // Over a floor: the same integrator, with impacts located in time.
     let floor = Floor::new(0.0, 0.3, 0.5)?;
     let settings = ContactSettings::default();
     let gravity = Gravity(DVec3::NEG_Y * 9.81);

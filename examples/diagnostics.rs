@@ -1,5 +1,5 @@
-//! Timings and energies through Bevy's `DiagnosticsStore`: the plugin publishes what it costs, a system
-//! of yours what you want to watch. `cargo run --release --example diagnostics`
+//! Timings and energies in Bevy's `DiagnosticsStore`: the plugin publishes its timings, and your own system
+//! adds other values. `cargo run --release --example diagnostics`
 
 use bevy::diagnostic::{
     Diagnostic, DiagnosticPath, Diagnostics, DiagnosticsStore, RegisterDiagnostic,
@@ -12,7 +12,7 @@ use box_physics::prelude::*;
 
 const ENERGY: DiagnosticPath = DiagnosticPath::const_new("my_game/energy");
 
-/// The energy of everything, after each step.
+/// Measures the total energy after each step.
 fn measure(
     bodies: Query<(&RigidBox, &BodyState)>,
     gravity: Res<WorldGravity>,
@@ -30,7 +30,7 @@ fn measure(
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .register_diagnostic(Diagnostic::new(ENERGY).with_suffix(" J"))
         .add_systems(PhysicsSchedule, measure.in_set(PhysicsSystems::Last));
     app.world_mut().spawn_batch(
@@ -60,7 +60,7 @@ fn main() {
     );
     let energy = value(&ENERGY).expect("measured");
     println!("energy: {energy:.3} J");
-    // Free fall conserves it: Σ m g y = 9.81 · 4950 J.
+    // Free fall conserves energy: Σ m g y = 9.81 · 4950 J.
     assert!((energy / (9.81 * 4950.0) - 1.0).abs() < 1e-9);
     assert!(split.is_some_and(|ns| ns > 0.0));
 }

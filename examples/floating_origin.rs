@@ -1,25 +1,25 @@
-//! Far from home: the state is f64, so the physics works 10 000 km out as it does at the origin; what
-//! ends there is the f32 of `Transform`. So draw relative to an origin that follows the player: the
-//! system below does what `big_space` does with its grid cells, in ten lines.
+//! Simulation far from the origin. The state is f64, so the physics works at 10 000 km as at the origin; only
+//! the f32 of `Transform` loses precision. Draw relative to an origin that follows the player: the system
+//! below does in ten lines what `big_space` does with its grid cells.
 //! `cargo run --release --example floating_origin`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// Where the picture's origin is in the world \[m\].
+/// World position of the rendering origin \[m\].
 #[derive(Resource, Default)]
 struct Origin(DVec3);
 
-/// On the body that the camera follows.
+/// Marks the body that the camera follows.
 #[derive(Component)]
 struct Player;
 
-/// What is drawn for a body: an entity of its own, so that the body's `Transform` stays the physics'.
+/// Visual entity of a body, separate from it so that the physics keeps control of the body's `Transform`.
 #[derive(Component)]
 struct PictureOf(Entity);
 
-/// The origin follows the player in jumps of a kilometer; pictures stand relative to it.
+/// Moves the origin with the player in steps of a kilometer, and places the visual entities relative to it.
 fn draw(
     player: Single<&BodyState, With<Player>>,
     bodies: Query<&BodyState>,
@@ -42,7 +42,7 @@ fn main() {
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .init_resource::<Origin>()
         .insert_resource(WorldGravity(DVec3::ZERO))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(PostUpdate, draw);
     let far = DVec3::new(1e7, 0.0, -1e7);
     let drifting = BodyState::at(far).with_velocity(DVec3::X * 1e-3);

@@ -1,5 +1,5 @@
-//! The torque-free rotation of a rigid body in forty lines to take home, in f32 and f64, with its measured error.
-//! Explained in `docs/free-rotation.md`. `cargo run --release --example free_rotation`
+//! The torque-free rotation of a rigid body in forty lines to copy, in f32 and f64, with its measured error.
+//! `docs/free-rotation.md` explains it. `cargo run --release --example free_rotation`
 
 #![expect(
     clippy::disallowed_methods,
@@ -106,7 +106,7 @@ fn errors(half: DVec3, omega: DVec3, rate: u32) -> Result<(f64, f64), InvalidVal
     let l = (body.inertia() * omega).to_array();
     let exact = FreeRotation::new(body.inertia(), DQuat::IDENTITY, DVec3::from_array(l));
     let h = 1.0 / f64::from(rate);
-    // The f32 body is the one whose moments are those f32 numbers; its motion is compared with its own exact one.
+    // The f32 body has the f32 numbers as its moments; it is compared with its own exact motion.
     let (j32, l32) = (j.map(|x| x as f32), l.map(|x| x as f32));
     let near = DVec3::from_array(j32.map(f64::from)).recip();
     let exact32 = FreeRotation::new(near, DQuat::IDENTITY, DVec3::from_array(l32.map(f64::from)));
@@ -152,8 +152,8 @@ fn main() -> Result<(), InvalidValue> {
             let (f64s, f32s) = errors(half, omega, rate)?;
             let turn = omega.length() / f64::from(rate);
             println!("{name:8} {turn:7.3}  {f64s:7.1e}  {f32s:7.1e}");
-            // In f32 a unit of rounding a step; the needle turns by 200 rad, and the flip amplifies every rounding
-            // until f32 does not know when it comes: that column is printed without a bound.
+            // In f32 a step causes one unit of rounding. The needle turns by 200 rad. The flip amplifies
+            // every rounding until f32 cannot predict its time, so that column is printed without a bound.
             let rounding = f64::from(10 * rate) * f64::from(f32::EPSILON);
             assert!(
                 f64s < limits.0 && f32s < limits.1 * rounding,

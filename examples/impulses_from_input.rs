@@ -1,6 +1,5 @@
-//! Pushes from the keyboard. Here the keys are pressed by the example itself, so that it runs without a
-//! window; with `DefaultPlugins` the same system answers to yours.
-//! `cargo run --release --example impulses_from_input`
+//! Pushes from the keyboard. The example itself presses the keys, so that it runs without a window; with
+//! `DefaultPlugins` the same system receives real keys. `cargo run --release --example impulses_from_input`
 
 use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::input::{ButtonState, InputPlugin};
@@ -8,7 +7,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// A tap of space jumps; W pushes forwards for as long as it is held.
+/// Space jumps; W pushes forward while held.
 fn push(
     keys: Res<ButtonInput<KeyCode>>,
     time: Res<Time>,
@@ -31,7 +30,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, InputPlugin, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(Update, push);
     let entity = app
         .world_mut()

@@ -1,4 +1,4 @@
-//! One box falls on the floor; no window. `cargo run --release --example minimal`
+//! One box falls on the floor, without a window. `cargo run --release --example minimal`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -11,7 +11,7 @@ fn main() {
         .add_systems(Startup, |mut commands: Commands| {
             commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 3.0, 0.0)));
         })
-        // Not in a game: every update is exactly one tick, so that this example does not wait.
+        // Not for a game: every update is exactly one tick, so that this example does not wait.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
 
     for _ in 0..3 {
@@ -26,7 +26,7 @@ fn main() {
             );
         }
     }
-    // A cube of 1 m that fell 2.5 m lies on the floor after three seconds.
+    // A cube of 1 m that fell 2.5 m rests on the floor after three seconds.
     let mut boxes = app.world_mut().query::<&Transform>();
     assert!(boxes.iter(app.world()).all(|t| t.translation.y == 0.5));
 }

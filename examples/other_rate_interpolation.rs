@@ -1,5 +1,5 @@
-//! Physics at 20 Hz, frames at 144 Hz, and no stutter: `bevy_transform_interpolation` draws between the
-//! steps, one component a body. `cargo run --release --example other_rate_interpolation`
+//! Physics at 20 Hz and frames at 144 Hz without stutter: `bevy_transform_interpolation` interpolates between
+//! the steps, with one component per body. `cargo run --release --example other_rate_interpolation`
 
 use core::time::Duration;
 
@@ -20,7 +20,7 @@ fn main() {
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(
         1.0 / 144.0,
     )));
-    // `App::run` does this; we call `update` ourselves, to look at every frame.
+    // `App::run` does this. The example calls `update` itself to check every frame.
     app.finish();
     app.cleanup();
     let moving = BodyState::default().with_velocity(DVec3::X * 3.0);
@@ -51,11 +51,11 @@ fn main() {
         "a frame moves it by {:.4} to {:.4} m; without interpolation by {:.4} to {:.4} m",
         narrowest[0], widest[0], narrowest[1], widest[1]
     );
-    // Every frame the same 3/144 m, though the physics steps in only one frame of seven.
+    // Each frame moves by the same 3/144 m, although the physics steps in only one frame of seven.
     assert!((widest[0] * 144.0 / 3.0 - 1.0).abs() < 1e-3);
     assert!((narrowest[0] * 144.0 / 3.0 - 1.0).abs() < 1e-3);
     assert!(narrowest[1] == 0.0 && widest[1] > 0.1);
-    // The physics itself does not notice that its Transform is written every frame.
+    // The physics is unaffected by writes to its Transform in every frame.
     let world = app.world();
     assert_eq!(
         world.get::<BodyState>(smooth),

@@ -1,15 +1,15 @@
-//! Forces of your own, in three ways. `cargo run --release --example own_forces`
+//! Three ways to add your own forces. `cargo run --release --example own_forces`
 //!
-//! 1. constant over a step: write [`ExternalForce`] in [`PhysicsSystems::Forces`];
-//! 2. state-dependent and built in: [`Springs`], [`PointForces`], drags: evaluated at every stage;
-//! 3. state-dependent and quite your own: implement [`ForceModel`] and step the core with it. The integrator
+//! 1. Constant over a step: write [`ExternalForce`] in [`PhysicsSystems::Forces`].
+//! 2. State-dependent and built in: [`Springs`], [`PointForces`] and drags, evaluated at every stage.
+//! 3. State-dependent and custom: implement [`ForceModel`] and step the core with it. The integrator
 //!    evaluates it at every stage, so it keeps its order.
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// Wind that blows in gusts.
+/// Gusty wind.
 fn wind(clock: Res<PhysicsClock>, mut bodies: Query<&mut ExternalForce>) {
     let gust = if clock.time() % 2.0 < 1.0 { 3.0 } else { 0.0 };
     for mut external in &mut bodies {
@@ -44,7 +44,7 @@ impl ForceModel for Planet {
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(PhysicsSchedule, wind.in_set(PhysicsSystems::Forces));
     let leaf = (
         RigidBox::default(),

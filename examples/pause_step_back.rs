@@ -1,13 +1,13 @@
-//! Pause, single step, slow motion, and back in time by a snapshot.
+//! Pause, single step, slow motion, and a return to a snapshot.
 //! `cargo run --release --example pause_step_back`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// All that the motion of a body depends on, and what time it is (for forces of yours that depend on it).
-/// `IntegratorMemory` and `ContactState` are memories that may be left out: then the motion goes on as right, but not
-/// to the last bit as it would have. (Impulses that wait for the next step are messages, and not of the past.)
+/// All inputs of a body's motion, and the time (for your own forces that depend on it). You may omit the
+/// memories `IntegratorMemory` and `ContactState`: the motion is then as accurate, but not identical to the
+/// last bit. (Impulses that wait for the next step are messages and not part of a snapshot.)
 #[derive(Clone)]
 struct Snapshot(PhysicsClock, BodyState, IntegratorMemory, ContactState);
 
@@ -15,7 +15,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not for a game: one tick per update
     let start = BodyState::at(DVec3::Y * 3.0).with_velocity(DVec3::X);
     let entity = app.world_mut().spawn((RigidBox::default(), start)).id();
     let state = |app: &App| *app.world().get::<BodyState>(entity).expect("a body");
@@ -26,13 +26,13 @@ fn main() {
     };
     run(&mut app, 40);
 
-    // Pause: frames go on, the physics does not.
+    // Pause: frames continue, the physics does not.
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
     let paused = state(&app);
     run(&mut app, 10);
     assert_eq!(state(&app), paused);
 
-    // A single step, also while paused; it happens at once.
+    // A single step, also while paused; it runs at once.
     app.world_mut().commands().queue(StepPhysics(1));
     app.world_mut().flush();
     assert!(state(&app) != paused);
@@ -42,7 +42,7 @@ fn main() {
         state(&app).position
     );
 
-    // A snapshot, ten steps on, and back: the future repeats bit for bit, the landing included.
+    // A snapshot, ten steps, and back: the motion repeats bit for bit, including the landing.
     let world = app.world();
     let snapshot = Snapshot(
         *world.resource::<PhysicsClock>(),
@@ -71,7 +71,7 @@ fn main() {
         second.position.y
     );
 
-    // Slow motion: the clock of the game runs at a quarter; the step stays what it is.
+    // Slow motion: the game clock runs at a quarter of the speed; the step size does not change.
     app.world_mut().resource_mut::<PhysicsClock>().paused = false;
     app.world_mut()
         .resource_mut::<Time<Virtual>>()

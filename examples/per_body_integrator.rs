@@ -1,5 +1,5 @@
-//! One body with an integrator of its own beside others: a stiff spring under an implicit integrator, the rest
-//! under the default. `cargo run --release --example per_body_integrator`
+//! One body with a different integrator: a stiff spring under an implicit integrator, the other bodies under
+//! the default. `cargo run --release --example per_body_integrator`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -8,7 +8,7 @@ use box_physics::prelude::*;
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(Startup, spawn);
     for _ in 0..300 {
         app.update();
@@ -20,7 +20,7 @@ fn main() {
         let integrator = own.map_or("the global one".to_owned(), |own| own.0.to_string());
         println!("{name}: {integrator}, y = {:.6} m", state.position.y);
         if name.as_str() == "on a stiff spring" {
-            // Hanging where the spring carries its weight: m g/k = 9.81 µm below the anchor.
+            // It hangs where the spring carries its weight: m g/k = 9.81 µm below the anchor.
             assert!((5.0 - state.position.y - 9.81e-6).abs() < 1e-9);
         }
     }
@@ -32,7 +32,7 @@ fn spawn(mut commands: Commands) {
         RigidBox::default(),
         BodyState::at(Vec3::Y * 100.0),
     ));
-    // √(k/m)·dt = 16 here; the explicit integrators end at 2.
+    // √(k/m)·dt = 16 here; explicit integrators have a limit of 2.
     let spring = Spring {
         body_point: DVec3::ZERO,
         anchor: DVec3::Y * 5.0,

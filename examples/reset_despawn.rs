@@ -1,5 +1,5 @@
-//! Scene reset: everything that belongs to the scene goes, the clock starts again, and the second run
-//! repeats the first. `cargo run --release --example reset_despawn`
+//! Scene reset: despawns all entities of the scene and resets the clock. The second run repeats the first.
+//! `cargo run --release --example reset_despawn`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -17,7 +17,7 @@ fn spawn_scene(commands: &mut Commands) {
     }
 }
 
-/// What a reset button does.
+/// Resets the scene, as a reset button would.
 fn reset(
     mut commands: Commands,
     boxes: Query<Entity, With<RigidBox>>,
@@ -34,7 +34,7 @@ fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not for a game: one tick per update
     // The first update only starts the clocks.
     app.update();
     let mut digests = Vec::new();

@@ -1,5 +1,5 @@
-//! Saving and loading: with the feature `serde` everything that a body is can be written to a file, and
-//! the loaded one continues bit for bit. `cargo run --release --example save_load` (in a project of your own:
+//! Saving and loading. With the feature `serde` the complete state of a body can be written to a file, and
+//! the loaded body continues bit for bit. `cargo run --release --example save_load` (in your own project:
 //! `box_physics = { …, features = ["serde"] }`).
 
 use bevy::prelude::*;
@@ -7,8 +7,8 @@ use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// One body in a file. What you leave out of the last two lines is found anew: the motion is as right, but
-/// the last bits may differ.
+/// One body in a file. If you omit the last two fields, the library computes them again: the motion is as
+/// accurate, but the last bits may differ.
 #[derive(Serialize, Deserialize, Bundle)]
 struct SavedBody {
     body: RigidBox,
@@ -51,7 +51,7 @@ fn save(world: &mut World) -> Result<String, BevyError> {
             })
             .collect(),
     };
-    // RON keeps every bit of an f64. (JSON does with serde_json's `float_roundtrip` alone.)
+    // RON keeps every bit of an f64. (JSON does so only with serde_json's `float_roundtrip`.)
     Ok(ron::to_string(&game)?)
 }
 
@@ -68,7 +68,7 @@ fn load(world: &mut World, text: &str) -> Result<(), BevyError> {
 fn new_app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not for a game: one tick per update
     app.update();
     app
 }
@@ -105,7 +105,7 @@ fn main() -> Result<(), BevyError> {
     }
     println!("200 further steps: the same, bit for bit");
 
-    // What is loaded is checked.
+    // Loading checks the values.
     let bad = ron::from_str::<RigidBox>("(half_extents: (1, -1, 1), mass: 1)");
     assert!(bad.is_err());
     if let Err(error) = bad {

@@ -1,18 +1,18 @@
-//! Moving a body by hand: once (a teleport), or every step (a kinematic body that follows a path).
+//! Moving a body directly: once (a teleport), or every step (a kinematic body that follows a path).
 //! `cargo run --release --example teleport_kinematic`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// On a body that follows a path instead of the forces.
+/// Marks a body that follows a path instead of the forces.
 #[derive(Component)]
 struct Elevator;
 
-/// A kinematic body is one without gravity whose position and velocity you set before every step: the
-/// velocity so that the step itself leads where the path goes.
+/// Moves kinematic bodies: bodies without gravity whose position and velocity you set before every step. The
+/// velocity is chosen so that the step ends on the path.
 fn lift(clock: Res<PhysicsClock>, mut elevators: Query<&mut BodyState, With<Elevator>>) {
-    // `time` is the end of this step, so this is where the step begins.
+    // `time` is the end of this step; this is its start.
     let begin = clock.time() - clock.step();
     for mut state in &mut elevators {
         let height = |t: f64| 2.0 + 0.5 * t; // m: half a meter a second
@@ -25,7 +25,7 @@ fn lift(clock: Res<PhysicsClock>, mut elevators: Query<&mut BodyState, With<Elev
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(PhysicsSchedule, lift.in_set(PhysicsSystems::First));
     let elevator = app
         .world_mut()
@@ -56,6 +56,6 @@ fn main() {
     );
     assert!(after.position.x == -5.0 && after.velocity.y < before.velocity.y);
 
-    // To stop it as well, set the state: f64, and velocities too.
+    // To stop the body as well, set the state, which is f64 and includes velocities.
     *app.world_mut().get_mut(stone).expect("a body") = BodyState::at(DVec3::Y * 3.0);
 }

@@ -14,7 +14,7 @@ fn main() -> Result<(), BevyError> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::default())
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)); // not for a game: one tick per update
     let side = f64::from(count).sqrt().ceil();
     let bodies = (0..count).map(|k| {
         let k = f64::from(k);
