@@ -329,7 +329,7 @@ fn stored_files() -> tempfile::TempDir {
     for file in [
         "tests/expected/digests.csv",
         "tests/expected/report.csv",
-        "README.md",
+        "docs/integrators.md",
         "docs/contact.md",
     ] {
         let to = copy.path().join(file);
@@ -389,7 +389,7 @@ fn check_names_a_changed_number_and_bless_stores_it() {
     assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
     let printed = text(&o.stdout);
     assert!(
-        printed.contains("was 0123456789abcdef, is") && printed.contains("README.md: unchanged"),
+        printed.contains("was 0123456789abcdef, is") && printed.contains("docs/integrators.md: unchanged"),
         "{printed}"
     );
     let sorted = |text: &str| {

@@ -171,7 +171,12 @@ pub mod prelude {
     pub use glam::{DQuat, DVec3};
 }
 
-/// The code blocks of the guide for newcomers are compiled and run.
+/// The code blocks of the guide are compiled and run.
 #[cfg(all(doctest, feature = "bevy"))]
-#[doc = include_str!("../../../docs/coming-from-avian-or-rapier.md")]
-struct ComingFromAvianOrRapier;
+#[doc = include_str!("../../../docs/guide.md")]
+struct Guide;
+
+/// The code blocks of the page for users of Avian or Rapier are compiled and run.
+#[cfg(all(doctest, feature = "bevy"))]
+#[doc = include_str!("../../../docs/migration.md")]
+struct Migration;

@@ -28,7 +28,7 @@ pub(crate) struct Repository {
 pub(crate) struct BlessOptions {
     #[command(flatten)]
     repository: Repository,
-    /// Leave the README's table of keys, which needs a build of the game
+    /// Leave the table of keys, which needs a build of the game
     #[arg(long)]
     without_game: bool,
 }
@@ -48,7 +48,7 @@ struct Item {
     differences: fn(&str, &str) -> Result<Vec<String>, String>,
 }
 
-const ITEMS: [Item; 4] = [
+const ITEMS: [Item; 5] = [
     Item {
         file: "tests/expected/digests.csv",
         section: None,
@@ -62,9 +62,15 @@ const ITEMS: [Item; 4] = [
         differences: errors::differences,
     },
     Item {
-        file: "README.md",
+        file: "docs/integrators.md",
         section: Some("integrators"),
         make: tables::integrators,
+        differences: tables::differences,
+    },
+    Item {
+        file: "docs/integrators.md",
+        section: Some("sources"),
+        make: tables::sources,
         differences: tables::differences,
     },
     Item {
@@ -179,14 +185,14 @@ pub(crate) fn bless(options: &BlessOptions) -> Result<(), Stop> {
     }
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let done = Command::new(cargo)
-        .args(["test", "--release", "--locked", "--test", "readme"])
-        .env("UPDATE_README", "1")
+        .args(["test", "--release", "--locked", "--test", "keys"])
+        .env("UPDATE_KEYS", "1")
         .current_dir(root)
         .status();
     match done {
         Ok(status) if status.success() => Ok(()),
         _ => Err(Stop::Failed(
-            "the README's table of keys: cargo test --release --locked --test readme failed"
+            "the table of keys: cargo test --release --locked --test keys failed"
                 .to_owned(),
         )),
     }

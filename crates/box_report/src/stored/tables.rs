@@ -1,4 +1,4 @@
-//! The tables of the README and of `docs/contact.md`.
+//! The tables of `docs/integrators.md` and of `docs/contact.md`.
 
 use std::fmt::Write as _;
 
@@ -36,6 +36,15 @@ pub(super) fn integrators() -> Result<String, Stop> {
         line(&mut table, &row);
     }
     Ok(table)
+}
+
+/// Where each integrator is from.
+pub(super) fn sources() -> Result<String, Stop> {
+    let line = |i: &Integrator| {
+        let info = i.info();
+        format!("- {} ({}): {}\n", text::code(info.id), info.name, info.source)
+    };
+    Ok(Integrator::ALL.iter().map(line).collect())
 }
 
 /// Integrators of the table of contact: those that a game would choose.

@@ -1,4 +1,4 @@
-//! The keys and the mouse: one list for the help overlay and the README.
+//! The keys and the mouse: one list for the help overlay and `docs/game.md`.
 
 /// Keys and their effect.
 pub const KEYS: &[(&str, &str)] = &[
