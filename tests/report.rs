@@ -389,7 +389,8 @@ fn check_names_a_changed_number_and_bless_stores_it() {
     assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
     let printed = text(&o.stdout);
     assert!(
-        printed.contains("was 0123456789abcdef, is") && printed.contains("docs/integrators.md: unchanged"),
+        printed.contains("was 0123456789abcdef, is")
+            && printed.contains("docs/integrators.md: unchanged"),
         "{printed}"
     );
     let sorted = |text: &str| {

@@ -192,8 +192,7 @@ pub(crate) fn bless(options: &BlessOptions) -> Result<(), Stop> {
     match done {
         Ok(status) if status.success() => Ok(()),
         _ => Err(Stop::Failed(
-            "the table of keys: cargo test --release --locked --test keys failed"
-                .to_owned(),
+            "the table of keys: cargo test --release --locked --test keys failed".to_owned(),
         )),
     }
 }

@@ -42,7 +42,12 @@ pub(super) fn integrators() -> Result<String, Stop> {
 pub(super) fn sources() -> Result<String, Stop> {
     let line = |i: &Integrator| {
         let info = i.info();
-        format!("- {} ({}): {}\n", text::code(info.id), info.name, info.source)
+        format!(
+            "- {} ({}): {}\n",
+            text::code(info.id),
+            info.name,
+            info.source
+        )
     };
     Ok(Integrator::ALL.iter().map(line).collect())
 }
