@@ -1,4 +1,4 @@
-//! What a box at the floor costs. `cargo bench --bench contact -- --help`
+//! Cost of a box at the floor. `cargo bench --bench contact -- --help`
 
 use box_bench::{options::Options, rows, suites};
 use clap::Parser;

@@ -1,4 +1,4 @@
-//! What a step of every integrator costs on plain arrays. `cargo bench --bench kernels -- --help`
+//! Cost of a step of every integrator on plain arrays. `cargo bench --bench kernels -- --help`
 
 use box_bench::{options::Options, rows, suites};
 use clap::Parser;

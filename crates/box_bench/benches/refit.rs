@@ -1,4 +1,4 @@
-//! What bounding boxes and transforms cost. `cargo bench --bench refit -- --help`
+//! Cost of bounding boxes and transforms. `cargo bench --bench refit -- --help`
 
 use box_bench::{options::Options, rows, suites};
 use clap::Parser;

@@ -1,4 +1,4 @@
-//! Every benchmark, and the tables of `docs/performance.md`:
+//! All benchmarks, and the tables of `docs/performance.md`:
 //! `cargo bench --bench report -- --write docs/performance.md`
 
 use box_bench::{document, options::Options, rows, suites};

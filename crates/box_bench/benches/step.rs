@@ -1,4 +1,4 @@
-//! What the plugin's whole step costs. `cargo bench --bench step -- --help`
+//! Cost of the plugin's whole step. `cargo bench --bench step -- --help`
 
 use box_bench::{options::Options, rows, suites};
 use clap::Parser;

@@ -1,5 +1,5 @@
-//! The bare loop: what a step costs without an ECS. Step, bounding box and `Transform` over plain
-//! arrays, nothing else; the plugin is compared with it.
+//! The bare loop: the cost of a step without an ECS. It runs step, bounding box and `Transform` over plain
+//! arrays; the plugin is compared with it.
 
 use bevy::transform::components::Transform;
 use box_physics::plugin::WorldAabb;
@@ -16,7 +16,7 @@ pub struct Bare {
 }
 
 impl Bare {
-    /// Of these bodies in a uniform gravity [m/s²].
+    /// Arrays for the bodies of `set` in a uniform gravity [m/s²].
     pub fn new(set: &[(RigidBox, BodyState)], gravity: DVec3) -> Self {
         Self {
             bodies: set.iter().map(|(body, _)| *body).collect(),
@@ -28,20 +28,20 @@ impl Bare {
         }
     }
 
-    /// Bytes that a whole step must read and write.
+    /// Bytes per body that a whole step must read and write.
     pub fn bytes_per_body() -> (usize, usize) {
         let written = size_of::<BodyState>() + size_of::<WorldAabb>() + size_of::<Transform>();
         (size_of::<RigidBox>() + written, written)
     }
 
-    /// One step of `h` \[s\] with all that follows, as fast as the library can: several bodies at a time
-    /// where the integrator can.
+    /// One step of `h` \[s\] with bounding boxes and transforms, as fast as the library allows: several
+    /// bodies at a time if the integrator supports it.
     pub fn step(&mut self, integrator: Integrator, h: f64) {
         self.kernel(integrator, h);
         self.publish();
     }
 
-    /// The integrator alone, several bodies at a time where it can.
+    /// Only the integrator, several bodies at a time if it supports it.
     pub fn kernel(&mut self, integrator: Integrator, h: f64) {
         integrator.step_all(
             &self.bodies,
@@ -52,29 +52,30 @@ impl Bare {
         );
     }
 
-    /// One step of `h` \[s\] by the integrator's readable definition, body by body, with all that follows.
+    /// One step of `h` \[s\] body by body, by the integrator's plain definition, with bounding boxes and
+    /// transforms.
     pub fn step_scalar(&mut self, integrator: Integrator, h: f64) {
         self.kernel_scalar(integrator, h);
         self.publish();
     }
 
-    /// The integrator alone, body by body.
+    /// Only the integrator, body by body.
     pub fn kernel_scalar(&mut self, integrator: Integrator, h: f64) {
         integrator.dispatch(Scalar { bare: self, h });
     }
 
-    /// Bounding boxes and transforms.
+    /// Computes bounding boxes and transforms.
     pub fn publish(&mut self) {
         self.refit();
         self.write_transforms();
     }
 
-    /// Bounding boxes.
+    /// Computes bounding boxes.
     pub fn refit(&mut self) {
         WorldAabb::fit_all(&self.bodies, &self.states, &mut self.aabbs);
     }
 
-    /// Transforms.
+    /// Computes transforms.
     pub fn write_transforms(&mut self) {
         for (state, transform) in self.states.iter().zip(&mut self.transforms) {
             transform.translation = state.position.as_vec3();

@@ -1,30 +1,30 @@
-//! What the bodies of a benchmark do: the same sets for plugin, bare loop and contact.
+//! Sets of bodies for the benchmarks: the same for plugin, bare loop and contact.
 
 use box_physics::floor::Floor;
 use box_physics::prelude::*;
 use box_scenarios::random::Random;
 
-/// What the bodies of a set are doing.
+/// The motion of the bodies of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Situation {
-    /// Tumbling freely; there is no floor.
+    /// Tumbling freely, without a floor.
     Flight,
     /// Tumbling and falling from high above a floor.
     Falling,
-    /// Falling low over the floor: too near for the first broad test, and not touching.
+    /// Falling low over the floor: too near for the first broad test, without touching.
     Near,
-    /// Falling lower still: one in twenty strikes the floor in the step.
+    /// Falling still lower: one in twenty strikes the floor in the step.
     Grazing,
-    /// Thrown on the floor from half a meter to two meters and followed until most lie still.
+    /// Thrown on the floor from half a meter to two meters, and simulated until most are at rest.
     Settling,
-    /// Lying still.
+    /// At rest.
     Rest,
-    /// Sliding on a face without stopping: the floor is steeper than friction holds.
+    /// Sliding on a face without stopping, because the floor is steeper than friction can hold.
     Sliding,
 }
 
 impl Situation {
-    /// Every situation.
+    /// All situations.
     pub const ALL: [Self; 7] = [
         Self::Flight,
         Self::Falling,
@@ -35,7 +35,7 @@ impl Situation {
         Self::Sliding,
     ];
 
-    /// As printed.
+    /// Display name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flight => "free flight",
@@ -48,7 +48,7 @@ impl Situation {
         }
     }
 
-    /// The floor, if there is one.
+    /// The floor, if any.
     pub fn floor(self) -> Option<Floor> {
         let friction = if self == Self::Sliding { 0.2 } else { 0.5 };
         (self != Self::Flight).then(|| Floor {
@@ -57,7 +57,7 @@ impl Situation {
         })
     }
 
-    /// Gravity [m/s²]: tilted by 0.3 rad where the boxes slide.
+    /// Gravity [m/s²], tilted by 0.3 rad for sliding boxes.
     pub fn gravity(self) -> DVec3 {
         match self {
             Self::Flight => DVec3::ZERO,
@@ -66,8 +66,8 @@ impl Situation {
         }
     }
 
-    /// The steps of 1/60 s that one measured call takes from the start; 0 if it goes on from where the
-    /// last call ended.
+    /// Number of steps of 1/60 s that a measured call takes from the start. 0 if it continues from the end of
+    /// the last call.
     pub const fn episode(self) -> u32 {
         match self {
             Self::Settling => 180,
@@ -76,7 +76,7 @@ impl Situation {
         }
     }
 
-    /// `n` boxes of many shapes in a grid 4 m apart, the same for the same `n`.
+    /// `n` boxes of many shapes in a grid 4 m apart. The same `n` always gives the same boxes.
     pub fn bodies(self, n: usize) -> Vec<(RigidBox, BodyState)> {
         let mut random = Random::new(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(7));
         let side = (n as f64).sqrt().ceil().max(1.0) as usize;
@@ -103,7 +103,7 @@ impl Situation {
         match self {
             Self::Flight => tumbling(0.0, random.vector(1.0)),
             Self::Falling => tumbling(1e6, random.vector(1.0)),
-            // In the step it falls by 1/60 + 9.81/7200 m, which is 0.01803 m.
+            // In the step the box falls by 1/60 + 9.81/7200 m = 0.01803 m.
             Self::Near => tumbling(body.radius() + 0.0185, DVec3::NEG_Y),
             Self::Grazing => tumbling(body.radius() + 0.01, DVec3::NEG_Y),
             Self::Settling => tumbling(body.radius() + random.range(0.5, 2.0), random.vector(1.0)),
@@ -113,7 +113,7 @@ impl Situation {
     }
 }
 
-/// Any attitude within 90° or so of upright.
+/// A random attitude within about 90° of upright.
 fn attitude(random: &mut Random) -> DQuat {
     let v = random.vector(1.0);
     let turn = DQuat::from_xyzw(v.x, v.y, v.z, random.range(0.1, 1.0));
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use box_physics::floor::FloorContext;
 
-    /// Of the two sets low over the floor one does not strike, and of the other a few do.
+    /// Of the two sets low over the floor, one has no impacts and the other has a few.
     #[test]
     fn near_is_not_touching() {
         let (floor, settings) = (Floor::default(), ContactSettings::default());

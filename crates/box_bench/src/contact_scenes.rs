@@ -1,13 +1,13 @@
-//! One box over the floor in each of the states that cost differently, stepped by the bare core.
+//! One box over the floor in each state with a different cost, stepped by the bare core.
 
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::integrators::Split;
 use box_physics::prelude::*;
 
-/// What the box does in every measured step.
+/// The motion of the box in every measured step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactScene {
-    /// Lies on a face.
+    /// Rests on a face.
     Resting,
     /// Flies so low that the broad test does not clear it.
     FlyingLow,
@@ -19,12 +19,12 @@ pub enum ContactScene {
     EdgeImpact,
     /// Strikes the floor with a corner.
     CornerImpact,
-    /// Starts to fall about an edge that lies on the floor.
+    /// Starts to fall about an edge that is on the floor.
     Pivoting,
 }
 
 impl ContactScene {
-    /// Every scene.
+    /// All scenes.
     pub const ALL: [Self; 7] = [
         Self::Resting,
         Self::FlyingLow,
@@ -35,7 +35,7 @@ impl ContactScene {
         Self::Pivoting,
     ];
 
-    /// As printed.
+    /// Display name.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Resting => "resting",
@@ -75,13 +75,13 @@ fn turned(x: f64, z: f64) -> DQuat {
     DQuat::from_xyzw(0.0, 0.0, t, d) * DQuat::from_xyzw(s, 0.0, 0.0, c)
 }
 
-/// `state` so high that its lowest corner is on the floor.
+/// `state` at the height at which its lowest corner touches the floor.
 fn lowered(body: &RigidBox, mut state: BodyState) -> BodyState {
     state.position.y = box_physics::aabb::world_half_extents(state.rotation, body.half_extents()).y;
     state
 }
 
-/// A box, ready to be stepped over and over from the same start.
+/// A box that is stepped repeatedly from the same start.
 pub struct ContactBench {
     body: RigidBox,
     start: BodyState,
@@ -90,7 +90,7 @@ pub struct ContactBench {
 }
 
 impl ContactBench {
-    /// In this scene; a box that rests has come to rest.
+    /// The benchmark of `scene`. A resting box has already come to rest.
     pub fn new(scene: ContactScene) -> Self {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).unwrap_or_default();
         let mut this = Self {
@@ -131,7 +131,7 @@ impl ContactBench {
 mod tests {
     use super::*;
 
-    /// Under every integrator, whether or not it remembers something that every segment tried needs a copy of.
+    /// Holds under every integrator, with or without a memory that every trial segment must copy.
     #[test]
     fn a_warm_body_that_bounces_allocates_nothing() {
         let (body, force) = (RigidBox::default(), Gravity(DVec3::NEG_Y * 9.81));

@@ -1,9 +1,9 @@
-//! Measuring what a step costs: [`measure::interleaved`] times several contenders in one run, so that a
-//! noisy machine disturbs all of them alike. Benchmarks, report and game measure with it.
+//! Measures the cost of a step. [`measure::interleaved`] times several contenders in one run, so that a noisy
+//! machine affects all of them alike. Benchmarks, report and game use it.
 //!
-//! The benchmarks (`cargo bench`, or one of them by `--bench NAME`) are [`suites`]: each returns rows,
-//! which are printed, and written as JSON with `--json FILE`. What the plugin is compared with is defined
-//! here too: the [`bare`] loop over plain arrays, and the [`memory`] bound, a pass over the same bytes.
+//! The benchmarks (`cargo bench`, or one of them by `--bench NAME`) are [`suites`]. Each returns rows, which
+//! are printed, and written as JSON with `--json FILE`. This crate also defines the baselines of the plugin:
+//! the [`bare`] loop over plain arrays, and the [`memory`] bound, a pass over the same bytes.
 
 pub mod bare;
 pub mod bodies;

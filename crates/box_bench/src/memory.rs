@@ -1,7 +1,7 @@
 //! The memory-bandwidth bound: a pass that reads and writes the bytes of a step and computes nothing,
 //! after the kernels of J. McCalpin's STREAM (1995).
 
-/// Arrays of as many bytes as a step of `n` bodies reads and writes.
+/// Arrays with as many bytes as a step of `n` bodies reads and writes.
 pub struct Traffic {
     only_read: Vec<u64>,
     updated: Vec<u64>,
@@ -9,7 +9,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// For `n` bodies with these numbers of bytes read (including those written) and written.
+    /// Arrays for `n` bodies with these numbers of bytes read (including those written) and written.
     pub fn new(n: usize, (read, written): (usize, usize)) -> Self {
         let words = |bytes: usize| vec![1_u64; n * bytes / 8];
         Self {

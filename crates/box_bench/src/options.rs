@@ -8,7 +8,7 @@ use clap::Parser;
 
 use crate::measure::Settings;
 
-/// Options of every benchmark.
+/// Options shared by all benchmarks.
 #[derive(Clone, Debug, Parser)]
 pub struct Options {
     /// A few seconds instead of minutes: fewer samples, and no more than 10 000 bodies.
@@ -34,13 +34,13 @@ pub struct Options {
     /// (`--bench report` only).
     #[arg(long, value_name = "FILE")]
     pub write: Option<PathBuf>,
-    /// Given by cargo to every benchmark; means nothing here.
+    /// Passed by cargo to every benchmark; ignored.
     #[arg(long, hide = true)]
     pub bench: bool,
 }
 
 impl Options {
-    /// Samples and their length.
+    /// Number and length of the samples.
     pub fn settings(&self) -> Settings {
         if self.quick {
             Settings {
@@ -58,12 +58,12 @@ impl Options {
         self.bodies.iter().copied().filter(|&n| n <= most).collect()
     }
 
-    /// Whether what has this name is to be measured.
+    /// Returns `true` if the benchmark `name` is selected.
     pub fn wants(&self, name: &str) -> bool {
         self.only.as_deref().is_none_or(|only| name.contains(only))
     }
 
-    /// The integrators to measure.
+    /// The selected integrators, or `default`.
     pub fn integrators_or(&self, default: &[Integrator]) -> Vec<Integrator> {
         if self.integrators.is_empty() {
             default.to_vec()

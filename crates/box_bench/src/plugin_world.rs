@@ -1,4 +1,4 @@
-//! The plugin in an app without window: its whole step, as a game has it.
+//! The plugin in an app without a window: its whole step, as in a game.
 
 use bevy::MinimalPlugins;
 use bevy::app::{App, FixedFirst, FixedLast};
@@ -18,7 +18,7 @@ pub struct PluginWorld {
 }
 
 impl PluginWorld {
-    /// `n` bodies under `integrator`, warmed up by a few steps.
+    /// `n` bodies under `integrator`, after a few warm-up steps.
     pub fn new(situation: Situation, integrator: Integrator, n: usize) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
@@ -28,7 +28,7 @@ impl PluginWorld {
         if let Some(floor) = situation.floor() {
             app.insert_resource(floor);
         }
-        // A step runs them as well; their empty schedules are not what is measured.
+        // A step also runs these; their empty schedules are not part of the measurement.
         for label in [FixedFirst.intern(), FixedLast.intern()] {
             app.edit_schedule(label, |schedule| {
                 schedule.set_executor(SingleThreadedExecutor::new());
@@ -52,12 +52,12 @@ impl PluginWorld {
         this
     }
 
-    /// Steps that one [`call`](Self::call) takes.
+    /// Number of steps of one [`call`](Self::call).
     pub fn steps_per_call(&self) -> u32 {
         self.episode.max(1)
     }
 
-    /// What is measured: one step, or an episode from its start.
+    /// The measured work: one step, or an episode from its start.
     pub fn call(&mut self) {
         if self.episode > 0 {
             self.restart();
@@ -82,7 +82,7 @@ impl PluginWorld {
         &mut self.app
     }
 
-    /// Puts every body back.
+    /// Resets every body.
     pub fn restart(&mut self) {
         for (entity, state) in &self.start {
             if let Some(mut now) = self.app.world_mut().get_mut::<BodyState>(*entity) {
@@ -96,7 +96,7 @@ impl PluginWorld {
 mod tests {
     use super::*;
 
-    /// Until the diagnostics' histories (120 values) have their final size.
+    /// Steps until the diagnostics' histories (120 values) have their final size.
     const WARM: u32 = 150;
 
     fn allocations(world: &mut PluginWorld, steps: u64) -> u64 {
@@ -133,7 +133,7 @@ mod tests {
             }
             allocations(&mut world, 20)
         });
-        // Two tasks in each of four systems, and what the pool keeps of them.
+        // Two tasks in each of four systems, plus allocations of the pool.
         assert!(spent.iter().all(|&count| count <= 64), "{spent:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! What a benchmark found: rows, as text and as JSON.
+//! Results of a benchmark as rows, in text and JSON.
 
 use std::io;
 use std::path::Path;
@@ -7,24 +7,24 @@ use serde::Serialize;
 
 use crate::measure::Cost;
 
-/// One measured thing.
+/// One measurement.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// The benchmark.
+    /// Name of the benchmark.
     pub suite: &'static str,
-    /// What was done.
+    /// The measured work.
     pub name: String,
     /// The integrator's id.
     pub integrator: &'static str,
-    /// Bodies.
+    /// Number of bodies.
     pub bodies: usize,
-    /// Threads that were allowed.
+    /// Maximum number of threads.
     pub threads: usize,
-    /// ns per body-step.
+    /// Cost \[ns per body-step\].
     pub cost: Cost,
-    /// Its minimum over that of the bare loop in the same run.
+    /// Minimum cost relative to that of the bare loop in the same run.
     pub to_bare: Option<f64>,
-    /// Its minimum over that of the pass over the same bytes in the same run.
+    /// Minimum cost relative to that of the pass over the same bytes in the same run.
     pub to_memory: Option<f64>,
     /// Allocations per step on the calling thread.
     pub allocations: Option<f64>,

@@ -1,4 +1,4 @@
-//! The benchmarks. Each takes its contenders in turns (see [`crate::measure`]), a size at a time.
+//! The benchmarks. Each measures its contenders in turns (see [`crate::measure`]), one size at a time.
 
 use std::cell::RefCell;
 
@@ -17,7 +17,7 @@ use crate::rows::Row;
 /// Step size of every benchmark \[s\].
 pub const STEP: f64 = 1.0 / 60.0;
 
-/// Threads that the plugin is measured with: of few bodies one alone, as it wakes no other for them.
+/// Numbers of threads for `n` bodies: one for few bodies, because the plugin then uses no other.
 fn threads(n: usize) -> &'static [usize] {
     if n < 2 * PhysicsThreads::default().bodies_each {
         &[1]
@@ -26,13 +26,13 @@ fn threads(n: usize) -> &'static [usize] {
     }
 }
 
-/// More bodies are not followed over an episode: it would take minutes.
+/// Largest number of bodies in an episode; more would take minutes.
 const LARGEST_EPISODE: usize = 10_000;
 
 /// Counts the allocations of a call on this thread.
 pub type CountAllocations = fn(&mut dyn FnMut()) -> u64;
 
-/// Every integrator on plain arrays in free flight: its plain step body by body, and many at a time.
+/// Every integrator on plain arrays in free flight: body by body, and many bodies at a time.
 pub fn kernels(options: &Options) -> Vec<Row> {
     let mut rows = Vec::new();
     for n in options.sizes() {
@@ -82,7 +82,7 @@ pub fn refit(options: &Options) -> Vec<Row> {
     rows
 }
 
-/// One box at the floor in every state that costs differently, by the bare core and `split`.
+/// One box at the floor in every state with a different cost, by the bare core and `split`.
 pub fn contact(options: &Options) -> Vec<Row> {
     let mut boxes = ContactScene::ALL.map(ContactBench::new);
     let mut contenders: Vec<_> = boxes
@@ -166,7 +166,7 @@ fn step_rows(
     }
     let mut settings = options.settings();
     if steps > 1.0 {
-        // An episode is a long sample, and an average over many steps.
+        // An episode is a long sample and an average over many steps.
         settings.samples = settings.samples.min(3);
     }
     let costs = interleaved(&mut contenders, &settings);

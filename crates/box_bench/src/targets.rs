@@ -1,32 +1,32 @@
-//! What was aimed at, and whether it is met: ratios of figures of one run.
+//! Performance targets as ratios of figures of one run, and their results.
 
 use crate::rows::Row;
 
 /// Step of a game at 60 Hz \[ns\].
 const FRAME: f64 = 1e9 / 60.0;
 
-/// A ratio that was aimed at.
+/// A target for a ratio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// Of what.
+    /// The measured ratio, in words.
     pub what: String,
     /// The target.
     pub aim: Aim,
-    /// The measurement.
+    /// The measured value.
     pub measured: f64,
 }
 
 /// A bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
-    /// No more than this.
+    /// At most this value.
     AtMost(f64),
-    /// No less than this.
+    /// At least this value.
     AtLeast(f64),
 }
 
 impl Target {
-    /// Whether it is met.
+    /// Returns `true` if the measurement meets the target.
     pub fn is_met(&self) -> bool {
         match self.aim {
             Aim::AtMost(most) => self.measured <= most,
@@ -35,7 +35,7 @@ impl Target {
     }
 }
 
-/// The targets that can be judged by these rows.
+/// The targets for which `rows` has the measurements.
 pub fn targets(rows: &[Row]) -> Vec<Target> {
     let found = Found(rows);
     let mut targets = Vec::new();
@@ -105,7 +105,7 @@ pub fn targets(rows: &[Row]) -> Vec<Target> {
     targets
 }
 
-/// What a million falling boxes cost, in words, if they were measured.
+/// The cost of a million falling boxes in words, if measured.
 pub fn million(rows: &[Row]) -> Option<String> {
     let found = Found(rows);
     let per_step = |threads| {
@@ -128,7 +128,7 @@ pub fn million(rows: &[Row]) -> Option<String> {
     ))
 }
 
-/// Costs by what they are of \[ns\].
+/// Costs by name \[ns\].
 struct Found<'a>(&'a [Row]);
 
 impl Found<'_> {
