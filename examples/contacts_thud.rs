@@ -8,17 +8,13 @@ use box_physics::prelude::*;
 #[derive(Resource, Default)]
 struct Thuds(Vec<f64>);
 
-/// The impulses of all corners that began to touch in this step make one thud.
-fn listen(mut contacts: MessageReader<FloorContact>, mut thuds: ResMut<Thuds>) {
-    let impulse: f64 = contacts
-        .read()
-        .filter(|contact| contact.phase == ContactPhase::Began)
-        .map(|contact| contact.normal_impulse)
-        .sum();
-    if impulse > 0.2 {
-        println!("thud: {impulse:.2} N s");
-        thuds.0.push(impulse);
-    }
+/// One event for each landing of this body, however many of its corners strike.
+fn thud(landed: On<Landed>, mut thuds: ResMut<Thuds>) {
+    println!(
+        "thud after {:.2} s at {:.2} m/s: {:.2} N s",
+        landed.time, landed.approach_speed, landed.normal_impulse
+    );
+    thuds.0.push(landed.normal_impulse);
 }
 
 fn main() -> Result<(), BevyError> {
@@ -27,13 +23,12 @@ fn main() -> Result<(), BevyError> {
         .insert_resource(Floor::new(0.0, 0.5, 0.5)?)
         .init_resource::<Thuds>()
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
-        .add_systems(FixedLast, listen)
         .add_systems(Startup, |mut commands: Commands| {
-            commands.spawn((
-                RigidBox::default(),
-                Transform::from_xyz(0.0, 2.5, 0.0),
-                ReportContacts, // without it nobody collects contacts
-            ));
+            let place = Transform::from_xyz(0.0, 2.5, 0.0);
+            commands
+                .spawn((RigidBox::default(), place, ReportContacts)) // without it no landing is reported
+                .observe(thud)
+                .observe(|settled: On<Settled>| println!("at rest after {:.2} s", settled.time));
         });
     for _ in 0..200 {
         app.update();

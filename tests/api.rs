@@ -8,7 +8,7 @@ use bevy::reflect::ReflectFromReflect;
 use bevy::scene::ScenePlugin;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::error::InvalidValue;
-use box_physics::floor::{ContactPoint, ContactState, FloorOutcome};
+use box_physics::floor::{ContactReport, ContactState, FloorOutcome};
 use box_physics::plugin::Stage;
 use box_physics::prelude::*;
 
@@ -126,12 +126,12 @@ fn types_by_name() -> Vec<(&'static str, TypeId, bool)> {
     let mut all = list![true:
         RigidBox, BodyState, IntegratorMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
         QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, BodyTorque, PointForces, Springs,
-        WorldAabb, ReportContacts, Quarantined,
+        WorldAabb, ReportContacts, ReportPersisting, RestingSince, Quarantined,
     ];
     all.extend(list![false:
         ApplyImpulse, FloorContact, BodyQuarantined, QuarantineCause, ImpulsePoint, ContactPhase,
         PointForce, Spring, Frame, Integrator, FloorOutcome, Stage, Dissipation, Wrench, Gravity,
-        ContactPoint,
+        ContactReport, Landed, Settled, Woken,
     ]);
     all
 }

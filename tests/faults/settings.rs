@@ -253,7 +253,7 @@ fn a_floor_that_goes_ends_its_contacts() {
         .drain()
         .filter(|c| c.phase == ContactPhase::Ended)
         .count();
-    assert_eq!(ended, 4);
+    assert_eq!(ended, 1);
     run(&mut app, 2);
     assert_eq!(contact(&app), ContactState::default());
     assert!(state(&app, entity).velocity.y < 0.0, "it falls");

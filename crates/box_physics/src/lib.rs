@@ -66,7 +66,7 @@
 //! | at points of the body, evaluated at every stage of the integrator | [`PointForces`](plugin::PointForces), [`Springs`](plugin::Springs) |
 //! | drag and damping | [`LinearDrag`](plugin::LinearDrag), [`QuadraticDrag`](plugin::QuadraticDrag), [`AngularDamping`](plugin::AngularDamping), [`AngularDrag`](plugin::AngularDrag) |
 //! | anything else that depends on the state | the core, with a [`ForceModel`](force::ForceModel) of your own |
-//! | the floor | the resource [`Floor`](floor::Floor); [`ReportContacts`](plugin::ReportContacts) for messages about it |
+//! | the floor | the resource [`Floor`](floor::Floor); [`ReportContacts`](plugin::ReportContacts) for [`Landed`](plugin::Landed) and other messages about it; the events [`Settled`](plugin::Settled) and [`Woken`](plugin::Woken) |
 //!
 //! A force that no body has costs nothing.
 //!
@@ -153,7 +153,7 @@ pub mod translation;
 pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;
-    pub use crate::floor::{ContactPhase, ContactSettings, ContactState, Floor, RestitutionLaw};
+    pub use crate::floor::{ContactReport, ContactSettings, ContactState, Floor, RestitutionLaw};
     pub use crate::force::{
         Dissipation, ForceModel, Forces, Frame, Gravity, PointForce, Spring, Wrench,
     };
@@ -161,11 +161,12 @@ pub mod prelude {
     #[cfg(feature = "bevy")]
     pub use crate::plugin::{
         AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
-        BodyTorque, ExternalForce, FixedPhysics, FloorContact, FloorPlugin, GlobalIntegrator,
-        GravityScale, ImpulsePoint, LinearDrag, PhysicsClock, PhysicsDiagnosticsPlugin,
-        PhysicsPlugin, PhysicsPlugins, PhysicsSchedule, PhysicsSystems, PhysicsThreads,
-        PhysicsTimings, PointForces, QuadraticDrag, QuarantineCause, Quarantined, ReportContacts,
-        RunPhysics, Springs, StepPhysics, Teleport, WhilePaused, WorldAabb, WorldGravity,
+        BodyTorque, ContactPhase, ExternalForce, FixedPhysics, FloorContact, FloorPlugin,
+        GlobalIntegrator, GravityScale, ImpulsePoint, Landed, LinearDrag, PhysicsClock,
+        PhysicsDiagnosticsPlugin, PhysicsPlugin, PhysicsPlugins, PhysicsSchedule, PhysicsSystems,
+        PhysicsThreads, PhysicsTimings, PointForces, QuadraticDrag, QuarantineCause, Quarantined,
+        ReportContacts, ReportPersisting, RestingSince, RunPhysics, Settled, Springs, StepPhysics,
+        Teleport, WhilePaused, Woken, WorldAabb, WorldGravity,
     };
     pub use crate::state::BodyState;
     pub use glam::{DQuat, DVec3};

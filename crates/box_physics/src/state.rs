@@ -235,6 +235,32 @@ impl BodyState {
                 .all(|v| v.abs().cmple(DVec3::splat(1e38)).all())
     }
 
+    /// The axis of the body that points closest to a direction of the world, as one of the six unit vectors in body axes:
+    /// the normal of the upper face of a die, for `up`.
+    ///
+    /// ```
+    /// use box_physics::prelude::*;
+    /// let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt()); // 90° about z
+    /// let die = BodyState::at_pose(DVec3::ZERO, quarter);
+    /// assert_eq!(die.axis_towards(DVec3::Y), DVec3::X);
+    /// let faces = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_Z, DVec3::NEG_Y, DVec3::NEG_X];
+    /// let pips = faces.iter().position(|&face| face == die.axis_towards(DVec3::Y)); // 0 to 5
+    /// assert_eq!(pips, Some(0));
+    /// ```
+    pub fn axis_towards(&self, direction: impl Into<DVec3>) -> DVec3 {
+        let local = self.rotation.inverse() * direction.into();
+        let axes = [
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            DVec3::NEG_X,
+            DVec3::NEG_Y,
+            DVec3::NEG_Z,
+        ];
+        let closer = |a: DVec3, b: DVec3| if b.dot(local) > a.dot(local) { b } else { a };
+        axes.into_iter().fold(DVec3::X, closer)
+    }
+
     /// Rotation angle between two attitudes \[rad\], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂. (`acos` would
     /// have a floor of 1e-8.) q and −q are the same attitude.
     pub fn attitude_difference(&self, other: &Self) -> f64 {

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use box_physics::prelude::{
     AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, DVec3, ExternalForce,
-    Floor, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag, ReportContacts,
-    RigidBox, Springs, WorldGravity,
+    Floor, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
+    ReportPersisting, RigidBox, Springs, WorldGravity,
 };
 use box_scenarios::{ForceSet, PlotPreset, ReferenceSolution, Scenario, Setup};
 
@@ -93,7 +93,7 @@ pub fn start_scene(world: &mut World) {
         let initial = place(&setup, k, seed);
         let mut entity = world.spawn((SceneEntity, BoxNumber(k), setup.body, initial));
         if k == 0 {
-            entity.insert((MainBox, ReportContacts, Name::new("main_box")));
+            entity.insert((MainBox, ReportPersisting, Name::new("main_box")));
         }
         insert_forces(&mut entity, &setup.forces);
     }

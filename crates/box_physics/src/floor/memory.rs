@@ -147,54 +147,67 @@ fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrenc
     }
 }
 
-/// Where in its life a contact is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Clone, PartialEq))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum ContactPhase {
-    /// The corner did not touch before this step.
-    Began,
-    /// It touched before and touches now.
-    Persists,
-    /// It touched, and no longer does.
-    Ended,
+/// What the floor did to a body in one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
+pub struct ContactReport {
+    /// The corners on which the floor acted, or which touch it at the end; bit k is corner k, as in
+    /// [`crate::aabb::corners`].
+    pub corners: u8,
+    /// Where the floor last acted on each of these corners, in the world \[m\].
+    pub points: [DVec3; 8],
+    /// Impulse along the normal at each corner \[N s\], ≥ 0.
+    pub normal_impulses: [f64; 8],
+    /// Impulse of friction on the body \[N s\], world axes.
+    pub tangential_impulse: DVec3,
+    /// Largest speed along the normal with which a corner struck [m/s]; 0 without an impact.
+    pub approach_speed: f64,
+    /// Time of the first impact after the beginning of the step \[s\]; 0 without an impact.
+    pub impact_time: f64,
 }
 
-/// One corner's contact in one step. A corner that comes and goes within a step is reported twice:
-/// began with its impulse, ended with none.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Clone, PartialEq))]
-pub struct ContactPoint {
-    /// Corner index; bits as in [`crate::aabb::corners`].
-    pub corner: u8,
-    /// Where the floor last acted on it, in the world \[m\].
-    pub point: DVec3,
-    /// Impulse along the normal over this step \[N s\].
-    pub normal_impulse: f64,
-    /// Where in its life the contact is.
-    pub phase: ContactPhase,
-}
+impl ContactReport {
+    /// Impulse along the normal on the body \[N s\], ≥ 0.
+    pub fn normal_impulse(&self) -> f64 {
+        self.normal_impulses.iter().sum()
+    }
 
-/// What happened at each corner during one step.
-pub(super) struct ContactImpulses {
-    impulse: [f64; 8],
-    point: Corner3,
-}
+    /// The center of the contact in the world \[m\]: the mean of its points, weighted by their impulses.
+    pub fn point(&self) -> DVec3 {
+        let total = self.normal_impulse();
+        let weight = |k: usize| match total {
+            0.0 => f64::from(self.corners >> k & 1) / f64::from(self.corners.count_ones().max(1)),
+            total => self.normal_impulses[k] / total,
+        };
+        (0..8).map(|k| self.points[k] * weight(k)).sum()
+    }
 
-impl ContactImpulses {
-    pub(super) fn new() -> Self {
+    /// The corners of a body that touch the floor, with impulses of zero.
+    #[cfg(feature = "bevy")]
+    pub(crate) fn touching(corners: u8, points: Corner3) -> Self {
         Self {
-            impulse: [0.0; 8],
-            point: [DVec3::NAN; 8],
+            corners,
+            points,
+            ..Self::default()
         }
+    }
+
+    /// Notes an impact at `time` \[s\] into the step, with this speed along the normal [m/s].
+    pub(super) fn strike(&mut self, time: f64, speed: f64) {
+        if self.approach_speed == 0.0 {
+            self.impact_time = time;
+        }
+        self.approach_speed = self.approach_speed.max(speed);
     }
 
     /// Adds impulses at the corners of `state`.
     pub(super) fn add(&mut self, state: &BodyState, lever: &Corner3, impulse: &Corner3) {
         for k in 0..8 {
             if impulse[k].y != 0.0 {
-                self.impulse[k] += impulse[k].y;
-                self.point[k] = state.position + lever[k];
+                self.normal_impulses[k] += impulse[k].y;
+                self.tangential_impulse += impulse[k].with_y(0.0);
+                self.points[k] = state.position + lever[k];
+                self.corners |= 1 << k;
             }
         }
     }
@@ -211,40 +224,11 @@ impl ContactImpulses {
         self.add(state, &corners.lever, &load.map(|f| DVec3::Y * (f * h)));
     }
 
-    /// Reports the step.
-    pub(super) fn report(
-        &self,
-        points: &mut Vec<ContactPoint>,
-        state: &BodyState,
-        lever: &Corner3,
-        before: u8,
-        now: u8,
-    ) {
-        for k in 0..8 {
-            let hit = self.impulse[k] != 0.0;
-            let point = if hit && !has(now, k) {
-                self.point[k]
-            } else {
-                state.position + lever[k]
-            };
-            let mut push = |phase, normal_impulse| {
-                points.push(ContactPoint {
-                    corner: k as u8,
-                    point,
-                    normal_impulse,
-                    phase,
-                });
-            };
-            match (has(before, k), has(now, k)) {
-                (true, true) => push(ContactPhase::Persists, self.impulse[k]),
-                (true, false) => push(ContactPhase::Ended, self.impulse[k]),
-                (false, true) => push(ContactPhase::Began, self.impulse[k]),
-                (false, false) if hit => {
-                    push(ContactPhase::Began, self.impulse[k]);
-                    push(ContactPhase::Ended, 0.0);
-                }
-                (false, false) => {}
-            }
+    /// Ends the step with these corners touching.
+    pub(super) fn end(&mut self, state: &BodyState, lever: &Corner3, touching: u8) {
+        self.corners |= touching;
+        for k in (0..8).filter(|&k| has(touching, k)) {
+            self.points[k] = state.position + lever[k];
         }
     }
 }

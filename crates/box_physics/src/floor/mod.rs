@@ -34,7 +34,7 @@ mod sustained;
 #[cfg(test)]
 mod tests;
 
-pub use memory::{ContactPhase, ContactPoint, ContactState};
+pub use memory::{ContactReport, ContactState};
 pub use step::step_on_floor;
 
 use crate::aabb::world_half_extents;

@@ -5,11 +5,10 @@ use super::event::Search;
 use super::flight::{Flight, Flown, fly};
 use super::geometry::{Corners, has};
 use super::impact::{ImpactKind, resolve_impact};
-use super::memory::ContactImpulses;
 use super::projection::recover_penetration;
 use super::slide::{Slide, slide};
 use super::sustained::{Segment, Start, candidates, limit_energy, longest_segment};
-use super::{ContactPoint, ContactState, FloorContext, FloorOutcome};
+use super::{ContactReport, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
@@ -66,13 +65,13 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     h: f64,
     memory: &mut IntegratorMemory,
     contact: &mut ContactState,
-    points: Option<&mut Vec<ContactPoint>>,
+    report: Option<&mut ContactReport>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
     if contact.still_rests(context, state) {
         outcome.resting = true;
-        if let (Some(points), Some(rest)) = (points, &contact.rest) {
-            report_held(context, state, h, &rest.reaction, contact.touching, points);
+        if let (Some(report), Some(rest)) = (report, &contact.rest) {
+            *report = held(context, state, h, &rest.reaction, contact.touching);
         }
         return outcome;
     }
@@ -88,8 +87,8 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
             && slide.time == h
         {
             outcome.step = StepOutcome::plain(slide.evaluations);
-            if let Some(points) = points {
-                report_held(context, state, h, &slide.load, touching, points);
+            if let Some(report) = report {
+                *report = held(context, state, h, &slide.load, touching);
             }
             return outcome;
         }
@@ -105,7 +104,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
             Flight::Low => {}
         }
     }
-    outcome = between_events::<S, F>(context, state, h, memory, contact, points, flown, slid);
+    outcome = between_events::<S, F>(context, state, h, memory, contact, report, flown, slid);
     // However many segments and trials it took: one step gave way once.
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
     outcome.step.unconverged = outcome.step.unconverged.min(1);
@@ -122,7 +121,7 @@ impl Integrator {
         h: f64,
         memory: &mut IntegratorMemory,
         contact: &mut ContactState,
-        points: Option<&mut Vec<ContactPoint>>,
+        report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
         self.dispatch(StepOnFloor {
             context,
@@ -130,7 +129,7 @@ impl Integrator {
             h,
             memory,
             contact,
-            points,
+            report,
         })
     }
 }
@@ -142,7 +141,7 @@ struct StepOnFloor<'a, 'c, F> {
     h: f64,
     memory: &'a mut IntegratorMemory,
     contact: &'a mut ContactState,
-    points: Option<&'a mut Vec<ContactPoint>>,
+    report: Option<&'a mut ContactReport>,
 }
 
 impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
@@ -150,7 +149,7 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
 
     fn visit<S: Integrate>(self) -> FloorOutcome {
         let (state, memory, contact) = (self.state, self.memory, self.contact);
-        step_on_floor::<S, F>(self.context, state, self.h, memory, contact, self.points)
+        step_on_floor::<S, F>(self.context, state, self.h, memory, contact, self.report)
     }
 }
 
@@ -163,7 +162,7 @@ fn between_events<S: Integrate, F: ForceModel>(
     h: f64,
     memory: &mut IntegratorMemory,
     contact: &mut ContactState,
-    points: Option<&mut Vec<ContactPoint>>,
+    report: Option<&mut ContactReport>,
     mut flown: Option<Flown>,
     slid: Option<Slide>,
 ) -> FloorOutcome {
@@ -177,7 +176,7 @@ fn between_events<S: Integrate, F: ForceModel>(
     let tolerance = context.tolerated_height();
     let [first, second] = core::mem::take(&mut contact.spare.0);
     let (mut first, mut second) = (Segment::new(first), Segment::new(second));
-    let mut impulses = ContactImpulses::new();
+    let mut impulses = ContactReport::default();
     let mut remaining = h;
     if let Some(slide) = slid {
         remaining -= slide.time;
@@ -218,6 +217,8 @@ fn between_events<S: Integrate, F: ForceModel>(
                 outcome.impacts_capped += 1;
                 ImpactKind::Resting
             };
+            let fastest = (0..8).filter(|&k| has(touching, k)).map(|k| -normal[k]);
+            impulses.strike(h - remaining, fastest.fold(0.0, f64::max));
             let hit = resolve_impact(context, state, &corners, touching, kind);
             impulses.add(state, &corners.lever, &hit.impulse);
             outcome.impacts += 1;
@@ -279,27 +280,28 @@ fn between_events<S: Integrate, F: ForceModel>(
     contact.spare.0 = [first.memory, second.memory];
     recover_penetration(floor, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
-    if let Some(points) = points {
-        impulses.report(points, state, &corners.lever, contact.touching, now);
+    if let Some(report) = report {
+        impulses.end(state, &corners.lever, now);
+        *report = impulses;
     }
     contact.touching = now;
     outcome.resting = contact.rest.is_some();
     outcome
 }
 
-/// Reports corners that touched before and do now, held by these forces \[N\].
-fn report_held<F>(
+/// The step of corners that touched before and do now, held by these forces \[N\].
+fn held<F>(
     context: &FloorContext<'_, F>,
     state: &BodyState,
     h: f64,
     load: &[f64; 8],
     touching: u8,
-    points: &mut Vec<ContactPoint>,
-) {
-    let mut impulses = ContactImpulses::new();
-    impulses.hold(context, state, h, load);
+) -> ContactReport {
+    let mut report = ContactReport::default();
+    report.hold(context, state, h, load);
     let corners = Corners::at(context.floor, context.body, state);
-    impulses.report(points, state, &corners.lever, touching, touching);
+    report.end(state, &corners.lever, touching);
+    report
 }
 
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain

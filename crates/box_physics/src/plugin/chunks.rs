@@ -60,6 +60,7 @@ tuples! {
     (A a, B b, C c, D d, E e)
     (A a, B b, C c, D d, E e, F f)
     (A a, B b, C c, D d, E e, F f, G g)
+    (A a, B b, C c, D d, E e, F f, G g, H h)
 }
 
 /// The pieces of [`Columns::chunks`], from both ends.

@@ -197,13 +197,30 @@ impl Default for WorldAabb {
     }
 }
 
-/// Asks for [`FloorContact`](super::FloorContact) messages about this body. Without it none are made. Every contact
-/// that began ends once, also where the body is despawned, disabled, quarantined or teleported, or the floor removed.
+/// Asks for [`Landed`](super::Landed) and [`FloorContact`](super::FloorContact) about this body. Without it none are
+/// made. Every contact that began ends once, also where the body is despawned, disabled, quarantined or teleported, or
+/// the floor removed.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(ReportedContacts)]
 pub struct ReportContacts;
+
+/// Asks for a [`FloorContact`](super::FloorContact) about this body in every step in which it touches the floor, also
+/// while it rests. It does not sleep then.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[require(ReportContacts)]
+pub struct ReportPersisting;
+
+/// Simulated time since which the body has been at rest on the floor \[s\]; `None` while it moves. Written by the
+/// physics. It changes only when the body comes to rest ([`Settled`](super::Settled)) or no longer rests
+/// ([`Woken`](super::Woken)), so that `Changed<RestingSince>` finds both.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RestingSince(pub Option<f64>);
 
 /// On a body whose state, body or forces were not finite or led beyond 1e38: it is left out of every step, frozen
 /// at its last good state. Give it a finite state and remove this component, and it goes on.

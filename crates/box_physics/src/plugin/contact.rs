@@ -3,13 +3,14 @@
 use bevy::ecs::change_detection::ContiguousMut;
 use bevy::ecs::error::Result;
 use bevy::ecs::query::{Has, QueryData, Without};
-use bevy::ecs::system::{Query, Res, ResMut};
+use bevy::ecs::system::{Commands, Query, Res, ResMut};
 
 use super::chunks::{Columns, integrator_runs};
-use super::components::{NearFloor, Quarantined, ReportContacts};
+use super::components::{NearFloor, Quarantined, ReportContacts, ReportPersisting, RestingSince};
 use super::contacts::ReportedContacts;
 use super::forces::{ForceColumnsContiguousItem, Step};
 use super::integrate::{BodyColumns, Tally};
+use super::messages::{Settled, Woken};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
@@ -28,6 +29,8 @@ pub(crate) struct FloorColumns {
     sleep: &'static mut Sleep,
     reported: Option<&'static mut ReportedContacts>,
     reports: Has<ReportContacts>,
+    persisting: Has<ReportPersisting>,
+    resting: &'static mut RestingSince,
 }
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
@@ -37,6 +40,7 @@ pub(crate) fn contact(
     mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
     threads: Res<PhysicsThreads>,
     mut quarantine: Quarantine,
+    mut commands: Commands,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
     clock.begin_run(step.gravity, step.floor);
@@ -51,7 +55,7 @@ pub(crate) fn contact(
         let (mut sleep, mut reported) = (at_floor.sleep, at_floor.reported);
         let sleepers = Sleepers::new(
             &clock,
-            forces.only_uniform_gravity() && !at_floor.reports,
+            forces.only_uniform_gravity() && !at_floor.persisting,
             Changes {
                 columns: [
                     table.body.changed_ticks_slice(),
@@ -62,6 +66,7 @@ pub(crate) fn contact(
                 now: written.this_run(),
             },
         );
+        let (resting, mut changes) = ContiguousMut::bypass_change_detection_split(at_floor.resting);
         let memories = table.memory.bypass_change_detection();
         let near = table.near.bypass_change_detection();
         let sleep = sleep.bypass_change_detection();
@@ -78,11 +83,12 @@ pub(crate) fn contact(
                 &mut *contacts,
                 &mut *sleep,
                 reported.as_deref_mut(),
+                &*resting,
             );
-            let tally = threads.share_out(
+            let mut tally = threads.share_out(
                 range.len(),
                 columns.chunks(range, CHUNK),
-                |(first, (bodies, states, memories, near, contacts, sleep, reported))| {
+                |(first, (bodies, states, memories, near, contacts, sleep, reported, resting))| {
                     integrator.dispatch(AtFloor {
                         step: &step,
                         floor,
@@ -96,6 +102,7 @@ pub(crate) fn contact(
                         contacts,
                         sleep,
                         reported,
+                        resting,
                     })
                 },
             );
@@ -104,6 +111,20 @@ pub(crate) fn contact(
                 timings.record_integrator(integrator, 0, 0, tally.outcome);
                 timings.floor += tally.floor;
                 timings.bodies_at_floor += tally.bodies;
+            }
+            let (now, time) = (changes.this_run(), step.time);
+            // In the order of rows, whatever thread found them.
+            tally.settled.sort_unstable();
+            for &i in &tally.settled {
+                (resting[i].0, changes.changed_mut()[i]) = (Some(time), now);
+                let entity = table.entity[i];
+                commands.trigger(Settled { entity, time });
+            }
+            tally.woken.sort_unstable();
+            for &i in &tally.woken {
+                (resting[i].0, changes.changed_mut()[i]) = (None, now);
+                let entity = table.entity[i];
+                commands.trigger(Woken { entity, time });
             }
             for i in tally.faults {
                 quarantine.take(
@@ -134,6 +155,7 @@ struct AtFloor<'a, 'w, 's> {
     contacts: &'a mut [ContactState],
     sleep: &'a mut [Sleep],
     reported: Option<&'a mut [ReportedContacts]>,
+    resting: &'a [RestingSince],
 }
 
 impl IntegratorVisitor for AtFloor<'_, '_, '_> {
@@ -167,7 +189,7 @@ impl AtFloor<'_, '_, '_> {
             let (state, contact) = (&mut self.states[i], &mut self.contacts[i]);
             let before = *state;
             let lay_still = contact.is_resting(state);
-            let mut points = self.reported.as_mut().map(|r| r[i].begin());
+            let mut reported = self.reported.as_mut().map(|r| &mut r[i]);
             let outcome = step_on_floor::<S, F>(
                 &FloorContext {
                     floor: self.floor,
@@ -179,7 +201,7 @@ impl AtFloor<'_, '_, '_> {
                 self.step.h,
                 &mut self.memories[i],
                 contact,
-                points.as_deref_mut(),
+                reported.as_mut().map(|reported| reported.begin()),
             );
             tally.outcome += outcome.step;
             tally.floor += outcome;
@@ -189,8 +211,13 @@ impl AtFloor<'_, '_, '_> {
             if !state.is_valid() {
                 *state = before;
                 tally.faults.push(row);
-                if let Some(points) = points {
-                    points.clear();
+                if let Some(reported) = reported {
+                    reported.clear();
+                }
+            } else if outcome.resting != self.resting[i].0.is_some() {
+                match outcome.resting {
+                    true => tally.settled.push(row),
+                    false => tally.woken.push(row),
                 }
             }
         }

@@ -1,35 +1,94 @@
 //! The contacts that are reported: every one that began ends once, whatever happens to its body.
 
 use bevy::app::App;
+use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::lifecycle::{Add, Remove};
 use bevy::ecs::message::MessageWriter;
 use bevy::ecs::observer::On;
-use bevy::ecs::query::{Allow, With, Without};
+use bevy::ecs::query::{Allow, Has, With, Without};
 use bevy::ecs::resource::Resource;
-use bevy::ecs::system::Query;
+use bevy::ecs::system::{Commands, Query, Res};
 use bevy::ecs::world::{DeferredWorld, World};
+use glam::DVec3;
 
-use super::components::{NearFloor, Quarantined, ReportContacts};
-use super::messages::FloorContact;
+use super::components::{NearFloor, Quarantined, ReportContacts, ReportPersisting, RestingSince};
+use super::forces::Step;
+use super::messages::{ContactPhase, FloorContact, Landed, Woken};
 use crate::aabb;
 use crate::body::RigidBox;
-use crate::floor::{ContactPhase, ContactPoint, ContactState};
+use crate::floor::{ContactReport, ContactState};
 use crate::state::BodyState;
+
+/// Impacts that follow each other within this time \[s\] are one landing.
+const LANDING_PAUSE: f64 = 0.1;
+/// Impulses are summed up so long \[s\] before a landing is reported: two ticks of 1/64 s.
+const LANDING_WINDOW: f64 = 0.03;
 
 /// The contacts of a body that are reported.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct ReportedContacts {
-    /// The corners of which a [`FloorContact`] said that they began to touch, and not yet that they ended; bit k is
-    /// corner k.
-    began: u8,
-    /// What the last step found.
-    points: Vec<ContactPoint>,
+    /// A [`FloorContact`] said that it began, and not yet that it ended.
+    began: bool,
+    /// What the step did.
+    report: Option<ContactReport>,
+    /// Simulated time of the last impact \[s\].
+    last_impact: Option<f64>,
+    /// A landing of which the impulses are still summed up.
+    landing: Option<Landed>,
 }
 
-/// Emits what the step found. A corner that touched before [`ReportContacts`] was inserted begins now; one whose
+impl ReportedContacts {
+    /// What the step that begins will report.
+    pub(crate) fn begin(&mut self) -> &mut ContactReport {
+        self.report.insert(ContactReport::default())
+    }
+
+    /// Forgets what the step did.
+    pub(crate) fn clear(&mut self) {
+        self.report = None;
+    }
+
+    /// Adds the impacts of a step of `h` \[s\] that ends at `time`. Returns a landing that is complete.
+    fn land(
+        &mut self,
+        entity: Entity,
+        (time, h): (f64, f64),
+        report: Option<&ContactReport>,
+        slowest: f64,
+    ) -> Option<Landed> {
+        if let Some(report) = report.filter(|r| r.approach_speed > slowest) {
+            let at = time - h + report.impact_time;
+            let goes_on = self
+                .last_impact
+                .is_some_and(|last| at - last < LANDING_PAUSE);
+            self.last_impact = Some(time);
+            let mut landed = self.landing.unwrap_or(Landed {
+                entity,
+                time: at,
+                point: DVec3::ZERO,
+                normal_impulse: 0.0,
+                tangential_impulse: DVec3::ZERO,
+                approach_speed: 0.0,
+            });
+            let (before, impulse) = (landed.normal_impulse, report.normal_impulse());
+            landed.normal_impulse += impulse;
+            landed.point =
+                (landed.point * before + report.point() * impulse) / landed.normal_impulse;
+            landed.tangential_impulse += report.tangential_impulse;
+            landed.approach_speed = landed.approach_speed.max(report.approach_speed);
+            if self.landing.is_some() || !goes_on {
+                self.landing = Some(landed);
+            }
+        }
+        let complete = |landed: &mut Landed| time - landed.time >= LANDING_WINDOW;
+        self.landing.take_if(complete)
+    }
+}
+
+/// Emits what the step found. A contact that there was before [`ReportContacts`] was inserted begins now; one whose
 /// [`ContactState`] was reset ends.
 pub(crate) fn report_contacts(
     mut bodies: Query<
@@ -39,72 +98,68 @@ pub(crate) fn report_contacts(
             &BodyState,
             &ContactState,
             &mut ReportedContacts,
+            Has<ReportPersisting>,
         ),
         (With<ReportContacts>, Without<Quarantined>),
     >,
+    step: Res<Step>,
     mut messages: MessageWriter<FloorContact>,
+    mut landings: MessageWriter<Landed>,
+    mut commands: Commands,
 ) {
-    for (entity, body, state, contact, mut reported) in &mut bodies {
-        let ReportedContacts { began, points } = &mut *reported;
-        for point in points.drain(..) {
-            let corner = 1 << point.corner;
-            let known = *began & corner != 0;
-            let phase = match point.phase {
-                ContactPhase::Ended if !known => continue,
-                ContactPhase::Ended => ContactPhase::Ended,
-                _ if known => ContactPhase::Persists,
-                _ => ContactPhase::Began,
-            };
-            match phase {
-                ContactPhase::Ended => *began &= !corner,
-                _ => *began |= corner,
-            }
+    let time = step.time;
+    for (entity, body, state, contact, mut reported, persisting) in &mut bodies {
+        let reported = reported.bypass_change_detection();
+        let (report, began) = (reported.report.take(), reported.began);
+        let touches = contact.touching() != 0;
+        if report.is_none() && began == touches && reported.landing.is_none() {
+            continue;
+        }
+        let slowest = step.settings.restitution_threshold;
+        if let Some(landed) = reported.land(entity, (time, step.h), report.as_ref(), slowest) {
+            landings.write(landed);
+            commands.trigger(landed);
+        }
+        let report = report.unwrap_or_else(|| held(contact.touching(), body, state));
+        let mut write = |phase| {
             messages.write(FloorContact {
                 entity,
-                corner: point.corner,
-                point: point.point,
-                normal_impulse: point.normal_impulse,
                 phase,
+                time,
+                report,
             });
+        };
+        if !began && report.corners != 0 {
+            write(ContactPhase::Began);
+        } else if began && touches && persisting {
+            write(ContactPhase::Persists);
         }
-        let forgotten = *began & !contact.touching();
-        *began &= contact.touching();
-        messages.write_batch(ended(entity, forgotten, body, state));
+        if !touches && (began || report.corners != 0) {
+            write(ContactPhase::Ended);
+        }
+        reported.began = touches;
     }
 }
 
-/// The ends of the contacts of these corners.
-fn ended(
-    entity: Entity,
-    corners: u8,
-    body: &RigidBox,
-    state: &BodyState,
-) -> impl Iterator<Item = FloorContact> {
-    let places = (0_u8..).zip(aabb::corners(body.half_extents()).map(|c| state.point(c)));
-    places
-        .filter(move |(corner, _)| corners >> corner & 1 == 1)
-        .map(move |(corner, point)| FloorContact {
-            entity,
-            corner,
-            point,
-            normal_impulse: 0.0,
-            phase: ContactPhase::Ended,
-        })
+/// These corners touch.
+fn held(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
+    let points = aabb::corners(body.half_extents()).map(|c| state.point(c));
+    ContactReport::touching(corners, points)
 }
 
-impl ReportedContacts {
-    /// The points of a step that begins.
-    pub(crate) fn begin(&mut self) -> &mut Vec<ContactPoint> {
-        self.points.clear();
-        &mut self.points
-    }
-}
-
-/// Ends the contacts of a body, with a message for each that was reported.
+/// Ends the contacts of a body, with a message if they were reported and an event if it rested.
 pub(crate) fn end_contacts(world: &mut DeferredWorld, entity: Entity) {
+    if forget_contacts(world, entity) {
+        let time = world.get_resource::<Step>().map_or(0.0, |step| step.time);
+        world.trigger(Woken { entity, time });
+    }
+}
+
+/// Returns whether the body rested.
+fn forget_contacts(world: &mut DeferredWorld, entity: Entity) -> bool {
     end_reports(world, entity);
     let Ok(mut found) = world.get_entity_mut(entity) else {
-        return;
+        return false;
     };
     if let Some(mut contact) = found.get_mut::<ContactState>() {
         *contact = ContactState::default();
@@ -112,21 +167,30 @@ pub(crate) fn end_contacts(world: &mut DeferredWorld, entity: Entity) {
     if let Some(mut near) = found.get_mut::<NearFloor>() {
         *near = NearFloor::default();
     }
+    let resting = found
+        .get_mut::<RestingSince>()
+        .filter(|since| since.0.is_some());
+    resting.is_some_and(|mut since| since.0.take().is_some())
 }
 
 fn end_reports(world: &mut DeferredWorld, entity: Entity) {
+    let time = world.get_resource::<Step>().map_or(0.0, |step| step.time);
     let Ok(mut found) = world.get_entity_mut(entity) else {
         return;
     };
     let Some(mut reported) = found.get_mut::<ReportedContacts>() else {
         return;
     };
-    let corners = core::mem::take(&mut reported.began);
-    if corners != 0
+    if core::mem::take(&mut *reported).began
         && let Some((body, state)) = found.get::<RigidBox>().zip(found.get::<BodyState>())
     {
-        let ended: Vec<_> = ended(entity, corners, body, state).collect();
-        world.write_message_batch(ended);
+        let ended = FloorContact {
+            entity,
+            phase: ContactPhase::Ended,
+            time,
+            report: held(0, body, state),
+        };
+        world.write_message(ended);
     }
 }
 
@@ -149,10 +213,10 @@ pub(crate) fn build(app: &mut App) {
     app.insert_resource(ContactEnabled)
         // Of a body that is despawned as well.
         .add_observer(|end: On<Remove, RigidBox>, mut world: DeferredWorld| {
-            end_contacts(&mut world, end.entity);
+            forget_contacts(&mut world, end.entity);
         })
         .add_observer(|end: On<Remove, ContactState>, mut world: DeferredWorld| {
-            end_contacts(&mut world, end.entity);
+            forget_contacts(&mut world, end.entity);
         })
         .add_observer(|end: On<Add, Disabled>, mut world: DeferredWorld| {
             end_contacts(&mut world, end.entity);

@@ -22,6 +22,8 @@ use crate::integrators::Integrator;
 pub(crate) struct Step {
     /// Size \[s\].
     pub(crate) h: f64,
+    /// Simulated time at its end \[s\].
+    pub(crate) time: f64,
     /// [m/s²]
     pub(crate) gravity: DVec3,
     /// Of bodies without one of their own.
@@ -42,6 +44,7 @@ pub(crate) fn gather_forces(
 ) {
     *step = Step {
         h: clock.step(),
+        time: clock.time(),
         gravity: gravity.0,
         integrator: integrator.0,
         // Without its plugin a floor is nothing.

@@ -10,9 +10,8 @@ use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::time::{Fixed, Real, Time};
 use bevy::transform::components::Transform;
 
-use super::{FloorContact, WorldAabb};
+use super::{ContactPhase, FloorContact, WorldAabb};
 use crate::body::RigidBox;
-use crate::floor::ContactPhase;
 use crate::state::BodyState;
 
 /// The largest number of boxes that are drawn: more would be a gray cloud, and slow.
@@ -122,42 +121,62 @@ fn draw_axes(
     }
 }
 
+/// A contact that is drawn.
+struct Shown {
+    entity: Entity,
+    corner: usize,
+    at: Vec3,
+    /// Along the normal \[N s\].
+    impulse: f64,
+    /// \[s\]
+    age: f32,
+}
+
 fn draw_contacts(
     mut contacts: MessageReader<FloorContact>,
     bodies: Query<&RigidBox>,
     fixed: Option<Res<Time<Fixed>>>,
     time: Res<Time<Real>>,
-    mut shown: Local<Vec<(FloorContact, f32)>>,
+    mut shown: Local<Vec<Shown>>,
     mut gizmos: Gizmos<BodyGizmos>,
 ) {
-    for (_, age) in &mut *shown {
-        *age += time.delta_secs();
+    for contact in &mut *shown {
+        contact.age += time.delta_secs();
     }
-    shown.retain(|(_, age)| *age < SHOWN_FOR);
+    shown.retain(|contact| contact.age < SHOWN_FOR);
     let what = *gizmos.config_ext;
     for contact in contacts.read().filter(|c| what.details(c.entity)) {
         // Its end is no reason to stop showing it: a bounce begins and ends in a step.
-        if contact.phase != ContactPhase::Ended {
-            shown.retain(|(old, _)| (old.entity, old.corner) != (contact.entity, contact.corner));
-            shown.push((*contact, 0.0));
+        if contact.phase == ContactPhase::Ended {
+            continue;
         }
+        let (entity, report) = (contact.entity, contact.report);
+        let acted = |corner: usize| report.corners >> corner & 1 == 1;
+        shown.retain(|old| old.entity != entity || !acted(old.corner));
+        shown.extend((0..8).filter(|&k| acted(k)).map(|corner| Shown {
+            entity,
+            corner,
+            at: report.points[corner].as_vec3(),
+            impulse: report.normal_impulses[corner],
+            age: 0.0,
+        }));
     }
     if !what.contacts {
         return;
     }
     let step = fixed.map_or(1.0 / 60.0, |fixed| fixed.timestep().as_secs_f64());
-    let wanted = shown.iter().filter(|(c, _)| what.details(c.entity));
-    for (contact, _) in wanted.take(MOST) {
+    let wanted = shown.iter().filter(|c| what.details(c.entity));
+    for contact in wanted.take(MOST) {
         // Its body may be gone by now.
         let Ok(body) = bodies.get(contact.entity) else {
             continue;
         };
-        let at = contact.point.as_vec3();
+        let at = contact.at;
         let size = 0.15 * body.radius() as f32;
         gizmos.cross(Isometry3d::from_translation(at), size, CONTACT);
         // The root of it: an impact is a hundred times what holds a resting box.
         let weight = body.mass() * 9.81 * step;
-        let length = (contact.normal_impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
+        let length = (contact.impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
         gizmos.arrow(at, at + Vec3::Y * length.max(size), CONTACT);
     }
 }

@@ -41,6 +41,9 @@ pub(crate) struct Tally {
     pub(crate) floor: FloorOutcome,
     /// Rows of bodies whose new state was invalid. They are where they were.
     pub(crate) faults: Vec<usize>,
+    /// Rows of bodies that came to rest on the floor, and of those that no longer rest.
+    pub(crate) settled: Vec<usize>,
+    pub(crate) woken: Vec<usize>,
 }
 
 impl core::ops::AddAssign for Tally {
@@ -49,6 +52,8 @@ impl core::ops::AddAssign for Tally {
         self.outcome += other.outcome;
         self.floor += other.floor;
         self.faults.append(&mut other.faults);
+        self.settled.append(&mut other.settled);
+        self.woken.append(&mut other.woken);
     }
 }
 

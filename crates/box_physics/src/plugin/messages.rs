@@ -1,13 +1,14 @@
 //! Messages: requests to the physics, and what happened in it.
 
 use bevy::ecs::entity::Entity;
+use bevy::ecs::event::EntityEvent;
 use bevy::ecs::message::Message;
 use bevy::ecs::reflect::ReflectMessage;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
 use crate::body::RigidBox;
-use crate::floor::ContactPhase;
+use crate::floor::ContactReport;
 use crate::integrators::Integrator;
 use crate::state::BodyState;
 
@@ -125,33 +126,110 @@ impl ApplyImpulse {
     }
 }
 
-/// A corner of a body with [`ReportContacts`](super::ReportContacts) met, lay on or left the floor
-/// during a step.
-///
-/// ```
-/// use bevy::prelude::*;
-/// use box_physics::prelude::*;
-/// fn thud(mut contacts: MessageReader<FloorContact>) {
-///     let hit = |c: &&FloorContact| c.phase == ContactPhase::Began;
-///     let impulse: f64 = contacts.read().filter(hit).map(|c| c.normal_impulse).sum();
-///     if impulse > 1.0 {
-///         println!("thud! {impulse:.1} N s");
-///     }
-/// }
-/// ```
+/// A body with [`ReportContacts`](super::ReportContacts) met or left the floor, or touches it: the whole body, however
+/// many of its corners do. One that bounces within a step begins and ends. For sounds use [`Landed`].
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Message, Clone, PartialEq)]
 pub struct FloorContact {
     /// The body.
     pub entity: Entity,
-    /// Which corner: bit k is set where it lies on the positive side of body axis k.
-    pub corner: u8,
-    /// Where, in the world \[m\].
-    pub point: DVec3,
-    /// Normal impulse over the step \[N s\], ≥ 0.
-    pub normal_impulse: f64,
-    /// Began, persists or ended.
+    /// Where in its life the contact is.
     pub phase: ContactPhase,
+    /// Simulated time at the end of the step \[s\].
+    pub time: f64,
+    /// What the floor did in the step, corner by corner.
+    pub report: ContactReport,
+}
+
+/// Where in its life a contact between a body and the floor is.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Clone, PartialEq)]
+pub enum ContactPhase {
+    /// The body did not touch the floor before this step.
+    Began,
+    /// It touched before and touches now. Only sent with [`ReportPersisting`](super::ReportPersisting).
+    Persists,
+    /// It touched, and no longer does.
+    Ended,
+}
+
+/// A body with [`ReportContacts`](super::ReportContacts) landed: one message, and one event on the entity, for all
+/// impacts that follow each other within 0.1 s. A box that drops on an edge strikes with one corner after the other and
+/// rattles: that is one landing. A bounce that takes longer ends in another.
+///
+/// It comes when the impulses of the first 0.03 s are known (a sound that is late by 0.125 s still seems to be in time,
+/// ITU-R BT.1359). Impacts slower than [`ContactSettings::restitution_threshold`](crate::floor::ContactSettings) are
+/// none, so that a body that is spawned on the floor does not land.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn setup(mut commands: Commands) {
+///     commands
+///         .spawn((RigidBox::default(), Transform::from_xyz(0.0, 3.0, 0.0), ReportContacts))
+///         .observe(|landed: On<Landed>| {
+///             let loudness = landed.normal_impulse; // N s
+///             println!("thud at {}: {loudness:.1} N s", landed.point);
+///         });
+/// }
+/// // Or, of all bodies:
+/// fn thuds(mut landings: MessageReader<Landed>) {
+///     for landed in landings.read() {
+///         println!("{} at {:.2} m/s", landed.entity, landed.approach_speed);
+///     }
+/// }
+/// ```
+#[derive(EntityEvent, Message, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Message, Clone, PartialEq)]
+pub struct Landed {
+    /// The body.
+    pub entity: Entity,
+    /// Simulated time of the first impact \[s\].
+    pub time: f64,
+    /// Where, in the world \[m\]: the mean of the points, weighted by their impulses.
+    pub point: DVec3,
+    /// Impulse along the normal \[N s\], > 0.
+    pub normal_impulse: f64,
+    /// Impulse of friction on the body \[N s\], world axes.
+    pub tangential_impulse: DVec3,
+    /// Largest speed along the normal with which a corner struck [m/s], > 0.
+    pub approach_speed: f64,
+}
+
+/// A body came to rest on the floor: an event on the entity, for every body. From the next step on it sleeps, if nothing
+/// but gravity acts on it. [`RestingSince`](super::RestingSince) tells since when.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn setup(mut commands: Commands) {
+///     commands
+///         .spawn((RigidBox::default(), Transform::from_xyz(0.0, 3.0, 0.0)))
+///         .observe(|settled: On<Settled>, dice: Query<&BodyState>| {
+///             if let Ok(die) = dice.get(settled.entity) {
+///                 println!("{} is up", die.axis_towards(DVec3::Y));
+///             }
+///         });
+/// }
+/// ```
+#[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
+pub struct Settled {
+    /// The body.
+    pub entity: Entity,
+    /// Simulated time \[s\].
+    pub time: f64,
+}
+
+/// A body that rested on the floor no longer does: an event on the entity, for every body that [`Settled`]. Also sent when
+/// the body is teleported, disabled or quarantined and when the floor is removed, but not when the body is despawned.
+#[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
+pub struct Woken {
+    /// The body.
+    pub entity: Entity,
+    /// Simulated time \[s\].
+    pub time: f64,
 }
 
 /// A body was quarantined: see [`Quarantined`](super::Quarantined).

@@ -39,12 +39,14 @@ mod transforms;
 
 pub use components::{
     AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, ExternalForce, GravityScale,
-    LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, Springs, WorldAabb,
+    LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, ReportPersisting,
+    RestingSince, Springs, WorldAabb,
 };
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 pub use messages::{
-    ApplyImpulse, BodyQuarantined, FloorContact, ImpulsePoint, QuarantineCause, WhilePaused,
+    ApplyImpulse, BodyQuarantined, ContactPhase, FloorContact, ImpulsePoint, Landed,
+    QuarantineCause, Settled, WhilePaused, Woken,
 };
 pub use parallel::PhysicsThreads;
 pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
@@ -72,7 +74,7 @@ use self::components::NearFloor;
 use self::sleeping::Sleep;
 use self::transforms::PublishedPose;
 use crate::body::RigidBox;
-use crate::floor::{ContactPoint, ContactSettings, ContactState, Floor};
+use crate::floor::{ContactReport, ContactSettings, ContactState, Floor};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
@@ -303,12 +305,20 @@ impl Plugin for FloorPlugin {
         }
         app.init_resource::<ContactSettings>()
             .add_message::<FloorContact>()
+            .add_message::<Landed>()
             .register_type::<Floor>()
             .register_type::<ContactSettings>()
             .register_type::<ContactState>()
             .register_type::<ReportContacts>()
+            .register_type::<ReportPersisting>()
+            .register_type::<RestingSince>()
             .register_type::<FloorContact>()
-            .register_type::<ContactPoint>();
+            .register_type::<ContactPhase>()
+            .register_type::<ContactReport>()
+            .register_type::<Landed>()
+            .register_type::<Settled>()
+            .register_type::<Woken>();
+        require::<RestingSince, RestingSince>(app);
         require::<ContactState, ContactState>(app);
         app.add_systems(
             PhysicsSchedule,

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | its `BodyState` is written: by hand, an impulse, a teleport | change detection |
 //! | its `RigidBox` or `ContactState` is written | change detection |
-//! | it gets a force component, a `GravityScale` or `ReportContacts` | its table |
+//! | it gets a force component, a `GravityScale` or `ReportPersisting` | its table |
 //! | `WorldGravity` or the `Floor` changes | comparison with the last step |
 //! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
 //!
@@ -102,7 +102,7 @@ pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
 /// The sleepers of a table in one run of *Contact*.
 pub(crate) struct Sleepers<'a> {
     run: u32,
-    /// Only gravity acts on them, and their contacts are not reported.
+    /// Only gravity acts on them, and contacts that persist are not reported.
     may_sleep: bool,
     unchanged: bool,
     /// Of everything whose change wakes a body.

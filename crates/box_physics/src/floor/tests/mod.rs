@@ -10,8 +10,8 @@ mod slide;
 use glam::{DQuat, DVec3};
 
 use super::{
-    ContactPoint, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, RestitutionLaw,
-    step_on_floor,
+    ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome,
+    RestitutionLaw, step_on_floor,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
@@ -74,7 +74,7 @@ impl Scene {
         &mut self,
         force: &impl ForceModel,
         h: f64,
-        points: Option<&mut Vec<ContactPoint>>,
+        report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
         let context = FloorContext {
             floor: &self.floor,
@@ -83,7 +83,7 @@ impl Scene {
             force,
         };
         let (state, memory, contact) = (&mut self.state, &mut self.memory, &mut self.contact);
-        let outcome = step_on_floor::<S, _>(&context, state, h, memory, contact, points);
+        let outcome = step_on_floor::<S, _>(&context, state, h, memory, contact, report);
         self.total += outcome;
         outcome
     }
