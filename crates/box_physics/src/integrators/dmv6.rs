@@ -141,7 +141,6 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
 /// `|ω|² = 2T(J_a + J_c) − J_a J_c|L|² + (J_b − J_a)(J_b − J_c) L_b²`. For the middle axis b the last term is
 /// negative, so |ω|² is largest where L_b is 0, which every motion passes. It is a constant of the motion: a
 /// tumbling body does not switch between this integrator and `split`, forward or backward.
-/// backwards.
 #[inline(always)]
 fn largest_speed_squared(body: &RigidBox, l: DVec3) -> f64 {
     let s = body.splitting();
