@@ -34,7 +34,7 @@ impl Integrate for AdamsBashforth2 {
         id: "adams-bashforth-2",
         name: "Adams–Bashforth 2",
         group: MenuGroup::Engines,
-        summary: "What flight simulators do: second order for one evaluation, remembering the last; it starts again after every event and gains energy.",
+        summary: "The method of flight simulators: second order for one evaluation per step; restarts after every event and gains energy.",
         source: "Bashforth, Adams 1883; Hairer, Nørsett, Wanner, Solving ODEs I, III.1; JSBSim FGPropagate, FGMultiStepMethod",
         orders: Orders::all(2),
         evaluations: Evaluations::fixed(1, 1),

@@ -33,7 +33,7 @@ impl Integrate for Avian993 {
         id: "avian-993",
         name: "Engine: Avian 993",
         group: MenuGroup::Engines,
-        summary: "What is proposed for Avian: turns L so that the energy of bodies with two or three equal moments is exact; the attitude stays first order.",
+        summary: "The step proposed for Avian: exact energy for bodies with two or three equal moments, first-order attitude.",
         source: "B. Spiers, A better way to spin (2026), \"Modified Jolt Method\"; avian PR #993",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(1, 1),

@@ -28,7 +28,7 @@ impl Integrate for BackwardEuler {
         id: "backward-euler",
         name: "Backward Euler",
         group: MenuGroup::Textbook,
-        summary: "The true implicit Euler: stable at any step because it damps everything, spin and springs alike.",
+        summary: "The true implicit Euler method: stable at any step because it damps all motion, spin and springs alike.",
         source: "Hairer, Wanner, Solving ODEs II, IV.3",
         orders: Orders::all(1),
         evaluations: Evaluations::per_iteration(1, 1),

@@ -29,7 +29,7 @@ impl Integrate for Buss {
         id: "buss",
         name: "Buss, order 2",
         group: MenuGroup::Engines,
-        summary: "A turn by the mean angular velocity: keeps the angular momentum exactly, but the energy drifts, and a flip comes at the wrong time.",
+        summary: "A turn by the mean angular velocity: conserves angular momentum, but the energy drifts and flips happen at the wrong time.",
         source: "S. Buss, Accurate and efficient simulation of rigid-body rotations, J. Comput. Phys. 164 (2000) 377",
         orders: Orders {
             gravity: Order::Exact,

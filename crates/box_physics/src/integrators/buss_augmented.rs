@@ -25,7 +25,7 @@ impl Integrate for BussAugmented {
         id: "buss-augmented",
         name: "Buss, augmented",
         group: MenuGroup::Engines,
-        summary: "Buss's second-order turn with one term more: better for a fast needle, not for a slow tumbling; the energy drifts as well.",
+        summary: "Buss's second-order turn with one more term: better for a fast needle, worse for slow tumbling; the energy also drifts.",
         source: "S. Buss, Accurate and efficient simulation of rigid-body rotations, J. Comput. Phys. 164 (2000) 377",
         orders: Orders {
             gravity: Order::Exact,

@@ -36,7 +36,7 @@ impl Integrate for Dmv6 {
         id: "dmv6",
         name: "DMV6",
         group: MenuGroup::Ours,
-        summary: "A discrete rigid body with the true energy and momentum, sixth order: superb while |ω|·dt stays below about 1.",
+        summary: "A sixth-order discrete rigid body that conserves energy and momentum: accurate while |ω|·dt stays below about 1.",
         source: "Moser, Veselov 1991; McLachlan, Zanna 2005; Hairer, Vilmart, J. Phys. A 39 (2006) 13225",
         orders: Orders {
             gravity: Order::Exact,

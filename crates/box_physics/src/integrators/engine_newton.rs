@@ -36,7 +36,7 @@ impl Integrate for EngineNewton {
         id: "engine-newton",
         name: "Engine: one Newton step",
         group: MenuGroup::Engines,
-        summary: "What Bullet and box3d do: one Newton step of implicit Euler, so a tumbling body soon stops tumbling.",
+        summary: "The step of Bullet and box3d: one Newton iteration of implicit Euler, so a tumbling body soon stops tumbling.",
         source: "E. Catto, Numerical Methods, GDC 2015; Bullet computeGyroscopicImpulseImplicit; box3d solver.c",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(1, 1),

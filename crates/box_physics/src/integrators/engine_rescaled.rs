@@ -33,7 +33,7 @@ impl Integrate for EngineRescaled {
         id: "engine-rescaled",
         name: "Engine: rescaled",
         group: MenuGroup::Engines,
-        summary: "What Jolt, Avian and Rapier do with gyroscopic forces on: never blows up, keeps |L|, but energy and axis wander.",
+        summary: "The step of Jolt, Avian and Rapier with gyroscopic forces: never diverges and conserves |L|, but energy and axis drift.",
         source: "Jolt MotionProperties::ApplyGyroscopicForceInternal; avian PR #738, #745, #993",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(1, 1),

@@ -18,7 +18,7 @@ impl Integrate for ExplicitEuler {
         id: "explicit-euler",
         name: "Explicit Euler",
         group: MenuGroup::Textbook,
-        summary: "The first method anyone writes: every spin and every spring gains energy, however small the step.",
+        summary: "The simplest method: every spin and every spring gains energy at any step.",
         source: "Euler 1768; Hairer, Nørsett, Wanner, Solving ODEs I, I.7",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(1, 1),

@@ -22,7 +22,7 @@ impl Integrate for Heun2012 {
         id: "heun-2012",
         name: "Heun (2012)",
         group: MenuGroup::Dissertation2012,
-        summary: "The dissertation's \"implicit Euler\", in truth an explicit Heun step whose position is only first order.",
+        summary: "The dissertation's \"implicit Euler\": actually an explicit Heun step with a first-order position.",
         source: "Heun 1900; V. Stojanovic, dissertation 2012 (listing), extended to rotation",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(2, 2),

@@ -46,7 +46,7 @@ impl Integrate for ImplicitMidpoint {
         id: "implicit-midpoint",
         name: "Implicit midpoint",
         group: MenuGroup::Textbook,
-        summary: "The honest implicit method: stable at any step on springs, drag and spin, keeps E and L exactly, lags in phase.",
+        summary: "Stable at any step on springs, drag and spin: conserves E and L, but lags in phase.",
         source: "Austin, Krishnaprasad, Wang, J. Comput. Phys. 107 (1993) 105; Simo, Wong, IJNME 31 (1991) 19",
         orders: Orders {
             gravity: Order::Exact,

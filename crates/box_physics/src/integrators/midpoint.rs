@@ -21,7 +21,7 @@ impl Integrate for Midpoint {
         id: "midpoint",
         name: "Midpoint (RK2)",
         group: MenuGroup::Textbook,
-        summary: "Half a step to look, one step to go: second order for two evaluations, slowly gains energy.",
+        summary: "The explicit midpoint rule: second order for two evaluations, but slowly gains energy.",
         source: "Runge 1895; Hairer, Nørsett, Wanner, Solving ODEs I, II.1",
         orders: Orders {
             gravity: Order::Exact,

@@ -379,7 +379,7 @@ mod tests {
             let [before, after] = [pair[0], pair[1]].map(|i| i.info().group);
             assert!(
                 before <= after,
-                "{} is of the group {after:?}, but stands after {} of {before:?}: move its line in integrators!",
+                "{} is in the group {after:?}, but listed after {} in {before:?}: move its line in integrators!",
                 pair[1],
                 pair[0]
             );

@@ -24,7 +24,7 @@ impl Integrate for Rk4 {
         id: "rk4",
         name: "RK4",
         group: MenuGroup::Textbook,
-        summary: "The familiar yardstick: very accurate while |ω|·dt stays below about 0.3, loses energy beyond.",
+        summary: "The classical fourth-order method: very accurate while |ω|·dt stays below about 0.3, loses energy beyond.",
         source: "Kutta 1901; Hairer, Nørsett, Wanner, Solving ODEs I, II.1",
         orders: Orders {
             gravity: super::Order::Exact,

@@ -21,7 +21,7 @@ impl Integrate for SemiImplicitEuler {
         id: "semi-implicit-euler",
         name: "Semi-implicit Euler",
         group: MenuGroup::Engines,
-        summary: "What small engines do: cheap and steady on springs, but a tumbling body gains energy without end.",
+        summary: "The method of small engines: cheap and stable on springs, but a tumbling body gains energy without limit.",
         source: "de Vogelaere 1956; Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.2",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(1, 1),

@@ -37,7 +37,7 @@ impl Integrate for Split {
         id: "split",
         name: "Split",
         group: MenuGroup::Ours,
-        summary: "The default: free flight right to rounding at the price of RK4, fourth order under forces, stable drag at any step.",
+        summary: "The default: free flight exact to rounding at the cost of RK4, fourth order under forces, stable drag at any step.",
         source: "Chin, Phys. Lett. A 226 (1997) 344; free rotation: docs/free-rotation.md; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {
             gravity: Order::Exact,

@@ -36,7 +36,7 @@ impl Integrate for Split4 {
         id: "split4",
         name: "Split, order 4",
         group: MenuGroup::Ours,
-        summary: "Split's pieces in a fourth-order composition: errors near 1e-9 rad at 60 Hz, torque included; quadratic, angular and spring drag at order 2.",
+        summary: "The flows of Split in a fourth-order composition: errors near 1e-9 rad at 60 Hz, including torque; order 2 for quadratic, angular and spring drag.",
         source: "Blanes, Moan, J. Comput. Appl. Math. 142 (2002) 313, SRKN6b and S6; Fassò 2003",
         orders: Orders {
             gravity: Order::Exact,

@@ -22,7 +22,7 @@ impl Integrate for SymmetricTop {
         id: "symmetric-top",
         name: "Symmetric top",
         group: MenuGroup::Ours,
-        summary: "A symplectic splitting of order 2: exact for cubes and symmetric bodies, a bounded energy for all, at any step.",
+        summary: "A symplectic splitting of order 2: exact for cubes and symmetric bodies, bounded energy for all at any step.",
         source: "Strang 1968; Fassò, J. Comput. Phys. 189 (2003) 527; McLachlan, Perlmutter 2001 (damping)",
         orders: Orders {
             gravity: Order::Exact,

@@ -25,7 +25,7 @@ impl Integrate for VelocityVerlet {
         id: "velocity-verlet",
         name: "Velocity Verlet",
         group: MenuGroup::Textbook,
-        summary: "The molecular-dynamics classic: turns back exactly and keeps L, until there is drag, where it drops to first order.",
+        summary: "The classic of molecular dynamics: reversible and conserves L, but drops to first order with drag.",
         source: "Swope, Andersen, Berens, Wilson 1982; McLachlan, PRL 71 (1993) 3043; Reich, Physica D 76 (1994) 375",
         orders: Orders {
             gravity: Order::Exact,
