@@ -479,7 +479,7 @@ fn stepping_back_takes_the_comparisons_along() {
 /// In the scene of 2012 its integrator moves the main box alone. The comparisons are independent of it and
 /// receive the same pushes. Its error appears only in the main box.
 #[test]
-fn the_stepper_of_2012_moves_the_main_box_and_no_comparison() {
+fn the_integrator_of_2012_moves_only_the_main_box() {
     let mut app = game(&["dissertation-2012", "--integrator", "split,rk4,exact"]);
     updates(&mut app, 20);
     ask(&mut app, push(DVec3::X, false));

@@ -217,7 +217,7 @@ impl Variant {
 }
 
 #[test]
-fn the_plugin_is_the_core_whatever_the_order_the_tables_and_the_parts() {
+fn the_plugin_equals_the_core_for_any_order_tables_and_parts() {
     for &integrator in Integrator::ALL {
         let scene = Scene {
             bodies: 12,

@@ -160,7 +160,7 @@ fn a_held_key_repeats_ten_times_a_second() {
 }
 
 #[test]
-fn letters_belong_to_a_text_field_that_is_typed_into() {
+fn letters_go_to_the_focused_text_field() {
     let mut app = game(&["dzhanibekov"]);
     app.insert_resource(UiFocus {
         text: true,
@@ -185,7 +185,7 @@ fn letters_belong_to_a_text_field_that_is_typed_into() {
 }
 
 #[test]
-fn digits_choose_integrators_while_it_flies() {
+fn digits_switch_integrators_in_flight() {
     let mut app = game(&["throw"]);
     let digits = [
         KeyCode::Digit1,
@@ -236,7 +236,7 @@ fn pause_and_single_step_are_exact_to_the_step() {
 }
 
 #[test]
-fn restart_repeats_the_course_bit_for_bit() {
+fn restart_repeats_the_motion_bit_for_bit() {
     let mut app = game(&["throw"]);
     ask(&mut app, Action::Restart);
     let mut first = Vec::new();
@@ -341,7 +341,7 @@ fn every_scene_starts_and_runs_with_every_integrator() {
 }
 
 #[test]
-fn more_boxes_are_a_load() {
+fn more_boxes_can_be_loaded() {
     let mut app = game(&["load", "--boxes", "250"]);
     app.update();
     let boxes = app
@@ -361,7 +361,7 @@ fn more_boxes_are_a_load() {
 }
 
 #[test]
-fn every_integrator_is_timed_whichever_is_in_use() {
+fn every_integrator_is_timed() {
     let mut app = game(&["throw"]);
     for _ in 0..2 * Integrator::ALL.len() {
         app.update();
@@ -375,7 +375,7 @@ fn every_integrator_is_timed_whichever_is_in_use() {
 }
 
 #[test]
-fn the_log_has_a_row_per_step_and_says_what_was_done() {
+fn the_log_has_a_row_per_step_with_its_inputs() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("log.csv");
     let mut app = game(&["throw", "--log", path.to_str().expect("utf-8")]);
@@ -412,7 +412,7 @@ fn the_log_has_a_row_per_step_and_says_what_was_done() {
 }
 
 #[test]
-fn a_hitch_drops_time_and_says_how_much() {
+fn a_hitch_drops_time_and_reports_it() {
     let mut app = game(&["throw"]);
     app.insert_resource(TimeUpdateStrategy::ManualDuration(
         std::time::Duration::from_millis(1250),
@@ -429,7 +429,7 @@ fn a_hitch_drops_time_and_says_how_much() {
 }
 
 #[test]
-fn it_ends_after_the_duration_asked_for() {
+fn it_ends_after_the_given_duration() {
     let mut app = game(&["throw", "--duration", "0.1"]);
     let mut updates = 0;
     while app.should_exit().is_none() && updates < 100 {
@@ -506,7 +506,7 @@ fn a_restart_while_paused_shows_the_start() {
 }
 
 #[test]
-fn the_trusted_answer_knows_changed_parameters_until_they_change_in_flight() {
+fn the_reference_includes_parameters_unless_changed_in_flight() {
     let mut app = game(&["throw", "--boxes", "5"]);
     assert!(
         app.world().resource::<Session>().truth.is_some(),

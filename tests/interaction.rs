@@ -140,7 +140,7 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
 }
 
 #[test]
-fn a_held_box_follows_the_hand_and_is_let_go() {
+fn a_grabbed_box_follows_the_pointer_until_released() {
     for (scene, integrator) in [
         ("playground", Integrator::Split),
         ("dzhanibekov", Integrator::Rk4),
@@ -282,7 +282,7 @@ fn parameters_and_resets_are_undone_and_redone() {
 }
 
 #[test]
-fn an_undone_restart_goes_on_where_it_was() {
+fn an_undone_restart_continues() {
     let mut app = game(&["throw"]);
     run(&mut app, 40);
     ask(&mut app, Action::TogglePause);

@@ -123,7 +123,7 @@ fn single_steps_between_two_frames_are_no_teleports() {
 }
 
 #[test]
-fn a_teleport_is_taken_and_not_drawn_as_a_flight() {
+fn a_teleport_is_not_interpolated() {
     let mut app = app(20.0, 144.0);
     let [smooth, _] = spawn(&mut app);
     for _ in 0..30 {
@@ -145,7 +145,7 @@ fn a_teleport_is_taken_and_not_drawn_as_a_flight() {
 /// With and without smoothing, at any rates: a teleport is displayed in its own frame, is never lost, and is
 /// not interpolated. The same holds for a written state.
 #[test]
-fn a_teleport_cannot_be_lost_and_is_not_drawn_as_a_flight() {
+fn a_teleport_is_neither_lost_nor_interpolated() {
     #[derive(Resource, Clone, Copy)]
     enum Jump {
         Teleport,
@@ -217,7 +217,7 @@ fn a_teleport_cannot_be_lost_and_is_not_drawn_as_a_flight() {
 
 /// The spin keeps its components in the chosen axes.
 #[test]
-fn a_teleport_turns_and_keeps_the_spin_that_it_should() {
+fn a_teleport_keeps_the_spin_in_the_chosen_axes() {
     for body_spin in [false, true] {
         let mut app = app(64.0, 60.0);
         let [smooth, _] = spawn(&mut app);
@@ -255,7 +255,7 @@ fn a_teleport_turns_and_keeps_the_spin_that_it_should() {
 
 /// A new body is not interpolated from the origin, even with a slow clock.
 #[test]
-fn a_new_body_is_not_drawn_on_its_way_from_the_origin() {
+fn a_new_body_is_not_interpolated_from_the_origin() {
     let mut app = app(30.0, 60.0);
     app.world_mut()
         .resource_mut::<Time<Virtual>>()

@@ -154,7 +154,7 @@ fn errors_at_60_hz_and_the_order_behind_them() {
 
 /// Claims of the default at 60 Hz over the whole duration: attitude \[rad\] or position \[m\].
 #[test]
-fn the_default_is_right_to_rounding_in_flight_and_of_fourth_order_under_forces() {
+fn the_default_is_exact_in_flight_and_fourth_order_under_forces() {
     for (prefix, bound) in [
         ("pub01", 1e-12),
         ("pub02", 1e-8), // rounding, amplified by the separatrix
@@ -180,7 +180,7 @@ fn the_default_is_right_to_rounding_in_flight_and_of_fourth_order_under_forces()
 /// Our own formulas and numerical references compared with the files. They are two independent derivations,
 /// so only rounding may separate them; pub02 multiplies it by 6e3 (`attitude_sensitivity`).
 #[test]
-fn our_references_are_theirs() {
+fn our_references_match_the_files() {
     let mut kinds = (0, 0);
     for case in cases() {
         let reference = ReferenceSolution::of(&case.setup);
@@ -245,7 +245,7 @@ fn energy_is_judged_only_where_it_is_known() {
 }
 
 #[test]
-fn explosions_are_called_by_their_name() {
+fn diverging_runs_are_reported_as_diverged() {
     let explicit = "explicit-euler".parse().expect("there");
     for prefix in ["pub05", "pub09"] {
         let m = case(prefix).measure(explicit, 1.0 / 60.0);
@@ -318,7 +318,7 @@ fn impulses_act_after_the_sample_of_their_time() {
 
 /// Every force of the format compared with our own numerical reference.
 #[test]
-fn every_key_of_the_law_acts() {
+fn every_key_of_the_force_model_has_an_effect() {
     let mut v = good();
     v["initial"]["angular_velocity_body"] = json!([1.0, 2.0, -1.0]);
     v["forces"] = json!({

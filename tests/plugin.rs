@@ -60,7 +60,7 @@ fn core(integrator: Integrator, state: &mut BodyState, law: &impl ForceModel, st
 }
 
 #[test]
-fn the_plugin_is_the_core_bit_for_bit_under_every_integrator() {
+fn the_plugin_equals_the_core_bit_for_bit_under_every_integrator() {
     let gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));
     for &integrator in Integrator::ALL {
         let mut app = app();
@@ -210,7 +210,7 @@ fn an_impulse_for_a_body_that_is_gone_is_dropped() {
 }
 
 #[test]
-fn pause_stands_still_and_a_single_step_is_one_tick() {
+fn pause_stops_and_a_single_step_is_one_tick() {
     let mut app = app();
     let entity = app.world_mut().spawn((brick(), tumbling())).id();
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
@@ -339,7 +339,7 @@ fn a_body_starts_at_its_transform() {
 }
 
 #[test]
-fn a_body_that_is_not_finite_is_quarantined_and_its_neighbors_do_not_notice() {
+fn a_body_that_is_not_finite_is_quarantined_and_its_neighbors_are_unaffected() {
     let run = |poison: bool| {
         let mut app = app();
         let left = app.world_mut().spawn((brick(), tumbling())).id();
@@ -375,7 +375,7 @@ fn a_body_that_is_not_finite_is_quarantined_and_its_neighbors_do_not_notice() {
 }
 
 #[test]
-fn quarantine_is_told_once_and_can_be_left() {
+fn quarantine_is_reported_once_and_can_be_left() {
     let mut app = app();
     let entity = app
         .world_mut()

@@ -60,7 +60,7 @@ fn quick(part: &str, more: &[&str]) -> tempfile::TempDir {
 }
 
 #[test]
-fn everything_in_a_hurry_writes_every_page_table_and_figure() {
+fn a_quick_run_writes_every_page_table_and_figure() {
     let folder = tempfile::tempdir().expect("a folder");
     let (report, docs) = (folder.path().join("report"), folder.path().join("docs"));
     let o = run(&[
@@ -223,7 +223,7 @@ fn limits_found_are_those_the_integrators_claim() {
 }
 
 #[test]
-fn what_makes_no_sense_is_2_and_says_what_is_allowed() {
+fn invalid_usage_exits_with_2_and_lists_what_is_allowed() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("file");
     std::fs::write(&file, "").expect("written");
@@ -340,7 +340,7 @@ fn stored_files() -> tempfile::TempDir {
 }
 
 #[test]
-fn what_is_stored_is_what_the_program_makes() {
+fn stored_files_match_the_program() {
     let o = run(&["check"]);
     assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
 }
@@ -406,7 +406,7 @@ fn check_names_a_changed_number_and_bless_stores_it() {
 /// Ctrl-C during the run: the first part is written and shown, the others are listed as not reached.
 #[cfg(unix)]
 #[test]
-fn an_interruption_leaves_what_was_finished() {
+fn an_interruption_leaves_finished_parts() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
     let mut child = box_report(&["--quick", "--output", path.to_str().expect("text")])

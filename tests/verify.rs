@@ -111,7 +111,7 @@ fn the_table_is_aligned() {
 }
 
 #[test]
-fn wrong_usage_is_2_and_says_what_is_allowed() {
+fn wrong_usage_exits_with_2_and_lists_what_is_allowed() {
     for (arguments, words) in [
         (
             &["--integrator", "split,leapfrog"][..],
@@ -141,7 +141,7 @@ fn wrong_usage_is_2_and_says_what_is_allowed() {
 }
 
 #[test]
-fn a_bad_file_is_1_and_the_others_still_run() {
+fn a_bad_file_exits_with_1_and_the_others_still_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let good = std::fs::read_to_string(oracle().join("pub01_free_asymmetric.json")).expect("there");
     let write =

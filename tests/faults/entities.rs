@@ -7,7 +7,7 @@ use box_physics::prelude::*;
 use super::{Log, app, brick, run, state, tumbling};
 
 #[test]
-fn bodies_that_go_between_message_and_step() {
+fn bodies_despawned_between_message_and_step() {
     let log = Log::start();
     let mut app = app();
     for _ in 0..5 {
@@ -21,7 +21,7 @@ fn bodies_that_go_between_message_and_step() {
 }
 
 #[test]
-fn bodies_that_go_while_the_step_runs() {
+fn bodies_despawned_during_the_step() {
     let log = Log::start();
     for set in [
         PhysicsSystems::First,
@@ -64,7 +64,7 @@ fn bodies_that_go_while_the_step_runs() {
 }
 
 #[test]
-fn components_that_are_removed_in_flight() {
+fn components_removed_in_flight() {
     let log = Log::start();
     let removals: [(&str, fn(&mut EntityWorldMut)); 5] = [
         ("restored", |e| {

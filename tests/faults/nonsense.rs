@@ -165,7 +165,7 @@ fn nan_in_every_component() {
 }
 
 #[test]
-fn a_body_that_begins_as_nonsense() {
+fn a_body_that_starts_invalid() {
     let log = Log::start();
     for transform in [
         Transform::from_xyz(1.0, 2.0, 3.0),

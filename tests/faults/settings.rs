@@ -38,7 +38,7 @@ fn a_duplicate_plugin_is_ignored() {
 
 /// Removed settings are restored with one message each, and the simulation continues.
 #[test]
-fn a_removed_setting_is_put_back() {
+fn a_removed_setting_is_restored() {
     let log = Log::start();
     let removals: [(&str, fn(&mut World)); 4] = [
         ("WorldGravity", |w| {
@@ -70,7 +70,7 @@ fn a_removed_setting_is_put_back() {
 }
 
 #[test]
-fn what_comes_before_the_plugin_is_not_lost() {
+fn settings_and_bodies_before_the_plugin_are_kept() {
     #[derive(Resource, Default)]
     struct Calls(u32);
     let log = Log::start();
@@ -104,7 +104,7 @@ fn what_comes_before_the_plugin_is_not_lost() {
 }
 
 #[test]
-fn settings_out_of_range_stop_the_clock_until_they_are_put_right() {
+fn invalid_settings_stop_the_clock_until_corrected() {
     let log = Log::start();
     let bad_floor = |f: fn(&mut Floor)| {
         let mut floor = Floor::default();
@@ -228,7 +228,7 @@ fn constants_that_change_in_motion() {
 }
 
 #[test]
-fn a_floor_that_goes_ends_its_contacts() {
+fn removing_the_floor_ends_its_contacts() {
     let log = Log::start();
     let mut app = app();
     app.insert_resource(Floor::default());

@@ -10,7 +10,7 @@ use box_physics::prelude::*;
 use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
 
 #[test]
-fn without_a_clock_it_says_so() {
+fn a_missing_clock_is_reported() {
     let log = Log::start();
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), PhysicsPlugins::default()));

@@ -88,7 +88,7 @@ fn acceptance_7_without_a_display_it_compares() {
 /// Check 10 for the scenes of the game: each has a reference at its start, and the default integrator stays
 /// close to it for a second.
 #[test]
-fn acceptance_10_every_scene_starts_on_its_truth() {
+fn acceptance_10_every_scene_starts_on_its_reference() {
     for build in Scenario::ALL {
         let scene = build();
         if scene.id == "dissertation-2012" {

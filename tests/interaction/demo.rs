@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn the_2012_scene_moves_as_its_own_steppers_have_it() {
+fn the_2012_scene_moves_by_its_own_integrators() {
     for stepper in Stepper::ALL {
         let mut app = game(&["dissertation-2012"]);
         ask(&mut app, Action::SetDemo(Some(stepper)));

@@ -88,7 +88,7 @@ fn a_bad_scene_file_on_the_command_line_is_an_error_with_its_place() {
 }
 
 #[test]
-fn the_command_line_brings_the_set_up_back() {
+fn the_command_line_reproduces_the_setup() {
     let mut app = game(&["bounce"]);
     for action in [
         Action::SetIntegrator(Integrator::Dmv6),
@@ -123,7 +123,7 @@ fn the_command_line_brings_the_set_up_back() {
 }
 
 #[test]
-fn a_script_does_what_it_says_when_it_says() {
+fn a_script_acts_at_its_times() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.ron");
     let script = r#"[

@@ -25,7 +25,7 @@ fn settings_child() {
 }
 
 #[test]
-fn settings_are_found_again() {
+fn settings_persist() {
     let folder = tempfile::tempdir().expect("a folder");
     let start = || {
         let output = Command::new(std::env::current_exe().expect("this program"))

@@ -187,7 +187,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
 
 /// Changes to a body while it is disabled or has no `RigidBox` take effect when it returns.
 #[test]
-fn what_is_changed_while_a_body_is_out_of_sight_counts() {
+fn changes_to_an_absent_body_take_effect_when_it_returns() {
     let away: [(&str, fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
         (
             "Disabled",
@@ -282,7 +282,7 @@ fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
 
 /// An impulse sent during a pause waits for the next step or is dropped, as its sender chose.
 #[test]
-fn impulses_sent_in_a_pause_are_kept_or_dropped_as_their_sender_chose() {
+fn impulses_during_a_pause_are_kept_or_dropped_as_chosen() {
     let stops: [fn(&mut World, bool); 3] = [
         |world, stop| world.resource_mut::<PhysicsClock>().paused = stop,
         |world, stop| {

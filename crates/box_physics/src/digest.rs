@@ -157,7 +157,7 @@ mod tests {
     /// The states are valid, because the bits of a NaN are not specified. Every body must move, or the digest
     /// would prove nothing.
     #[test]
-    fn the_fixed_scene_is_sound_and_lively_under_every_integrator() {
+    fn the_fixed_scene_is_valid_and_moves_under_every_integrator() {
         let body = FixedScene::body();
         for &integrator in Integrator::ALL {
             let states = integrator.dispatch(FixedScene);

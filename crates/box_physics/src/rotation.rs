@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn every_splitting_keeps_world_momentum_and_returns() {
+    fn every_splitting_conserves_world_momentum_and_is_reversible() {
         type Flow = fn(&RigidBox, &mut BodyState, f64);
         let flows: [Flow; 3] = [
             free_rotation_strang,

@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beyond_1e38_or_not_finite_is_not_sound() {
+    fn values_beyond_1e38_or_not_finite_are_invalid() {
         let parts: [fn(&mut BodyState) -> &mut DVec3; 3] = [
             |state| &mut state.position,
             |state| &mut state.velocity,
@@ -325,7 +325,7 @@ mod tests {
 
     /// Turning keeps the spin in the chosen axes to rounding. Position and velocity do not change.
     #[test]
-    fn turning_keeps_the_spin_in_the_axes_asked_for() {
+    fn turning_keeps_the_spin_in_the_chosen_axes() {
         let (body, before) = (body(), tilted());
         let (s, c) = sin_cos(0.3);
         let turn = DQuat::from_xyzw(0.0, 2.0 * s, 0.0, 2.0 * c);

@@ -211,7 +211,7 @@ mod tests {
 
     /// The elastic wrench leaves out −C (v, ω) in body axes.
     #[test]
-    fn damping_is_the_rest_of_the_wrench() {
+    fn damping_is_the_velocity_dependent_part_of_the_wrench() {
         let (body, state) = setting();
         let spring = |x: f64, y: f64, z: f64, damping: f64| Spring {
             body_point: DVec3::new(x, y, z),

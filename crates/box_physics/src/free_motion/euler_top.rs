@@ -321,7 +321,7 @@ mod tests {
 
     /// The error has no jump where one method of stepping replaces another.
     #[test]
-    fn no_jump_at_the_hand_over() {
+    fn no_jump_between_methods() {
         let b = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
         let l = b.inertia() * DVec3::new(1.5, 2.5, 1.0);
         let j = b.inverse_inertia() - DVec3::splat(b.splitting().reference);
@@ -406,7 +406,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_stays_so_and_nothing_hangs() {
+    fn non_finite_input_stays_invalid_and_terminates() {
         let b = RigidBox::default();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut state = BodyState {

@@ -123,7 +123,7 @@ fn reference_trajectories() {
 /// The symmetric formula, `q₀∘exp(t L/I₁)∘exp(t (1/I₃ − 1/I₁) L₃ e₃)`, has an error of at most gap × phase if
 /// the moments are not quite equal.
 #[test]
-fn almost_symmetric_is_almost_symmetric() {
+fn nearly_symmetric_bodies_move_like_symmetric_ones() {
     let l = DVec3::new(0.3, 0.7, 0.9);
     for third in [0.5, 1.7, 1.0] {
         let symmetric = FreeRotation::new(DVec3::new(1.0, 1.0, third), DQuat::IDENTITY, l);
@@ -170,7 +170,7 @@ fn vanishing_components() {
 
 /// D from 1e-2 to 0 from both sides: the motion tends to the separatrix within eps e^{λt}.
 #[test]
-fn towards_the_separatrix() {
+fn toward_the_separatrix() {
     let inertia = DVec3::new(3.0, 4.0, 6.0);
     let (l, t) = (DVec3::new(1.0, 0.5, 1.0), 3.0);
     let limit = FreeRotation::new(inertia, DQuat::IDENTITY, l).at(t).0;
@@ -215,7 +215,7 @@ fn phases_without_digits() {
 }
 
 #[test]
-fn rest_and_nonsense_do_no_harm() {
+fn rest_and_invalid_input_are_harmless() {
     let inertia = DVec3::new(1.0, 2.0, 2.5);
     let rest = FreeRotation::new(inertia, DQuat::IDENTITY, DVec3::ZERO);
     assert_eq!(rest.at(1e9), (DQuat::IDENTITY, DVec3::ZERO));

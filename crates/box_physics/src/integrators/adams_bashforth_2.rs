@@ -116,7 +116,7 @@ mod tests {
     /// The free top of van Zon and Schofield (2007), on which `JSBSim` 1.3.3 with this method has an error of
     /// 0.66 rad.
     #[test]
-    fn a_flight_simulators_error() {
+    fn error_of_a_flight_simulator() {
         let error = Case::van_zon_schofield().error::<AdamsBashforth2>(60);
         assert!((error - 0.66).abs() < 0.02, "{error}");
     }

@@ -160,7 +160,7 @@ mod tests {
 
     /// Neither the energy nor |L| of a free box ever rises, at any step size.
     #[test]
-    fn free_rotation_only_loses() {
+    fn free_rotation_never_gains() {
         let Case { body, start, .. } = Case::free();
         for h in [1.0 / 60.0, 0.3, 3.0, 30.0, 350.0] {
             let mut s = start;

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn momentum_is_kept_at_any_step() {
+    fn momentum_is_conserved_at_any_step() {
         let Case { body, start, .. } = Case::free();
         let l = start.angular_momentum_world();
         for h in [0.01, 1.0, 100.0] {

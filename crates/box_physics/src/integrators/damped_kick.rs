@@ -246,7 +246,7 @@ mod tests {
 
     /// A stiff damper holds its point at rest and does not affect rotation about that point.
     #[test]
-    fn what_is_not_damped_stays() {
+    fn undamped_rotation_is_unchanged() {
         let (body, start) = (brick(), moving());
         let springs = [springs(1e9)[0]];
         let law = Forces {

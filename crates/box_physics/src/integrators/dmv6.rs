@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_energy_and_momentum_and_returns() {
+    fn conserves_energy_and_momentum_and_is_reversible() {
         let (body, start) = ordinary();
         let state = run(&body, &start, 1.0 / 60.0, 100_000);
         let energy = state.rotational_energy(&body) / start.rotational_energy(&body) - 1.0;
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn gives_way_to_split_where_the_turn_is_too_large() {
+    fn falls_back_to_split_if_the_turn_is_too_large() {
         for h in [1.0, 2.0, 10.0, 1000.0] {
             let (body, start) = spinning([0.5, 0.25, 0.125], [0.0, 1.0 + 1e-12, 0.0]);
             let (mut a, mut b) = (start, start);

@@ -153,7 +153,7 @@ mod tests {
     /// |L| is conserved to rounding, the motion is bounded at any step, and the energy tends to L²/2I of the
     /// middle axis.
     #[test]
-    fn momentum_is_kept_and_energy_goes_to_the_middle() {
+    fn momentum_is_conserved_and_energy_tends_to_the_middle_axis() {
         let Case { body, start, .. } = Case::free();
         let l = start.angular_momentum.length();
         for h in [0.01, 1.0, 100.0] {

@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn gives_way_to_split_under_torque() {
+    fn falls_back_to_split_under_torque() {
         let (body, start) = tumbling();
         let terms = [
             Forces {
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn finite_and_sane_at_any_step() {
+    fn finite_and_bounded_at_any_step() {
         let (body, start) = tumbling();
         for law in [Forces::default(), damped()] {
             for h in [0.1, 1.0, 10.0, 100.0, 1000.0] {

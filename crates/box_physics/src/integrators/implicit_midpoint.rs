@@ -204,7 +204,7 @@ mod tests {
 
     /// Conserves energy and world momentum at any step, and every step converges.
     #[test]
-    fn keeps_energy_and_momentum() {
+    fn conserves_energy_and_momentum() {
         let Case { body, start, .. } = Case::free();
         let (e, l) = (
             start.rotational_energy(&body),
@@ -264,7 +264,7 @@ mod tests {
     /// Energy with a spring at a corner, soft to stiff (√(k/m) h from 0.1 to 10), and with a dipole. The
     /// stiffest spins the box by a radian per step: such steps are divided and reported.
     #[test]
-    fn keeps_energy_under_force() {
+    fn conserves_energy_under_force() {
         let body = brick();
         for (stiffness, parted) in [(100.0, false), (1e4, true), (1e6, true)] {
             let springs = spring(body.half_extents(), stiffness);

@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn memories_are_honest() {
+    fn memories_change_no_result() {
         for i in Integrator::ALL {
             honest(i).unwrap_or_else(|error| panic!("{i}: {error}"));
         }
@@ -477,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_without_a_fingerprint_is_always_another() {
+    fn a_model_without_a_fingerprint_always_counts_as_changed() {
         for i in Integrator::ALL {
             let Scene { body, state, .. } = Scene::free();
             let (mut a, mut memory) = (state, IntegratorMemory::default());
@@ -554,7 +554,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dishonest_memory_is_found_out() {
+    fn a_faulty_memory_is_detected() {
         assert_eq!(honest(&Careless("nothing")), Ok(()));
         for ignored in ["state", "body", "force", "step"] {
             let error = honest(&Careless(ignored)).expect_err(ignored);

@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn finite_and_sane_at_any_step() {
+    fn finite_and_bounded_at_any_step() {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
         let d = Dissipation {
             linear_drag: 3.0,

@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn keeps_momentum_and_returns() {
+    fn conserves_momentum_and_is_reversible() {
         let (free, dipole) = (Case::free(), Case::dipole());
         let s = run::<Split4>(&free.body, free.start, &free.law(), 100.0, 6000);
         let l = free.start.angular_momentum_world();

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn parabola_momentum_and_return() {
+    fn parabola_momentum_and_reversibility() {
         let case = Case::free();
         let law = Forces {
             acceleration: DVec3::NEG_Y * 9.81,
