@@ -1,14 +1,15 @@
-//! A sound for every landing, as loud as it was hard. `cargo run --release --example contacts_thud`
+//! Plays a sound for every landing, with a volume by its impulse.
+//! `cargo run --release --example contacts_thud`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// What a game would hand to its mixer.
+/// Volumes that a game would pass to its mixer.
 #[derive(Resource, Default)]
 struct Thuds(Vec<f64>);
 
-/// One event for each landing of this body, however many of its corners strike.
+/// Runs once for each landing of this body, for any number of corners.
 fn thud(landed: On<Landed>, mut thuds: ResMut<Thuds>) {
     println!(
         "thud after {:.2} s at {:.2} m/s: {:.2} N s",
@@ -22,11 +23,11 @@ fn main() -> Result<(), BevyError> {
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(Floor::new(0.0, 0.5, 0.5)?)
         .init_resource::<Thuds>()
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not in a game: a tick an update
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1)) // not for a game: one tick per update
         .add_systems(Startup, |mut commands: Commands| {
             let place = Transform::from_xyz(0.0, 2.5, 0.0);
             commands
-                .spawn((RigidBox::default(), place, ReportContacts)) // without it no landing is reported
+                .spawn((RigidBox::default(), place, ReportContacts)) // required for landing events
                 .observe(thud)
                 .observe(|settled: On<Settled>| println!("at rest after {:.2} s", settled.time));
         });

@@ -532,7 +532,7 @@ fn floor_contacts_are_told_to_those_who_ask() {
     );
     assert_eq!(contact.report.corners.count_ones(), 4);
     assert!(contact.report.point().y.abs() < 1e-6);
-    // J = m √(2 g d) with d = 0.25 m, and what little weight acts until the end of that step.
+    // J = m √(2 g d) with d = 0.25 m, plus the weight until the end of that step.
     let (impulse, expected) = (
         contact.report.normal_impulse(),
         3.0 * (2.0_f64 * 9.81 * 0.25).sqrt(),

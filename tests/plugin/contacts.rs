@@ -20,7 +20,7 @@ fn lying() -> (App, Entity) {
     (app, entity)
 }
 
-/// The reports of so many updates, and before them: how many began, persist, and ended.
+/// Counts the reports before and during `updates` updates: begun, persisting and ended.
 fn reports(app: &mut App, entity: Entity, updates: u32) -> [usize; 3] {
     let mut counts = [0; 3];
     for _ in 0..updates {
@@ -110,12 +110,12 @@ fn reports_begin_when_somebody_asks_for_them() {
     app.world_mut().entity_mut(entity).insert(ReportContacts);
     assert_eq!(reports(&mut app, entity, 1), [1, 0, 0]);
     assert_eq!(reports(&mut app, entity, 1), [0, 1, 0]);
-    // Forgotten, though it lies there: nothing begins a second time.
+    // A reset contact state of a resting body does not begin a second contact.
     app.world_mut()
         .entity_mut(entity)
         .insert(ContactState::default());
     assert_eq!(reports(&mut app, entity, 1), [0, 1, 0]);
-    // Disabled and enabled: it ends and begins.
+    // Disabling ends the contact, enabling begins it.
     app.world_mut().entity_mut(entity).insert(Disabled);
     assert_eq!(reports(&mut app, entity, 1), [0, 0, 1]);
     app.world_mut().entity_mut(entity).remove::<Disabled>();
@@ -165,7 +165,7 @@ fn the_box_follows_a_body_that_is_moved_within_the_step() {
     assert!((transform.translation.y - 3.25).abs() < 1e-6);
 }
 
-/// What happened to a body, as its observers saw it.
+/// Events of a body, as its observers received them.
 #[derive(Resource, Default, Debug)]
 struct Seen {
     landed: Vec<Landed>,
@@ -197,7 +197,8 @@ fn tilted(degrees: f64, gap: f64) -> BodyState {
     BodyState::at_pose(DVec3::Y * (lowest + gap), DQuat::from_xyzw(0.0, 0.0, s, c))
 }
 
-/// A cube that drops at 3° strikes with one edge, then the other, and rattles: one landing, with the momentum of the fall.
+/// A cube that falls with a tilt of 3° strikes with one edge, then the other, and rattles: one landing, with
+/// the momentum of the fall.
 #[test]
 fn a_tilted_cube_lands_once() {
     let floor = Floor::new(0.0, 0.0, 0.5).expect("valid");
@@ -213,7 +214,7 @@ fn a_tilted_cube_lands_once() {
             messages += landings.drain().count();
         }
         let seen = app.world().resource::<Seen>();
-        // At 20° it rocks over to the other edge for 0.18 s: heard twice.
+        // At 20° it rocks to the other edge for 0.18 s: two landings.
         let count = if degrees < 5.0 { 1 } else { 2 };
         assert_eq!(
             (seen.landed.len(), messages),
@@ -222,7 +223,7 @@ fn a_tilted_cube_lands_once() {
         );
         let landed = seen.landed[0];
         let (fall, speed) = ((2.0_f64 * 0.5 / 9.81).sqrt(), (2.0_f64 * 9.81 * 0.5).sqrt());
-        // The fall begins with the first tick.
+        // The fall starts at the first tick.
         assert_eq!(landed.entity, cube);
         assert!(
             (landed.time - fall).abs() < 1e-6,
@@ -231,7 +232,7 @@ fn a_tilted_cube_lands_once() {
         );
         assert!(landed.point.y.abs() < 0.05 && landed.point.length() < 0.6);
         assert!(landed.approach_speed > 0.999 * speed);
-        // 1 kg that stops; the flat one at once, the others when the second edge is down.
+        // 1 kg that stops. The flat cube stops at once, the others when the second edge is down.
         let share = landed.normal_impulse / speed;
         if degrees < 5.0 {
             assert!(share > 0.9 && share < 1.4, "{degrees}: {share}");
@@ -243,7 +244,8 @@ fn a_tilted_cube_lands_once() {
     }
 }
 
-/// Every bounce that takes more than 0.1 s is a landing, e times as fast; where it slides, friction is told as well.
+/// Every bounce that takes more than 0.1 s is a landing, e times as fast. A sliding landing also reports
+/// friction.
 #[test]
 fn bounces_are_landings_of_their_own() {
     let floor = Floor::new(0.0, 0.5, 0.5).expect("valid");
@@ -264,12 +266,12 @@ fn bounces_are_landings_of_their_own() {
     assert!(friction <= 0.5 * first.normal_impulse + 1e-12);
 }
 
-/// Bodies on the floor from the beginning do not land, come to rest at once and send nothing while they lie.
+/// Bodies that start on the floor do not land, come to rest at once and send nothing while at rest.
 #[test]
 fn a_body_on_the_floor_does_not_thud() {
     let (mut app, body) = observed(Floor::default(), |world| {
         for k in 1_u8..40 {
-            // As f32 `Transform`s have it: a little above the floor or below.
+            // Rounded to the f32 of `Transform`: a little above or below the floor.
             let place = Transform::from_xyz(f32::from(k), 0.5 + 1e-7 * f32::from(k % 5), 0.0);
             world.spawn((RigidBox::default(), place, ReportContacts));
         }
@@ -292,7 +294,7 @@ fn a_body_on_the_floor_does_not_thud() {
     assert!(app.world().get::<RestingSince>(body).expect("required").0 < Some(0.1));
 }
 
-/// Whatever moves a body that rests wakes it, with one event; it settles again.
+/// Any cause that moves a resting body wakes it, with one event; it settles again.
 #[test]
 fn woken_once_and_settled_again() {
     let wakes: [(&str, Act); 6] = [

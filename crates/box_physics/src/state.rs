@@ -235,8 +235,8 @@ impl BodyState {
                 .all(|v| v.abs().cmple(DVec3::splat(1e38)).all())
     }
 
-    /// The axis of the body that points closest to a direction of the world, as one of the six unit vectors in body axes:
-    /// the normal of the upper face of a die, for `up`.
+    /// The body axis that is closest to a world direction, as one of the six unit vectors in body axes. For `up` it is
+    /// the normal of the upper face of a die.
     ///
     /// ```
     /// use box_physics::prelude::*;
