@@ -58,6 +58,6 @@ fn main() {
         .map(|(aabb, ..)| aabb.0)
         .reduce(|a, b| a.merge(&b))
         .expect("there are boxes");
-    println!("all of them lie between {} and {}", all.min, all.max);
+    println!("bounding box of all: {} to {}", all.min, all.max);
     assert!(all.max.x > 27.5);
 }

@@ -54,7 +54,7 @@ fn main() -> Result<(), InvalidValue> {
         .impacts;
     }
     println!(
-        "after {impacts} impacts it lies at {:.3}, resting: {}",
+        "after {impacts} impacts it is at {:.3}, resting: {}",
         state.position,
         contact.is_resting(&state)
     );

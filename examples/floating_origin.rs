@@ -63,9 +63,7 @@ fn main() {
     let [shown, own] =
         [picture, body].map(|e| world.get::<Transform>(e).expect("spawned so").translation.x);
     println!("in 10 s at 1 mm/s: moved {moved:.6} m");
-    println!(
-        "its picture stands at {shown:.6} m, its own Transform at {own} m, whose grain is 1 m"
-    );
+    println!("its visual is at {shown:.6} m, its own Transform at {own} m, with a spacing of 1 m");
     assert!((moved - 0.01).abs() < 1e-6);
     assert!((f64::from(shown) - moved).abs() < 1e-6);
 }

@@ -55,7 +55,7 @@ fn main() {
         );
         assert!(
             (state.position.y - 0.5).abs() < 1e-6,
-            "it lies on the floor"
+            "it rests on the floor"
         );
         seen += 1;
     }
