@@ -6,8 +6,9 @@
 //! quiet the machine was. Before each sample the contender is called once untimed: it would else pay for what
 //! the one before it has left in the caches, and for threads that fell asleep meanwhile.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use bevy::platform::time::Instant;
 use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 

@@ -30,9 +30,10 @@ pub mod sweep;
 pub mod track;
 pub mod view;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bevy::ecs::message::MessageCursor;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
 use box_scenarios::{ReferenceSolution, Setup};

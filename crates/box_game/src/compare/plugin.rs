@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use bevy::ecs::query::QueryData;
 use bevy::ecs::system::SystemParam;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::floor::{ContactSettings, ContactState};
 use box_physics::prelude::{
@@ -236,7 +237,7 @@ pub(crate) fn after_step(
         .read()
         .filter(|c| c.entity == entity && c.phase == ContactPhase::Began)
         .count();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let Some(run) = &mut comparison.run else {
         return;
     };

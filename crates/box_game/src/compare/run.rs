@@ -5,8 +5,8 @@ mod past;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::Instant;
 
+use bevy::platform::time::Instant;
 use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{

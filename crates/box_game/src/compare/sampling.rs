@@ -5,6 +5,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_bench::measure::Cost;
 use box_bench::snapshot::{Sample, Snapshot};
@@ -188,7 +189,7 @@ pub fn sample_integrators(
     if let Some(timings) = &timings {
         samples.record_plugin(now, clock.steps(), timings);
     }
-    let started = std::time::Instant::now();
+    let started = Instant::now();
     loop {
         if samples.next == 0 || samples.snapshot.is_none() {
             let floor = floor.as_deref().map(|f| (*f, *settings));

@@ -4,8 +4,9 @@
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use bevy::platform::time::Instant;
 use box_physics::prelude::{BodyState, Integrator};
 use box_scenarios::runner::DUE;
 use box_scenarios::{LiveReference, Model, Plan, Runner, Setup, StateError, run_plan};

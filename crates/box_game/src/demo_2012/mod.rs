@@ -4,8 +4,8 @@
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{
     BodyState, DVec3, PhysicsClock, PhysicsSchedule, PhysicsSystems, RigidBox, WorldAabb,

@@ -2,6 +2,7 @@
 
 use bevy::camera::ClearColorConfig;
 use bevy::camera::visibility::RenderLayers;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiGlobalSettings, PrimaryEguiContext, egui};
 
@@ -60,7 +61,7 @@ pub(super) fn show_panel(
     camera: Single<&Camera, With<PanelCamera>>,
     mut plot: ResMut<PlotArea>,
 ) -> Result {
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     let context = contexts.ctx_mut()?;
     follow_scale(context, &mut state.scale, &mut sources.preferences);
     let mut ui = egui::Ui::new(

@@ -2,7 +2,6 @@
 //! through Bevy's `DiagnosticsStore` under `box_physics/…`.
 
 use std::sync::LazyLock;
-use std::time::Instant;
 
 use bevy::app::{App, Plugin};
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
@@ -10,6 +9,7 @@ use bevy::ecs::reflect::ReflectResource;
 use bevy::ecs::resource::Resource;
 use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::{Res, ResMut};
+use bevy::platform::time::Instant;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 
 use super::{PhysicsSchedule, PhysicsSystems};
