@@ -2,6 +2,7 @@
 //! and papers. `cargo run --release --example core_only`
 
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
+use box_physics::force::Gravity;
 use box_physics::integrators::Split;
 use box_physics::prelude::*;
 

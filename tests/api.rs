@@ -125,12 +125,13 @@ fn types_by_name() -> Vec<(&'static str, TypeId, bool)> {
     }
     let mut all = list![true:
         RigidBox, BodyState, IntegratorMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
-        QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, BodyTorque, PointForces, Springs,
+        QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, OneShotForce, BodyTorque, PointForces, Springs,
         WorldAabb, ReportContacts, ReportPersisting, RestingSince, Quarantined,
     ];
     all.extend(list![false:
         ApplyImpulse, FloorContact, BodyQuarantined, QuarantineCause, ImpulsePoint, ContactPhase,
-        PointForce, Spring, Frame, Integrator, FloorOutcome, Stage, Dissipation, Wrench, Gravity,
+        PointForce, Spring, Frame, Integrator, FloorOutcome, Stage, Dissipation, Wrench,
+        box_physics::force::Gravity, Explosion,
         ContactReport, Landed, Settled, Woken,
     ]);
     all

@@ -8,6 +8,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::digest::{fingerprint, state_digest};
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
+use box_physics::force::Forces;
 use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::*;
 
@@ -66,6 +67,7 @@ fn dissipation(k: u32) -> Dissipation {
             quadratic_drag: 0.05,
             angular_damping: 0.1,
             angular_drag: 0.01,
+            ..Dissipation::NONE
         }
     } else {
         Dissipation::NONE

@@ -13,6 +13,7 @@ use box_game::input::focus::UiFocus;
 use box_game::parameters::Parameter;
 use box_game::scene::library::SceneLibrary;
 use box_game::scene::session::{MainBox, Session};
+use box_physics::force::Gravity;
 use box_physics::prelude::*;
 use clap::Parser;
 

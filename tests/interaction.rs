@@ -23,6 +23,7 @@ use box_game::parameters::Parameter;
 use box_game::preferences::{Preferences, PreferencesPlugin};
 use box_game::scene::library::SceneLibrary;
 use box_game::scene::session::{MainBox, Session};
+use box_physics::force::Gravity;
 use box_physics::prelude::*;
 use box_scenarios::Scenario;
 use box_scenarios::dissertation::{Demo, State, Stepper};

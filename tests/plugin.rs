@@ -4,8 +4,12 @@
 mod clock;
 #[path = "plugin/contacts.rs"]
 mod contacts;
+#[path = "plugin/pushes.rs"]
+mod pushes;
 #[path = "plugin/shown.rs"]
 mod shown;
+#[path = "plugin/snapshots.rs"]
+mod snapshots;
 
 use std::time::Duration;
 
@@ -13,6 +17,7 @@ use bevy::diagnostic::DiagnosticsStore;
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
+use box_physics::force::{Forces, Gravity};
 use box_physics::plugin::{Stage, integrator_path};
 use box_physics::prelude::*;
 
@@ -123,6 +128,7 @@ fn every_force_component_reaches_the_core() {
             quadratic_drag: 0.02,
             angular_damping: 0.3,
             angular_drag: 0.01,
+            ..Dissipation::NONE
         },
         body_torque: DVec3::X * 0.2,
         world_torque: DVec3::Z * 0.1,

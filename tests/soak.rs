@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::energy::total_energy;
 use box_physics::floor::ContactState;
+use box_physics::force::Forces;
 use box_physics::prelude::*;
 
 /// Updates per second of play.

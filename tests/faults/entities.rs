@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
+use box_physics::force::Gravity;
 use box_physics::prelude::*;
 
 use super::{Log, app, brick, run, state, tumbling};

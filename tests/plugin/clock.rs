@@ -63,3 +63,36 @@ fn a_copy_made_in_last_continues_bit_for_bit() {
         }
     }
 }
+
+/// Where the physics lives in `Update`, a single step is as long as the ticks there, not as those of `Time<Fixed>`.
+#[test]
+fn a_single_step_is_one_of_the_schedule_of_the_physics() {
+    use core::time::Duration;
+
+    use bevy::time::TimeUpdateStrategy;
+    let frame = Duration::from_millis(5);
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(Update)))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(frame));
+    app.update();
+    app.world_mut().spawn((brick(), tumbling()));
+    let step = |app: &mut App| {
+        app.world_mut().commands().queue(StepPhysics(2));
+        app.world_mut().flush();
+        *app.world().resource::<PhysicsClock>()
+    };
+    app.update();
+    let before = *app.world().resource::<PhysicsClock>();
+    assert_eq!((before.steps(), before.elapsed()), (1, frame));
+    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    app.world_mut().resource_mut::<Time<Virtual>>().pause();
+    app.update();
+    let after = step(&mut app);
+    assert_eq!((after.steps(), after.elapsed()), (3, 3 * frame));
+    assert_eq!(after.step(), 0.005);
+    // In the fixed loop it is a tick of that.
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(FixedUpdate)))
+        .insert_resource(TimeUpdateStrategy::ManualDuration(frame));
+    assert_eq!(step(&mut app).step(), 1.0 / 64.0);
+}

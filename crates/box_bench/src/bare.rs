@@ -2,6 +2,7 @@
 //! arrays; the plugin is compared with it.
 
 use bevy::transform::components::Transform;
+use box_physics::force::Gravity;
 use box_physics::plugin::WorldAabb;
 use box_physics::prelude::*;
 

@@ -124,6 +124,7 @@ fn attitude(random: &mut Random) -> DQuat {
 mod tests {
     use super::*;
     use box_physics::floor::FloorContext;
+    use box_physics::force::Gravity;
 
     /// Of the two sets low over the floor, one has no impacts and the other has a few.
     #[test]

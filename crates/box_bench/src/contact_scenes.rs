@@ -1,6 +1,7 @@
 //! One box over the floor in each state with a different cost, stepped by the bare core.
 
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
+use box_physics::force::Gravity;
 use box_physics::integrators::Split;
 use box_physics::prelude::*;
 

@@ -115,6 +115,7 @@ impl IntegratorVisitor for FixedScene {
                     quadratic_drag: 0.0625,
                     angular_damping: 0.125,
                     angular_drag: 0.015_625,
+                    ..Dissipation::NONE
                 },
                 ..weight
             },

@@ -26,6 +26,7 @@ pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> 
 ///
 /// ```
 /// use box_physics::energy::total_energy;
+/// use box_physics::force::Forces;
 /// use box_physics::prelude::*;
 /// let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)?;
 /// let law = Forces { acceleration: DVec3::new(0.0, -9.81, 0.0), ..Forces::default() };

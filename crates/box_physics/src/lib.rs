@@ -61,10 +61,11 @@
 //! | | |
 //! |---|---|
 //! | gravity | [`WorldGravity`](plugin::WorldGravity), [`GravityScale`](plugin::GravityScale) |
-//! | a push | the message [`ApplyImpulse`](plugin::ApplyImpulse) |
+//! | a push | the message [`ApplyImpulse`](plugin::ApplyImpulse): at the center, at a point, a torque, an explosion; at once by [`BodyMut`](plugin::BodyMut) |
+//! | a force or torque for one tick | [`OneShotForce`](plugin::OneShotForce) |
 //! | a force or torque, constant over a step | [`ExternalForce`](plugin::ExternalForce), [`BodyTorque`](plugin::BodyTorque) |
 //! | at points of the body, evaluated at every stage of the integrator | [`PointForces`](plugin::PointForces), [`Springs`](plugin::Springs) |
-//! | drag and damping | [`LinearDrag`](plugin::LinearDrag), [`QuadraticDrag`](plugin::QuadraticDrag), [`AngularDamping`](plugin::AngularDamping), [`AngularDrag`](plugin::AngularDrag) |
+//! | drag and damping, relative to the [`Wind`](plugin::Wind) | [`LinearDrag`](plugin::LinearDrag), [`QuadraticDrag`](plugin::QuadraticDrag), [`AngularDamping`](plugin::AngularDamping), [`AngularDrag`](plugin::AngularDrag) |
 //! | anything else that depends on the state | the core, with a [`ForceModel`](force::ForceModel) of your own |
 //! | the floor | the resource [`Floor`](floor::Floor); [`ReportContacts`](plugin::ReportContacts) for [`Landed`](plugin::Landed) and other messages about it; the events [`Settled`](plugin::Settled) and [`Woken`](plugin::Woken) |
 //!
@@ -154,19 +155,18 @@ pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;
     pub use crate::floor::{ContactReport, ContactSettings, ContactState, Floor, RestitutionLaw};
-    pub use crate::force::{
-        Dissipation, ForceModel, Forces, Frame, Gravity, PointForce, Spring, Wrench,
-    };
+    pub use crate::force::{Dissipation, ForceModel, Frame, PointForce, Spring, Wrench};
     pub use crate::integrators::{Integrator, IntegratorMemory, StepOutcome};
     #[cfg(feature = "bevy")]
     pub use crate::plugin::{
-        AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyQuarantined,
-        BodyTorque, ContactPhase, ExternalForce, FixedPhysics, FloorContact, FloorPlugin,
-        GlobalIntegrator, GravityScale, ImpulsePoint, Landed, LinearDrag, PhysicsClock,
-        PhysicsDiagnosticsPlugin, PhysicsPlugin, PhysicsPlugins, PhysicsSchedule, PhysicsSystems,
-        PhysicsThreads, PhysicsTimings, PointForces, QuadraticDrag, QuarantineCause, Quarantined,
-        ReportContacts, ReportPersisting, RestingSince, RunPhysics, Settled, Springs, StepPhysics,
-        Teleport, WhilePaused, Woken, WorldAabb, WorldGravity,
+        AabbPlugin, AngularDamping, AngularDrag, ApplyImpulse, BodyIntegrator, BodyMut,
+        BodyQuarantined, BodyRef, BodySnapshot, BodyTorque, BodyWind, ContactPhase, Explosion,
+        ExternalForce, FixedPhysics, FloorContact, FloorPlugin, GlobalIntegrator, GravityScale,
+        ImpulsePoint, Landed, LinearDrag, OneShotForce, PassPortal, PhysicsClock,
+        PhysicsDiagnosticsPlugin, PhysicsPlugin, PhysicsPlugins, PhysicsSchedule, PhysicsSnapshot,
+        PhysicsSystems, PhysicsThreads, PhysicsTimings, PointForces, QuadraticDrag,
+        QuarantineCause, Quarantined, ReportContacts, ReportPersisting, RestingSince, RunPhysics,
+        Settled, Springs, StepPhysics, Teleport, WhilePaused, Wind, Woken, WorldAabb, WorldGravity,
     };
     pub use crate::state::BodyState;
     pub use glam::{DQuat, DVec3};

@@ -114,7 +114,7 @@ impl BodyState {
     pub fn turn_to(&mut self, body: &RigidBox, rotation: DQuat, spin: Frame) {
         let world = self.angular_velocity(body);
         self.rotation = Self::at_pose(self.position, rotation).rotation;
-        if spin == Frame::World {
+        if spin == Frame::World && self.angular_momentum != DVec3::ZERO {
             self.set_angular_velocity(body, world);
         }
     }

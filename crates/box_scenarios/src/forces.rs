@@ -125,6 +125,7 @@ impl ForceSet {
             quadratic_drag: self.quadratic_drag,
             angular_damping: self.angular_damping,
             angular_drag: self.angular_drag,
+            ..Dissipation::NONE
         }
     }
 

@@ -94,7 +94,8 @@ pub fn pull(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use box_physics::prelude::{Gravity, Integrator, IntegratorMemory};
+    use box_physics::force::Gravity;
+    use box_physics::prelude::{Integrator, IntegratorMemory};
 
     fn held(hold: &Hold, start: BodyState, h: f64, seconds: f64) -> Vec<BodyState> {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");

@@ -25,7 +25,7 @@ pub(super) fn acceleration_bound<F: ForceModel>(
     let mut bound = force.acceleration().length();
     let d = force.dissipation();
     if d != Dissipation::NONE {
-        let speed = state.velocity.length();
+        let speed = (state.velocity - d.wind).length();
         bound += (d.linear_drag + d.quadratic_drag * speed) * speed * body.inverse_mass();
         let spin = spin_bound(body, state);
         let angular = d.angular_damping + d.angular_drag * body.inverse_inertia().max_element();

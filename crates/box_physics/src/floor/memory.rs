@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::geometry::{Corner3, Corners, has};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Wrench};
+use crate::force::{ForceModel, Wrench, acceleration_at_rest};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
@@ -108,7 +108,7 @@ impl ContactState {
             return false;
         };
         rest.is_of(state)
-            && rest.acceleration == force.acceleration()
+            && rest.acceleration == acceleration_at_rest(body, force)
             && rest.floor == *context.floor
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
@@ -129,7 +129,7 @@ impl ContactState {
             rotation: state.rotation,
             half_extents: body.half_extents(),
             mass: body.mass(),
-            acceleration: force.acceleration(),
+            acceleration: acceleration_at_rest(body, force),
             wrench: wrench(body, state, force),
             floor: *context.floor,
             reaction: impulse.map(|p| p.y / tau),

@@ -37,6 +37,8 @@ mod tests;
 pub use memory::{ContactReport, ContactState};
 pub use step::step_on_floor;
 
+use glam::DVec3;
+
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
 #[cfg(feature = "bevy")]
@@ -277,15 +279,19 @@ pub fn may_touch<F: ForceModel>(
         let there = force.wrench(body, &ahead).force.length();
         pull += 2.0 * body.inverse_mass() * here.max(there);
     }
+    let d = force.dissipation();
+    if d.wind != DVec3::ZERO {
+        // Air that sinks pulls the body along.
+        let drag = drag_coefficient(&d, state) * (state.velocity - d.wind).length();
+        pull += body.inverse_mass() * drag;
+    }
     drop += 0.5 * h * h * pull * if wrench { 2.0 } else { 1.0 };
     // A semi-implicit integrator falls by a whole a h² in its step.
     drop += 0.5 * h * h * pull;
     let radius = body.radius();
     if clearance - radius > drop {
-        let d = force.dissipation();
         // Beyond its stable range an explicit integrator turns drag into motion the wrong way.
-        return d != Dissipation::NONE
-            && h * (d.linear_drag + d.quadratic_drag * state.velocity.length()) > body.mass();
+        return d != Dissipation::NONE && h * drag_coefficient(&d, state) > body.mass();
     }
     if wrench || force.dissipation() != Dissipation::NONE {
         return true;
@@ -294,4 +300,10 @@ pub fn may_touch<F: ForceModel>(
     let turn = h * state.angular_momentum.length() * body.inverse_inertia().max_element();
     let reach = world_half_extents(state.rotation, body.half_extents()).y + turn * radius;
     !(turn < 0.5 && clearance - reach > drop)
+}
+
+/// c₁ + k₂ |v − w| [N s/m].
+#[inline]
+fn drag_coefficient(d: &Dissipation, state: &BodyState) -> f64 {
+    d.linear_drag + d.quadratic_drag * (state.velocity - d.wind).length()
 }

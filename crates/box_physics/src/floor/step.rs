@@ -45,6 +45,7 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 ///
 /// ```
 /// use box_physics::floor::{ContactState, FloorContext, step_on_floor};
+/// use box_physics::force::Gravity;
 /// use box_physics::prelude::*;
 /// use box_physics::integrators::Split;
 /// // A cube is dropped from a meter, without an App.

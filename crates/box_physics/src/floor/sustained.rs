@@ -293,11 +293,11 @@ impl<F: ForceModel> Start<'_, F> {
     /// The end of an accepted segment: a corner that was let go and yet ended below the floor (by the error
     /// of a segment) is lifted out. A contact only takes energy: what the errors of integrator and projection
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
-    /// acceleration; under a wrench, whose work is not known, it is not applied.
+    /// acceleration; under a wrench or in wind, whose work is not known, it is not applied.
     pub(super) fn finish(&self, segment: &mut Segment) {
         let context = self.context;
         recover_penetration(context.floor, &mut segment.state, &mut segment.corners);
-        if !context.force.has_wrench() {
+        if !context.force.has_wrench() && context.force.dissipation().wind == DVec3::ZERO {
             let pull = context.force.acceleration();
             let height = segment.state.position.y;
             segment.repaired = limit_energy(context.body, &self.state, &mut segment.state, pull);

@@ -50,6 +50,7 @@ impl core::ops::AddAssign for Wrench {
 /// Isotropic dissipation of a body. Every coefficient is ≥ 0; 0 means absent.
 ///
 /// ```
+/// use box_physics::force::Forces;
 /// use box_physics::prelude::*;
 /// // Falling through air: the speed at which drag equals weight.
 /// let body = RigidBox::default(); // 1 kg
@@ -76,6 +77,8 @@ pub struct Dissipation {
     pub angular_damping: f64,
     /// c_ω \[N m s\]: torque −c_ω ω.
     pub angular_drag: f64,
+    /// Velocity w of the air [m/s], world axes: the drags act on v − w. Constant over a step.
+    pub wind: DVec3,
 }
 
 impl Dissipation {
@@ -85,7 +88,28 @@ impl Dissipation {
         quadratic_drag: 0.0,
         angular_damping: 0.0,
         angular_drag: 0.0,
+        wind: DVec3::ZERO,
     };
+
+    /// w + `drag`(v − w): what drags do to the velocity relative to the air. (Without wind `drag`(v), to the bit.)
+    #[inline(always)]
+    pub(crate) fn in_air(&self, velocity: DVec3, drag: impl FnOnce(DVec3) -> DVec3) -> DVec3 {
+        if self.wind == DVec3::ZERO {
+            drag(velocity)
+        } else {
+            self.wind + drag(velocity - self.wind)
+        }
+    }
+
+    /// Acceleration a and what wind adds to it through linear drag of `rate` c₁/m [1/s]: a + (c₁/m) w.
+    #[inline(always)]
+    pub(crate) fn blown(&self, acceleration: DVec3, rate: f64) -> DVec3 {
+        if self.wind == DVec3::ZERO {
+            acceleration
+        } else {
+            acceleration + rate * self.wind
+        }
+    }
 }
 
 /// Dampers at points of a body, each a force −d u at its point, with u the point's velocity. Any number of
@@ -251,6 +275,14 @@ pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (D
     (dv, state.angular_momentum.cross(omega) + torque)
 }
 
+/// The uniform acceleration of a body at rest [m/s²]: with what the wind does to it.
+#[inline(always)]
+pub(crate) fn acceleration_at_rest<F: ForceModel>(body: &RigidBox, force: &F) -> DVec3 {
+    let d = force.dissipation();
+    let coefficient = d.linear_drag + d.quadratic_drag * d.wind.length();
+    d.blown(force.acceleration(), coefficient * body.inverse_mass())
+}
+
 /// [`rates`] without the gyroscopic term L×ω, for integrators whose drift contains that term.
 #[inline(always)]
 pub(crate) fn applied_rates<F: ForceModel>(
@@ -262,10 +294,10 @@ pub(crate) fn applied_rates<F: ForceModel>(
     let mut dv = force.acceleration();
     let mut torque = DVec3::ZERO;
     if d != Dissipation::NONE {
-        let speed = state.velocity.length();
-        let rate = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        let velocity = state.velocity - d.wind;
+        let rate = (d.linear_drag + d.quadratic_drag * velocity.length()) * body.inverse_mass();
         let omega = state.body_angular_velocity(body);
-        dv -= rate * state.velocity;
+        dv -= rate * velocity;
         torque -= d.angular_damping * state.angular_momentum + d.angular_drag * omega;
     }
     if force.has_wrench() {
@@ -279,6 +311,7 @@ pub(crate) fn applied_rates<F: ForceModel>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::integrators::{Integrator, IntegratorMemory};
     use glam::DQuat;
 
     /// A box and a state without any symmetry.
@@ -301,6 +334,7 @@ mod tests {
             quadratic_drag: 0.2,
             angular_damping: 0.1,
             angular_drag: 0.05,
+            ..Dissipation::NONE
         };
         let law = Forces {
             acceleration: DVec3::NEG_Y,
@@ -318,5 +352,167 @@ mod tests {
         assert!((dv - expected).length() < 1e-15);
         let expected = l.cross(w) - 0.1 * l - 0.05 * w + DVec3::X;
         assert!((dl - expected).length() < 1e-15);
+    }
+
+    /// In wind a body moves as in still air seen from a frame that moves with it, under every integrator.
+    #[test]
+    fn wind_is_a_moving_frame_under_every_integrator() {
+        let (body, start) = setting();
+        let (wind, h) = (DVec3::new(4.0, -1.0, 2.5), 1.0 / 60.0);
+        for (linear_drag, quadratic_drag) in [(2.0, 0.0), (0.0, 0.7), (1.5, 0.4)] {
+            let dissipation = Dissipation {
+                linear_drag,
+                quadratic_drag,
+                angular_damping: 0.2,
+                ..Dissipation::NONE
+            };
+            let still = Forces {
+                acceleration: DVec3::new(0.5, -9.81, 0.0),
+                dissipation,
+                ..Forces::default()
+            };
+            let blowing = Forces {
+                dissipation: Dissipation {
+                    wind,
+                    ..dissipation
+                },
+                ..still
+            };
+            for &integrator in Integrator::ALL {
+                let (mut a, mut b) = (start, start);
+                b.velocity -= wind;
+                let mut memories = [IntegratorMemory::default(), IntegratorMemory::default()];
+                for step in 1..=300 {
+                    integrator.step(&body, &mut a, &blowing, h, &mut memories[0]);
+                    integrator.step(&body, &mut b, &still, h, &mut memories[1]);
+                    let moved = wind * (h * f64::from(step));
+                    assert!(
+                        (a.velocity - b.velocity - wind).length() < 1e-11,
+                        "{integrator}"
+                    );
+                    assert!(
+                        (a.position - b.position - moved).length() < 1e-9,
+                        "{integrator}"
+                    );
+                }
+                assert!(a.attitude_difference(&b) < 1e-12, "{integrator}");
+            }
+        }
+    }
+
+    /// Linear drag in wind, in closed form; an integrator that is exact for drag hits it at any step.
+    #[test]
+    fn a_leaf_ends_with_the_wind() {
+        let body = RigidBox::default();
+        let (wind, c) = (DVec3::X * 8.0, 3.0);
+        let law = Forces {
+            acceleration: DVec3::NEG_Y * 9.81,
+            dissipation: Dissipation {
+                linear_drag: c,
+                wind,
+                ..Dissipation::NONE
+            },
+            ..Forces::default()
+        };
+        let terminal = wind + law.acceleration / c;
+        for integrator in [Integrator::Split, Integrator::Exact, Integrator::Split4] {
+            let (mut state, mut memory) = (BodyState::default(), IntegratorMemory::default());
+            for n in 1..=40 {
+                integrator.step(&body, &mut state, &law, 0.1, &mut memory);
+                let t = 0.1 * f64::from(n);
+                let lost = 1.0 - libm::exp(-c * t);
+                assert!(
+                    (state.velocity - terminal * lost).length() < 1e-12,
+                    "{integrator}"
+                );
+                let position = terminal * (t - lost / c);
+                assert!((state.position - position).length() < 1e-12, "{integrator}");
+            }
+        }
+    }
+
+    /// On a damped spring the wind holds a body at the stretch F/k, under every integrator.
+    #[test]
+    fn a_kite_stands_in_the_wind() {
+        let body = RigidBox::cube(0.5, 1.0).expect("valid");
+        let springs = [Spring {
+            stiffness: 20.0,
+            damping: 2.0,
+            ..Spring::default()
+        }];
+        let wind = DVec3::new(3.0, 0.0, 4.0);
+        let law = Forces {
+            dissipation: Dissipation {
+                linear_drag: 0.6,
+                quadratic_drag: 0.2,
+                wind,
+                ..Dissipation::NONE
+            },
+            springs: &springs,
+            ..Forces::default()
+        };
+        let stretch = wind * ((0.6 + 0.2 * 5.0) / 20.0);
+        for &integrator in Integrator::ALL {
+            let (mut state, mut memory) = (BodyState::default(), IntegratorMemory::default());
+            for _ in 0..3000 {
+                integrator.step(&body, &mut state, &law, 1.0 / 240.0, &mut memory);
+            }
+            let off = (state.position - stretch).length();
+            // Those of first order that damp after the kick miss it by the part c h/m.
+            let most = stretch.length() * 1.01 * 1.6 / 240.0;
+            assert!(
+                off < most && state.velocity.length() < 0.02,
+                "{integrator}: {off}"
+            );
+        }
+    }
+
+    /// A lying box stays in a breeze, slides in a gale, and notices when the one becomes the other.
+    #[test]
+    fn wind_moves_a_lying_box_if_it_beats_friction() {
+        use crate::floor::{ContactSettings, ContactState, Floor, FloorContext};
+        let body = RigidBox::default();
+        let law = |speed: f64| Forces {
+            acceleration: DVec3::NEG_Y * 9.81,
+            dissipation: Dissipation {
+                linear_drag: 1.0,
+                wind: DVec3::X * speed,
+                ..Dissipation::NONE
+            },
+            ..Forces::default()
+        };
+        for integrator in [
+            Integrator::Split,
+            Integrator::Rk4,
+            Integrator::BackwardEuler,
+        ] {
+            let mut state = BodyState::at(DVec3::Y * 0.5);
+            let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+            // µ m g is 4.9 N.
+            for (speed, rests) in [(0.0, true), (4.0, true), (10.0, false)] {
+                for _ in 0..60 {
+                    let context = FloorContext {
+                        floor: &Floor::default(),
+                        settings: &ContactSettings::default(),
+                        body: &body,
+                        force: &law(speed),
+                    };
+                    let (h, memory) = (1.0 / 60.0, &mut memory);
+                    integrator.step_on_floor(&context, &mut state, h, memory, &mut contact, None);
+                }
+                assert_eq!(
+                    contact.is_resting(&state),
+                    rests,
+                    "{integrator}, {speed} m/s"
+                );
+            }
+            // v' = c (w − v) − µ g after a second, from rest.
+            let speed = (10.0 - 4.905) * (1.0 - libm::exp(-1.0));
+            assert!(
+                (state.velocity.x - speed).abs() < 0.05,
+                "{integrator}: {}",
+                state.velocity.x
+            );
+        }
     }
 }

@@ -40,6 +40,7 @@ pub struct Spring {
 /// The complete force model of the library. Every term may be absent.
 ///
 /// ```
+/// use box_physics::force::Forces;
 /// use box_physics::prelude::*;
 /// // A box hangs on a spring from a meter above: k = 20 N/m stretches by m g / k.
 /// let body = RigidBox::default(); // 1 kg

@@ -36,11 +36,13 @@ pub(super) fn damped_kick<F: ForceModel>(
 ) {
     let inverse = state.rotation.inverse();
     let w = force.elastic_wrench(body, state);
-    let weight = inverse * (w.force + body.mass() * force.acceleration());
+    let d = force.dissipation();
+    let a = d.blown(force.acceleration(), d.linear_drag * body.inverse_mass());
+    let weight = inverse * (w.force + body.mass() * a);
     let mass = six(DVec3::splat(body.mass()), body.inertia());
     let f = six(weight, w.torque);
     let y = six(inverse * state.velocity, state.body_angular_velocity(body));
-    let c = coefficients(body, &force.dissipation(), &force.damping());
+    let c = coefficients(body, &d, &force.damping());
     let resolvent = Resolvent::new(&mass, &c, h);
     let mut y = resolvent.real(|i| (h * f[i], -(2.0 * mass[i] * y[i] + h * f[i])));
     // h φ(Z) M⁻¹ f: once for the force that cancels the curvature, once more for the weight 1 − e(Z).

@@ -65,7 +65,8 @@ impl Integrate for EngineNewton {
         _memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let (d, speed) = (force.dissipation(), state.velocity.length());
+        let d = force.dissipation();
+        let speed = (state.velocity - d.wind).length();
         let w = if force.has_wrench() {
             force.wrench(body, state)
         } else {
@@ -74,7 +75,7 @@ impl Integrate for EngineNewton {
         if d != Dissipation::NONE {
             let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
             let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-            state.velocity /= 1.0 + h * c;
+            state.velocity = d.in_air(state.velocity, |v| v / (1.0 + h * c));
             state.angular_momentum /= 1.0 + h * gamma;
         }
         state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());

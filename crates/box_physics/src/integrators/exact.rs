@@ -78,7 +78,8 @@ impl Integrate for Exact {
                 ..StepOutcome::plain(evaluations)
             };
         }
-        let law = FreeFlight::new(body, force.acceleration(), &d);
+        let rate = d.linear_drag * body.inverse_mass();
+        let law = FreeFlight::new(body, d.blown(force.acceleration(), rate), &d);
         match memory.recall() {
             Some(trajectory) => trajectory.advance(&law, state, h),
             None => {

@@ -99,13 +99,13 @@ pub(super) fn damped_step<F: ForceModel>(
     let half = 0.5 * h;
     if force.damping() != Damping::NONE {
         let rate = d.quadratic_drag * body.inverse_mass();
-        state.velocity = quadratic_drag_flow(state.velocity, rate, half);
+        state.velocity = d.in_air(state.velocity, |v| quadratic_drag_flow(v, rate, half));
         state.position += half * state.velocity;
         free_rotation.flow(body, state, half);
         damped_kick(body, state, force, h);
         state.position += half * state.velocity;
         free_rotation.flow(body, state, half);
-        state.velocity = quadratic_drag_flow(state.velocity, rate, half);
+        state.velocity = d.in_air(state.velocity, |v| quadratic_drag_flow(v, rate, half));
         return true;
     }
     let linear = d.linear_drag * body.inverse_mass();
@@ -185,7 +185,8 @@ pub(super) fn exact_drift(
     h: f64,
     free_rotation: &mut impl FreeRotationFlow,
 ) {
-    exponential_step(state, a, d.linear_drag * body.inverse_mass(), h);
+    let rate = d.linear_drag * body.inverse_mass();
+    exponential_step(state, d.blown(a, rate), rate, h);
     let damping = Exponential::new(d.angular_damping * h);
     free_rotation.flow(body, state, h * damping.phi1);
     state.angular_momentum *= damping.decay;
@@ -196,7 +197,7 @@ pub(super) fn exact_drift(
 pub(super) fn half_dissipation(body: &RigidBox, state: &mut BodyState, d: &Dissipation, tau: f64) {
     if d.quadratic_drag != 0.0 {
         let rate = d.quadratic_drag * body.inverse_mass();
-        state.velocity = quadratic_drag_flow(state.velocity, rate, tau);
+        state.velocity = d.in_air(state.velocity, |v| quadratic_drag_flow(v, rate, tau));
     }
     if d.angular_drag != 0.0 {
         let rates = body.inverse_inertia() * (-d.angular_drag * tau);

@@ -169,6 +169,7 @@ mod tests {
             quadratic_drag: 0.7,
             angular_damping: 0.3,
             angular_drag: 0.1,
+            ..Dissipation::NONE
         };
         let g = DVec3::new(0.0, -9.81, 1.0);
         let law = Forces {
@@ -303,6 +304,7 @@ mod tests {
             quadratic_drag: 0.1,
             angular_damping: 0.2,
             angular_drag: 0.01,
+            ..Dissipation::NONE
         };
         for law in [
             case.law(),

@@ -21,6 +21,7 @@ use crate::state::BodyState;
 /// [`clone_from`](Clone::clone_from), which reuses the allocation of the scratch.
 ///
 /// ```
+/// use box_physics::force::Gravity;
 /// use box_physics::prelude::*;
 /// let (body, weight) = (RigidBox::default(), Gravity(DVec3::new(0.0, -9.81, 0.0)));
 /// let mut state = BodyState::default().with_angular_velocity(&body, DVec3::new(1.0, 2.0, 3.0));

@@ -172,6 +172,7 @@ macro_rules! integrators {
         /// A choice of integrator. The variants are in menu order.
         ///
         /// ```
+        /// use box_physics::force::Gravity;
         /// use box_physics::prelude::*;
         /// // A menu, in its order; what was typed; what is shown.
         /// let menu: Vec<&str> = Integrator::ALL.iter().map(|i| i.name()).collect();

@@ -144,14 +144,19 @@ fn chin<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, d: &Di
 #[inline(always)]
 fn translate(body: &RigidBox, state: &mut BodyState, a: DVec3, d: &Dissipation, h: f64) {
     let linear = d.linear_drag * body.inverse_mass();
+    let a = d.blown(a, linear);
     if d.quadratic_drag == 0.0 {
         return exponential_step(state, a, linear, h);
     }
     let quadratic = d.quadratic_drag * body.inverse_mass();
     let strang = |state: &mut BodyState, h: f64| {
-        state.velocity = quadratic_drag_flow(state.velocity, quadratic, 0.5 * h);
+        state.velocity = d.in_air(state.velocity, |v| {
+            quadratic_drag_flow(v, quadratic, 0.5 * h)
+        });
         exponential_step(state, a, linear, h);
-        state.velocity = quadratic_drag_flow(state.velocity, quadratic, 0.5 * h);
+        state.velocity = d.in_air(state.velocity, |v| {
+            quadratic_drag_flow(v, quadratic, 0.5 * h)
+        });
     };
     let start = state.velocity;
     let mut one = *state;
@@ -273,6 +278,7 @@ mod tests {
             quadratic_drag: 3.0,
             angular_damping: 1.0,
             angular_drag: 1.0,
+            ..Dissipation::NONE
         };
         for dissipation in [Dissipation::NONE, d] {
             let law = Forces {
@@ -343,6 +349,7 @@ mod tests {
             angular_damping: 0.2,
             quadratic_drag,
             angular_drag,
+            ..Dissipation::NONE
         };
         for (springs, dissipation) in [
             (&springs[..], drag(0.0, 0.0)),
@@ -387,6 +394,7 @@ mod tests {
                             quadratic_drag: factor * quadratic,
                             angular_damping: factor * damping,
                             angular_drag: factor * drag,
+                            ..Dissipation::NONE
                         },
                         ..Default::default()
                     };

@@ -29,8 +29,10 @@ pub(super) struct Equations {
     pub(super) acceleration: DVec3,
     momentum: DVec3,
     tau: f64,
-    /// A = τ k₂/m and B = 1 + τ c₁/m of (B + A|v|) v = b.
+    /// A = τ k₂/m and B = 1 + τ c₁/m of (B + A|v|) v = b, v and b relative to the air.
     drag: (f64, f64),
+    /// [m/s]
+    wind: DVec3,
     /// `D_i = I_i (1 + τγ) + τ c_ω`, all positive.
     diagonal: DVec3,
     /// `κ_i = τ (I_j − I_k)/D_i`, i j k in cyclic order.
@@ -65,6 +67,7 @@ impl Equations {
             momentum: start.angular_momentum,
             tau,
             drag,
+            wind: d.wind,
             diagonal,
             coupling,
             axis: body.splitting().frame.outer(),
@@ -76,7 +79,11 @@ impl Equations {
     #[inline(always)]
     pub(super) fn solve_for(&self, velocity: DVec3, momentum: DVec3) -> Option<Stage> {
         let b = self.velocity + self.tau * self.acceleration + velocity;
-        let velocity = self.velocity_of(b)?;
+        let velocity = if self.wind == DVec3::ZERO {
+            self.velocity_of(b)?
+        } else {
+            self.wind + self.velocity_of(b - self.wind)?
+        };
         let (omega, evaluations, converged) = self.omega_of(self.momentum + momentum);
         (velocity.is_finite() && omega.is_finite()).then_some(Stage {
             velocity,
@@ -195,6 +202,7 @@ mod tests {
                 quadratic_drag: 3.0 * on,
                 angular_damping: 0.01 * on,
                 angular_drag: 0.02 * on,
+                ..Dissipation::NONE
             };
             let g = DVec3::NEG_Y * 9.81;
             let law = Forces {

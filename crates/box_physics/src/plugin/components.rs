@@ -50,9 +50,25 @@ impl Default for GravityScale {
     }
 }
 
+/// A component that acts only while it is valid, however its values came there: an invalid one is logged once, and its body
+/// is stepped without it.
+pub(crate) trait Checked: Component {
+    fn check(&self) -> Result<(), InvalidValue>;
+}
+
+impl Checked for Springs {
+    fn check(&self) -> Result<(), InvalidValue> {
+        self.0.iter().try_for_each(|spring| {
+            InvalidValue::check_coefficient("spring stiffness", spring.stiffness)?;
+            InvalidValue::check_coefficient("spring damping", spring.damping).map(|_| ())
+        })
+    }
+}
+
 macro_rules! coefficient {
     ($(#[$attribute:meta])* $name:ident, $field:literal) => {
-        $(#[$attribute])*
+        $(#[$attribute])* ///
+        /// A value that is negative or not finite, however it came there, is logged, and the body is stepped without it.
         #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
         #[reflect(Component, Default, Clone, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -65,6 +81,13 @@ macro_rules! coefficient {
             /// [`InvalidValue`] if it is negative or not finite.
             pub fn new(coefficient: f64) -> Result<Self, InvalidValue> {
                 InvalidValue::check_coefficient($field, coefficient).map(Self)
+            }
+        }
+
+        impl Checked for $name {
+            #[inline(always)]
+            fn check(&self) -> Result<(), InvalidValue> {
+                Self::new(self.0).map(|_| ())
             }
         }
     };
@@ -88,27 +111,60 @@ coefficient! {
 }
 
 /// A force through the center \[N\] and a torque \[N m\], both in **world** axes, held constant over each
-/// step. It stays until changed. For forces that depend on the state use [`PointForces`],
+/// step. It stays until changed; [`OneShotForce`] lasts for a tick. For forces that depend on the state use [`PointForces`],
 /// [`Springs`], or the core with a [`ForceModel`](crate::force::ForceModel) of your own.
 ///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
-/// /// Blows from the left for the first second.
-/// fn wind(clock: Res<PhysicsClock>, mut bodies: Query<&mut ExternalForce>) {
+/// /// Pushes from the left for the first second.
+/// fn push(clock: Res<PhysicsClock>, mut bodies: Query<&mut ExternalForce>) {
 ///     for mut body in &mut bodies {
 ///         body.force = if clock.time() < 1.0 { DVec3::X * 2.0 } else { DVec3::ZERO };
 ///     }
 /// }
 /// let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-///     .add_systems(PhysicsSchedule, wind.in_set(PhysicsSystems::Forces));
+///     .add_systems(PhysicsSchedule, push.in_set(PhysicsSystems::Forces));
 /// app.update();
 /// ```
+#[doc(alias("ConstantForce", "ConstantTorque"))]
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ExternalForce {
+    /// Force \[N\].
+    pub force: DVec3,
+    /// Torque about the center of mass \[N m\].
+    pub torque: DVec3,
+}
+
+/// A force through the center \[N\] and a torque \[N m\], both in **world** axes, constant over the next tick of the
+/// physics (all of its substeps), and cleared after it. Add to it as often as you like, in any schedule. A body with this
+/// component does not sleep. For what acts in an instant use [`ApplyImpulse`](super::ApplyImpulse).
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn thrust(keys: Res<ButtonInput<KeyCode>>, mut rockets: Query<&mut OneShotForce>) {
+///     for mut rocket in &mut rockets {
+///         if keys.pressed(KeyCode::Space) {
+///             rocket.force += DVec3::Y * 20.0; // N
+///         }
+///     }
+/// }
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///     .init_resource::<ButtonInput<KeyCode>>() // DefaultPlugins bring it along
+///     .add_systems(FixedUpdate, thrust);
+/// app.world_mut().spawn((RigidBox::default(), OneShotForce::default()));
+/// app.update();
+/// ```
+#[doc(alias("Forces", "apply_force", "apply_torque", "add_force"))]
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct OneShotForce {
     /// Force \[N\].
     pub force: DVec3,
     /// Torque about the center of mass \[N m\].
@@ -120,6 +176,13 @@ pub struct ExternalForce {
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyTorque(pub DVec3);
+
+/// Velocity of the air around this body [m/s], world axes, instead of the [`Wind`](super::Wind) of the world. It acts
+/// through [`LinearDrag`] and [`QuadraticDrag`] only.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Component, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyWind(pub DVec3);
 
 /// Forces at body points, evaluated at every stage of the integrator.
 ///
@@ -141,7 +204,8 @@ pub struct BodyTorque(pub DVec3);
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForces(pub Vec<PointForce>);
 
-/// Springs from body points to world anchors, evaluated at every stage of the integrator.
+/// Springs from body points to world anchors, evaluated at every stage of the integrator. If a stiffness or damping is
+/// negative or not finite, that is logged, and the body is stepped without any of these springs.
 ///
 /// ```
 /// use box_physics::prelude::*;

@@ -163,11 +163,11 @@ impl IntegratorVisitor for AtFloor<'_, '_, '_> {
 
     fn visit<S: Integrate>(self) -> Tally {
         let (forces, bodies, first) = (self.forces, self.bodies, self.first);
-        let world = self.step.gravity;
+        let step = self.step;
         if forces.only_gravity() {
-            self.each::<S, _>(|i| Gravity(forces.gravity(first + i, world)))
+            self.each::<S, _>(|i| Gravity(forces.gravity(first + i, step.gravity)))
         } else {
-            self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world))
+            self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], step))
         }
     }
 }

@@ -61,9 +61,10 @@ impl ReportedContacts {
     ) -> Option<Landed> {
         if let Some(report) = report.filter(|r| r.approach_speed > slowest) {
             let at = time - h + report.impact_time;
+            // Not after a clock that was set back.
             let goes_on = self
                 .last_impact
-                .is_some_and(|last| at - last < LANDING_PAUSE);
+                .is_some_and(|last| (-h..LANDING_PAUSE).contains(&(at - last)));
             self.last_impact = Some(time);
             let mut landed = self.landing.unwrap_or(Landed {
                 entity,
@@ -83,8 +84,8 @@ impl ReportedContacts {
                 self.landing = Some(landed);
             }
         }
-        let complete = |landed: &mut Landed| time - landed.time >= LANDING_WINDOW;
-        self.landing.take_if(complete)
+        self.landing
+            .take_if(|landed| !(0.0..LANDING_WINDOW).contains(&(time - landed.time)))
     }
 }
 

@@ -9,16 +9,18 @@ use bevy::ecs::entity::Entity;
 use bevy::ecs::hierarchy::{ChildOf, Children};
 use bevy::ecs::query::{Added, Changed, Has, Or, With, Without};
 use bevy::ecs::resource::Resource;
-use bevy::ecs::system::{Commands, Local, Query, Res, ResMut};
+use bevy::ecs::system::{Commands, Local, Query, Res, ResMut, SystemChangeTick};
 use bevy::ecs::world::World;
 use bevy::time::{Real, Time, Virtual};
 use bevy::transform::components::Transform;
 use bevy::utils::prelude::ShortName;
 use log::{info, warn};
 
+use super::components::Checked;
 use super::contacts::ContactEnabled;
 use super::parallel::PhysicsThreads;
-use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
+use super::resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
+use super::sleeping::any_newer;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::floor::{ContactSettings, Floor};
@@ -74,6 +76,10 @@ fn validate_settings(world: &World) -> Result<(), InvalidValue> {
     ] {
         InvalidValue::check(value.is_finite(), field, value, "finite")?;
     }
+    let wind = world
+        .get_resource::<Wind>()
+        .map_or(0.0, |wind| wind.0.length());
+    InvalidValue::check(wind.is_finite(), "Wind", wind, "finite")?;
     let substeps = world.resource::<PhysicsClock>().substeps;
     InvalidValue::check(
         substeps <= MAX_SUBSTEPS,
@@ -146,6 +152,37 @@ pub(crate) fn restore_component<C: Component, B: Bundle + Default>(
         }
     }
 }
+
+/// Logs values out of their range that came past the constructors, where they are new.
+pub(crate) fn report_invalid<C: Checked>(
+    components: Query<Ref<C>>,
+    entities: Query<(Entity, Ref<C>), With<RigidBox>>,
+    mut lines: Local<u32>,
+    ticks: SystemChangeTick,
+) {
+    let (last, now) = (ticks.last_run(), ticks.this_run());
+    // Whole columns first: usually there is nothing.
+    let any = components.contiguous_iter().is_ok_and(|mut tables| {
+        tables.any(|column| any_newer(column.changed_ticks_slice(), last, now))
+    });
+    if !any {
+        return;
+    }
+    for (entity, component) in entities.iter().filter(|(_, c)| c.is_changed()) {
+        if let Err(error) = component.check()
+            && *lines < MOST_INVALID_LINES
+        {
+            *lines += 1;
+            warn!(
+                "box_physics: {entity}: {error}; the body is stepped without its {}",
+                ShortName::of::<C>()
+            );
+        }
+    }
+}
+
+/// Maximum number of lines about the invalid values of one component.
+const MOST_INVALID_LINES: u32 = 10;
 
 /// `Transform` is written in world coordinates: a body below a parent that is not at the origin would be
 /// shown elsewhere than it is. Looked at when a body comes below a parent, or when anything that has children has

@@ -69,9 +69,9 @@ impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
 
     fn visit<S: Integrate>(mut self) -> Tally {
         let (forces, bodies, first) = (self.forces, self.bodies, self.first);
-        let world = self.step.gravity;
+        let step = self.step;
         if !forces.only_gravity() {
-            return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], world));
+            return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], step));
         }
         let mut tally = Tally::default();
         let floor = self.step.floor.as_ref();

@@ -1,17 +1,18 @@
 //! *Forces*: what acts on the bodies in a step, gathered before it. What depends on the state is evaluated by the
 //! integrators.
 
+use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::query::QueryData;
 use bevy::ecs::resource::Resource;
-use bevy::ecs::system::{Res, ResMut};
+use bevy::ecs::system::{Query, Res, ResMut};
 use glam::DVec3;
 
 use super::components::{
-    AngularDamping, AngularDrag, BodyTorque, ExternalForce, GravityScale, LinearDrag, PointForces,
-    QuadraticDrag, Springs,
+    AngularDamping, AngularDrag, BodyTorque, BodyWind, Checked, ExternalForce, GravityScale,
+    LinearDrag, OneShotForce, PointForces, QuadraticDrag, Springs,
 };
 use super::contacts::ContactEnabled;
-use super::resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
+use super::resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
 use crate::body::RigidBox;
 use crate::floor::{ContactSettings, Floor};
 use crate::force::{Dissipation, Forces};
@@ -26,6 +27,8 @@ pub(crate) struct Step {
     pub(crate) time: f64,
     /// [m/s²]
     pub(crate) gravity: DVec3,
+    /// [m/s]
+    pub(crate) wind: DVec3,
     /// Of bodies without one of their own.
     pub(crate) integrator: Integrator,
     pub(crate) floor: Option<Floor>,
@@ -37,6 +40,7 @@ pub(crate) fn gather_forces(
     mut step: ResMut<Step>,
     clock: Res<PhysicsClock>,
     gravity: Res<WorldGravity>,
+    wind: Option<Res<Wind>>,
     integrator: Res<GlobalIntegrator>,
     floor: Option<Res<Floor>>,
     settings: Option<Res<ContactSettings>>,
@@ -46,6 +50,7 @@ pub(crate) fn gather_forces(
         h: clock.step(),
         time: clock.time(),
         gravity: gravity.0,
+        wind: wind.map_or(DVec3::ZERO, |wind| wind.0),
         integrator: integrator.0,
         // Without its plugin a floor is nothing.
         floor: floor.filter(|_| contact.is_some()).map(|floor| *floor),
@@ -63,9 +68,11 @@ pub(crate) struct ForceColumns {
     angular_damping: Option<&'static AngularDamping>,
     angular_drag: Option<&'static AngularDrag>,
     external: Option<&'static ExternalForce>,
+    one_shot: Option<&'static OneShotForce>,
     body_torque: Option<&'static BodyTorque>,
     point_forces: Option<&'static PointForces>,
     springs: Option<&'static Springs>,
+    wind: Option<&'static BodyWind>,
 }
 
 impl ForceColumnsContiguousItem<'_, '_> {
@@ -81,6 +88,7 @@ impl ForceColumnsContiguousItem<'_, '_> {
             && self.angular_damping.is_none()
             && self.angular_drag.is_none()
             && self.external.is_none()
+            && self.one_shot.is_none()
             && self.body_torque.is_none()
             && self.point_forces.is_none()
             && self.springs.is_none()
@@ -102,20 +110,46 @@ impl ForceColumnsContiguousItem<'_, '_> {
 
     /// The whole force model of body `i`.
     #[inline]
-    pub(crate) fn forces(&self, i: usize, body: &RigidBox, world: DVec3) -> Forces<'_> {
-        let external = self.external.map_or(ExternalForce::default(), |c| c[i]);
+    pub(crate) fn forces(&self, i: usize, body: &RigidBox, step: &Step) -> Forces<'_> {
+        let (world, wind) = (step.gravity, step.wind);
+        let mut external = self.external.map_or(ExternalForce::default(), |c| c[i]);
+        if let Some(one_shot) = self.one_shot {
+            external.force += one_shot[i].force;
+            external.torque += one_shot[i].torque;
+        }
         Forces {
             acceleration: self.gravity(i, world) + external.force * body.inverse_mass(),
             dissipation: Dissipation {
-                linear_drag: self.linear_drag.map_or(0.0, |c| c[i].0),
-                quadratic_drag: self.quadratic_drag.map_or(0.0, |c| c[i].0),
-                angular_damping: self.angular_damping.map_or(0.0, |c| c[i].0),
-                angular_drag: self.angular_drag.map_or(0.0, |c| c[i].0),
+                linear_drag: valid(self.linear_drag, i).map_or(0.0, |c| c.0),
+                quadratic_drag: valid(self.quadratic_drag, i).map_or(0.0, |c| c.0),
+                angular_damping: valid(self.angular_damping, i).map_or(0.0, |c| c.0),
+                angular_drag: valid(self.angular_drag, i).map_or(0.0, |c| c.0),
+                wind: match (&self.linear_drag, &self.quadratic_drag) {
+                    (None, None) => DVec3::ZERO,
+                    _ => self.wind.map_or(wind, |c| c[i].0),
+                },
             },
             body_torque: self.body_torque.map_or(DVec3::ZERO, |c| c[i].0),
             world_torque: external.torque,
             point_forces: self.point_forces.map_or(&[], |c| c[i].0.as_slice()),
-            springs: self.springs.map_or(&[], |c| c[i].0.as_slice()),
+            springs: valid(self.springs, i).map_or(&[], |c| c.0.as_slice()),
+        }
+    }
+}
+
+/// Component `i` of a column, unless its values are invalid.
+#[inline(always)]
+fn valid<C: Checked>(column: Option<&[C]>, i: usize) -> Option<&C> {
+    column
+        .map(|column| &column[i])
+        .filter(|c| c.check().is_ok())
+}
+
+/// Clears what was meant for this tick alone, after the last step of it.
+pub(crate) fn clear_one_shots(clock: Res<PhysicsClock>, mut forces: Query<&mut OneShotForce>) {
+    if clock.is_tick_over() {
+        for mut force in &mut forces {
+            *force.bypass_change_detection() = OneShotForce::default();
         }
     }
 }

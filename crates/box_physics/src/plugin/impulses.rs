@@ -4,6 +4,7 @@ use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::ecs::query::Has;
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Local, Query, Res, ResMut};
+use bevy::ecs::world::World;
 use bevy::time::{Time, Virtual};
 use log::warn;
 
@@ -18,6 +19,23 @@ use crate::state::BodyState;
 pub(crate) struct PendingImpulses {
     cursor: MessageCursor<ApplyImpulse>,
     queue: Vec<ApplyImpulse>,
+}
+
+impl PendingImpulses {
+    /// Those that wait for the next step, sent just now included.
+    pub(crate) fn snapshot(world: &mut World) -> Vec<ApplyImpulse> {
+        let _ = world.run_system_cached(collect_impulses);
+        let pending = world.get_resource::<Self>();
+        pending.map_or(Vec::new(), |pending| pending.queue.clone())
+    }
+
+    /// Replaces what waits, and drops what was sent since.
+    pub(crate) fn restore(world: &mut World, queue: &[ApplyImpulse]) {
+        let _ = world.run_system_cached(collect_impulses);
+        if let Some(mut pending) = world.get_resource_mut::<Self>() {
+            pending.queue = queue.to_vec();
+        }
+    }
 }
 
 /// Takes impulses out of the message buffer, every tick and every frame: those that were sent while the physics

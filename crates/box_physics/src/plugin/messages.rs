@@ -7,6 +7,7 @@ use bevy::ecs::reflect::ReflectMessage;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use glam::DVec3;
 
+use super::queries::BodyRefItem;
 use crate::body::RigidBox;
 use crate::floor::ContactReport;
 use crate::integrators::Integrator;
@@ -15,7 +16,7 @@ use crate::state::BodyState;
 /// Asks for an impulse on a body at the start of the next step. Several are applied in their order of
 /// arrival. One sent while the physics is paused waits for the next step; one that is
 /// [`dropped_while_paused`](Self::dropped_while_paused) does not, so that a key held down in a pause does not
-/// launch the body at its end.
+/// launch the body at its end. [`BodyMut`](super::BodyMut) applies impulses at once.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -30,6 +31,7 @@ use crate::state::BodyState;
 ///     }
 /// }
 /// ```
+#[doc(alias("ExternalImpulse", "apply_impulse", "torque_impulse", "explosion"))]
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Message, Clone, PartialEq)]
 pub struct ApplyImpulse {
@@ -39,8 +41,39 @@ pub struct ApplyImpulse {
     pub impulse: DVec3,
     /// Where it acts.
     pub at: ImpulsePoint,
+    /// Angular impulse \[N m s\] about the center of mass besides, world axes.
+    pub angular_impulse: DVec3,
     /// What becomes of it if it is sent while the physics is paused.
     pub while_paused: WhilePaused,
+}
+
+/// An explosion, for [`ApplyImpulse::radial`]. It pushes a body at the point of its box that is closest, away from the
+/// center: boxes that it hits off-center spin.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// fn explode(boxes: Query<BodyRef>, mut impulses: MessageWriter<ApplyImpulse>) {
+///     let bomb = Explosion {
+///         center: DVec3::ZERO,
+///         radius: 8.0,   // m
+///         impulse: 20.0, // N s
+///         falloff: 1.0,
+///     };
+///     impulses.write_batch(boxes.iter().filter_map(|b| ApplyImpulse::radial(&b, &bomb)));
+/// }
+/// ```
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Clone, PartialEq)]
+pub struct Explosion {
+    /// Where, in the world \[m\].
+    pub center: DVec3,
+    /// Distance from which on it does nothing \[m\].
+    pub radius: f64,
+    /// Impulse at the center \[N s\].
+    pub impulse: f64,
+    /// Exponent p of the impulse J (1 − d/R)ᵖ at the distance d: 0 is constant up to the radius R, 1 linear.
+    pub falloff: f64,
 }
 
 /// What becomes of an impulse that is sent while the physics is paused: by
@@ -69,14 +102,19 @@ pub enum ImpulsePoint {
 }
 
 impl ApplyImpulse {
-    /// At the center of mass.
-    pub fn center(entity: Entity, impulse: impl Into<DVec3>) -> Self {
+    fn new(entity: Entity, impulse: impl Into<DVec3>, at: ImpulsePoint) -> Self {
         Self {
             entity,
             impulse: impulse.into(),
-            at: ImpulsePoint::Center,
+            at,
+            angular_impulse: DVec3::ZERO,
             while_paused: WhilePaused::Keep,
         }
+    }
+
+    /// At the center of mass.
+    pub fn center(entity: Entity, impulse: impl Into<DVec3>) -> Self {
+        Self::new(entity, impulse, ImpulsePoint::Center)
     }
 
     /// At a point of the world \[m\].
@@ -85,12 +123,7 @@ impl ApplyImpulse {
         impulse: impl Into<DVec3>,
         point: impl Into<DVec3>,
     ) -> Self {
-        Self {
-            entity,
-            impulse: impulse.into(),
-            at: ImpulsePoint::World(point.into()),
-            while_paused: WhilePaused::Keep,
-        }
+        Self::new(entity, impulse, ImpulsePoint::World(point.into()))
     }
 
     /// At a point in body axes from the center \[m\].
@@ -99,12 +132,35 @@ impl ApplyImpulse {
         impulse: impl Into<DVec3>,
         point: impl Into<DVec3>,
     ) -> Self {
+        Self::new(entity, impulse, ImpulsePoint::Body(point.into()))
+    }
+
+    /// A torque impulse \[N m s\], world axes: it changes the spin alone.
+    pub fn angular(entity: Entity, angular_impulse: impl Into<DVec3>) -> Self {
         Self {
-            entity,
-            impulse: impulse.into(),
-            at: ImpulsePoint::Body(point.into()),
-            while_paused: WhilePaused::Keep,
+            angular_impulse: angular_impulse.into(),
+            ..Self::center(entity, DVec3::ZERO)
         }
+    }
+
+    /// The push of an explosion; `None` beyond its radius. A body around the center is pushed away by its own center.
+    pub fn radial(body: &BodyRefItem<'_, '_>, explosion: &Explosion) -> Option<Self> {
+        let (half, to_body) = (body.body.half_extents(), body.rotation.inverse());
+        let center = to_body * (explosion.center - body.position);
+        let closest = center.clamp(-half, half);
+        let away = closest - center;
+        let distance = away.length();
+        if distance >= explosion.radius {
+            return None;
+        }
+        let (direction, point) = if distance > 0.0 {
+            (away / distance, closest)
+        } else {
+            ((-center).normalize_or(to_body * DVec3::Y), DVec3::ZERO)
+        };
+        let part = libm::pow(1.0 - distance / explosion.radius, explosion.falloff);
+        let impulse = body.rotation * direction * (explosion.impulse * part);
+        Some(Self::at_body_point(body.entity, impulse, point))
     }
 
     /// The same, dropped if it is sent while the physics is paused.
@@ -122,6 +178,9 @@ impl ApplyImpulse {
             ImpulsePoint::Body(point) => {
                 state.apply_impulse_at_body_point(body, self.impulse, point);
             }
+        }
+        if self.angular_impulse != DVec3::ZERO {
+            state.apply_angular_impulse(self.angular_impulse);
         }
     }
 }

@@ -28,31 +28,37 @@ mod messages;
 mod parallel;
 mod placement;
 mod quarantine;
+mod queries;
 mod refit;
 mod resources;
 mod run;
 mod sets;
 mod sleeping;
+mod snapshot;
 mod teleport;
 mod timing;
 mod transforms;
 
 pub use components::{
-    AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, ExternalForce, GravityScale,
-    LinearDrag, PointForces, QuadraticDrag, Quarantined, ReportContacts, ReportPersisting,
-    RestingSince, Springs, WorldAabb,
+    AngularDamping, AngularDrag, BodyIntegrator, BodyTorque, BodyWind, ExternalForce, GravityScale,
+    LinearDrag, OneShotForce, PointForces, QuadraticDrag, Quarantined, ReportContacts,
+    ReportPersisting, RestingSince, Springs, WorldAabb,
 };
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 pub use messages::{
-    ApplyImpulse, BodyQuarantined, ContactPhase, FloorContact, ImpulsePoint, Landed,
+    ApplyImpulse, BodyQuarantined, ContactPhase, Explosion, FloorContact, ImpulsePoint, Landed,
     QuarantineCause, Settled, WhilePaused, Woken,
 };
 pub use parallel::PhysicsThreads;
-pub use resources::{GlobalIntegrator, PhysicsClock, WorldGravity};
+pub use queries::{
+    BodyMut, BodyMutItem, BodyMutReadOnly, BodyMutReadOnlyItem, BodyRef, BodyRefItem,
+};
+pub use resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
 pub use run::StepPhysics;
 pub use sets::{FixedPhysics, PhysicsSchedule, PhysicsSystems, RunPhysics};
-pub use teleport::Teleport;
+pub use snapshot::{BodySnapshot, PhysicsSnapshot};
+pub use teleport::{PassPortal, Teleport};
 pub use timing::{
     IntegratorTiming, PhysicsDiagnosticsPlugin, PhysicsTimings, Stage, integrator_path,
 };
@@ -235,7 +241,9 @@ impl Plugin for PhysicsPlugin {
                     .after(PhysicsSystems::Forces)
                     .before(PhysicsSystems::Integrate),
                 integrate::integrate.in_set(PhysicsSystems::Integrate),
-                transforms::write_transforms.in_set(PhysicsSystems::Writeback),
+                (transforms::write_transforms, forces::clear_one_shots)
+                    .chain()
+                    .in_set(PhysicsSystems::Writeback),
             ),
         );
         app.init_schedule(run::BeforeSteps)
@@ -247,6 +255,13 @@ impl Plugin for PhysicsPlugin {
                 (
                     placement::show_changes::<true>,
                     faults::report_parents,
+                    (
+                        faults::report_invalid::<LinearDrag>,
+                        faults::report_invalid::<QuadraticDrag>,
+                        faults::report_invalid::<AngularDamping>,
+                        faults::report_invalid::<AngularDrag>,
+                        faults::report_invalid::<Springs>,
+                    ),
                     impulses::collect_impulses,
                 )
                     .chain(),
@@ -255,6 +270,8 @@ impl Plugin for PhysicsPlugin {
                 self.schedule.unwrap_or_else(|| FixedPhysics.intern()),
                 run::run_physics.in_set(RunPhysics),
             );
+        let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
+        app.insert_resource(run::RunsIn(schedule));
         if self.schedule.is_none() {
             add_own_schedule(app);
         }
@@ -275,10 +292,14 @@ fn register_types(app: &mut App) {
         .register_type::<AngularDamping>()
         .register_type::<AngularDrag>()
         .register_type::<ExternalForce>()
+        .register_type::<OneShotForce>()
+        .register_type::<Explosion>()
         .register_type::<BodyTorque>()
         .register_type::<PointForces>()
         .register_type::<Springs>()
         .register_type::<Quarantined>()
+        .register_type::<Wind>()
+        .register_type::<BodyWind>()
         .register_type::<WorldGravity>()
         .register_type::<GlobalIntegrator>()
         .register_type::<PhysicsClock>()

@@ -70,7 +70,7 @@ impl ShownBodyItem<'_, '_> {
             *self.published = PublishedPose::shown_by(&self.transform).unwrap_or_default();
         } else if self
             .published
-            .take_teleport(&self.transform, &mut self.state)
+            .take_teleport(self.body, &self.transform, &mut self.state)
             .is_ok()
         {
             self.show();

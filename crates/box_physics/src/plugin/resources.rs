@@ -31,6 +31,24 @@ impl Default for WorldGravity {
     }
 }
 
+/// Velocity of the air [m/s], world axes; without the resource the air is still. [`LinearDrag`](super::LinearDrag) and
+/// [`QuadraticDrag`](super::QuadraticDrag) act on the velocity relative to it, by the same exact flows as in still air. A
+/// body with a [`BodyWind`](super::BodyWind) has its own. It may change between steps: gusts.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///     .insert_resource(Wind(DVec3::X * 8.0));
+/// app.world_mut().spawn((RigidBox::default(), QuadraticDrag(0.5)));
+/// app.update();
+/// ```
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[reflect(Resource, Default, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Wind(pub DVec3);
+
 /// The integrator of every body without a [`BodyIntegrator`](super::BodyIntegrator). May be changed at
 /// any time; the state is carried over exactly, because every integrator advances the same one.
 ///
@@ -54,6 +72,11 @@ pub struct GlobalIntegrator(pub Integrator);
 /// schedule is not run; for a single step while paused queue [`StepPhysics`](super::StepPhysics).
 /// Slow motion is running it less often: `Time<Virtual>::set_relative_speed`.
 ///
+/// (It is a resource with a field `paused` and not a `Time<Physics>`: a clock of Bevy has a speed, but a physics that
+/// ran at a speed other than its schedule's would need steps of another size, and its results would depend on it. What
+/// has a speed is the clock of the schedule. Its time is counted in ticks and in f64, so that a replay hits the same
+/// bits; `Time` counts nanoseconds.)
+///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
@@ -75,6 +98,7 @@ pub struct PhysicsClock {
     steps: u64,
     elapsed: Duration,
     into_tick: u32,
+    tick: Duration,
     pub(crate) dropped: Duration,
     #[reflect(ignore)]
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -90,6 +114,7 @@ impl Default for PhysicsClock {
             steps: 0,
             elapsed: Duration::ZERO,
             into_tick: 0,
+            tick: Duration::ZERO,
             dropped: Duration::ZERO,
             fault: None,
         }
@@ -144,6 +169,7 @@ impl PhysicsClock {
             self.elapsed += Duration::try_from_secs_f64(into).unwrap_or_default();
             self.into_tick = 0;
         }
+        self.tick = delta;
         self.step = step;
         self.steps += 1;
         self.into_tick += 1;
@@ -151,6 +177,26 @@ impl PhysicsClock {
             self.into_tick = 0;
             self.elapsed += delta;
         }
+    }
+
+    /// Whether the present step is the last one of its tick.
+    pub(crate) fn is_tick_over(&self) -> bool {
+        self.into_tick == 0
+    }
+
+    /// Size of the last tick; zero before the first.
+    pub(crate) fn tick(&self) -> Duration {
+        self.tick
+    }
+
+    /// Goes on from the time of `other`; what users set stays.
+    pub(crate) fn continue_from(&mut self, other: &Self) {
+        *self = Self {
+            paused: self.paused,
+            substeps: self.substeps,
+            fault: self.fault,
+            ..*other
+        };
     }
 
     /// Back to time zero, for a restarted scene. Does not touch bodies.

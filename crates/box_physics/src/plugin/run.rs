@@ -2,12 +2,14 @@
 
 use std::sync::Once;
 
-use bevy::app::{FixedFirst, FixedLast};
+use bevy::app::{FixedFirst, FixedLast, FixedMainScheduleOrder};
+use bevy::ecs::intern::Interned;
 use bevy::ecs::message::Messages;
+use bevy::ecs::resource::Resource;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::ecs::system::Command;
 use bevy::ecs::world::World;
-use bevy::time::Time;
+use bevy::time::{Fixed, Time};
 use log::warn;
 
 use super::PhysicsSchedule;
@@ -62,8 +64,14 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     }
 }
 
-/// Command: takes this many ticks of `Time<Fixed>` at once, paused or not: the single step. Round each
-/// of them `FixedFirst` and `FixedLast` run, but not `FixedUpdate`.
+/// The schedule in which the physics runs.
+#[derive(Resource)]
+pub(crate) struct RunsIn(pub(crate) Interned<dyn ScheduleLabel>);
+
+/// Command: takes this many ticks at once, paused or not: the single step. By default they are those of `Time<Fixed>`, and
+/// round each of them `FixedFirst` and `FixedLast` run, but not `FixedUpdate`. Where the physics runs in a schedule
+/// outside of the fixed loop ([`PhysicsPlugins::in_schedule`](super::PhysicsPlugins::in_schedule) with `Update`, say),
+/// each is as long as the last tick that ran there; before the first one, as long as the present frame.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -75,21 +83,32 @@ fn tick(world: &mut World, delta: core::time::Duration) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepPhysics(pub u32);
 
+/// Logs once why [`StepPhysics`] does nothing.
+fn cannot_step(what: &str) {
+    static SAID: Once = Once::new();
+    SAID.call_once(|| warn!("box_physics: StepPhysics needs {what}"));
+}
+
 impl Command for StepPhysics {
     type Out = ();
 
     fn apply(self, world: &mut World) {
-        let Some(time) = world.get_resource::<Time<bevy::time::Fixed>>() else {
-            static SAID: Once = Once::new();
-            SAID.call_once(|| warn!("box_physics: StepPhysics needs `Time<Fixed>` (TimePlugin)"));
-            return;
+        let Some(RunsIn(schedule)) = world.get_resource() else {
+            return cannot_step("PhysicsPlugin");
         };
-        let delta = time.timestep();
-        if !world.contains_resource::<Unsmoothed>() {
-            static SAID: Once = Once::new();
-            SAID.call_once(|| warn!("box_physics: StepPhysics needs PhysicsPlugin"));
-            return;
-        }
+        let fixed = world
+            .get_resource::<FixedMainScheduleOrder>()
+            .is_some_and(|order| order.labels.contains(schedule));
+        let delta = if fixed {
+            world.get_resource::<Time<Fixed>>().map(Time::timestep)
+        } else {
+            let last = world.get_resource().map(PhysicsClock::tick);
+            last.filter(|tick| !tick.is_zero())
+                .or_else(|| world.get_resource::<Time>().map(Time::delta))
+        };
+        let Some(delta) = delta else {
+            return cannot_step("`Time<Fixed>` (TimePlugin)");
+        };
         restore_resources(world);
         // New bodies, states that were written and impulses that were sent in this frame belong to this step.
         if let Err(error) = world.run_system_cached(show_changes::<false>) {
@@ -100,10 +119,14 @@ impl Command for StepPhysics {
             // As around a tick of the fixed loop, so that smoothing between steps takes part: it first
             // shows the pose of the last step, which would else look like a teleport. An app without
             // these schedules needs none of it.
-            let _ = world.try_run_schedule(FixedFirst);
+            if fixed {
+                let _ = world.try_run_schedule(FixedFirst);
+            }
             Unsmoothed::begin_tick(world);
             tick(world, delta);
-            let _ = world.try_run_schedule(FixedLast);
+            if fixed {
+                let _ = world.try_run_schedule(FixedLast);
+            }
         }
     }
 }

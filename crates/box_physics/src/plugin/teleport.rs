@@ -3,6 +3,7 @@
 use bevy::ecs::entity::Entity;
 use bevy::ecs::system::Command;
 use bevy::ecs::world::{DeferredWorld, World};
+use bevy::transform::components::Transform;
 use glam::{DQuat, DVec3};
 use log::warn;
 
@@ -14,7 +15,10 @@ use crate::state::{BodyState, Frame};
 /// Command: puts a body elsewhere, now. Its velocity stays, its contacts end, and it is shown there in this frame and
 /// not drawn on the way, with or without smoothing between the steps, paused or not.
 ///
-/// (A change of `Transform` teleports as well, at the next step. With `bevy_transform_interpolation` it can be lost:
+/// Velocity and spin both keep their world axes: a body that flies north and spins about the vertical still does, however
+/// it is turned. [`with_body_spin`](Self::with_body_spin) turns the spin along with the body, and [`PassPortal`] all of it.
+///
+/// (A change of `Transform` teleports as well, at the next step, and keeps velocity and spin in world axes. With `bevy_transform_interpolation` it can be lost:
 /// smoothing restores `Transform` before each step.)
 ///
 /// ```
@@ -75,28 +79,87 @@ impl Command for Teleport {
     type Out = ();
 
     fn apply(self, world: &mut World) {
-        let entity = self.entity;
-        let found = world.get_entity_mut(entity).ok().and_then(|mut found| {
-            let body = found.get_components_mut::<ShownBody>().ok()?;
-            let mut state = *body.state;
-            self.apply_to(body.body, &mut state);
-            Some(state)
+        teleport(world, self.entity, |body, state| self.apply_to(body, state));
+    }
+}
+
+/// Command: carries a body through a portal, now. Where it is, how it lies, how it moves and how it spins with respect to
+/// `entrance` it then does with respect to `exit`: position, attitude, velocity and spin turn together.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// /// A body that crosses the entrance against its +z comes out of the exit along that one's −z.
+/// fn pass(bodies: Query<BodyRef>, portals: Query<&Transform, Without<RigidBox>>, mut commands: Commands) {
+///     let Some((entrance, exit)) = portals.iter().zip(portals.iter().skip(1)).next() else {
+///         return;
+///     };
+///     for body in &bodies {
+///         let side = entrance.rotation * Vec3::Z;
+///         if (body.position.as_vec3() - entrance.translation).dot(side) < 0.0 {
+///             commands.queue(PassPortal { entity: body.entity, entrance: *entrance, exit: *exit });
+///         }
+///     }
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassPortal {
+    /// The body.
+    pub entity: Entity,
+    /// Where it goes in. The scale does not count.
+    pub entrance: Transform,
+    /// Where it comes out.
+    pub exit: Transform,
+}
+
+impl Command for PassPortal {
+    type Out = ();
+
+    fn apply(self, world: &mut World) {
+        let pose =
+            |t: Transform| BodyState::at_pose(t.translation.as_dvec3(), t.rotation.as_dquat());
+        let (entrance, exit) = (pose(self.entrance), pose(self.exit));
+        let turn = exit.rotation * entrance.rotation.inverse();
+        teleport(world, self.entity, |_, state| {
+            // The momentum is stored in body axes, and so it turns along.
+            *state = BodyState {
+                velocity: turn * state.velocity,
+                angular_momentum: state.angular_momentum,
+                ..BodyState::at_pose(
+                    exit.position + turn * (state.position - entrance.position),
+                    turn * state.rotation,
+                )
+            };
         });
-        let Some(state) = found else {
-            warn!("box_physics: {entity} cannot be teleported: it is no body (any more)");
-            return;
-        };
-        if !state.is_valid() {
-            warn!("box_physics: {entity} cannot be teleported: the pose is not finite");
-            return;
-        }
-        end_contacts(&mut DeferredWorld::from(&mut *world), entity);
-        if let Ok(mut found) = world.get_entity_mut(entity)
-            && let Ok(mut body) = found.get_components_mut::<ShownBody>()
-        {
-            *body.state = state;
-            let before = body.show();
-            world.resource_mut::<Unsmoothed>().add(entity, before);
-        }
+    }
+}
+
+fn teleport(world: &mut World, entity: Entity, change: impl FnOnce(&RigidBox, &mut BodyState)) {
+    let found = world.get_entity_mut(entity).ok().and_then(|mut found| {
+        let body = found.get_components_mut::<ShownBody>().ok()?;
+        let mut state = *body.state;
+        change(body.body, &mut state);
+        Some(state)
+    });
+    let Some(state) = found else {
+        warn!("box_physics: {entity} cannot be teleported: it is no body (any more)");
+        return;
+    };
+    if !state.is_valid() {
+        warn!("box_physics: {entity} cannot be teleported: the pose is not finite");
+        return;
+    }
+    end_contacts(&mut DeferredWorld::from(&mut *world), entity);
+    show_jump(world, entity, state);
+}
+
+/// Puts a body into `state` and shows it there in this frame.
+pub(crate) fn show_jump(world: &mut World, entity: Entity, state: BodyState) {
+    if let Ok(mut found) = world.get_entity_mut(entity)
+        && let Ok(mut body) = found.get_components_mut::<ShownBody>()
+    {
+        *body.state = state;
+        let before = body.show();
+        world.resource_mut::<Unsmoothed>().add(entity, before);
     }
 }

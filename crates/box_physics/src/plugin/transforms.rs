@@ -19,7 +19,7 @@ use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sleeping::{Changes, Sleep, SleepClock, any_newer};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
-use crate::state::BodyState;
+use crate::state::{BodyState, Frame};
 
 /// The pose last written to `Transform`, in its f32 bits. A `Transform` that changed since and differs from
 /// it was changed by others: a teleport. (Change detection alone would not do: smoothing between
@@ -84,6 +84,7 @@ impl PublishedPose {
     /// there was anything, or an error if it is not usable (then nothing is taken).
     pub(crate) fn take_teleport(
         &self,
+        body: &RigidBox,
         transform: &Transform,
         state: &mut BodyState,
     ) -> Result<bool, NotFinite> {
@@ -103,9 +104,7 @@ impl PublishedPose {
             state.position = transform.translation.as_dvec3();
         }
         if turned {
-            // The momentum is stored in body axes: the body carries its spin along.
-            state.rotation =
-                BodyState::at_pose(state.position, transform.rotation.as_dquat()).rotation;
+            state.turn_to(body, transform.rotation.as_dquat(), Frame::World);
         }
         Ok(true)
     }
@@ -137,12 +136,18 @@ impl LastWriteback {
 
 /// Teleports the bodies whose `Transform` others changed.
 pub(crate) fn take_teleports(
-    mut bodies: Query<(Entity, Ref<Transform>, &PublishedPose, &mut BodyState), With<RigidBox>>,
+    mut bodies: Query<(
+        Entity,
+        &RigidBox,
+        Ref<Transform>,
+        &PublishedPose,
+        &mut BodyState,
+    )>,
     last: Res<LastWriteback>,
     threads: Res<PhysicsThreads>,
     mut warned: Local<bool>,
 ) -> Result {
-    for (entities, transforms, published, states) in bodies.contiguous_iter_mut()? {
+    for (entities, boxes, transforms, published, states) in bodies.contiguous_iter_mut()? {
         let (changed, now) = (transforms.changed_ticks_slice(), transforms.this_run_tick());
         let touched = |ticks: &[Tick]| last.0.is_none_or(|last| any_newer(ticks, last, now));
         if !touched(changed) {
@@ -151,6 +156,7 @@ pub(crate) fn take_teleports(
         let (states, mut ticks) = ContiguousMut::bypass_change_detection_split(states);
         let columns = (
             entities,
+            boxes,
             &*transforms,
             changed,
             published,
@@ -160,7 +166,7 @@ pub(crate) fn take_teleports(
         let Refused(refused) = threads.share_out(
             entities.len() / LIGHT,
             columns.chunks(0..entities.len(), CHUNK),
-            |(_, (entities, transforms, changed, published, states, stamps))| {
+            |(_, (entities, boxes, transforms, changed, published, states, stamps))| {
                 let mut refused = Refused(None);
                 if !touched(changed) {
                     return refused;
@@ -170,7 +176,7 @@ pub(crate) fn take_teleports(
                     if published.is_shown_by(transform) {
                         continue;
                     }
-                    match published.take_teleport(transform, &mut states[i]) {
+                    match published.take_teleport(&boxes[i], transform, &mut states[i]) {
                         Ok(true) => stamps[i] = now,
                         Ok(false) => {}
                         Err(NotFinite) => refused += Refused(Some(entities[i])),
@@ -269,18 +275,24 @@ mod tests {
         let mut state = BodyState::at(DVec3::new(0.1, 0.2, 0.3));
         let published = PublishedPose::of(&state);
         let mut transform = Transform::from_translation(published.translation);
-        assert_eq!(published.take_teleport(&transform, &mut state), Ok(false));
+        assert_eq!(
+            published.take_teleport(&RigidBox::default(), &transform, &mut state),
+            Ok(false)
+        );
         assert_eq!(
             state.position,
             DVec3::new(0.1, 0.2, 0.3),
             "keeps its f64 digits"
         );
         transform.translation.y = 5.0;
-        assert_eq!(published.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(
+            published.take_teleport(&RigidBox::default(), &transform, &mut state),
+            Ok(true)
+        );
         assert_eq!(state.position.y, 5.0);
         transform.translation.y = f32::NAN;
         assert_eq!(
-            published.take_teleport(&transform, &mut state),
+            published.take_teleport(&RigidBox::default(), &transform, &mut state),
             Err(NotFinite)
         );
         assert_eq!(state.position.y, 5.0);
@@ -291,11 +303,14 @@ mod tests {
         let new = PublishedPose::default();
         let mut state = BodyState::default();
         let transform = Transform::from_xyz(0.0, 5.0, 0.0);
-        assert_eq!(new.take_teleport(&transform, &mut state), Ok(true));
+        assert_eq!(
+            new.take_teleport(&RigidBox::default(), &transform, &mut state),
+            Ok(true)
+        );
         assert_eq!(state.position, DVec3::Y * 5.0);
         let mut state = BodyState::at(DVec3::X);
         assert_eq!(
-            new.take_teleport(&Transform::default(), &mut state),
+            new.take_teleport(&RigidBox::default(), &Transform::default(), &mut state),
             Ok(false)
         );
         assert_eq!(state.position, DVec3::X);

@@ -142,6 +142,7 @@ fn any_integrator_and_force_stays_above() {
                     quadratic_drag: 0.1,
                     angular_damping: 0.2,
                     angular_drag: 0.01,
+                    ..Dissipation::NONE
                 },
                 body_torque: random.vector(0.05),
                 springs: &springs[..i % 2],

@@ -1,0 +1,168 @@
+//! Snapshots: everything that the physics remembers of a moment.
+
+use bevy::ecs::bundle::Bundle;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::query::With;
+use bevy::ecs::world::World;
+
+use super::components::{NearFloor, OneShotForce, Quarantined, RestingSince};
+use super::contacts::ReportedContacts;
+use super::impulses::PendingImpulses;
+use super::messages::ApplyImpulse;
+use super::resources::PhysicsClock;
+use super::teleport::show_jump;
+use crate::body::RigidBox;
+use crate::floor::ContactState;
+use crate::integrators::IntegratorMemory;
+use crate::state::BodyState;
+
+/// A moment of the physics, to come back to: for rewind, rollback and replays. From the same snapshot, with the same
+/// settings and the same inputs, the same future follows bit for bit, under every integrator and with every contact.
+///
+/// It holds what the physics writes: the clock, impulses that wait for the next step, and of each body its
+/// [`BodySnapshot`], what is left of its [`OneShotForce`], its quarantine and how far its contacts were reported. What
+/// only you write is yours to keep: [`RigidBox`], forces, gravity, the floor, the integrator, pause and substeps.
+///
+/// Take and restore it between ticks (in `Update`, say, or in a command), or in
+/// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) by an exclusive system.
+///
+/// ```
+/// use bevy::prelude::*;
+/// use box_physics::prelude::*;
+/// let mut app = App::new();
+/// app.add_plugins((MinimalPlugins, PhysicsPlugins::default())).insert_resource(Floor::default());
+/// let die = app.world_mut().spawn((RigidBox::default(), Transform::from_xyz(0.0, 3.0, 0.0))).id();
+/// let future = |world: &mut World| {
+///     world.commands().queue(StepPhysics(120));
+///     world.flush();
+///     *world.get::<BodyState>(die).expect("a body")
+/// };
+/// let snapshot = PhysicsSnapshot::take(app.world_mut());
+/// let first = future(app.world_mut());
+/// snapshot.restore(app.world_mut());
+/// assert_eq!(future(app.world_mut()), first);
+/// ```
+#[doc(alias("rewind", "rollback", "save"))]
+#[derive(Clone, Debug)]
+pub struct PhysicsSnapshot {
+    clock: PhysicsClock,
+    pending: Vec<ApplyImpulse>,
+    bodies: Vec<(Entity, BodySnapshot, Marks)>,
+}
+
+/// What the physics remembers of a body: a bundle, to spawn a saved body together with its [`RigidBox`] and its forces.
+/// With the feature `serde` it is written and read; a body that is loaded continues bit for bit.
+#[derive(Bundle, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodySnapshot {
+    /// The motion.
+    pub state: BodyState,
+    /// What the integrator remembers.
+    pub memory: IntegratorMemory,
+    /// What the floor remembers.
+    pub contact: ContactState,
+    /// Since when it rests.
+    pub resting: RestingSince,
+}
+
+/// What else there may be of a body.
+#[derive(Clone, Debug)]
+struct Marks {
+    one_shot: Option<OneShotForce>,
+    quarantined: Option<Quarantined>,
+    reported: Option<ReportedContacts>,
+}
+
+impl PhysicsSnapshot {
+    /// The present moment: all bodies that are not disabled.
+    pub fn take(world: &mut World) -> Self {
+        let mut bodies = world.query_filtered::<(
+            Entity,
+            &BodyState,
+            &IntegratorMemory,
+            Option<&ContactState>,
+            Option<&RestingSince>,
+            Option<&OneShotForce>,
+            Option<&Quarantined>,
+            Option<&ReportedContacts>,
+        ), With<RigidBox>>();
+        let bodies = bodies.iter(world).map(
+            |(entity, state, memory, contact, resting, one_shot, quarantined, reported)| {
+                let body = BodySnapshot {
+                    state: *state,
+                    memory: memory.clone(),
+                    contact: contact.cloned().unwrap_or_default(),
+                    resting: resting.copied().unwrap_or_default(),
+                };
+                let marks = Marks {
+                    one_shot: one_shot.copied(),
+                    quarantined: quarantined.copied(),
+                    reported: reported.cloned(),
+                };
+                (entity, body, marks)
+            },
+        );
+        let bodies = bodies.collect();
+        Self {
+            clock: world.get_resource().copied().unwrap_or_default(),
+            pending: PendingImpulses::snapshot(world),
+            bodies,
+        }
+    }
+
+    /// Returns to this moment. Bodies are shown where they were in this frame, and are not drawn on the way. No events
+    /// are sent. Bodies that were spawned since stay as they are. Returns those of the snapshot that no longer exist.
+    pub fn restore(&self, world: &mut World) -> Vec<Entity> {
+        if let Some(mut clock) = world.get_resource_mut::<PhysicsClock>() {
+            clock.continue_from(&self.clock);
+        }
+        PendingImpulses::restore(world, &self.pending);
+        let mut missing = Vec::new();
+        for (entity, body, marks) in &self.bodies {
+            let Ok(mut found) = world.get_entity_mut(*entity) else {
+                missing.push(*entity);
+                continue;
+            };
+            if !found.contains::<RigidBox>() {
+                missing.push(*entity);
+                continue;
+            }
+            // First of all: the end of a quarantine ends contacts.
+            if let Some(quarantined) = marks.quarantined {
+                found.insert(quarantined);
+            } else {
+                found.remove::<Quarantined>();
+            }
+            if let Some(mut memory) = found.get_mut::<IntegratorMemory>() {
+                memory.clone_from(&body.memory);
+            }
+            if let Some(mut contact) = found.get_mut::<ContactState>() {
+                contact.clone_from(&body.contact);
+            }
+            if let Some(mut resting) = found.get_mut::<RestingSince>() {
+                *resting = body.resting;
+            }
+            if let Some(mut near) = found.get_mut::<NearFloor>() {
+                near.touched = body.contact.touching() != 0;
+            }
+            if let Some(mut one_shot) = found.get_mut::<OneShotForce>() {
+                *one_shot = marks.one_shot.unwrap_or_default();
+            }
+            if let Some(mut reported) = found.get_mut::<ReportedContacts>() {
+                *reported = marks.reported.clone().unwrap_or_default();
+            }
+            show_jump(world, *entity, body.state);
+        }
+        missing
+    }
+
+    /// Simulated time of the moment \[s\].
+    pub fn time(&self) -> f64 {
+        self.clock.time()
+    }
+
+    /// The bodies of the moment.
+    pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &BodySnapshot)> {
+        self.bodies.iter().map(|(entity, body, _)| (*entity, body))
+    }
+}

@@ -1,0 +1,239 @@
+//! Impulses, forces for a tick, queries of whole bodies, and what carries bodies elsewhere.
+
+use bevy::prelude::*;
+use box_physics::force::{Forces, Gravity};
+use box_physics::prelude::*;
+
+use super::{app, brick, core, state, tumbling};
+
+fn floating<B: Bundle>(bundle: B) -> (App, Entity) {
+    let mut app = app();
+    app.insert_resource(WorldGravity(DVec3::ZERO));
+    let entity = app.world_mut().spawn((brick(), tumbling(), bundle)).id();
+    (app, entity)
+}
+
+#[test]
+fn a_torque_impulse_changes_the_spin_alone() {
+    let (mut app, entity) = floating(());
+    let push = DVec3::new(0.5, -1.0, 2.0);
+    app.world_mut()
+        .write_message(ApplyImpulse::angular(entity, push));
+    app.update();
+    let mut expected = tumbling();
+    expected.apply_angular_impulse(push);
+    let before = tumbling().angular_momentum_world();
+    assert!((expected.angular_momentum_world() - before - push).length() < 1e-12);
+    core(Integrator::Split, &mut expected, &Gravity(DVec3::ZERO), 1);
+    assert_eq!(state(&app, entity), expected);
+}
+
+/// J (1 − d/R)^p at the closest point of the box, away from the center.
+#[test]
+fn an_explosion_pushes_away_and_spins() {
+    let mut world = World::new();
+    let start = BodyState::at(DVec3::new(3.0, 0.1, 0.0));
+    let entity = world.spawn((brick(), start)).id();
+    let push = |world: &mut World, explosion: Explosion| {
+        let mut bodies = world.query::<BodyRef>();
+        ApplyImpulse::radial(&bodies.get(world, entity).expect("a body"), &explosion)
+    };
+    let bomb = Explosion {
+        center: DVec3::ZERO,
+        radius: 5.0,
+        impulse: 12.0,
+        falloff: 2.0,
+    };
+    // The face at x = 2.5 is closest, at the height of the bomb: 0.1 below the center.
+    let hit = push(&mut world, bomb).expect("within reach");
+    let strength = 12.0 * (1.0 - 2.5 / 5.0_f64).powi(2);
+    assert!((hit.impulse - DVec3::X * strength).length() < 1e-12);
+    let mut after = start;
+    hit.apply(&brick(), &mut after);
+    assert!((after.velocity - DVec3::X * strength / 3.0).length() < 1e-12);
+    assert!((after.angular_momentum - DVec3::Z * 0.1 * strength).length() < 1e-12);
+    assert_eq!(
+        push(
+            &mut world,
+            Explosion {
+                radius: 2.5,
+                ..bomb
+            }
+        ),
+        None
+    );
+    let constant = push(
+        &mut world,
+        Explosion {
+            falloff: 0.0,
+            ..bomb
+        },
+    )
+    .expect("within reach");
+    assert!((constant.impulse.length() - 12.0).abs() < 1e-12);
+    // Within the box: through its center, also where there is no direction.
+    let within = push(
+        &mut world,
+        Explosion {
+            center: DVec3::X * 2.9,
+            ..bomb
+        },
+    )
+    .expect("within");
+    assert!(within.impulse.x > 0.0 && within.at == ImpulsePoint::Body(DVec3::ZERO));
+    let center = Explosion {
+        center: start.position,
+        ..bomb
+    };
+    assert_eq!(
+        push(&mut world, center).expect("within").impulse,
+        DVec3::Y * 12.0
+    );
+}
+
+/// The force of a tick acts in all its substeps, at the order of a constant force, and then no more.
+#[test]
+fn a_one_shot_force_lasts_for_one_tick() {
+    let (mut app, entity) = floating(OneShotForce::default());
+    app.world_mut().resource_mut::<PhysicsClock>().substeps = 3;
+    let (force, torque) = (DVec3::new(3.0, -6.0, 0.0), DVec3::new(0.1, 0.2, -0.3));
+    for _ in 0..2 {
+        // Two who push are added.
+        let mut one_shot = app
+            .world_mut()
+            .get_mut::<OneShotForce>(entity)
+            .expect("there");
+        one_shot.force += 0.5 * force;
+        one_shot.torque += 0.5 * torque;
+    }
+    app.update();
+    let shot = Forces {
+        acceleration: force * brick().inverse_mass(),
+        world_torque: torque,
+        ..default()
+    };
+    let mut expected = tumbling();
+    let mut memory = IntegratorMemory::default();
+    let h = super::tick().as_secs_f64() / 3.0;
+    for _ in 0..3 {
+        Integrator::Split.step(&brick(), &mut expected, &shot, h, &mut memory);
+    }
+    assert_eq!(state(&app, entity), expected);
+    assert_eq!(
+        app.world().get::<OneShotForce>(entity),
+        Some(&OneShotForce::default())
+    );
+    let velocity = expected.velocity;
+    app.update();
+    assert_eq!(state(&app, entity).velocity, velocity);
+}
+
+/// World axes throughout, and what is written wakes a body that sleeps.
+#[test]
+fn a_body_is_read_and_pushed_by_one_query() {
+    let mut app = app();
+    app.insert_resource(Floor::default());
+    let entity = app
+        .world_mut()
+        .spawn((brick(), BodyState::at(DVec3::Y * 0.25)))
+        .id();
+    for _ in 0..20 {
+        app.update();
+    }
+    let mut bodies = app.world_mut().query::<BodyMut>();
+    let mut body = bodies.get_mut(app.world_mut(), entity).expect("a body");
+    let spin = DVec3::new(0.5, -1.0, 2.0);
+    body.rotation = tumbling().rotation;
+    body.set_angular_velocity(spin);
+    assert!((body.angular_velocity() - spin).length() < 1e-12);
+    let point = body.position + DVec3::new(0.1, 0.4, -0.2);
+    let before = body.velocity_at(point);
+    let (mut expected, impulse) = (*body.state, DVec3::new(1.0, 9.0, -2.0));
+    expected.apply_impulse(&brick(), impulse, point);
+    expected.apply_angular_impulse(DVec3::X);
+    expected.velocity += DVec3::Y;
+    body.apply_impulse_at(impulse, point);
+    body.apply_angular_impulse(DVec3::X);
+    body.apply_impulse(DVec3::Y * 3.0);
+    assert!((body.velocity - expected.velocity).length() < 1e-12);
+    assert!((body.angular_momentum - expected.angular_momentum).length() < 1e-12);
+    assert!((body.velocity_at(point) - before).length() > 1.0);
+    app.update();
+    assert!(state(&app, entity).velocity.y > 3.0, "it woke");
+    let mut bodies = app.world_mut().query::<BodyRef>();
+    let body = bodies.get(app.world(), entity).expect("a body");
+    assert_eq!(body.kinetic_energy(), body.state.kinetic_energy(&brick()));
+}
+
+/// Through `Transform` or by a command: velocity and spin keep their world axes, unless asked otherwise.
+#[test]
+fn turning_a_body_keeps_velocity_and_spin_in_world_axes() {
+    let turned = Quat::from_rotation_x(1.0) * Quat::from_rotation_y(0.5);
+    for by_command in [true, false] {
+        let (mut app, entity) = floating(());
+        app.update();
+        let before = state(&app, entity);
+        let mut expected = before;
+        expected.turn_to(&brick(), turned.as_dquat(), Frame::World);
+        let change = expected.angular_velocity(&brick()) - before.angular_velocity(&brick());
+        assert!(change.length() < 1e-12 && expected.velocity == before.velocity);
+        if by_command {
+            let there = Teleport::to(entity, before.position).turned(turned.as_dquat());
+            app.world_mut().commands().queue(there);
+        } else {
+            let mut transform = app.world_mut().get_mut::<Transform>(entity);
+            transform.as_mut().expect("required").rotation = turned;
+        }
+        app.update();
+        core(Integrator::Split, &mut expected, &Gravity(DVec3::ZERO), 1);
+        assert_eq!(state(&app, entity), expected, "{by_command}");
+    }
+}
+
+/// What passes twice, there and back, is where it was; all that is seen from the portal stays the same.
+#[test]
+fn a_portal_turns_position_velocity_and_spin_together() {
+    let (mut app, entity) = floating(());
+    let entrance = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_y(0.7));
+    let exit = Transform::from_xyz(-5.0, 1.0, 40.0).with_rotation(Quat::from_rotation_z(2.0));
+    let before = state(&app, entity);
+    let pass = |app: &mut App, entrance, exit| {
+        let portal = PassPortal {
+            entity,
+            entrance,
+            exit,
+        };
+        app.world_mut().commands().queue(portal);
+        app.world_mut().flush();
+        state(app, entity)
+    };
+    let after = pass(&mut app, entrance, exit);
+    let seen = |state: &BodyState, from: &Transform| {
+        let back = from.rotation.as_dquat().normalize().inverse();
+        [
+            back * (state.position - from.translation.as_dvec3()),
+            back * state.velocity,
+            back * state.angular_velocity(&brick()),
+            back * (state.rotation * DVec3::X),
+        ]
+    };
+    for (was, is) in seen(&before, &entrance)
+        .into_iter()
+        .zip(seen(&after, &exit))
+    {
+        assert!(
+            (was - is).length() < 1e-5 * (1.0 + was.length()),
+            "{was} {is}"
+        );
+    }
+    let shown = app
+        .world()
+        .get::<Transform>(entity)
+        .expect("required")
+        .translation;
+    assert_eq!(shown, after.position.as_vec3());
+    let back = pass(&mut app, exit, entrance);
+    assert!((back.position - before.position).length() < 1e-9);
+    assert!((back.velocity - before.velocity).length() < 1e-12);
+    assert!(back.attitude_difference(&before) < 1e-12);
+}

@@ -1,0 +1,117 @@
+//! Snapshots: the same future, bit for bit, under every integrator.
+
+use bevy::ecs::message::Messages;
+use bevy::prelude::*;
+use box_physics::prelude::*;
+
+use super::{app, brick, state, tumbling};
+
+fn scene(integrator: Integrator) -> (App, Vec<Entity>) {
+    let mut app = app();
+    app.insert_resource(Floor::default())
+        .insert_resource(GlobalIntegrator(integrator));
+    let world = app.world_mut();
+    let mut bodies = Vec::new();
+    for k in 0_u8..6 {
+        let spin = DVec3::new(1.0, 2.0, 0.5) * f64::from(k);
+        let height = DVec3::Y * (0.25 + 0.3 * f64::from(k));
+        let start = BodyState::at(height).with_angular_velocity(&brick(), spin);
+        bodies.push(world.spawn((brick(), start, ReportContacts)).id());
+    }
+    let pulled = (
+        Springs(vec![Spring {
+            stiffness: 20.0,
+            damping: 0.3,
+            ..default()
+        }]),
+        OneShotForce::default(),
+        LinearDrag(0.1),
+    );
+    bodies.push(world.spawn((brick(), tumbling(), pulled)).id());
+    (app, bodies)
+}
+
+/// Every state, landing and settling of the next ticks, and the clock.
+fn future(app: &mut App, bodies: &[Entity], ticks: u32) -> Vec<String> {
+    let mut seen = Vec::new();
+    for _ in 0..ticks {
+        app.update();
+        let states: Vec<_> = bodies.iter().map(|&body| state(app, body)).collect();
+        let rest: Vec<_> = bodies
+            .iter()
+            .map(|&b| app.world().get::<RestingSince>(b).expect("required").0)
+            .collect();
+        let world = app.world_mut();
+        let landed: Vec<_> = world.resource_mut::<Messages<Landed>>().drain().collect();
+        let clock = *world.resource::<PhysicsClock>();
+        seen.push(format!("{states:?} {rest:?} {landed:?} {clock:?}"));
+    }
+    seen
+}
+
+#[test]
+fn the_same_future_under_every_integrator() {
+    for &integrator in Integrator::ALL {
+        let (mut app, bodies) = scene(integrator);
+        // In flight, in the middle of a landing, at rest.
+        for ticks in [3, 14, 15, 150] {
+            future(&mut app, &bodies, ticks);
+            app.world_mut()
+                .write_message(ApplyImpulse::center(bodies[1], DVec3::new(0.3, 4.0, 0.1)));
+            app.world_mut()
+                .get_mut::<OneShotForce>(bodies[6])
+                .expect("there")
+                .force = DVec3::X;
+            let snapshot = PhysicsSnapshot::take(app.world_mut());
+            let first = future(&mut app, &bodies, 60);
+            assert_eq!(snapshot.restore(app.world_mut()), []);
+            let second = future(&mut app, &bodies, 60);
+            for (step, (first, second)) in first.iter().zip(&second).enumerate() {
+                assert_eq!(
+                    first,
+                    second,
+                    "{integrator}, step {step} from {}",
+                    snapshot.time()
+                );
+            }
+        }
+    }
+}
+
+/// Shown in the same frame; the user's settings stay; bodies that are gone are named, new ones stay; a quarantine ends.
+#[test]
+fn what_a_restore_leaves_alone() {
+    let (mut app, bodies) = scene(Integrator::Split);
+    future(&mut app, &bodies, 5);
+    let snapshot = PhysicsSnapshot::take(app.world_mut());
+    assert_eq!(snapshot.bodies().len(), 7);
+    let then = state(&app, bodies[2]);
+    future(&mut app, &bodies, 20);
+    app.world_mut()
+        .get_mut::<BodyState>(bodies[2])
+        .expect("a body")
+        .velocity = DVec3::NAN;
+    app.update();
+    assert!(app.world().get::<Quarantined>(bodies[2]).is_some());
+    app.world_mut().despawn(bodies[0]);
+    let new = app
+        .world_mut()
+        .spawn((brick(), BodyState::at(DVec3::Y * 9.0)))
+        .id();
+    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    app.world_mut().resource_mut::<PhysicsClock>().substeps = 2;
+    app.insert_resource(WorldGravity(DVec3::X));
+    assert_eq!(snapshot.restore(app.world_mut()), [bodies[0]]);
+    assert_eq!(state(&app, bodies[2]), then);
+    let shown = app
+        .world()
+        .get::<Transform>(bodies[2])
+        .expect("required")
+        .translation;
+    assert_eq!(shown, then.position.as_vec3());
+    assert!(app.world().get::<Quarantined>(bodies[2]).is_none());
+    assert_eq!(state(&app, new).position, DVec3::Y * 9.0);
+    let clock = app.world().resource::<PhysicsClock>();
+    assert!(clock.paused && clock.substeps == 2 && clock.time() == snapshot.time());
+    assert_eq!(app.world().resource::<WorldGravity>().0, DVec3::X);
+}
