@@ -1,7 +1,5 @@
-//! Rigid boxes over a floor for [Bevy](https://bevyengine.org), with a live choice of the numerical
-//! integrator, and a default that spins right.
-//!
-//! # Quick start
+//! Rigid boxes over a floor for [Bevy](https://bevyengine.org). The numerical integrator is a resource, and the default is
+//! exact in free flight. The state is f64; `Transform` stays f32.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -10,7 +8,7 @@
 //! fn main() {
 //!     let mut app = App::new();
 //!     app.add_plugins((MinimalPlugins, PhysicsPlugins::default())) // or DefaultPlugins, with a window
-//!         .insert_resource(Floor::default()) // none, and there is no contact at all
+//!         .insert_resource(Floor::default()) // without it there is no contact
 //!         .add_systems(Startup, setup);
 //!     # app.update();
 //!     // app.run();
@@ -29,108 +27,27 @@
 //! }
 //! ```
 //!
-//! A body is a [`RigidBox`](body::RigidBox); what else it needs comes along as required components. Its
-//! motion is its [`BodyState`](state::BodyState) (f64); `Transform` is written once a step. A `Transform` given at the
-//! start says where the body starts, and a `BodyState` does if there is none. Give it a mesh, or a child with one, and
-//! it is on screen. New bodies and states that you write are shown in the same frame, paused or not.
-//! (`Changed<Transform>` says that a body moved; the physics does not mark `BodyState` as changed. When *you* write to
-//! it, do not bypass change detection: it wakes a box at rest.)
+//! A body is a [`RigidBox`](body::RigidBox). Its other components come along, among them its motion, a
+//! [`BodyState`](state::BodyState); `Transform` is written once a step.
 //!
-//! To put a body elsewhere queue the command [`Teleport`](plugin::Teleport). A `Transform` that you change teleports
-//! the body at its next step, unless smoothing between steps restores it first.
-//!
-//! Every component has a default and is patched in scene literals:
-//!
-//! ```
-//! use bevy::prelude::*;
-//! use box_physics::prelude::*;
-//!
-//! fn balloon() -> impl Scene {
-//!     bsn! {
-//!         RigidBox
-//!         BodyState { position: DVec3 { y: 2.0 } }
-//!         GravityScale(-0.1)
-//!         LinearDrag(0.5)
-//!         BodyIntegrator(Integrator::Split4)
-//!     }
-//! }
-//! ```
-//!
-//! # What acts on it
-//!
-//! | | |
+//! | to | see |
 //! |---|---|
-//! | gravity | [`WorldGravity`](plugin::WorldGravity), [`GravityScale`](plugin::GravityScale) |
-//! | a push | the message [`ApplyImpulse`](plugin::ApplyImpulse): at the center, at a point, a torque, an explosion; at once by [`BodyMut`](plugin::BodyMut) |
-//! | a force or torque for one tick | [`OneShotForce`](plugin::OneShotForce) |
-//! | a force or torque, constant over a step | [`ExternalForce`](plugin::ExternalForce), [`BodyTorque`](plugin::BodyTorque) |
-//! | at points of the body, evaluated at every stage of the integrator | [`PointForces`](plugin::PointForces), [`Springs`](plugin::Springs) |
-//! | drag and damping, relative to the [`Wind`](plugin::Wind) | [`LinearDrag`](plugin::LinearDrag), [`QuadraticDrag`](plugin::QuadraticDrag), [`AngularDamping`](plugin::AngularDamping), [`AngularDrag`](plugin::AngularDrag) |
-//! | anything else that depends on the state | the core, with a [`ForceModel`](force::ForceModel) of your own |
-//! | the floor | the resource [`Floor`](floor::Floor); [`ReportContacts`](plugin::ReportContacts) for [`Landed`](plugin::Landed) and other messages about it; the events [`Settled`](plugin::Settled) and [`Woken`](plugin::Woken) |
+//! | push, pull and brake bodies; systems in a step; faults | the module [`plugin`] |
+//! | set up a floor, react to landings and rest | [`Floor`](floor::Floor), [`Landed`](plugin::Landed), [`Settled`](plugin::Settled) |
+//! | move a body by hand | [`Teleport`](plugin::Teleport), [`BodyMut`](plugin::BodyMut) |
+//! | pause, step once, slow down | [`PhysicsClock`](plugin::PhysicsClock), [`StepPhysics`](plugin::StepPhysics) |
+//! | rewind, roll back, save | [`PhysicsSnapshot`](plugin::PhysicsSnapshot) |
+//! | choose the integrator | [`GlobalIntegrator`](plugin::GlobalIntegrator), [`BodyIntegrator`](plugin::BodyIntegrator), the module [`integrators`] |
+//! | compare runs, builds and machines | the module [`digest`]: results are the same bits everywhere |
+//! | use the core without Bevy | [`ForceModel`](force::ForceModel): a loop of ten lines |
 //!
-//! A force that no body has costs nothing.
+//! `docs/guide.md` in the repository does each of these, and dice, debris, replay, netcode and saving.
 //!
-//! # One step
+//! Features: `bevy` (default) is the plugin; without it the crate needs `glam` and `libm` alone. `gizmos` draws bounding
+//! boxes, axes and contacts. `serde` saves bodies that continue bit for bit.
 //!
-//! [`PhysicsSchedule`](plugin::PhysicsSchedule) runs once a tick (once a substep) of
-//! [`FixedPhysics`](plugin::FixedPhysics), which follows `FixedPostUpdate`, or of the schedule that you name: order
-//! against [`RunPhysics`](plugin::RunPhysics) there. Its sets are chained; three are yours (two systems in one of
-//! them that write the same must be ordered, or Bevy refuses the schedule):
-//!
-//! ```text
-//! First      yours
-//! Impulses   Transforms that were changed teleport, then impulses in their order of arrival
-//! Forces     yours: set ExternalForce and the like
-//! Integrate  bodies in free flight
-//! Contact    bodies that may meet the floor
-//! Refit      WorldAabb
-//! Writeback  Transform
-//! Last       yours: the state is that of PhysicsClock::time
-//! ```
-//!
-//! [`PhysicsClock`](plugin::PhysicsClock) pauses and counts; [`StepPhysics`](plugin::StepPhysics) is the single
-//! step; slow motion is `Time<Virtual>::set_relative_speed`. Each part is a plugin of its own and can be left
-//! out: [`FloorPlugin`](plugin::FloorPlugin), [`AabbPlugin`](plugin::AabbPlugin),
-//! [`PhysicsDiagnosticsPlugin`](plugin::PhysicsDiagnosticsPlugin). For smoothing between steps add
-//! `bevy_transform_interpolation`; it restores `Transform` before each step, so move such a body by
-//! [`Teleport`](plugin::Teleport) or its `BodyState`, not by its `Transform`.
-//!
-//! The feature `gizmos` draws bounding boxes, axes and contacts: `BodyGizmosPlugin`.
-//!
-//! # Integrators
-//!
-//! [`GlobalIntegrator`](plugin::GlobalIntegrator) and [`BodyIntegrator`](plugin::BodyIntegrator) choose an
-//! [`Integrator`](integrators::Integrator) from the list, at any time. The default, `split`, never blows up on any
-//! spin or drag; `exact` is right to rounding in free flight. What each says of itself, order by order, is in
-//! its [`IntegratorInfo`](integrators::IntegratorInfo) and in the table of the README.
-//!
-//! # Without Bevy's `App`
-//!
-//! The modules [`body`], [`state`], [`force`], [`integrators`], [`floor`], … are plain f64 arithmetic and know no
-//! `World`: see [`ForceModel`](force::ForceModel) for a loop of ten lines. The [`plugin`] is thin: it hands the
-//! columns of the ECS to them.
-//!
-//! # The same bits everywhere
-//!
-//! Results do not depend on the run, the number of threads, the order of insertion, debug or release, or the
-//! machine (no platform sine, no fused multiply-add); [`digest`] compares them, and
-//! [`digest::fingerprint`] tells whether two builds compute the same. With the feature `serde` a
-//! saved body continues bit for bit.
-//!
-//! # When something is wrong
-//!
-//! Constructors refuse what cannot be. At run time nothing panics, and each thing is logged once: a body that
-//! is not finite, or beyond 1e38, is [`Quarantined`](plugin::Quarantined) where it last was; a setting out of its
-//! range stops the clock until it is corrected ([`PhysicsClock::fault`](plugin::PhysicsClock::fault)), one that was
-//! removed is restored; a hitch costs at most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
-//! ([`PhysicsClock::dropped`](plugin::PhysicsClock::dropped)).
-//!
-//! # Limits
-//!
-//! Boxes and one horizontal floor: no contact between boxes, no joints, no other shapes. Bodies stand at the
-//! top of the hierarchy. Sizes from 1e-6 to 1e6 m, masses from 1e-12 to 1e12 kg, positions,
-//! velocities and momenta within 1e38.
+//! Limits: boxes and a floor; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m, masses from
+//! 1e-12 to 1e12 kg, positions, velocities and momenta within 1e38.
 
 pub mod aabb;
 pub mod body;

@@ -1,5 +1,25 @@
 //! The Bevy plugin: components, resources, messages, and the schedule of one step.
 //!
+//! # What acts on a body
+//!
+//! | | |
+//! |---|---|
+//! | gravity | [`WorldGravity`], [`GravityScale`] |
+//! | a push | the message [`ApplyImpulse`]: at the center, at a point, a torque, an explosion; at once by [`BodyMut`] |
+//! | a force or torque for one tick | [`OneShotForce`] |
+//! | a force or torque, constant over a step | [`ExternalForce`], [`BodyTorque`] |
+//! | at points of the body, evaluated at every stage of the integrator | [`PointForces`], [`Springs`] |
+//! | drag and damping, relative to the [`Wind`] | [`LinearDrag`], [`QuadraticDrag`], [`AngularDamping`], [`AngularDrag`] |
+//! | anything else that depends on the state | the core, with a [`ForceModel`](crate::force::ForceModel) of your own |
+//! | the floor | the resource [`Floor`]; [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
+//!
+//! A force that no body has costs nothing.
+//!
+//! # One step
+//!
+//! [`PhysicsSchedule`] runs once a tick (once a substep) of [`FixedPhysics`], which follows `FixedPostUpdate`, or of the
+//! schedule that you name. Its sets are chained; three are yours:
+//!
 //! ```text
 //! FixedPhysics ─ run_physics ─┬─ paused? nothing
 //!                             └─ PhysicsSchedule, once per substep:
@@ -10,8 +30,29 @@
 //!   Contact    contact: the same integrator, impacts located, contact forces; report_contacts
 //!   Refit      refit_aabbs
 //!   Writeback  write_transforms
-//!   Last       (yours)
+//!   Last       (yours): the state is that of PhysicsClock::time
 //! ```
+//!
+//! Order your systems against [`RunPhysics`] outside of the step. Inside it, two systems in one set that write the same must
+//! be ordered, or Bevy refuses the schedule. [`PhysicsClock`] pauses and counts; slow motion is
+//! `Time<Virtual>::set_relative_speed`. Each part is a plugin and can be left out: [`FloorPlugin`], [`AabbPlugin`],
+//! [`PhysicsDiagnosticsPlugin`].
+//!
+//! # State and `Transform`
+//!
+//! A `Transform` given at the start says where the body starts, unless there is a `BodyState`. New bodies and states that
+//! you write are shown in the same frame, paused or not. `Changed<Transform>` says that a body moved; the physics does not
+//! mark `BodyState` as changed. When you write to it, do not bypass change detection: it wakes a box at rest.
+//!
+//! To move a body, queue the command [`Teleport`]. A `Transform` that you change teleports the body at its next step,
+//! unless smoothing between steps (`bevy_transform_interpolation`) restores it first.
+//!
+//! # When something is wrong
+//!
+//! Constructors refuse invalid values. At run time nothing panics, and each fault is logged once. A body that is not finite,
+//! or beyond 1e38, is [`Quarantined`] where it last was. An invalid coefficient is left out of its body's steps. A setting out of its range stops the clock until it is corrected
+//! ([`PhysicsClock::fault`]); one that was removed is restored. A hitch costs at most `Time<Virtual>::max_delta` of
+//! simulation, and what is lost is counted ([`PhysicsClock::dropped`]).
 
 mod chunks;
 mod components;
