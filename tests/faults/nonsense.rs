@@ -218,8 +218,8 @@ fn a_thousand_quarantines_are_one_line() {
     log.is_silent();
 }
 
-/// A coefficient out of its range, however it came there: logged once with entity, field and value, and the body moves as
-/// without it. Once it is valid again it acts again.
+/// An invalid coefficient from any source is logged once with entity, field and value, and the body moves as
+/// without it. Once it is valid again, it takes effect.
 #[test]
 fn an_invalid_coefficient_is_logged_and_does_not_act() {
     type Insert = fn(&mut EntityWorldMut, f64);

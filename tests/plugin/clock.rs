@@ -64,7 +64,7 @@ fn a_copy_made_in_last_continues_bit_for_bit() {
     }
 }
 
-/// Where the physics lives in `Update`, a single step is as long as the ticks there, not as those of `Time<Fixed>`.
+/// If the physics runs in `Update`, a single step has the length of its ticks, not that of `Time<Fixed>`.
 #[test]
 fn a_single_step_is_one_of_the_schedule_of_the_physics() {
     use core::time::Duration;
@@ -90,7 +90,7 @@ fn a_single_step_is_one_of_the_schedule_of_the_physics() {
     let after = step(&mut app);
     assert_eq!((after.steps(), after.elapsed()), (3, 3 * frame));
     assert_eq!(after.step(), 0.005);
-    // In the fixed loop it is a tick of that.
+    // In the fixed loop a single step is one of its ticks.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(FixedUpdate)))
         .insert_resource(TimeUpdateStrategy::ManualDuration(frame));

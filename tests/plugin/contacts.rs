@@ -264,7 +264,7 @@ fn bounces_are_landings_of_their_own() {
     assert!(first.tangential_impulse.x < 0.0 && first.tangential_impulse.y == 0.0);
     let friction = first.tangential_impulse.length();
     assert!(friction <= 0.5 * first.normal_impulse + 1e-12);
-    // A clock that is set back silences nobody.
+    // Resetting the clock does not suppress landings.
     let count = landed.len();
     let mut bodies = app.world_mut().query::<&mut BodyState>();
     for mut state in bodies.iter_mut(app.world_mut()) {

@@ -1,4 +1,4 @@
-//! Impulses, forces for a tick, queries of whole bodies, and what carries bodies elsewhere.
+//! Impulses, forces for one tick, queries of whole bodies, and commands that move bodies.
 
 use bevy::prelude::*;
 use box_physics::force::{Forces, Gravity};
@@ -28,7 +28,7 @@ fn a_torque_impulse_changes_the_spin_alone() {
     assert_eq!(state(&app, entity), expected);
 }
 
-/// J (1 − d/R)^p at the closest point of the box, away from the center.
+/// The impulse is J (1 − d/R)^p at the closest point of the box, away from the center.
 #[test]
 fn an_explosion_pushes_away_and_spins() {
     let mut world = World::new();
@@ -71,7 +71,7 @@ fn an_explosion_pushes_away_and_spins() {
     )
     .expect("within reach");
     assert!((constant.impulse.length() - 12.0).abs() < 1e-12);
-    // Within the box: through its center, also where there is no direction.
+    // Inside the box: the impulse acts through its center, and also if there is no direction.
     let within = push(
         &mut world,
         Explosion {
@@ -91,14 +91,14 @@ fn an_explosion_pushes_away_and_spins() {
     );
 }
 
-/// The force of a tick acts in all its substeps, at the order of a constant force, and then no more.
+/// The force acts in all substeps of one tick, at the order of a constant force, and then ends.
 #[test]
 fn a_one_shot_force_lasts_for_one_tick() {
     let (mut app, entity) = floating(OneShotForce::default());
     app.world_mut().resource_mut::<PhysicsClock>().substeps = 3;
     let (force, torque) = (DVec3::new(3.0, -6.0, 0.0), DVec3::new(0.1, 0.2, -0.3));
     for _ in 0..2 {
-        // Two who push are added.
+        // Forces of two systems are added.
         let mut one_shot = app
             .world_mut()
             .get_mut::<OneShotForce>(entity)
@@ -128,7 +128,7 @@ fn a_one_shot_force_lasts_for_one_tick() {
     assert_eq!(state(&app, entity).velocity, velocity);
 }
 
-/// World axes throughout, and what is written wakes a body that sleeps.
+/// All values are in world axes, and writing wakes a sleeping body.
 #[test]
 fn a_body_is_read_and_pushed_by_one_query() {
     let mut app = app();
@@ -165,7 +165,7 @@ fn a_body_is_read_and_pushed_by_one_query() {
     assert_eq!(body.kinetic_energy(), body.state.kinetic_energy(&brick()));
 }
 
-/// Through `Transform` or by a command: velocity and spin keep their world axes, unless asked otherwise.
+/// By `Transform` or by command, velocity and spin keep their world axes unless requested otherwise.
 #[test]
 fn turning_a_body_keeps_velocity_and_spin_in_world_axes() {
     let turned = Quat::from_rotation_x(1.0) * Quat::from_rotation_y(0.5);
@@ -190,7 +190,7 @@ fn turning_a_body_keeps_velocity_and_spin_in_world_axes() {
     }
 }
 
-/// What passes twice, there and back, is where it was; all that is seen from the portal stays the same.
+/// Passing forward and back returns to the start. As seen from the portal, the motion does not change.
 #[test]
 fn a_portal_turns_position_velocity_and_spin_together() {
     let (mut app, entity) = floating(());

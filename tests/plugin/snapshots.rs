@@ -1,4 +1,4 @@
-//! Snapshots: the same future, bit for bit, under every integrator.
+//! Snapshots: every integrator repeats the same future bit for bit.
 
 use bevy::ecs::message::Messages;
 use bevy::prelude::*;
@@ -31,7 +31,7 @@ fn scene(integrator: Integrator) -> (App, Vec<Entity>) {
     (app, bodies)
 }
 
-/// Every state, landing and settling of the next ticks, and the clock.
+/// All states, landings and settlings of the next ticks, and the clock.
 fn future(app: &mut App, bodies: &[Entity], ticks: u32) -> Vec<String> {
     let mut seen = Vec::new();
     for _ in 0..ticks {
@@ -78,7 +78,8 @@ fn the_same_future_under_every_integrator() {
     }
 }
 
-/// Shown in the same frame; the user's settings stay; bodies that are gone are named, new ones stay; a quarantine ends.
+/// A restore is displayed in the same frame and ends a quarantine. It keeps the user's settings and new
+/// bodies, and reports the bodies that no longer exist.
 #[test]
 fn what_a_restore_leaves_alone() {
     let (mut app, bodies) = scene(Integrator::Split);

@@ -77,7 +77,7 @@ pub struct Dissipation {
     pub angular_damping: f64,
     /// c_ω \[N m s\]: torque −c_ω ω.
     pub angular_drag: f64,
-    /// Velocity w of the air [m/s], world axes: the drags act on v − w. Constant over a step.
+    /// Velocity w of the air [m/s], world axes; drag acts on v − w. Constant over a step.
     pub wind: DVec3,
 }
 
@@ -91,7 +91,8 @@ impl Dissipation {
         wind: DVec3::ZERO,
     };
 
-    /// w + `drag`(v − w): what drags do to the velocity relative to the air. (Without wind `drag`(v), to the bit.)
+    /// Applies `drag` to the velocity relative to the air: w + `drag`(v − w). Without wind the result has the
+    /// bits of `drag`(v).
     #[inline(always)]
     pub(crate) fn in_air(&self, velocity: DVec3, drag: impl FnOnce(DVec3) -> DVec3) -> DVec3 {
         if self.wind == DVec3::ZERO {
@@ -101,7 +102,7 @@ impl Dissipation {
         }
     }
 
-    /// Acceleration a and what wind adds to it through linear drag of `rate` c₁/m [1/s]: a + (c₁/m) w.
+    /// Acceleration a plus the effect of wind through linear drag of `rate` c₁/m [1/s]: a + (c₁/m) w.
     #[inline(always)]
     pub(crate) fn blown(&self, acceleration: DVec3, rate: f64) -> DVec3 {
         if self.wind == DVec3::ZERO {
@@ -275,7 +276,7 @@ pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (D
     (dv, state.angular_momentum.cross(omega) + torque)
 }
 
-/// The uniform acceleration of a body at rest [m/s²]: with what the wind does to it.
+/// Uniform acceleration of a body at rest [m/s²], including the effect of wind.
 #[inline(always)]
 pub(crate) fn acceleration_at_rest<F: ForceModel>(body: &RigidBox, force: &F) -> DVec3 {
     let d = force.dissipation();
@@ -467,7 +468,8 @@ mod tests {
         }
     }
 
-    /// A lying box stays in a breeze, slides in a gale, and notices when the one becomes the other.
+    /// A resting box stays at rest in a breeze, slides in a gale, and reacts to the change from one to the
+    /// other.
     #[test]
     fn wind_moves_a_lying_box_if_it_beats_friction() {
         use crate::floor::{ContactSettings, ContactState, Floor, FloorContext};
