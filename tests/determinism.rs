@@ -1,33 +1,34 @@
 //! The same bits in every run, debug and release, on every machine, with any number of threads, in any order
 //! of insertion, and with or without the optional parts.
 
-use std::process::Command;
-
 use bevy::app::TaskPoolOptions;
 use bevy::prelude::*;
+use bevy::tasks::ComputeTaskPool;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::digest::{fingerprint, state_digest};
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::force::Forces;
 use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::*;
+// In a browser's engine the tests run under its runner.
+#[cfg(target_family = "wasm")]
+use wasm_bindgen_test::wasm_bindgen_test as test;
 
 const H: f64 = 1.0 / 64.0;
+/// Threads of the physics. The pools belong to the process; half of what they have is for other work.
+const MOST_THREADS: usize = 8;
 
 /// The stored digests, equal on every machine. A changed digest is a changed result and belongs in the
 /// changelog.
 fn stored_digests() -> Vec<(Integrator, u64)> {
-    let path = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../tests/expected/digests.csv"
-    );
-    let text = std::fs::read_to_string(path).expect("tests/expected/digests.csv");
+    // Part of the program: a browser and an emulated machine have no files.
+    let text = include_str!("expected/digests.csv");
     let row = |line: &str| {
         let (id, digest) = line.split_once(',')?;
         Some((id.parse().ok()?, u64::from_str_radix(digest, 16).ok()?))
     };
     let rows = text.lines().skip(1);
-    rows.map(|line| row(line).unwrap_or_else(|| panic!("{path}: '{line}' is no digest")))
+    rows.map(|line| row(line).unwrap_or_else(|| panic!("'{line}' is no digest")))
         .collect()
 }
 
@@ -173,7 +174,7 @@ impl Variant {
     fn run(&self) -> Vec<BodyState> {
         let mut app = App::new();
         app.add_plugins(MinimalPlugins.set(TaskPoolPlugin {
-            task_pool_options: TaskPoolOptions::with_num_threads(self.threads),
+            task_pool_options: TaskPoolOptions::with_num_threads(2 * MOST_THREADS),
         }));
         if self.parts {
             app.add_plugins(PhysicsPlugins::default());
@@ -184,8 +185,8 @@ impl Variant {
             .insert_resource(GlobalIntegrator(self.integrator))
             // Every available thread gets bodies, even if they are few.
             .insert_resource(PhysicsThreads {
+                most: self.threads,
                 bodies_each: 1,
-                ..default()
             })
             .insert_resource(Time::<Fixed>::from_seconds(H))
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
@@ -271,11 +272,8 @@ fn the_plugin_equals_the_core_for_any_order_tables_and_parts() {
     }
 }
 
-/// The task pools belong to the process, so each number of threads needs a separate process. It runs this
-/// test, with the number in an environment variable.
 #[test]
 fn any_number_of_threads() {
-    const THREADS: &str = "BOX_PHYSICS_TEST_THREADS";
     // Three tables, each divided into four chunks (of 512 bodies).
     const BODIES: u32 = 3 * 4 * 512;
     let digest = |threads| {
@@ -287,25 +285,14 @@ fn any_number_of_threads() {
         };
         state_digest(&variant.run())
     };
-    if let Ok(threads) = std::env::var(THREADS) {
-        let threads = threads.parse().expect("a number, given below");
-        println!("digest {:016x}", digest(threads));
-        return;
-    }
-    let child = |threads: &str| {
-        let output = Command::new(std::env::current_exe().expect("this test"))
-            .args(["--exact", "any_number_of_threads", "--nocapture"])
-            .env(THREADS, threads)
-            .output()
-            .expect("runs");
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let line = text
-            .lines()
-            .find_map(|l| Some(l.split_once("digest ")?.1.to_owned()));
-        line.unwrap_or_else(|| panic!("no digest in: {text}"))
-    };
-    let one = child("1");
-    for threads in ["2", "3", "8"] {
-        assert_eq!(child(threads), one, "{threads} threads");
+    let one = digest(1);
+    // A browser has one thread, whatever is asked for.
+    let pool = ComputeTaskPool::get().thread_num();
+    assert!(
+        pool + 1 >= MOST_THREADS || cfg!(target_family = "wasm"),
+        "{pool}"
+    );
+    for threads in [2, 3, MOST_THREADS] {
+        assert_eq!(digest(threads), one, "{threads} threads");
     }
 }
