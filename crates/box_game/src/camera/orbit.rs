@@ -3,15 +3,14 @@
 //! A gesture belongs to whoever it began on, the panel or the view, until the button is released,
 //! wherever that happens.
 
-use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::prelude::*;
-use bevy::window::PrimaryWindow;
 use box_physics::prelude::{BodyState, Floor};
 use box_scenarios::SceneView;
 
 use crate::action::Action;
 use crate::input::focus::UiFocus;
 use crate::interaction::mouse::Hand;
+use crate::interaction::pointer::{NOTCH, Pointer};
 use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneOpened;
 use crate::view::renderer::PictureTarget;
@@ -172,10 +171,7 @@ pub fn spawn_camera(session: Res<Session>, target: Res<PictureTarget>, mut comma
 /// Moves the camera by the mouse.
 pub fn move_camera(
     mut camera: Single<(&mut OrbitCamera, &mut Transform, &Camera)>,
-    window: Query<&Window, With<PrimaryWindow>>,
-    buttons: Res<ButtonInput<MouseButton>>,
-    motion: Res<AccumulatedMouseMotion>,
-    scroll: Res<AccumulatedMouseScroll>,
+    pointer: Res<Pointer>,
     focus: Res<UiFocus>,
     session: Res<Session>,
     (request, hand): (Option<Res<CameraRequest>>, Res<Hand>),
@@ -186,31 +182,24 @@ pub fn move_camera(
     mut commands: Commands,
 ) {
     let (orbit, transform, lens) = &mut *camera;
-    let window = window.iter().next();
-    let left = buttons.pressed(MouseButton::Left);
-    let others = [MouseButton::Right, MouseButton::Middle];
-    let other = buttons.any_pressed(others);
-    let pressed = buttons.just_pressed(MouseButton::Left) || buttons.any_just_pressed(others);
     let on_box = *hand != Hand::Idle;
-    *gesture = gesture.next(left, other, pressed, focus.pointer, on_box);
+    let pressed = pointer.left_pressed || pointer.other_pressed;
+    *gesture = gesture.next(pointer.left, pointer.other, pressed, focus.pointer, on_box);
     match *gesture {
         Gesture::Orbit => {
-            orbit.yaw -= motion.delta.x * 0.006;
-            orbit.pitch = (orbit.pitch + motion.delta.y * 0.006).clamp(-1.5, 1.5);
+            orbit.yaw -= pointer.moved.x * 0.006;
+            orbit.pitch = (orbit.pitch + pointer.moved.y * 0.006).clamp(-1.5, 1.5);
         }
         Gesture::Pan => {
             let scale = orbit.distance * 0.0015;
-            let shift = transform.rotation * Vec3::new(-motion.delta.x, motion.delta.y, 0.0);
+            let shift = transform.rotation * Vec3::new(-pointer.moved.x, pointer.moved.y, 0.0);
             orbit.target += shift * scale;
         }
         Gesture::None | Gesture::Panel | Gesture::Hand => {}
     }
-    if !focus.pointer && !on_box && scroll.delta.y != 0.0 {
-        let notches = match scroll.unit {
-            bevy::input::mouse::MouseScrollUnit::Line => scroll.delta.y,
-            bevy::input::mouse::MouseScrollUnit::Pixel => scroll.delta.y / 40.0,
-        };
-        **orbit = orbit.zoomed(0.9_f32.powf(notches), under_cursor(orbit, lens, window));
+    if !focus.pointer && !on_box && pointer.notches != 0.0 {
+        let fixed = under_cursor(orbit, lens, pointer.at);
+        **orbit = orbit.zoomed(NOTCH.powf(pointer.notches), fixed);
     }
     // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
     // with the main box.
@@ -243,9 +232,9 @@ pub fn move_camera(
 }
 
 /// The point under the mouse of the plane through the target across the view.
-fn under_cursor(orbit: &OrbitCamera, camera: &Camera, window: Option<&Window>) -> Option<Vec3> {
+fn under_cursor(orbit: &OrbitCamera, camera: &Camera, cursor: Option<Vec2>) -> Option<Vec3> {
     let eye = orbit.transform();
-    let cursor = window?.cursor_position()?;
+    let cursor = cursor?;
     // Not in another view.
     camera
         .logical_viewport_rect()

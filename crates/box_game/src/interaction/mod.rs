@@ -1,15 +1,17 @@
 //! Interaction with the box: pushes, pokes, grabs, steps back, undo.
 //!
 //! [`push`]: impulses; [`grab`]: the spring; [`pick`]: where a ray meets the box; [`mouse`]: gestures to
-//! actions (needs a camera); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
+//! actions (needs a camera), with a mouse or a finger ([`pointer`]); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
 
 pub mod grab;
 pub mod mouse;
 pub mod pick;
+pub mod pointer;
 pub mod push;
 pub mod rewind;
 pub mod undo;
 
+use bevy::input::InputSystems;
 use bevy::prelude::*;
 
 use crate::action::ActionSystems;
@@ -48,6 +50,8 @@ pub struct MousePlugin;
 impl Plugin for MousePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<mouse::Hand>()
+            .init_resource::<pointer::Pointer>()
+            .add_systems(PreUpdate, pointer::read.after(InputSystems))
             .add_systems(Update, (mouse::use_mouse, mouse::draw_hand).chain());
     }
 }

@@ -1,13 +1,12 @@
 //! The mouse on the box: a click pokes, a drag grabs. A gesture that begins on the box belongs to it until the
 //! button is released; all others move the camera.
 
-use bevy::input::mouse::AccumulatedMouseScroll;
 use bevy::prelude::*;
-use bevy::window::PrimaryWindow;
 use box_physics::prelude::{BodyState, DVec3, RigidBox};
 
 use super::grab::Grip;
 use super::pick::{Hit, hit};
+use super::pointer::Pointer;
 use crate::action::{Action, Actions, Hold, Poke};
 use crate::input::focus::UiFocus;
 use crate::scene::session::{MainBox, Session};
@@ -127,9 +126,8 @@ impl Hand {
 /// Reads the mouse and asks for pokes and grabs.
 pub fn use_mouse(
     mut hand: ResMut<Hand>,
-    (buttons, keys): (Res<ButtonInput<MouseButton>>, Res<ButtonInput<KeyCode>>),
-    scroll: Res<AccumulatedMouseScroll>,
-    window: Query<&Window, With<PrimaryWindow>>,
+    keys: Res<ButtonInput<KeyCode>>,
+    pointer: Res<Pointer>,
     cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
     main_box: Query<(&RigidBox, &BodyState), With<MainBox>>,
     focus: Res<UiFocus>,
@@ -139,20 +137,17 @@ pub fn use_mouse(
     let Some((camera, view)) = cameras.iter().min_by_key(|(camera, _)| camera.order) else {
         return;
     };
-    let cursor = window.iter().next().and_then(Window::cursor_position);
-    let ray = cursor.and_then(|at| camera.viewport_to_world(view, at).ok());
+    let ray = pointer
+        .at
+        .and_then(|at| camera.viewport_to_world(view, at).ok());
     let box_now = main_box.iter().next();
-    let notches = match scroll.unit {
-        bevy::input::mouse::MouseScrollUnit::Line => scroll.delta.y,
-        bevy::input::mouse::MouseScrollUnit::Pixel => scroll.delta.y / 40.0,
-    };
     let mouse = Mouse {
-        at: cursor,
-        pressed: buttons.just_pressed(MouseButton::Left),
-        released: !buttons.pressed(MouseButton::Left),
-        scroll: f64::from(notches),
+        at: pointer.at,
+        pressed: pointer.left_pressed,
+        released: !pointer.left,
+        scroll: f64::from(pointer.notches),
         over_panel: focus.pointer,
-        escape: keys.just_pressed(KeyCode::Escape),
+        escape: pointer.canceled || keys.just_pressed(KeyCode::Escape),
     };
     let (from, along) = ray.map_or((DVec3::ZERO, DVec3::ZERO), |r| {
         (r.origin.as_dvec3(), r.direction.as_dvec3())
