@@ -1,7 +1,7 @@
 //! The game as a list of plugins: without a window, which tests drive, and with its picture.
 
 use bevy::app::ScheduleRunnerPlugin;
-use bevy::diagnostic::{FrameTimeDiagnosticsPlugin, SystemInformationDiagnosticsPlugin};
+use bevy::diagnostic::FrameTimeDiagnosticsPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_egui::EguiPlugin;
@@ -16,6 +16,7 @@ use crate::compare::sampling::SamplingPlugin;
 use crate::demo_2012::Demo2012Plugin;
 use crate::input::ControlsPlugin;
 use crate::interaction::{InteractionPlugin, MousePlugin};
+use crate::platform;
 use crate::preferences::PreferencesPlugin;
 use crate::record::{PicturesPlugin, RecordPlugin};
 use crate::scene::ScenePlugin;
@@ -65,7 +66,7 @@ pub fn build(cli: &Cli) -> std::io::Result<App> {
     app.add_plugins((
         EguiPlugin::default(),
         FrameTimeDiagnosticsPlugin::default(),
-        SystemInformationDiagnosticsPlugin,
+        platform::plugin,
         GamePlugin { cli: cli.clone() },
         TargetPlugin { offscreen, size },
         CameraPlugin,

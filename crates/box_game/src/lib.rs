@@ -12,6 +12,7 @@ pub mod demo_2012;
 pub mod input;
 pub mod interaction;
 pub mod parameters;
+pub mod platform;
 pub mod preferences;
 pub mod record;
 pub mod scene;

@@ -1,14 +1,13 @@
 //! The game's entry point: chooses between window, pictures without a window, and the comparison
 //! without either.
 
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use bevy::app::AppExit;
 use box_game::app;
-use box_game::cli::display::{self, Need};
 use box_game::cli::{self, Cli};
 use box_game::compare::headless::{self, Headless};
+use box_game::platform::{self, Need};
 use box_game::scene::library;
 use box_game::scene::session::Session;
 use box_physics::prelude::Integrator;
@@ -16,21 +15,21 @@ use box_scenarios::Scenario;
 use clap::Parser;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse_from(platform::arguments()) {
+        Ok(cli) => cli,
+        Err(error) => return platform::refuse(&error),
+    };
     if let Some(need) = cli.probe {
-        return match display::probe(need) {
+        return match platform::probe(need) {
             Ok(()) => ExitCode::SUCCESS,
-            Err(reason) => {
-                eprintln!("{reason}");
-                ExitCode::FAILURE
-            }
+            Err(reason) => fail(&reason, 1),
         };
     }
     if cli.list_scenes {
-        return say(&cli::scene_list());
+        return platform::say(&cli::scene_list());
     }
     if cli.list_integrators {
-        return say(&cli::integrator_list());
+        return platform::say(&cli::integrator_list());
     }
     if cli.headless {
         return compare(&cli);
@@ -40,12 +39,14 @@ fn main() -> ExitCode {
     } else {
         Need::Window
     };
-    if let Err(missing) = display::check(need) {
-        eprintln!("{missing}");
+    if let Err(missing) = platform::check(need) {
+        platform::complain(&missing.to_string());
         if cli.offscreen || cli.screenshot.is_some() || cli.script.is_some() {
             return cli::no_display();
         }
-        eprintln!("\nRunning the comparison without a window instead (as with --headless):\n");
+        platform::complain(
+            "\nRunning the comparison without a window instead (as with --headless):\n",
+        );
         return compare(&cli);
     }
     match app::build(&cli) {
@@ -53,11 +54,14 @@ fn main() -> ExitCode {
             AppExit::Success => ExitCode::SUCCESS,
             AppExit::Error(code) => ExitCode::from(code.get()),
         },
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
+        Err(error) => fail(&error.to_string(), 1),
     }
+}
+
+/// Says why the program ends with this exit code.
+fn fail(reason: &str, code: u8) -> ExitCode {
+    platform::complain(reason);
+    ExitCode::from(code)
 }
 
 /// The comparison without a window.
@@ -65,17 +69,11 @@ fn compare(cli: &Cli) -> ExitCode {
     let id = cli.scene.as_deref().unwrap_or("throw");
     let scenario = match library::open(id) {
         Ok(scenario) => scenario,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::from(2);
-        }
+        Err(error) => return fail(&error, 2),
     };
     let mut scenario = match wished(scenario, cli) {
         Ok(scenario) => scenario,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::from(2);
-        }
+        Err(error) => return fail(&error, 2),
     };
     if let Some(duration) = cli.duration {
         scenario.setup.duration = duration;
@@ -97,16 +95,13 @@ fn compare(cli: &Cli) -> ExitCode {
     };
     let table = match headless.run() {
         Ok(table) => table,
-        Err(error) => {
-            eprintln!("{error}");
-            return ExitCode::FAILURE;
-        }
+        Err(error) => return fail(&error.to_string(), 1),
     };
     let every = match table.every {
         1 => String::new(),
         n => format!(" (every {n} steps)"),
     };
-    let said = say(&format!(
+    let said = platform::say(&format!(
         "{}\nFull time series: {}{every}\n",
         headless.report(&table),
         headless.log.display()
@@ -126,12 +121,4 @@ fn wished(mut scenario: Scenario, cli: &Cli) -> Result<Scenario, String> {
     }
     scenario.setup = session.setup();
     Ok(scenario)
-}
-
-/// Prints; that nobody listens any more (`| head`) is no error.
-fn say(text: &str) -> ExitCode {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => ExitCode::FAILURE,
-        _ => ExitCode::SUCCESS,
-    }
 }

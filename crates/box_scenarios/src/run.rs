@@ -132,6 +132,59 @@ pub enum End {
     OutOfBudget,
 }
 
+/// A run that can be interrupted: it goes from one sample or impulse of its plan to the next.
+#[derive(Clone, Debug)]
+pub struct PlanRun {
+    model: Model,
+    driver: Driver,
+    leg: usize,
+}
+
+impl PlanRun {
+    /// The start of `setup`.
+    pub fn new(setup: &Setup, integrator: Integrator) -> Self {
+        Self {
+            model: Model::of(setup),
+            driver: Driver::new(setup.initial, integrator),
+            leg: 0,
+        }
+    }
+
+    /// Back to the start of `setup`.
+    pub fn restart(&mut self, setup: &Setup) {
+        self.driver = Driver::new(setup.initial, self.driver.integrator);
+        self.leg = 0;
+    }
+
+    /// The next stretch of `plan`, as in [`run_plan`]; returns how the run ended, once it has.
+    pub fn advance(
+        &mut self,
+        plan: &Plan,
+        look: impl FnOnce(f64, &BodyState) -> bool,
+    ) -> Option<End> {
+        let (driver, model) = (&mut self.driver, &self.model);
+        let Some(leg) = plan.legs.get(self.leg) else {
+            return Some(End::Complete);
+        };
+        self.leg += 1;
+        if !driver.run(model, leg.h, leg.steps, plan.budget) {
+            return Some(End::Failed { at: driver.time });
+        }
+        if driver.totals.evaluations > plan.budget {
+            return Some(End::OutOfBudget);
+        }
+        // Not a sum of steps.
+        driver.time = leg.end;
+        if leg.sample && !look(leg.end, &driver.state) {
+            return Some(End::Stopped);
+        }
+        for i in &leg.impulses {
+            driver.apply(model, i);
+        }
+        None
+    }
+}
+
 /// Runs `setup` by `integrator` along `plan`, and shows time \[s\] and state at every sample to `look`,
 /// which returns whether to go on.
 pub fn run_plan(
@@ -140,28 +193,12 @@ pub fn run_plan(
     plan: &Plan,
     mut look: impl FnMut(f64, &BodyState) -> bool,
 ) -> (Totals, End) {
-    let model = Model::of(setup);
-    let mut driver = Driver::new(setup.initial, integrator);
-    let end = 'run: {
-        for leg in &plan.legs {
-            if !driver.run(&model, leg.h, leg.steps, plan.budget) {
-                break 'run End::Failed { at: driver.time };
-            }
-            if driver.totals.evaluations > plan.budget {
-                break 'run End::OutOfBudget;
-            }
-            // Not a sum of steps.
-            driver.time = leg.end;
-            if leg.sample && !look(leg.end, &driver.state) {
-                break 'run End::Stopped;
-            }
-            for i in &leg.impulses {
-                driver.apply(&model, i);
-            }
+    let mut run = PlanRun::new(setup, integrator);
+    loop {
+        if let Some(end) = run.advance(plan, &mut look) {
+            return (run.driver.totals, end);
         }
-        End::Complete
-    };
-    (driver.totals, end)
+    }
 }
 
 #[cfg(test)]

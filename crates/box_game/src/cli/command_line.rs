@@ -8,6 +8,7 @@ use crate::action::Action;
 use crate::action::compare::Layout;
 use crate::compare::Comparison;
 use crate::parameters::{Parameter, Parameters};
+use crate::platform;
 use crate::scene::library::SceneLibrary;
 use crate::scene::session::Session;
 
@@ -32,34 +33,34 @@ pub fn of(world: &World) -> String {
         .chain(others)
         .map(|i| i.id())
         .collect();
-    let mut words = vec![
-        "box_game".to_owned(),
-        quoted(scene.as_deref().unwrap_or(session.scenario.id)),
-        format!("--integrator {}", ids.join(",")),
-    ];
+    let mut words = vec![scene.unwrap_or_else(|| session.scenario.id.to_owned())];
+    let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
+    option("integrator", ids.join(","));
     let layout = comparison.settings.layout;
     if layout != Layout::default() {
-        words.push(format!("--layout {}", layout.name().to_ascii_lowercase()));
+        option("layout", layout.name().to_ascii_lowercase());
     }
     if session.speed != 1.0 {
-        words.push(format!("--speed {}", session.speed));
+        option("speed", session.speed.to_string());
     }
     if session.seed != 1 {
-        words.push(format!("--seed {}", session.seed));
+        option("seed", session.seed.to_string());
     }
-    words.extend(parameters(&session.parameters, &session.defaults));
-    words.join(" ")
+    for (name, value) in parameters(&session.parameters, &session.defaults) {
+        option(&name, value);
+    }
+    platform::reproduce(&words)
 }
 
 /// The options of the parameters that differ from the scene's own; dt always.
-fn parameters(now: &Parameters, scene: &Parameters) -> Vec<String> {
+fn parameters(now: &Parameters, scene: &Parameters) -> Vec<(String, String)> {
     let changed = |p: &Parameter| now.get(*p) != scene.get(*p);
     let option = |p: Parameter| {
         let (id, value) = (p.info().id, now.get(p)?);
         Some(match p {
-            Parameter::Step => format!("--dt {}", step(value)),
-            Parameter::Substeps | Parameter::Boxes => format!("--{id} {value}"),
-            _ => format!("--set {id}={value}"),
+            Parameter::Step => ("dt".to_owned(), step(value)),
+            Parameter::Substeps | Parameter::Boxes => (id.to_owned(), value.to_string()),
+            _ => ("set".to_owned(), format!("{id}={value}")),
         })
     };
     Parameter::ALL
@@ -93,16 +94,6 @@ fn step(step: f64) -> String {
     }
 }
 
-/// For a shell: plain where it can be.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./".contains(c);
-    if word.chars().all(plain) {
-        word.to_owned()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,7 +102,14 @@ mod tests {
     #[test]
     fn only_what_differs_is_said() {
         let scene = Parameters::of(&Scenario::find("bounce").expect("a scene"));
-        assert_eq!(parameters(&scene, &scene), ["--dt 60hz"]);
+        let said = |now: &Parameters| {
+            let options = parameters(now, &scene).into_iter();
+            options
+                .map(|(name, value)| format!("--{name} {value}"))
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        assert_eq!(said(&scene), "--dt 60hz");
         let mut now = scene;
         for (parameter, value) in [
             (Parameter::Step, 0.0123),
@@ -123,9 +121,8 @@ mod tests {
             now.set(parameter, value).expect("allowed");
         }
         assert_eq!(
-            parameters(&now, &scene).join(" "),
+            said(&now),
             "--dt 0.0123 --substeps 3 --set gravity=1.62 --set half-y=0.2 --boxes 7"
         );
-        assert_eq!(quoted("my scenes/a.ron"), "'my scenes/a.ron'");
     }
 }

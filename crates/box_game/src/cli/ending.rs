@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use box_physics::prelude::{BodyQuarantined, PhysicsClock};
 
 use super::Cli;
+use crate::platform;
 use crate::record::screenshot::ScreenshotRequest;
 
 /// Conditions that end the program.
@@ -71,14 +72,14 @@ pub(super) fn end(
     match *asked {
         None => {
             // A picture left from an earlier run must not pass for this one's.
-            let _ = std::fs::remove_file(path);
+            platform::remove(path);
             commands.insert_resource(ScreenshotRequest {
                 path: Some(path.clone()),
                 plot: false,
             });
             *asked = Some(*frames);
         }
-        Some(_) if path.exists() => {
+        Some(_) if platform::exists(path) => {
             exit.write(code);
         }
         Some(since) if *frames > since + 600 => {

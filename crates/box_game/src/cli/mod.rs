@@ -1,7 +1,6 @@
 //! The command line.
 
 pub mod command_line;
-pub mod display;
 mod ending;
 pub mod start;
 
@@ -15,6 +14,7 @@ use clap::Parser;
 use crate::action::Plot;
 use crate::action::compare::Layout;
 use crate::parameters::{Parameter, SPEEDS, UI_SCALES};
+use crate::platform::Need;
 use crate::scene::library;
 
 /// Push a box about and compare numerical integrators live: speed against error.
@@ -123,7 +123,7 @@ pub struct Cli {
 
     /// Internal: find out in a process of its own whether a window and a GPU are to be had.
     #[arg(long, hide = true, value_name = "WHAT")]
-    pub probe: Option<display::Need>,
+    pub probe: Option<Need>,
 }
 
 /// Values for parameters, of one `--set`.

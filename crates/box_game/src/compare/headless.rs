@@ -10,6 +10,7 @@ use box_physics::floor::{ContactSettings, ContactState};
 use box_physics::prelude::Integrator;
 use box_scenarios::{ComparisonResult, Model, Scenario};
 
+use super::sampling::{measure_grain, shortest_sample};
 use crate::record::csv_log::{CsvLog, Row};
 
 /// Rows of the CSV per integrator at most; of longer runs it has every so many steps.
@@ -123,7 +124,7 @@ impl Headless {
             .collect();
         let settings = Settings {
             samples: 21,
-            ..Settings::default()
+            shortest_sample: shortest_sample(measure_grain()),
         };
         interleaved(&mut contenders, &settings)
     }

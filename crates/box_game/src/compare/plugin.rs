@@ -257,6 +257,7 @@ fn follow(
     mut comparison: ResMut<Comparison>,
 ) {
     let comparison = &mut *comparison;
+    comparison.sweep.tick();
     comparison.comparisons_ms = comparison.spent.as_secs_f64() * 1e3;
     comparison.spent = Duration::ZERO;
     let Some((entity, state, law, integrator)) = scene.main_box() else {
@@ -286,7 +287,9 @@ pub fn apply(world: &mut World, action: CompareAction) {
     if action == CompareAction::Resync {
         return resync(world);
     }
-    let setup = world.get_resource::<Session>().map(Session::setup);
+    let session = world.get_resource::<Session>();
+    let setup = session.map(|s| (s.setup(), s.truth.clone()));
+    let grain = world.get_resource::<IntegratorSamples>().map(|s| s.grain());
     let mut notice = None;
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
@@ -312,11 +315,12 @@ pub fn apply(world: &mut World, action: CompareAction) {
             let Some(run) = &comparison.run else {
                 return;
             };
-            let setup = setup.unwrap_or_else(|| run.law.setup(*run.start(), 10.0));
+            let (setup, truth) = setup.unwrap_or_else(|| (run.law.setup(*run.start(), 10.0), None));
             let main_box = run.main_box.integrator;
             let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
             let integrators = [main_box].into_iter().chain(others).collect();
-            if let Err(error) = comparison.sweep.start(setup, integrators) {
+            let grain = grain.unwrap_or_default();
+            if let Err(error) = comparison.sweep.start(setup, truth, integrators, grain) {
                 notice = Some(format!("sweep: {error}"));
             }
         }

@@ -1,6 +1,10 @@
 //! Live timing, two figures: what a step of this scene costs in the plugin, by its own clock, and what it would cost
-//! under **every** integrator, on one snapshot of the scene's bodies in turns ([`Snapshot`]). Neither is older than two
-//! seconds, and both begin again where scene, step or load change.
+//! under **every** integrator, on one snapshot of the scene's bodies in turns ([`Snapshot`]). Both begin again where
+//! scene, step or load change. Neither is older than two seconds, unless the clock is so coarse that a round of all
+//! integrators takes longer.
+//!
+//! A sample lasts at least [`GRAINS`] grains of the clock. In a browser, where a grain may be 100 µs, it is made of
+//! parts in several frames; [`IntegratorSamples::uncertainty`] says what the grain leaves of it.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -22,8 +26,14 @@ const WINDOW: f64 = 2.0;
 const STEPS: usize = 240;
 /// A sample lasts at least this long.
 const SHORTEST: Duration = Duration::from_micros(100);
-/// Time for samples in a frame; at least one integrator has its turn.
+/// And at least this many grains of the clock.
+pub const GRAINS: u32 = 50;
+/// Time for samples in a frame; at least one part of a sample is taken.
 const BUDGET: Duration = Duration::from_micros(300);
+/// Share of a frame's time for samples, where that is more and the clock is coarse.
+const SHARE: f64 = 0.1;
+/// The most time for samples in a frame.
+const MOST: Duration = Duration::from_millis(8);
 /// Points of the plotted past per integrator: five minutes at least.
 const HISTORY: usize = 3600;
 
@@ -48,9 +58,109 @@ pub struct IntegratorSamples {
     plugin: VecDeque<(f64, [f64; Stage::ALL.len()])>,
     /// Steps of the plugin at its last sample.
     steps: u64,
-    next: usize,
+    turn: Turn,
     snapshot: Option<Snapshot>,
     load: Option<Load>,
+    /// Of the clock.
+    grain: Duration,
+    /// Standard deviation that the grain leaves in the last sample, relative.
+    uncertainty: f64,
+}
+
+/// A sample in the making.
+#[derive(Clone, Debug, Default)]
+struct Turn {
+    /// Number of the integrator.
+    integrator: usize,
+    /// Calls timed so far, in so many parts.
+    calls: u32,
+    parts: u32,
+    elapsed: Duration,
+    /// Force evaluations of a call; none before the first.
+    evaluations: Option<u64>,
+}
+
+impl Turn {
+    /// One part of at least `part`, for a sample of at least `shortest`; returns that once it is complete.
+    fn take(
+        &mut self,
+        snapshot: &mut Snapshot,
+        part: Duration,
+        shortest: Duration,
+    ) -> Option<Sample> {
+        let integrator = Integrator::ALL[self.integrator];
+        let evaluations = match self.evaluations {
+            Some(evaluations) => evaluations,
+            // Not timed: it pays for what the one before it has left in the caches.
+            None => snapshot.call(integrator).evaluations,
+        };
+        self.evaluations = Some(evaluations);
+        let part = part.min(shortest.saturating_sub(self.elapsed));
+        let mut calls = 1;
+        if self.calls > 0 {
+            let each = self.elapsed.as_secs_f64() / f64::from(self.calls);
+            calls = (part.as_secs_f64() / each.max(1e-9)).clamp(1.0, 1e6) as u32;
+        }
+        let start = Instant::now();
+        let elapsed = loop {
+            for _ in 0..calls {
+                std::hint::black_box(snapshot.call(integrator));
+            }
+            self.calls += calls;
+            let elapsed = start.elapsed();
+            if elapsed >= part {
+                break elapsed;
+            }
+            // Twice as many in all, so that the clock is seldom looked at.
+            calls = self.calls;
+        };
+        self.elapsed += elapsed;
+        self.parts += 1;
+        let units = f64::from(self.calls) * snapshot.units();
+        (self.elapsed >= shortest).then(|| Sample {
+            nanoseconds: self.elapsed.as_nanos() as f64 / units,
+            evaluations: evaluations as f64 / snapshot.units(),
+        })
+    }
+
+    /// The next integrator's.
+    fn next(&self) -> Self {
+        Self {
+            integrator: (self.integrator + 1) % Integrator::ALL.len(),
+            ..Self::default()
+        }
+    }
+
+    /// Standard deviation, relative, that a clock of this grain leaves. Both ends of a part are rounded down by up to a
+    /// grain: their difference has a variance of a sixth of the grain's square.
+    fn uncertainty(&self, grain: Duration) -> f64 {
+        let sigma = grain.as_secs_f64() * (f64::from(self.parts) / 6.0).sqrt();
+        sigma / self.elapsed.as_secs_f64().max(1e-12)
+    }
+}
+
+/// The shortest sample with a clock of this grain.
+pub fn shortest_sample(grain: Duration) -> Duration {
+    SHORTEST.max(grain * GRAINS)
+}
+
+/// The smallest difference that the clock shows: the median of a few.
+pub fn measure_grain() -> Duration {
+    let mut last = Instant::now();
+    let mut steps: Vec<Duration> = (0..9)
+        .map(|_| {
+            loop {
+                let now = Instant::now();
+                let step = now - last;
+                if step > Duration::ZERO {
+                    last = now;
+                    return step;
+                }
+            }
+        })
+        .collect();
+    steps.sort();
+    steps[steps.len() / 2]
 }
 
 /// What the samples belong to.
@@ -73,9 +183,11 @@ impl Default for IntegratorSamples {
             history: vec![VecDeque::new(); n],
             plugin: VecDeque::new(),
             steps: 0,
-            next: 0,
+            turn: Turn::default(),
             snapshot: None,
             load: None,
+            grain: measure_grain(),
+            uncertainty: 0.0,
         }
     }
 }
@@ -87,6 +199,21 @@ impl IntegratorSamples {
         let recent: Vec<f64> = recent.iter().map(|s| s.1).collect();
         let cost = (!recent.is_empty()).then(|| Cost::of(&recent))?;
         Some((cost.min, cost.median, cost.p95))
+    }
+
+    /// The smallest difference that the clock shows.
+    pub fn grain(&self) -> Duration {
+        self.grain
+    }
+
+    /// Standard deviation of a sample, relative, that comes from the grain of the clock.
+    pub fn uncertainty(&self) -> f64 {
+        self.uncertainty
+    }
+
+    /// A grain so long that a sample does not fit into a frame's budget.
+    pub fn is_coarse(&self) -> bool {
+        self.grain * GRAINS > BUDGET
     }
 
     /// Force evaluations per body-step, measured.
@@ -122,11 +249,16 @@ impl IntegratorSamples {
             self.recent.iter_mut().for_each(VecDeque::clear);
             self.plugin.clear();
             self.snapshot = None;
+            self.turn = Turn {
+                integrator: self.turn.integrator,
+                ..Turn::default()
+            };
             self.load = Some(load);
         }
         let old = |t: f64| time - t > WINDOW;
+        let least = usize::from(self.is_coarse());
         for recent in &mut self.recent {
-            while recent.front().is_some_and(|s| old(s.0)) {
+            while recent.len() > least && recent.front().is_some_and(|s| old(s.0)) {
                 recent.pop_front();
             }
         }
@@ -189,9 +321,16 @@ pub fn sample_integrators(
     if let Some(timings) = &timings {
         samples.record_plugin(now, clock.steps(), timings);
     }
+    let shortest = shortest_sample(samples.grain);
+    let budget = if samples.is_coarse() {
+        time.delta().mul_f64(SHARE).clamp(BUDGET, MOST)
+    } else {
+        BUDGET
+    };
     let started = Instant::now();
     loop {
-        if samples.next == 0 || samples.snapshot.is_none() {
+        let first = samples.turn.integrator == 0 && samples.turn.calls == 0;
+        if first || samples.snapshot.is_none() {
             let floor = floor.as_deref().map(|f| (*f, *settings));
             let boxes = boxes.iter();
             let boxes = boxes
@@ -201,10 +340,12 @@ pub fn sample_integrators(
         let Some(snapshot) = &mut samples.snapshot else {
             return;
         };
-        let integrator = Integrator::ALL[samples.next];
-        let sample = snapshot.time(integrator, SHORTEST);
-        samples.record(integrator, now, sample);
-        samples.next = (samples.next + 1) % Integrator::ALL.len();
+        let part = budget.min(shortest);
+        if let Some(sample) = samples.turn.take(snapshot, part, shortest) {
+            samples.uncertainty = samples.turn.uncertainty(samples.grain);
+            samples.record(Integrator::ALL[samples.turn.integrator], now, sample);
+            samples.turn = samples.turn.next();
+        }
         if started.elapsed() >= BUDGET {
             return;
         }
@@ -251,6 +392,66 @@ mod tests {
         assert_eq!(samples.plugin(), None);
         samples.record(split, 10.0, sample(5.0));
         assert_eq!(samples.statistics(split), Some((5.0, 5.0, 5.0)));
+    }
+
+    /// A sample of fifty grains of 100 µs, taken over several frames, agrees with one taken in one go.
+    #[test]
+    fn a_sample_in_parts_measures_the_same() {
+        let bodies = [(RigidBox::default(), BodyState::default())];
+        let forces = box_scenarios::ForceSet::none();
+        let all = || bodies.iter().map(|(b, s)| (b, s, ContactState::default()));
+        let mut snapshot = Snapshot::new(all(), &forces, None, 1.0 / 60.0).expect("a body");
+        let grain = Duration::from_micros(100);
+        let mut measure = |part: Duration| {
+            let mut best = f64::INFINITY;
+            let mut parts = 0;
+            for _ in 0..5 {
+                let mut turn = Turn::default();
+                let sample = loop {
+                    if let Some(sample) = turn.take(&mut snapshot, part, GRAINS * grain) {
+                        break sample;
+                    }
+                };
+                assert!(turn.elapsed >= GRAINS * grain);
+                best = best.min(sample.nanoseconds);
+                parts = turn.parts.max(parts);
+            }
+            (best, parts)
+        };
+        let (whole, parts) = measure(GRAINS * grain);
+        assert_eq!(parts, 1);
+        let (pieces, parts) = measure(10 * grain);
+        assert!((2..=6).contains(&parts), "{parts} parts");
+        assert!(
+            (0.6..1.6).contains(&(pieces / whole)),
+            "{pieces} ns, {whole} ns"
+        );
+        // A grain over √6 in fifty; of six parts √6 times as much.
+        for (parts, expected) in [(1, 0.02 / 6.0_f64.sqrt()), (6, 0.02)] {
+            let turn = Turn {
+                parts,
+                elapsed: GRAINS * grain,
+                ..Turn::default()
+            };
+            assert!((turn.uncertainty(grain) - expected).abs() < 1e-12);
+        }
+        assert!(measure_grain() < Duration::from_millis(1));
+    }
+
+    /// With a coarse clock, the last sample stays until there is another.
+    #[test]
+    fn a_coarse_clock_keeps_its_last_sample() {
+        let mut samples = IntegratorSamples {
+            grain: Duration::from_micros(100),
+            ..IntegratorSamples::default()
+        };
+        samples.begin(0.0, load(0.1));
+        samples.record(Integrator::Split, 0.0, sample(9.0));
+        samples.begin(10.0, load(0.1));
+        assert_eq!(samples.statistics(Integrator::Split), Some((9.0, 9.0, 9.0)));
+        samples.record(Integrator::Split, 10.0, sample(5.0));
+        samples.begin(10.1, load(0.1));
+        assert_eq!(samples.statistics(Integrator::Split), Some((5.0, 5.0, 5.0)));
     }
 
     #[test]

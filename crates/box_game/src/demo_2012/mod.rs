@@ -1,7 +1,6 @@
 //! The demo of 2012 on screen: in its scene the main box moves as [`box_scenarios::dissertation`] has it, or,
 //! at the press of a button, as ours.
 
-use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +12,7 @@ use box_physics::prelude::{
 use box_scenarios::dissertation::{Demo, State, Stepper};
 
 use crate::action::Action;
+use crate::platform::{self, Stream};
 use crate::scene::session::{MainBox, Session};
 use crate::scene::start::{SceneOpened, SceneStarted};
 
@@ -98,14 +98,14 @@ impl Demo2012 {
 #[derive(Debug)]
 struct CycleLog {
     path: PathBuf,
-    file: BufWriter<File>,
+    file: BufWriter<Stream>,
     cycles: u64,
     flushed: Instant,
 }
 
 impl CycleLog {
     fn create(path: PathBuf) -> std::io::Result<Self> {
-        let mut file = BufWriter::new(File::create(&path)?);
+        let mut file = BufWriter::new(platform::create(&path)?);
         writeln!(file, "cycle milliseconds stepper")?;
         Ok(Self {
             path,

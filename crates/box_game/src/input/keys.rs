@@ -12,6 +12,7 @@ use super::focus::UiFocus;
 use crate::action::compare::CompareAction;
 use crate::action::{Action, Actions, Push};
 use crate::interaction::grab::Grip;
+use crate::platform;
 use crate::scene::session::Session;
 
 /// Interval at which a held push repeats \[s\].
@@ -69,7 +70,7 @@ pub(super) fn read_keys(
     if keys.just_pressed(KeyCode::F1) {
         actions.push(Action::ToggleHelp);
     }
-    if keys.just_pressed(KeyCode::F12) {
+    if platform::SCREENSHOT_KEY.is_some_and(|key| keys.just_pressed(key)) {
         actions.push(Action::Screenshot);
     }
     if control {

@@ -20,6 +20,7 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
 use crate::action::{Action, Actions};
+use crate::platform;
 
 /// The longest script that is read \[bytes\].
 const MAX_BYTES: u64 = 1024 * 1024;
@@ -44,12 +45,13 @@ pub struct Beat {
 pub fn load(path: &Path) -> Result<Vec<Beat>, String> {
     let file = path.display();
     let read = || {
-        if std::fs::metadata(path)?.len() > MAX_BYTES {
+        let bytes = platform::read(path, MAX_BYTES + 1)?;
+        if bytes.len() as u64 > MAX_BYTES {
             return Err(std::io::Error::other(format!(
                 "longer than {MAX_BYTES} bytes"
             )));
         }
-        std::fs::read_to_string(path)
+        String::from_utf8(bytes).map_err(std::io::Error::other)
     };
     let text = read().map_err(|error| format!("{file}: {error}"))?;
     parse(&text).map_err(|error| format!("{file}:{error}"))

@@ -1,13 +1,14 @@
 //! The CSV log: one row per step and integrator, with units in the column names. Every row is handed to the
 //! operating system at once, so that nothing is lost when the program exits, panics or is killed.
 
-use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use bevy::prelude::Resource;
 use box_scenarios::Status;
 use serde::Serialize;
+
+use crate::platform::{self, Stream};
 
 /// One row. Columns without a figure are empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -74,7 +75,7 @@ pub struct CsvLog {
 }
 
 struct CountingFile {
-    file: File,
+    file: Stream,
     bytes: u64,
 }
 
@@ -97,7 +98,7 @@ impl CsvLog {
     /// The error of the file system, with the path.
     pub fn create(path: &Path, scene: &str, seed: u64) -> io::Result<Self> {
         let named = |e: io::Error| io::Error::new(e.kind(), format!("{}: {e}", path.display()));
-        let mut file = File::create(path).map_err(named)?;
+        let mut file = platform::create(path).map_err(named)?;
         let head = format!(
             "# box_game {} log\n# scene: {scene}\n# seed: {seed}\n# precision: f64\n# architecture: {}, {} logical cores\n# os: {}\n# features: {}\n",
             env!("CARGO_PKG_VERSION"),
@@ -114,7 +115,7 @@ impl CsvLog {
         file.write_all(head.as_bytes()).map_err(named)?;
         let bytes = head.len() as u64;
         Ok(Self {
-            path: std::path::absolute(path).map_err(named)?,
+            path: platform::absolute(path).map_err(named)?,
             writer: csv::Writer::from_writer(CountingFile { file, bytes }),
             rows: 0,
         })

@@ -3,11 +3,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use bevy::image::ImageFormat;
 use bevy::prelude::*;
 use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
 
 use crate::action::{Action, Film};
 use crate::input::script::PendingPictures;
+use crate::platform;
 use crate::scene::session::Session;
 use crate::view::renderer::PictureTarget;
 
@@ -102,7 +104,7 @@ pub fn film(
         return;
     }
     if filming.taken == 0
-        && let Err(error) = std::fs::create_dir_all(&filming.film.folder)
+        && let Err(error) = platform::create_folder(&filming.film.folder)
     {
         session.notice(format!("{}: {error}", filming.film.folder.display()));
         commands.remove_resource::<Filming>();
@@ -123,7 +125,7 @@ pub fn film(
 pub fn next_free(name: &str, extension: &str) -> Option<PathBuf> {
     (1..10_000)
         .map(|n| PathBuf::from(format!("{name}-{n:02}.{extension}")))
-        .find(|path| !path.exists())
+        .find(|path| !platform::exists(path))
 }
 
 fn capture(
@@ -149,25 +151,19 @@ fn capture(
     );
 }
 
-/// Writes a PNG beside its place and moves it there, so that no half-written picture is ever seen.
+/// Writes a PNG.
 fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
     let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
     if let Some(URect { min, max }) = area {
         picture = picture.crop_imm(min.x, min.y, max.x - min.x, max.y - min.y);
     }
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
-    let mut builder = tempfile::Builder::new();
-    // A temporary file is private by default.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    let file = builder
-        .suffix(".png")
-        .tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    let mut png = io::Cursor::new(Vec::new());
+    let format = ImageFormat::Png.as_image_crate_format();
+    let format = format.ok_or_else(|| io::Error::other("built without PNG"))?;
     // The alpha of a window has no meaning.
     picture
         .to_rgb8()
-        .save(file.path())
+        .write_to(&mut png, format)
         .map_err(io::Error::other)?;
-    file.persist(path)?;
-    Ok(())
+    platform::write(path, png.get_ref())
 }

@@ -1,7 +1,6 @@
 //! The scenes to choose from: built in, and in files that are watched while the game runs.
 
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 use bevy::prelude::*;
 use box_scenarios::{Scenario, scene_file};
@@ -9,6 +8,7 @@ use box_scenarios::{Scenario, scene_file};
 use super::session::Session;
 use super::start::open_scene;
 use crate::action::Action;
+use crate::platform::{self, Stamp};
 
 /// Interval between two looks at the files [s of real time].
 const INTERVAL: f64 = 0.5;
@@ -31,7 +31,7 @@ pub struct SceneLibrary {
 #[derive(Debug)]
 struct SceneFile {
     path: PathBuf,
-    stamp: Option<(SystemTime, u64)>,
+    stamp: Option<Stamp>,
     /// The last good content.
     scene: Option<Scenario>,
     error: Option<String>,
@@ -51,18 +51,9 @@ impl SceneLibrary {
         library
     }
 
-    /// The files of `assets/scenes`: under `BEVY_ASSET_ROOT`, the present folder, or beside the program.
+    /// The files of `assets/scenes`.
     pub fn shipped(opened: Option<PathBuf>) -> Self {
-        let root = std::env::var_os("BEVY_ASSET_ROOT").map(PathBuf::from);
-        let program = std::env::current_exe().ok();
-        let beside = program.and_then(|p| p.parent().map(Path::to_owned));
-        let folder = [root, Some(PathBuf::new()), beside]
-            .into_iter()
-            .flatten()
-            .map(|base| base.join("assets/scenes"))
-            .find(|folder| folder.is_dir())
-            .unwrap_or_else(|| PathBuf::from("assets/scenes"));
-        Self::new(folder, opened)
+        Self::new(platform::scene_folder(), opened)
     }
 
     /// (id, title) of every scene, in the order of the menu: built-in ones first.
@@ -101,10 +92,8 @@ impl SceneLibrary {
 
     /// Reads every changed file. Returns the ids of the scenes whose content changed.
     pub fn refresh(&mut self) -> Vec<&'static str> {
-        let mut paths: Vec<PathBuf> = std::fs::read_dir(&self.folder)
+        let mut paths: Vec<PathBuf> = platform::list(&self.folder)
             .into_iter()
-            .flatten()
-            .filter_map(|entry| entry.ok().map(|e| e.path()))
             .filter(|path| path.extension().is_some_and(|e| e == "ron"))
             .collect();
         paths.sort();
@@ -116,9 +105,7 @@ impl SceneLibrary {
         self.files.retain(|f| paths.contains(&f.path));
         let mut changed = Vec::new();
         for path in paths {
-            let stamp = std::fs::metadata(&path)
-                .ok()
-                .and_then(|m| Some((m.modified().ok()?, m.len())));
+            let stamp = platform::stamp(&path);
             let known = self.files.iter().position(|f| f.path == path);
             if known.is_some_and(|k| self.files[k].stamp == stamp) {
                 continue;
@@ -157,7 +144,7 @@ impl SceneLibrary {
     }
 
     fn read(&self, path: &Path) -> Result<Scenario, String> {
-        let scene = scene_file::load(path).map_err(|e| e.to_string())?;
+        let scene = load(path)?;
         let other =
             |f: &SceneFile| f.path != path && f.scene.as_ref().is_some_and(|s| s.id == scene.id);
         if Scenario::ids().contains(&scene.id) || self.files.iter().any(other) {
@@ -181,10 +168,16 @@ fn same_file(a: &Path, b: &Path) -> bool {
 /// A sentence that lists the scenes, or names the error in the file.
 pub fn open(text: &str) -> Result<Scenario, String> {
     if let Some(path) = file_path(text) {
-        scene_file::load(&path).map_err(|e| e.to_string())
+        load(&path)
     } else {
         Scenario::find(text).map_err(|e| format!("{e}; or the path of a scene file (.ron)"))
     }
+}
+
+fn load(path: &Path) -> Result<Scenario, String> {
+    let bytes = platform::read(path, scene_file::MAX_BYTES + 1);
+    let bytes = bytes.map_err(|error| format!("{}: {error}", path.display()))?;
+    scene_file::from_bytes(path, &bytes).map_err(|error| error.to_string())
 }
 
 /// The path, if `text` names a file and not a scene.

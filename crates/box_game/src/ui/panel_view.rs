@@ -15,6 +15,7 @@ use crate::compare::fill::compare_view;
 use crate::compare::sampling::IntegratorSamples;
 use crate::demo_2012::Demo2012;
 use crate::interaction::undo::UndoStack;
+use crate::platform;
 use crate::preferences::Preferences;
 use crate::record::csv_log::CsvLog;
 use crate::record::history::{History, frame_time};
@@ -156,6 +157,11 @@ fn history(s: &Sources) -> HistoryView {
             .map(|&i| s.samples.history(i).collect())
             .collect(),
         cpu: s.history.cpu.iter().copied().collect(),
+        no_cpu: platform::CPU_USAGE.err(),
+        grain: s.samples.is_coarse().then(|| {
+            let grain = s.samples.grain().as_secs_f64() * 1e6;
+            (grain, s.samples.uncertainty())
+        }),
     }
 }
 

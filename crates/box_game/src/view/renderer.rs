@@ -6,6 +6,7 @@ use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::window::{ExitCondition, PrimaryWindow, WindowRef, WindowResolution};
 use box_physics::prelude::GlobalIntegrator;
 
+use crate::platform;
 use crate::scene::session::Session;
 
 /// Target of the cameras: the window, or an image.
@@ -69,12 +70,12 @@ pub fn renderer(offscreen: bool, size: (u32, u32)) -> bevy::app::PluginGroupBuil
             .disable::<bevy::winit::WinitPlugin>()
     } else {
         plugins.set(WindowPlugin {
-            primary_window: Some(Window {
+            primary_window: Some(platform::window(Window {
                 title: "box_game".to_owned(),
                 name: Some("box_game".to_owned()),
                 resolution: WindowResolution::from(size),
                 ..default()
-            }),
+            })),
             ..default()
         })
     }

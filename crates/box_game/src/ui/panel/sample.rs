@@ -80,6 +80,7 @@ pub fn sample_view() -> PanelView {
                 })
                 .collect(),
             cpu: (0..30).map(|k| (f64::from(k), 12.0, 30.0)).collect(),
+            ..HistoryView::default()
         },
         compare: sample_comparison(),
         show_help: false,

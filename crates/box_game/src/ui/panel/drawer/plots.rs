@@ -26,10 +26,20 @@ const LOWEST: f32 = 90.0;
 /// Median cost of a body-step of every integrator on the scene's bodies, on a log axis. The legend stands beside the plot, as
 /// with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
+    let clock = view
+        .history
+        .grain
+        .map_or_else(String::new, |(grain, part)| {
+            format!(
+                " · clock: steps of {} µs, samples ±{} %",
+                number(grain),
+                number(100.0 * part)
+            )
+        });
     ui.add(
         Label::new(
             RichText::new(format!(
-                "plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms",
+                "plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms{clock}",
                 view.step_time(),
                 number(view.compare.comparisons_ms * 1e3),
                 number(view.compare.panel_ms * 1e3),
@@ -108,6 +118,10 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
 
 /// CPU use of the process and the system, as stairs: the system measures it only now and then.
 pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
+    if let Some(reason) = view.history.no_cpu {
+        ui.label(reason);
+        return;
+    }
     scrolled(ui, |ui| {
         let plot = frame("CPU")
             .legend(

@@ -6,6 +6,7 @@ use super::super::format::{bytes, grouped, quantity};
 use super::super::view::PanelView;
 use super::super::widgets::button;
 use crate::action::Action;
+use crate::platform;
 
 pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     for (on, name, hint, action) in [
@@ -106,8 +107,9 @@ pub(super) fn log(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     if button(ui, name, "Write every step to a CSV file (L).") {
         out.push(Action::ToggleLog);
     }
-    let hint = "Copy the command line that restores this session to the clipboard.";
-    if button(ui, "Copy command line", hint) {
+    let what = platform::COPIED;
+    let hint = format!("Copy the {what} that restores this session to the clipboard.");
+    if button(ui, &format!("Copy {what}"), &hint) {
         out.push(Action::CopyCommandLine);
     }
     match &view.log {

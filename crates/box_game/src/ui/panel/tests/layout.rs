@@ -246,6 +246,8 @@ fn nothing_a_view_may_hold_makes_it_panic() {
         cpu: (0..10_000)
             .map(|k| (f64::from(k), long_run(k), nan))
             .collect(),
+        no_cpu: None,
+        grain: Some((1e300, nan)),
     };
     let mut empty = sample_view();
     empty.scenes.clear();
@@ -259,6 +261,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
         trajectory.lines.iter_mut().for_each(|(_, p)| p.truncate(1));
     }
     one_point.history.cpu = vec![(f64::INFINITY, 1.0, 1.0)];
+    one_point.history.no_cpu = Some("CPU usage is not available in a browser");
     for view in [broken, empty, one_point] {
         for plot in TABS {
             for hidden in [false, true] {

@@ -46,6 +46,20 @@ fn clock_speed_and_log_in_words() {
     assert!(Person::before(sample_view(), TALL).sees("not logging"));
 }
 
+/// What a browser cannot measure, and how well it measures the rest.
+#[test]
+fn a_browser_says_what_it_cannot_measure() {
+    let mut view = sample_view();
+    view.plot = Plot::Cpu;
+    view.history.no_cpu = Some("CPU usage is not available in a browser");
+    let person = Person::before(view.clone(), TALL);
+    assert!(person.sees("CPU usage is not available in a browser"));
+    view.plot = Plot::Timing;
+    assert!(!Person::before(view.clone(), TALL).sees_part("clock: steps"));
+    view.history.grain = Some((100.0, 0.0082));
+    assert!(Person::before(view, TALL).sees_part("clock: steps of 100 µs, samples ±0.82 %"));
+}
+
 #[test]
 fn read_outs_carry_units() {
     let person = Person::before(sample_view(), TALL);

@@ -7,26 +7,7 @@
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use clap::ValueEnum;
-
-/// Requirements of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Need {
-    /// A window and a GPU.
-    Window,
-    /// A GPU alone.
-    Gpu,
-}
-
-/// A missing requirement, with a remedy.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{reason}\n{advice}")]
-pub struct Unavailable {
-    /// The missing part.
-    pub reason: String,
-    /// A remedy.
-    pub advice: &'static str,
-}
+use crate::platform::{Need, Unavailable};
 
 /// Time for the display and the driver to answer. A cold software driver takes a second.
 const PATIENCE: Duration = Duration::from_secs(30);

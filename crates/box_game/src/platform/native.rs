@@ -1,0 +1,250 @@
+//! The desktop: command line, standard output, file system, threads.
+
+mod display;
+
+use std::ffi::OsString;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::thread::JoinHandle;
+use std::time::SystemTime;
+
+use bevy::diagnostic::SystemInformationDiagnosticsPlugin;
+use bevy::log::BoxedLayer;
+use bevy::log::tracing_subscriber::{self, Layer as _};
+use bevy::prelude::*;
+
+pub use display::{check, probe};
+
+/// Why there is no CPU usage, if there is none.
+pub const CPU_USAGE: Result<(), &str> = Ok(());
+/// Name of what [`reproduce`] makes.
+pub const COPIED: &str = "command line";
+/// The key that takes a picture.
+pub const SCREENSHOT_KEY: Option<KeyCode> = Some(KeyCode::F12);
+
+/// A file that is written bit by bit.
+pub type Stream = std::fs::File;
+/// Last change and length \[bytes\] of a file.
+pub type Stamp = (SystemTime, u64);
+
+/// The arguments, first of them the name of the program.
+pub fn arguments() -> impl Iterator<Item = OsString> {
+    std::env::args_os()
+}
+
+/// The end of a program whose arguments are wrong, or that was only asked for help.
+pub fn refuse(error: &clap::Error) -> ExitCode {
+    error.exit()
+}
+
+/// Prints; that nobody listens any more (`| head`) is no error.
+pub fn say(text: &str) -> ExitCode {
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => ExitCode::FAILURE,
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+/// Prints an error.
+pub fn complain(text: &str) {
+    eprintln!("{text}");
+}
+
+/// The words of a command line, for a shell.
+pub fn reproduce(words: &[String]) -> String {
+    let words = words.iter().map(|word| quoted(word));
+    ["box_game".to_owned()]
+        .into_iter()
+        .chain(words)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// For a shell: plain where it can be.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,=".contains(c);
+    if word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// The window as the platform wants it.
+pub fn window(window: Window) -> Window {
+    window
+}
+
+/// Adds what the platform has beyond the game: CPU usage.
+pub fn plugin(app: &mut App) {
+    app.add_plugins(SystemInformationDiagnosticsPlugin);
+}
+
+/// A file beside the console: `box_game.log` in the present folder, appended to.
+pub fn log_layer(_: &mut App) -> Option<BoxedLayer> {
+    let options = std::fs::File::options()
+        .create(true)
+        .append(true)
+        .open("box_game.log");
+    // The game also runs in a folder that cannot be written to.
+    let layer = tracing_subscriber::fmt::layer().with_ansi(false);
+    Some(layer.with_writer(Mutex::new(options.ok()?)).boxed())
+}
+
+/// The file's full path.
+///
+/// # Errors
+/// That of the file system.
+pub fn absolute(path: &Path) -> io::Result<PathBuf> {
+    std::path::absolute(path)
+}
+
+/// Whether there is a file.
+pub fn exists(path: &Path) -> bool {
+    path.exists()
+}
+
+/// Removes a file, if there is one.
+pub fn remove(path: &Path) {
+    let _ = std::fs::remove_file(path);
+}
+
+/// Creates a folder for files, if it is missing.
+///
+/// # Errors
+/// That of the file system.
+pub fn create_folder(path: &Path) -> io::Result<()> {
+    std::fs::create_dir_all(path)
+}
+
+/// Creates a file, or empties the one that is there.
+///
+/// # Errors
+/// That of the file system.
+pub fn create(path: &Path) -> io::Result<Stream> {
+    std::fs::File::create(path)
+}
+
+/// Writes a file beside its place and moves it there, so that no half-written one is ever seen.
+///
+/// # Errors
+/// That of the file system.
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    let mut builder = tempfile::Builder::new();
+    // A temporary file is private by default.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    file.write_all(bytes)?;
+    file.persist(path)?;
+    Ok(())
+}
+
+/// The content of a file, up to `most` bytes of it.
+///
+/// # Errors
+/// That of the file system.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    io::Read::read_to_end(
+        &mut io::Read::take(std::fs::File::open(path)?, most),
+        &mut bytes,
+    )?;
+    Ok(bytes)
+}
+
+/// Last change and length of a file, where they are to be had.
+pub fn stamp(path: &Path) -> Option<Stamp> {
+    let data = std::fs::metadata(path).ok()?;
+    Some((data.modified().ok()?, data.len()))
+}
+
+/// The files of a folder, in no order; none, where there is no folder.
+pub fn list(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten();
+    entries
+        .filter_map(|entry| entry.ok().map(|e| e.path()))
+        .collect()
+}
+
+/// The folder of the scene files: `assets/scenes` under `BEVY_ASSET_ROOT`, the present folder, or beside the program.
+pub fn scene_folder() -> PathBuf {
+    let root = std::env::var_os("BEVY_ASSET_ROOT").map(PathBuf::from);
+    let program = std::env::current_exe().ok();
+    let beside = program.and_then(|p| p.parent().map(Path::to_owned));
+    [root, Some(PathBuf::new()), beside]
+        .into_iter()
+        .flatten()
+        .map(|base| base.join("assets/scenes"))
+        .find(|folder| folder.is_dir())
+        .unwrap_or_else(|| PathBuf::from("assets/scenes"))
+}
+
+/// Work beside the frames, in a thread.
+#[derive(Debug)]
+pub struct Worker(JoinHandle<()>);
+
+impl Worker {
+    /// Begins to call `work` until it returns `false`.
+    ///
+    /// # Errors
+    /// Where the system gives no thread.
+    pub fn spawn(mut work: impl FnMut() -> bool + Send + 'static) -> io::Result<Self> {
+        let run = move || while work() {};
+        let thread = std::thread::Builder::new().name("sweep".to_owned());
+        thread.spawn(run).map(Self)
+    }
+
+    /// A frame has passed.
+    pub fn tick(&mut self) {}
+
+    /// Whether it is still at work.
+    pub fn is_running(&self) -> bool {
+        !self.0.is_finished()
+    }
+
+    /// Waits for its end.
+    pub fn join(self) {
+        // A panic in there was printed there.
+        let _ = self.0.join();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_quoted_for_a_shell() {
+        let line = [
+            "my scenes/a.ron",
+            "--integrator",
+            "split,rk4",
+            "--set",
+            "gravity=1.62",
+        ];
+        assert_eq!(
+            reproduce(&line.map(str::to_owned)),
+            "box_game 'my scenes/a.ron' --integrator split,rk4 --set gravity=1.62"
+        );
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+    }
+
+    #[test]
+    fn files_are_replaced_whole() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        for text in ["longer than the next", "short"] {
+            write(&path, text.as_bytes()).expect("writable");
+            assert_eq!(read(&path, 1000).expect("readable"), text.as_bytes());
+        }
+        assert_eq!(read(&path, 2).expect("readable"), b"sh");
+        assert_eq!(list(folder.path()), [path.clone()]);
+        remove(&path);
+        assert!(!exists(&path) && stamp(&path).is_none());
+        assert!(list(&path).is_empty());
+    }
+}
