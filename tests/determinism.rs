@@ -10,18 +10,18 @@ use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::force::Forces;
 use box_physics::integrators::{Integrate, IntegratorVisitor};
 use box_physics::prelude::*;
-// In a browser's engine the tests run under its runner.
+// In a browser engine the tests run under its runner.
 #[cfg(target_family = "wasm")]
 use wasm_bindgen_test::wasm_bindgen_test as test;
 
 const H: f64 = 1.0 / 64.0;
-/// Threads of the physics. The pools belong to the process; half of what they have is for other work.
+/// Number of threads of the physics. The pools belong to the process; half of their threads are for other work.
 const MOST_THREADS: usize = 8;
 
 /// The stored digests, equal on every machine. A changed digest is a changed result and belongs in the
 /// changelog.
 fn stored_digests() -> Vec<(Integrator, u64)> {
-    // Part of the program: a browser and an emulated machine have no files.
+    // Included in the program, because a browser and an emulated machine have no files.
     let text = include_str!("expected/digests.csv");
     let row = |line: &str| {
         let (id, digest) = line.split_once(',')?;
@@ -286,7 +286,7 @@ fn any_number_of_threads() {
         state_digest(&variant.run())
     };
     let one = digest(1);
-    // A browser has one thread, whatever is asked for.
+    // A browser always has one thread.
     let pool = ComputeTaskPool::get().thread_num();
     assert!(
         pool + 1 >= MOST_THREADS || cfg!(target_family = "wasm"),
