@@ -26,8 +26,8 @@ mod native;
 #[cfg(not(target_family = "wasm"))]
 pub use native::{
     COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, Worker, absolute, arguments, check, complain,
-    create, create_folder, exists, list, log_layer, plugin, probe, read, refuse, remove, reproduce,
-    say, scene_folder, stamp, window, write,
+    cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe, read, refuse, remove,
+    reproduce, say, scene_folder, stamp, window, write,
 };
 
 #[cfg(target_family = "wasm")]
@@ -35,8 +35,8 @@ mod web;
 #[cfg(target_family = "wasm")]
 pub use web::{
     COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, Worker, absolute, arguments, check, complain,
-    create, create_folder, exists, list, log_layer, plugin, probe, read, refuse, remove, reproduce,
-    say, scene_folder, stamp, window, write,
+    cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe, read, refuse, remove,
+    reproduce, say, scene_folder, stamp, window, write,
 };
 
 use clap::ValueEnum;

@@ -10,7 +10,7 @@ use std::sync::Mutex;
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 
-use bevy::diagnostic::SystemInformationDiagnosticsPlugin;
+use bevy::diagnostic::{Diagnostic, DiagnosticsStore, SystemInformationDiagnosticsPlugin};
 use bevy::log::BoxedLayer;
 use bevy::log::tracing_subscriber::{self, Layer as _};
 use bevy::prelude::*;
@@ -75,6 +75,14 @@ fn quoted(word: &str) -> String {
 /// The window as the platform wants it.
 pub fn window(window: Window) -> Window {
     window
+}
+
+/// CPU usage of this process [% of all cores] and of the system \[%\], once it is known.
+pub fn cpu_usage(store: &DiagnosticsStore) -> Option<(f64, f64)> {
+    let value = |path| store.get(&path).and_then(Diagnostic::value);
+    let process = value(SystemInformationDiagnosticsPlugin::PROCESS_CPU_USAGE)?;
+    let system = value(SystemInformationDiagnosticsPlugin::SYSTEM_CPU_USAGE)?;
+    Some((process, system))
 }
 
 /// Adds what the platform has beyond the game: CPU usage.

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use bevy::app::AppExit;
+use bevy::diagnostic::DiagnosticsStore;
 use bevy::log::BoxedLayer;
 use bevy::prelude::*;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -119,6 +120,11 @@ pub fn window(window: Window) -> Window {
         prevent_default_event_handling: false,
         ..window
     }
+}
+
+/// Nothing: a page learns nothing about the processor.
+pub fn cpu_usage(_: &DiagnosticsStore) -> Option<(f64, f64)> {
+    None
 }
 
 /// Opens the files that are dropped on the page, and says when the game has ended.

@@ -2,12 +2,11 @@
 
 use std::collections::VecDeque;
 
-use bevy::diagnostic::{
-    Diagnostic, DiagnosticPath, DiagnosticsStore, FrameTimeDiagnosticsPlugin,
-    SystemInformationDiagnosticsPlugin,
-};
+use bevy::diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::prelude::*;
 use box_physics::prelude::PhysicsClock;
+
+use crate::platform;
 
 /// Points kept per curve: 15 minutes of CPU at 4 a second.
 const LENGTH: usize = 3600;
@@ -56,10 +55,7 @@ pub fn record(
     }
     let due = history.cpu.back().is_none_or(|last| wall - last.0 >= 0.25);
     if let (Some(store), true) = (diagnostics, due) {
-        let value = |path: DiagnosticPath| store.get(&path).and_then(Diagnostic::value);
-        let process = value(SystemInformationDiagnosticsPlugin::PROCESS_CPU_USAGE);
-        let system = value(SystemInformationDiagnosticsPlugin::SYSTEM_CPU_USAGE);
-        if let (Some(process), Some(system)) = (process, system) {
+        if let Some((process, system)) = platform::cpu_usage(&store) {
             push(&mut history.cpu, (wall, process, system));
         }
     }
