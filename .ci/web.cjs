@@ -1,0 +1,219 @@
+// usage: node .ci/web.cjs FOLDER NATIVE.csv PICTURES: plays the game in FOLDER in headless Chromium, compares the CSV of
+// its headless comparison with that of the native program, and leaves pictures.
+const { createHash } = require("node:crypto");
+const { createServer } = require("node:http");
+const { readFileSync, existsSync, mkdirSync } = require("node:fs");
+const { join, extname } = require("node:path");
+const assert = require("node:assert");
+const { chromium } = require("playwright-core");
+
+const [folder, native, pictures] = process.argv.slice(2);
+mkdirSync(pictures, { recursive: true });
+// A software renderer on a busy machine draws a frame a second. Nothing below waits for a time, only for conditions.
+const PATIENCE = 180_000;
+
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
+const SCENE = '(id: "dropped", title: "A dropped scene", duration: 5, body: (half_extents: (1, 0.5, 0.25), mass: 2))';
+const server = createServer((request, answer) => {
+  const path = new URL(request.url, "http://localhost").pathname;
+  if (path === "/far/away.ron") return answer.end(SCENE.replace("A dropped scene", "A scene from afar"));
+  const file = join(folder, path === "/" ? "index.html" : path);
+  if (!existsSync(file)) return answer.writeHead(404).end();
+  answer.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" });
+  answer.end(readFileSync(file));
+});
+
+/** The rows of a CSV without what is measured in time: the same on every machine. */
+function bits(text) {
+  const timed = ["step_ns_min", "step_ns_med"];
+  const rows = text.split("\n").filter((line) => line && !line.startsWith("#")).map((line) => line.split(","));
+  const keep = rows[0].map((name) => !timed.includes(name));
+  const kept = rows.map((row) => row.filter((_, k) => keep[k]).join(","));
+  return { rows: rows.length - 1, digest: createHash("sha256").update(kept.join("\n")).digest("hex") };
+}
+
+/** The objects of a CSV. No cell of ours has a comma but those of `event`, the last. */
+function table(text) {
+  const [head, ...rows] = text.split("\n").filter((line) => line && !line.startsWith("#")).map((line) => line.split(","));
+  return rows.map((row) => Object.fromEntries(head.map((name, k) => [name, k + 1 < head.length ? row[k] : row.slice(k).join(",")])));
+}
+
+async function main() {
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  const address = `http://127.0.0.1:${server.address().port}/`;
+  const browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+      "--ignore-gpu-blocklist", "--disable-quic", "--no-first-run", "--disable-background-networking",
+      "--disable-component-update", "--disable-sync"],
+  });
+
+  /** Opens the page; its errors fail the test that has it open. */
+  async function open(query, options = {}, prepare) {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
+    context.setDefaultTimeout(PATIENCE);
+    const page = await context.newPage();
+    const errors = [];
+    page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+    page.on("pageerror", (error) => errors.push(String(error)));
+    page.on("crash", () => errors.push("the page has crashed"));
+    await prepare?.(page);
+    await page.goto(address + query);
+    return {
+      page,
+      errors,
+      running: () => page.locator("#cover").waitFor({ state: "hidden" }),
+      /** The window's title, which names scene and integrator. */
+      titled: (...words) => page.waitForFunction(
+        (words) => words.every((word) => document.getElementById("game").getAttribute("alt")?.includes(word)), words),
+      /** Waits until this many more frames are drawn. */
+      frames: (n) => page.evaluate((n) => new Promise((done) => {
+        const next = () => (n-- > 0 ? requestAnimationFrame(next) : done());
+        next();
+      }), n),
+      press: (key) => page.keyboard.press(key, { delay: 50 }),
+      download: async (start) => {
+        const [file] = await Promise.all([page.waitForEvent("download"), start()]);
+        return { name: file.suggestedFilename(), text: readFileSync(await file.path(), "utf8") };
+      },
+      picture: (name) => page.screenshot(name ? { path: join(pictures, name) } : {}),
+      close: async () => {
+        await context.close();
+        assert.deepEqual(errors, [], "errors in the console");
+      },
+    };
+  }
+
+  /** Number of colors in a picture, and of points at which another differs. */
+  async function compare(page, one, other) {
+    return page.evaluate(async (pictures) => {
+      const points = [];
+      for (const picture of pictures) {
+        const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${picture}`)).blob());
+        const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        canvas.drawImage(image, 0, 0);
+        points.push(new Uint32Array(canvas.getImageData(0, 0, image.width, image.height).data.buffer));
+      }
+      const [a, b] = points;
+      return { colors: new Set(a).size, different: a.reduce((n, color, k) => n + (color !== b[k]), 0) };
+    }, [one.toString("base64"), other.toString("base64")]);
+  }
+
+  const tests = {
+    "it loads, obeys its query, and a box tumbles": async () => {
+      const game = await open("?scene=dzhanibekov&integrator=split,rk4&plot=error&no-settings");
+      const began = Date.now();
+      await game.running();
+      console.log(`   running after ${((Date.now() - began) / 1000).toFixed(1)} s`);
+      await game.titled("Dzhanibekov", "– split –");
+      const first = await game.picture();
+      let seen;
+      do {
+        seen = await compare(game.page, first, await game.picture("web.png"));
+      } while (seen.different < 2000);
+      assert(seen.colors > 100, `${seen.colors} colors`);
+      await game.close();
+    },
+
+    "a key pushes it, another switches the integrator, and the log of that is a download": async () => {
+      const game = await open("?scene=dzhanibekov&integrator=split&no-settings");
+      await game.running();
+      await game.titled("– split –");
+      await game.press("l");
+      await game.press("d");
+      await game.press("2");
+      await game.page.waitForFunction(() => !document.getElementById("game").getAttribute("alt").includes("– split –"));
+      await game.frames(5);
+      const file = await game.download(() => game.press("l"));
+      assert.match(file.name, /^run-\d+\.csv$/);
+      const rows = table(file.text).filter((row) => row.lane === "0");
+      const times = rows.map((row) => Number(row.sim_t_s));
+      assert(times.every((t, k) => k === 0 || t > times[k - 1]), "time goes on");
+      const events = rows.map((row) => row.event).join(";");
+      assert.match(events, /push/i, events);
+      const energies = new Set(rows.map((row) => Number(row.energy_j).toFixed(3)));
+      assert(energies.size > 1, "the push changes the energy");
+      await game.close();
+    },
+
+    "the headless comparison finds the bits of the native program": async () => {
+      const game = await open("?scene=throw&headless&duration=2");
+      const file = await new Promise((done, failed) => {
+        game.page.once("download", async (file) => done({ name: file.suggestedFilename(), path: await file.path() }));
+        setTimeout(() => failed(new Error("no download")), PATIENCE).unref();
+      });
+      const [here, there] = [bits(readFileSync(file.path, "utf8")), bits(readFileSync(native, "utf8"))];
+      console.log(`   ${here.rows} rows: ${here.digest}`);
+      assert(there.rows > 100);
+      assert.deepEqual(here, there);
+      await game.page.locator("dialog pre", { hasText: "semi-implicit-euler" }).waitFor();
+      await game.close();
+    },
+
+    "a wrong argument is named, with what is allowed": async () => {
+      const game = await open("?integrator=leapfrog");
+      const text = await game.page.locator("dialog.failed pre").textContent();
+      assert(text.includes("leapfrog") && text.includes("rk4"), text);
+      await game.close();
+    },
+
+    "a scene is opened by its address, and by dropping its file": async () => {
+      const game = await open("?scene=far/away.ron&no-settings");
+      await game.running();
+      await game.titled("A scene from afar");
+      await game.page.evaluate((text) => {
+        const transfer = new DataTransfer();
+        transfer.items.add(new File([text], "dropped.ron"));
+        document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+      }, SCENE.replaceAll("dropped", "dropped2").replace("A dropped2", "A dropped"));
+      await game.titled("A dropped scene");
+      await game.close();
+    },
+
+    "a tablet: sharp, and a tap pokes": async () => {
+      const game = await open("?scene=dzhanibekov&no-settings", {
+        viewport: { width: 1024, height: 768 }, deviceScaleFactor: 2, hasTouch: true });
+      await game.running();
+      await game.titled("Dzhanibekov");
+      await game.page.waitForFunction(() => document.getElementById("game").width === 2048);
+      await game.picture("tablet.png");
+      await game.close();
+    },
+
+    "a lost context is said, with a way back": async () => {
+      const game = await open("?no-settings");
+      await game.running();
+      await game.page.evaluate(() => document.getElementById("game").getContext("webgl2").getExtension("WEBGL_lose_context").loseContext());
+      await game.page.locator("#reload").waitFor();
+      game.errors.length = 0;
+      await game.page.context().close();
+    },
+
+    "a browser without WebGL 2 shows the film": async () => {
+      const game = await open("", {}, (page) => page.addInitScript(() => {
+        HTMLCanvasElement.prototype.getContext = () => null;
+      }));
+      await game.page.locator("#film").waitFor();
+      assert.match(await game.page.locator("#text").textContent(), /WebGL 2/);
+      await game.close();
+    },
+  };
+
+  let failed = 0;
+  for (const [name, test] of Object.entries(tests)) {
+    const began = Date.now();
+    try {
+      await test();
+      console.log(`ok   ${name} (${((Date.now() - began) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      failed += 1;
+      console.log(`FAIL ${name}\n${error.stack ?? error}`);
+    }
+  }
+  await browser.close();
+  server.close();
+  console.log(`${Object.keys(tests).length - failed} passed, ${failed} failed`);
+  process.exitCode = failed ? 1 : 0;
+}
+
+main();
