@@ -226,11 +226,16 @@ impl IntegratorSamples {
         self.history[integrator.index()].iter().copied()
     }
 
-    /// What each stage of a step took in the plugin \[µs\], the median of the last two seconds.
+    /// What each stage of a step took in the plugin \[µs\], the median of the last two seconds; with a coarse clock,
+    /// which shows 0 or a grain, the mean.
     pub fn plugin(&self) -> Option<[f64; Stage::ALL.len()]> {
         let stage = |k: usize| {
             let recent: Vec<f64> = self.plugin.iter().map(|s| s.1[k]).collect();
-            Cost::of(&recent).median
+            if self.is_coarse() {
+                recent.iter().sum::<f64>() / recent.len() as f64
+            } else {
+                Cost::of(&recent).median
+            }
         };
         (!self.plugin.is_empty()).then(|| core::array::from_fn(stage))
     }
