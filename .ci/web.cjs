@@ -131,7 +131,7 @@ async function main() {
       await game.frames(5);
       const file = await game.download(() => game.press("l"));
       assert.match(file.name, /^run-\d+\.csv$/);
-      const rows = table(file.text).filter((row) => row.lane === "0");
+      const rows = table(file.text).filter((row) => row.trajectory === "0");
       const times = rows.map((row) => Number(row.sim_t_s));
       assert(times.every((t, k) => k === 0 || t > times[k - 1]), "time goes on");
       const events = rows.map((row) => row.event).join(";");
