@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::forces::{ForceSet, coefficient};
 use crate::limits;
-use crate::reference::ReferenceSolution;
 
 /// The floor of a scene: the plane y = `height`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,11 +122,6 @@ impl Setup {
     pub fn with_impulses(mut self, impulses: Vec<TimedImpulse>) -> Self {
         self.impulses = impulses;
         self
-    }
-
-    /// The reference solution; see [`ReferenceSolution`].
-    pub fn reference(&self) -> ReferenceSolution {
-        ReferenceSolution::of(self)
     }
 
     /// Kinetic and potential energy of `state` under these forces \[J\].
