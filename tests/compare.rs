@@ -10,7 +10,8 @@ use box_game::cli::Cli;
 use box_game::cli::start::open_files;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
 use box_game::parameters::Parameter;
-use box_game::scene::session::MainBox;
+use box_game::record::csv_log::CsvLog;
+use box_game::scene::session::Hero;
 use box_physics::prelude::*;
 use clap::Parser;
 
@@ -23,6 +24,12 @@ fn game(arguments: &[&str]) -> App {
     app.update();
     open_files(&mut app, &cli).expect("writable");
     app
+}
+
+/// Waits until every row of the log is on disk.
+fn synced(app: &mut App) {
+    let mut log = app.world_mut().resource_mut::<CsvLog>();
+    log.sync().expect("on disk");
 }
 
 fn ask(app: &mut App, action: Action) {
@@ -290,6 +297,7 @@ fn equal_evaluations_and_late_inputs() {
         assert!(run(&app).clock - r.simulation.driver.time < 4.0 / 60.0 + 1e-9);
         assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
     }
+    synced(&mut app);
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path(&path)
@@ -335,6 +343,7 @@ fn the_log_has_a_row_for_every_comparison() {
         path.to_str().expect("utf-8"),
     ]);
     updates(&mut app, 120);
+    synced(&mut app);
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path(&path)
@@ -575,10 +584,7 @@ fn keys_of_the_comparison() {
     let (down, up) = (ButtonState::Pressed, ButtonState::Released);
     key(&mut app, KeyCode::ShiftLeft, "", down);
     // A key that types nothing triggers nothing.
-    assert!(
-        !app.world()
-            .contains_resource::<box_game::record::csv_log::CsvLog>()
-    );
+    assert!(!app.world().contains_resource::<CsvLog>());
     assert!(!app.world().resource::<PhysicsClock>().paused);
     key(&mut app, KeyCode::Digit5, "%", down);
     key(&mut app, KeyCode::Digit5, "%", up);

@@ -11,6 +11,7 @@ use box_game::cli::start::open_files;
 use box_game::compare::sampling::IntegratorSamples;
 use box_game::input::focus::UiFocus;
 use box_game::parameters::Parameter;
+use box_game::record::csv_log::CsvLog;
 use box_game::scene::library::SceneLibrary;
 use box_game::scene::session::{MainBox, Session};
 use box_physics::force::Gravity;
@@ -26,6 +27,12 @@ fn game(arguments: &[&str]) -> App {
     app.update();
     open_files(&mut app, &cli).expect("writable");
     app
+}
+
+/// Waits until every row of the log is on disk.
+fn synced(app: &mut App) {
+    let mut log = app.world_mut().resource_mut::<CsvLog>();
+    log.sync().expect("on disk");
 }
 
 fn key(app: &mut App, key_code: KeyCode, state: ButtonState) {
@@ -389,6 +396,7 @@ fn the_log_has_a_row_per_step_with_its_inputs() {
     };
     ask(&mut app, Action::Push(push));
     app.update();
+    synced(&mut app);
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path(&path)
@@ -459,6 +467,7 @@ fn the_log_stays_right_across_a_change_of_the_step() {
     for _ in 0..30 {
         app.update();
     }
+    synced(&mut app);
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .from_path(&path)

@@ -1,6 +1,7 @@
 //! The desktop: command line, standard output, file system, threads.
 
 mod display;
+mod synced_file;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -16,6 +17,7 @@ use bevy::log::tracing_subscriber::{self, Layer as _};
 use bevy::prelude::*;
 
 pub use display::{check, probe};
+pub use synced_file::SyncedFile;
 
 /// Why there is no CPU usage, if there is none.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
