@@ -11,7 +11,7 @@ use box_game::cli::start::open_files;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
 use box_game::parameters::Parameter;
 use box_game::record::csv_log::CsvLog;
-use box_game::scene::session::Hero;
+use box_game::scene::session::MainBox;
 use box_physics::prelude::*;
 use clap::Parser;
 

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::context::{Context, Stop};
 use crate::document::{Figure, Section, Table};
-use crate::machine::Machine;
 use crate::plot::{Axis, Line, Plot, Point, plain};
 use crate::{files, text};
+use box_bench::machine::Machine;
 use box_physics::integrators::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
 
@@ -153,18 +153,15 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
         ID,
         TITLE,
         format!(
-            "The same boxes in other engines with their default settings: {}. {} on {} ({} threads, {}). \
+            "The same boxes in other engines with their default settings: {}. {} on {m}. \
              Repeat it with `cargo box-report peers`. Attitude and energy against the reference trajectories of free \
              motion; cost per body and step of everything that an update does, box–box collisions off. {}",
             engines.join("; "),
             if fresh {
-                format!("Measured in this run, {},", m.date)
+                "Measured in this run"
             } else {
-                format!("**The last measured result**, of {},", m.date)
+                "**The last measured result**"
             },
-            m.processor,
-            m.threads,
-            m.system,
             measured.notes.join(" ")
         ),
     );
@@ -220,7 +217,6 @@ fn accuracy_table(measured: &Measured) -> Table {
         columns,
         rows: measured.engines.iter().map(row).collect(),
         csv: "peers-accuracy.csv".to_owned(),
-        digest: true,
     }
 }
 
@@ -281,7 +277,6 @@ fn cost_table(measured: &Measured) -> Table {
         rows: rows.collect(),
         columns,
         csv: "peers-cost.csv".to_owned(),
-        digest: true,
     }
 }
 
@@ -333,7 +328,7 @@ fn figure(measured: &Measured, case: &str, energy: bool) -> Result<Figure, Stop>
             "{case} in every engine, 60 Hz, {what} error against the reference trajectory."
         ),
         svg: plot.svg().map_err(Stop::Internal)?,
-        digest: !energy,
+        digest: false,
     })
 }
 

@@ -115,7 +115,6 @@ pub(super) fn table(
         .to_vec(),
         rows: cells,
         csv: "dissertation-answer.csv".to_owned(),
-        digest: true,
     };
     Ok(Some((table, verdicts)))
 }
@@ -134,11 +133,7 @@ pub(crate) fn cost(work: &WorkPrecision, integrator: Integrator, rate: u32) -> O
     let costs: Vec<f64> = work
         .families
         .iter()
-        .filter_map(|f| {
-            let at =
-                |p: &&crate::work_precision::Point| (p.dt * f64::from(rate) - 1.0).abs() < 1e-9;
-            f.of(integrator).find(at)?.microseconds()
-        })
+        .filter_map(|f| f.at(integrator, rate)?.microseconds())
         .collect();
     if costs.is_empty() {
         return None;
@@ -158,9 +153,7 @@ pub(crate) fn median_ratio(
     for f in &work.families {
         for &metric in f.family.metrics.iter().filter(|m| **m != Metric::Energy) {
             let error = |s: Integrator| {
-                let at =
-                    |p: &&crate::work_precision::Point| (p.dt * f64::from(rate) - 1.0).abs() < 1e-9;
-                let e = f.of(s).find(at).and_then(|p| p.run.error(metric));
+                let e = f.at(s, rate).and_then(|p| p.run.error(metric));
                 e.unwrap_or(LOST).max(ROUNDING)
             };
             ratios.push(error(integrator) / error(best));

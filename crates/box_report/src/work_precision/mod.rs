@@ -5,7 +5,9 @@ mod figures;
 
 use std::time::Duration;
 
-use box_bench::measure::Cost;
+use box_bench::measure::{Contender, Cost};
+use box_bench::snapshot::Snapshot;
+use box_physics::floor::ContactState;
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::statistics::{self, Fitted, Quantiles};
@@ -14,7 +16,7 @@ use serde::Serialize;
 
 use crate::context::{Context, SAMPLES_IN_WORDS, Stop};
 use crate::document::{Section, Table};
-use crate::{files, herd, text};
+use crate::{files, text};
 
 /// The coarsest step, between two looks at the error \[s\].
 pub(crate) const INTERVAL: f64 = 1.0 / 15.0;
@@ -24,6 +26,8 @@ const DIVISORS: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 const QUICK_DIVISORS: [u64; 4] = [2, 4, 8, 16];
 /// Time for the measurements of a family.
 const SHARE: Duration = Duration::from_secs(7);
+/// Boxes that are stepped together.
+const BOXES: usize = 100;
 
 /// One integrator in one family at one step.
 #[derive(Clone, Debug)]
@@ -68,6 +72,22 @@ impl FamilyPoints {
             .filter(move |p| p.integrator == integrator)
     }
 
+    /// The point of one integrator at `rate` [1/s].
+    pub(crate) fn at(&self, integrator: Integrator, rate: u32) -> Option<&Point> {
+        let at = |p: &&Point| (p.dt * f64::from(rate) - 1.0).abs() < 1e-9;
+        self.of(integrator).find(at)
+    }
+
+    /// The first error of one integrator at `rate` [1/s].
+    pub(crate) fn error_in_words(&self, integrator: Integrator, rate: u32) -> String {
+        let point = self.at(integrator, rate);
+        match point.map(|p| p.run.error(self.family.metrics[0])) {
+            Some(Some(e)) => text::error(e),
+            Some(None) => "diverged".to_owned(),
+            None => "–".to_owned(),
+        }
+    }
+
     /// The fitted order of `integrator` in `metric`.
     pub(crate) fn order(&self, integrator: Integrator, metric: Metric) -> Fitted {
         let points: Vec<_> = self
@@ -81,6 +101,13 @@ impl FamilyPoints {
 /// The whole measurement.
 pub(crate) struct WorkPrecision {
     pub(crate) families: Vec<FamilyPoints>,
+}
+
+impl WorkPrecision {
+    /// The family with this id.
+    pub(crate) fn family(&self, id: &str) -> Option<&FamilyPoints> {
+        self.families.iter().find(|f| f.family.id == id)
+    }
 }
 
 /// A line of the CSV file.
@@ -136,25 +163,16 @@ fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints
             });
         }
     }
-    // Bodies spread over the motion, so that the cost is that of all its phases.
+    // Bodies spread over the motion, so that the cost in flight is that of all its phases.
     let every = (reference.states().len() / 8).max(1);
     let starts: Vec<BodyState> = reference.states().iter().copied().step_by(every).collect();
     let ran: Vec<usize> = (0..points.len())
         .filter(|&k| points[k].run.errors.is_some())
         .collect();
-    let mut contenders: Vec<_> = ran
+    let mut contenders: Vec<Contender> = ran
         .iter()
-        .map(|&k| {
-            let p = &points[k];
-            herd::many(
-                &family.setup,
-                &starts,
-                p.integrator,
-                p.dt,
-                p.run.totals.steps,
-            )
-        })
-        .collect();
+        .map(|&k| contender(family, &starts, &points[k]))
+        .collect::<Result<_, _>>()?;
     let costs = ctx.measure(&mut contenders, SHARE);
     drop(contenders);
     for (k, cost) in ran.into_iter().zip(costs) {
@@ -167,6 +185,24 @@ fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints
     })
 }
 
+/// Many boxes by the plugin's path: over a floor through the whole scene, else a few steps from `starts`.
+fn contender(
+    family: &'static Family,
+    starts: &[BodyState],
+    p: &Point,
+) -> Result<Contender<'static>, Stop> {
+    let setup = &family.setup;
+    let snapshot = if setup.floor.is_some() {
+        Snapshot::of_scene(setup, BOXES, p.dt)
+    } else {
+        let states = starts.iter().cycle().take(BOXES);
+        let bodies = states.map(|s| (&setup.body, s, ContactState::default()));
+        Snapshot::new(bodies, &setup.forces, None, p.dt)
+    };
+    let snapshot = snapshot.ok_or_else(|| Stop::Internal(format!("{}: no bodies", family.id)))?;
+    Ok(snapshot.contender(p.integrator))
+}
+
 /// Writes the CSV and the figures.
 pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, Stop> {
     let mut section = Section::new(
@@ -175,10 +211,10 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         format!(
             "Each line is an integrator, each marker a step size. Down and left is better. The error is the largest \
              over the run, looked at every 1/15 s, against the reference named below each figure, at the time \
-             actually simulated. Time is that of a step of one body among 16 along the plugin's path, in SIMD lanes under gravity alone (over a floor: of a whole \
-             run with its impacts) on one core: {SAMPLES_IN_WORDS}; thin bars reach to the 95th percentile. The order in the legend \
-             is fitted to the errors between lost and rounding. A run that diverged, is not finite or not sound \
-             is a gap."
+             actually simulated. Time is that of a step of one box of {BOXES} by the plugin's path on one core, in SIMD lanes \
+             under gravity alone (over a floor: of the whole scene with its impacts): {SAMPLES_IN_WORDS}; thin bars reach to the \
+             95th percentile. The order in the legend is fitted to the errors between lost and rounding. A run that diverged or \
+             left the range of valid states is a gap."
         ),
     );
     let mut rows = Vec::new();
@@ -240,8 +276,10 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
     let row = |&integrator: &Integrator| {
         let mut cells = vec![text::code(integrator)];
         cells.extend(data.families.iter().map(|f| {
-            let point = f.of(integrator).find(|p| (p.dt * 60.0 - 1.0).abs() < 1e-9);
-            match point.map(|p| (p.run.error(f.family.metrics[0]), p.cost)) {
+            match f
+                .at(integrator, 60)
+                .map(|p| (p.run.error(f.family.metrics[0]), p.cost))
+            {
                 Some((Some(e), Some(c))) => format!("{} · {:.0} ns", text::error(e), c.min),
                 Some((Some(e), None)) => text::error(e),
                 _ => "failed".to_owned(),
@@ -256,7 +294,6 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
         csv: "work-precision.csv".to_owned(),
-        digest: true,
     }
 }
 
@@ -288,6 +325,5 @@ fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
         csv: "work-precision.csv".to_owned(),
-        digest: false,
     }
 }
