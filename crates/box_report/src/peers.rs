@@ -29,8 +29,22 @@ struct Engine {
     id: String,
     name: String,
     version: String,
+    /// Threads that it may use.
+    #[serde(default)]
+    threads: Option<usize>,
     /// How it was driven.
     driven: String,
+}
+
+impl Engine {
+    /// With the number of threads, where that is known.
+    fn full_name(&self) -> String {
+        match self.threads {
+            None => self.name.clone(),
+            Some(1) => format!("{}, 1 thread", self.name),
+            Some(n) => format!("{}, {n} threads", self.name),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -147,13 +161,13 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let engines: Vec<String> = measured
         .engines
         .iter()
-        .map(|e| format!("{} {} ({})", e.name, e.version, e.driven))
+        .map(|e| format!("{} {} ({})", e.full_name(), e.version, e.driven))
         .collect();
     let mut section = Section::new(
         ID,
         TITLE,
         format!(
-            "The same boxes in other engines with their default settings: {}. {} on {m}. \
+            "The same boxes in other engines with their default settings, and with as many threads as there are: {}. {} on {m}. \
              Repeat it with `cargo box-report peers`. Attitude and energy against the reference trajectories of free \
              motion; cost per body and step of everything that an update does, box–box collisions off. {}",
             engines.join("; "),
@@ -215,7 +229,12 @@ fn accuracy_table(measured: &Measured) -> Table {
         title: "Largest attitude error, and energy error at the end, 60 Hz".to_owned(),
         note: "π ≈ 3.1 rad is as wrong as an attitude can be.".to_owned(),
         columns,
-        rows: measured.engines.iter().map(row).collect(),
+        rows: measured
+            .engines
+            .iter()
+            .filter(|e| measured.accuracy.iter().any(|a| a.engine == e.id))
+            .map(row)
+            .collect(),
         csv: "peers-accuracy.csv".to_owned(),
     }
 }
@@ -238,7 +257,7 @@ fn cost_table(measured: &Measured) -> Table {
     }
     let name = |id: &str| {
         let found = measured.engines.iter().find(|e| e.id == id);
-        found.map_or_else(|| id.to_owned(), |e| e.name.clone())
+        found.map_or_else(|| id.to_owned(), Engine::full_name)
     };
     let row = |id: &str, alone: bool| {
         let words = if alone { ", physics alone" } else { "" };
@@ -368,16 +387,19 @@ fn verdicts(measured: &Measured) -> Vec<String> {
                 .accuracy
                 .iter()
                 .filter(|a| a.engine == id && a.rate_hz == 60);
-            of.map(|a| ends(a).0).fold(0.0, f64::max)
+            of.map(|a| ends(a).0).reduce(f64::max)
         };
-        parts.push(format!(
-            "worst attitude error {} rad against our {}",
-            text::error(worst(&e.id)),
-            text::error(worst("box_physics"))
-        ));
+        parts.extend(
+            worst(&e.id)
+                .zip(worst("box_physics"))
+                .map(|(theirs, ours)| {
+                    let [theirs, ours] = [theirs, ours].map(text::error);
+                    format!("worst attitude error {theirs} rad against our {ours}")
+                }),
+        );
         said.push(format!(
             "{} {}, {most} boxes: {}.",
-            e.name,
+            e.full_name(),
             e.version,
             parts.join(", ")
         ));

@@ -82,6 +82,7 @@ pub struct UnknownScenario {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use box_physics::integrators::Integrator;
 
     #[test]
     fn every_scene_is_complete() {
