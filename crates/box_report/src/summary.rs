@@ -5,7 +5,6 @@ use box_scenarios::Family;
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
-use crate::dissertation::answer::{cost, median_ratio};
 use crate::document::{Section, Table};
 use crate::efficiency::CLEARLY;
 use crate::stability::{StabilityData, shown};
@@ -35,7 +34,7 @@ impl Results {
         };
         let rank = |s: Integrator| {
             let scenes = [THROW, MINUTE].map(|t| visible.invisible(s, rate, t));
-            (scenes, cost(work, s, rate).unwrap_or(f64::INFINITY))
+            (scenes, work.cost(s, rate).unwrap_or(f64::INFINITY))
         };
         let best = |integrators: &mut dyn Iterator<Item = Integrator>| {
             integrators.max_by(|&a, &b| {
@@ -54,9 +53,9 @@ impl Results {
         let Some(work) = self.work_precision.as_ref() else {
             return Vec::new();
         };
-        let price = |s| cost(work, s, rate).unwrap_or(f64::INFINITY);
+        let price = |s| work.cost(s, rate).unwrap_or(f64::INFINITY);
         let beats = |s: &Integrator| {
-            *s != one && price(*s) < CLEARLY * price(one) && median_ratio(work, *s, one, rate) < 1.0
+            *s != one && price(*s) < CLEARLY * price(one) && work.median_ratio(*s, one, rate) < 1.0
         };
         ctx.integrators.iter().copied().filter(beats).collect()
     }
@@ -64,7 +63,7 @@ impl Results {
     /// The cheapest integrator of all at `rate`.
     fn cheapest(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
         let work = self.work_precision.as_ref()?;
-        let cost = |s: Integrator| cost(work, s, rate).unwrap_or(f64::INFINITY);
+        let cost = |s: Integrator| work.cost(s, rate).unwrap_or(f64::INFINITY);
         let integrators = ctx.integrators.iter().copied();
         integrators.min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
     }
@@ -118,7 +117,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
             invisible_60s_30hz: seen(30, MINUTE),
             invisible_60s_60hz: seen(60, MINUTE),
             invisible_60s_120hz: seen(120, MINUTE),
-            us_per_simulated_s_60hz: results.work_precision.as_ref().and_then(|w| cost(w, s, 60)),
+            us_per_simulated_s_60hz: results.work_precision.as_ref().and_then(|w| w.cost(s, 60)),
             ns_per_step_many: results.timings.as_ref().and_then(|t| t.many(s)),
             ns_per_step_one: results.timings.as_ref().and_then(|t| t.one(s)),
             limit_spin: limit(0),
@@ -361,7 +360,7 @@ fn recommendation(ctx: &Context, results: &Results, rate: u32) -> Option<String>
         results.recommended(ctx, rate)?,
         results.cheapest(ctx, rate)?,
     );
-    let price = |s| text::significant(cost(work, s, rate).unwrap_or(f64::NAN), 2);
+    let price = |s| text::significant(work.cost(s, rate).unwrap_or(f64::NAN), 2);
     let scenes = Family::all().len();
     let first = visible.first(best, rate).map_or_else(
         || "never in a minute".to_owned(),

@@ -1,6 +1,6 @@
 //! `dissertation`: the comparison of 2012 redone, its question answered, and where its text was wrong.
 
-pub(crate) mod answer;
+mod answer;
 mod claims;
 mod cycle;
 mod figures;
