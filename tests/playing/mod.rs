@@ -18,12 +18,12 @@ use box_physics::prelude::*;
 use clap::Parser;
 
 /// The command line.
-pub fn cli(arguments: &[&str]) -> Cli {
+pub(crate) fn cli(arguments: &[&str]) -> Cli {
     Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid")
 }
 
 /// The game with this command line; every update is one tick.
-pub fn game(arguments: &[&str]) -> App {
+pub(crate) fn game(arguments: &[&str]) -> App {
     let cli = cli(arguments);
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
@@ -35,13 +35,13 @@ pub fn game(arguments: &[&str]) -> App {
 }
 
 /// Requests an action and updates.
-pub fn ask(app: &mut App, action: Action) {
+pub(crate) fn ask(app: &mut App, action: Action) {
     app.world_mut().resource_mut::<Actions>().0.push(action);
     app.update();
 }
 
 /// The main box.
-pub fn main_box(app: &mut App) -> BodyState {
+pub(crate) fn main_box(app: &mut App) -> BodyState {
     *app.world_mut()
         .query_filtered::<&BodyState, With<MainBox>>()
         .single(app.world())
@@ -49,7 +49,7 @@ pub fn main_box(app: &mut App) -> BodyState {
 }
 
 /// The rows of the open log, each by the names of its columns.
-pub fn log_rows(app: &mut App, path: &Path) -> Vec<HashMap<String, String>> {
+pub(crate) fn log_rows(app: &mut App, path: &Path) -> Vec<HashMap<String, String>> {
     let mut log = app.world_mut().resource_mut::<CsvLog>();
     log.sync().expect("on disk");
     let reader = csv::ReaderBuilder::new()

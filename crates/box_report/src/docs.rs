@@ -1,5 +1,5 @@
-//! The tables of README and performance page that show measured figures: rewritten by `--docs`, from the same
-//! measurement as the page of results.
+//! The measured tables of README, integrators page and performance page: rewritten by `--docs`, from the same measurement
+//! as the page of results.
 
 use std::path::Path;
 
@@ -7,6 +7,7 @@ use box_bench::machine::Machine;
 use box_physics::integrators::Integrator;
 
 use crate::context::{SAMPLES_IN_WORDS, Stop};
+use crate::document::Table;
 use crate::stored::{section, tables};
 use crate::summary::Results;
 use crate::timing::Timings;
@@ -15,7 +16,7 @@ use crate::{files, text};
 
 /// The command that writes all of them.
 const COMMAND: &str = "cargo box-report --docs docs";
-/// Families whose errors the README shows.
+/// Families whose errors the integrators page shows.
 const FAMILIES: [&str; 7] = [
     "free-tumble",
     "flip",
@@ -25,20 +26,30 @@ const FAMILIES: [&str; 7] = [
     "heavy-top",
     "bounce",
 ];
-/// Situations whose costs the README shows.
+/// Situations whose costs it shows.
 const SITUATIONS: [&str; 3] = ["free-many", "free-one", "torque"];
 
-/// Rewrites the sections of `README.md` above `docs` and of `performance.md` in it, where these files are.
-pub(crate) fn rewrite(docs: &Path, results: &Results, machine: &Machine) -> Result<(), Stop> {
+/// Rewrites the measured sections of the files in `docs` and of the README above it, where these files are. `summary` is
+/// the table of five rows.
+pub(crate) fn rewrite(
+    docs: &Path,
+    summary: &Table,
+    results: &Results,
+    machine: &Machine,
+) -> Result<(), Stop> {
     let (Some(work), Some(timings)) = (&results.work_precision, &results.timings) else {
         return Ok(());
     };
-    let readme = docs.join("../README.md");
-    let performance = docs.join("performance.md");
     for (file, name, table) in [
-        (readme, "errors", errors(work, timings)),
-        (performance, "integrators", costs(timings)),
+        (
+            "../README.md",
+            "results",
+            tables::markdown(&summary.columns, summary.rows.iter().cloned()),
+        ),
+        ("integrators.md", "errors", errors(work, timings)),
+        ("performance.md", "integrators", costs(timings)),
     ] {
+        let file = docs.join(file);
         if !file.is_file() {
             continue;
         }

@@ -29,7 +29,7 @@ pub(crate) struct Options {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = crate::integrator)]
     integrators: Vec<Integrator>,
     /// Rewrite what the repository shows as well: DIR/results.md, its figures DIR/results/*.svg, and the measured
-    /// tables of DIR/performance.md and DIR/../README.md
+    /// tables of DIR/integrators.md, DIR/performance.md and DIR/../README.md
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
 }
@@ -135,7 +135,9 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     result?;
     if let (Some(docs), None) = (&options.docs, only) {
         document.write_digest(docs)?;
-        docs::rewrite(docs, &results, &machine)?;
+        if let Some(table) = done.first().and_then(|summary| summary.tables.first()) {
+            docs::rewrite(docs, table, &results, &machine)?;
+        }
     }
     for v in done.iter().flat_map(|s| &s.verdicts) {
         println!("{}", v.replace("**", ""));
