@@ -12,7 +12,8 @@ use bevy::platform::time::Instant;
 use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 
-/// Times a call that returns its force evaluations: the wall clock, or in tests a clock made of those.
+/// Times a call that returns its work (force evaluations and body-steps): the wall clock, or in tests a clock made of
+/// that.
 pub type Stopwatch = fn(&mut dyn FnMut() -> u64) -> Duration;
 
 /// The wall clock.
@@ -42,7 +43,7 @@ impl<'a> Contender<'a> {
         })
     }
 
-    /// The same, of a `run` that returns its force evaluations.
+    /// The same, of a `run` that returns its work, at least 1.
     pub fn counted(units: f64, run: impl FnMut() -> u64 + 'a) -> Self {
         Self {
             run: Box::new(run),
@@ -214,7 +215,7 @@ mod tests {
         assert_eq!(interleaved_until(contenders, &settings, || true), None);
     }
 
-    /// A clock made of evaluations: ten nanoseconds each.
+    /// A clock made of work: ten nanoseconds each.
     #[test]
     fn a_stopwatch_can_be_another() {
         let settings = Settings {

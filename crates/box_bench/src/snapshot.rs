@@ -115,7 +115,7 @@ impl Snapshot {
 
     /// Calls under `integrator`; the units are body-steps.
     pub fn contender(mut self, integrator: Integrator) -> Contender<'static> {
-        Contender::counted(self.units(), move || self.call(integrator).evaluations)
+        Contender::counted(self.units(), move || self.work(integrator))
     }
 
     /// Body-steps in one call.
@@ -133,11 +133,16 @@ impl Snapshot {
         // The untimed call before a sample; a new contender makes none.
         let evaluations = self.call(integrator).evaluations as f64 / self.units();
         let units = self.units();
-        let mut contender = Contender::counted(units, || self.call(integrator).evaluations);
+        let mut contender = Contender::counted(units, || self.work(integrator));
         Sample {
             nanoseconds: contender.sample(settings),
             evaluations,
         }
+    }
+
+    /// A call; returns its evaluations and body-steps.
+    fn work(&mut self, integrator: Integrator) -> u64 {
+        self.call(integrator).evaluations + self.units() as u64
     }
 
     fn is_at_floor(&self, i: usize, force: &impl ForceModel) -> bool {
@@ -260,7 +265,7 @@ pub fn lone_body(setup: &Setup, integrator: Integrator, h: f64) -> Contender<'st
         let mut driver = Driver::new(start, integrator);
         driver.run(&model, h, steps, u64::MAX);
         std::hint::black_box(driver.state);
-        driver.totals.evaluations
+        driver.totals.evaluations + steps
     })
 }
 
