@@ -154,17 +154,6 @@ impl Setup {
             && self.floor.is_none()
     }
 
-    /// |L − L₀|/|L₀| of `state` in world axes; 0 over 0 counts as 0.
-    pub fn angular_momentum_error(&self, state: &BodyState) -> f64 {
-        let start = self.initial.angular_momentum_world();
-        let drift = (state.angular_momentum_world() - start).length();
-        if drift == 0.0 {
-            0.0
-        } else {
-            drift / start.length()
-        }
-    }
-
     /// Checks forces, floor, impulses and duration (body and state are checked where they are made).
     ///
     /// # Errors
