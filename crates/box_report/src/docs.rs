@@ -35,7 +35,7 @@ pub(crate) fn rewrite(
     docs: &Path,
     summary: &Table,
     results: &Results,
-    machine: &Machine,
+    (machine, quick): (&Machine, bool),
 ) -> Result<(), Stop> {
     let (Some(work), Some(timings)) = (&results.work_precision, &results.timings) else {
         return Ok(());
@@ -55,7 +55,12 @@ pub(crate) fn rewrite(
         }
         let mut page = files::read(&file)?;
         let place = section(&file.display().to_string(), &page, name)?;
-        let source = format!("\n(`{COMMAND}`; {machine}; {SAMPLES_IN_WORDS}.)\n");
+        let hurry = if quick {
+            "; **in a hurry (`--quick`): times are noisy**"
+        } else {
+            ""
+        };
+        let source = format!("\n(`{COMMAND}`; {machine}; {SAMPLES_IN_WORDS}{hurry}.)\n");
         page.replace_range(place, &(table + &source));
         files::write(&file, &page)?;
     }

@@ -136,7 +136,7 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     if let (Some(docs), None) = (&options.docs, only) {
         document.write_digest(docs)?;
         if let Some(table) = done.first().and_then(|summary| summary.tables.first()) {
-            docs::rewrite(docs, table, &results, &machine)?;
+            docs::rewrite(docs, table, &results, (&machine, options.quick))?;
         }
     }
     for v in done.iter().flat_map(|s| &s.verdicts) {

@@ -28,6 +28,8 @@ const QUICK_DIVISORS: [u64; 4] = [2, 4, 8, 16];
 const SHARE: Duration = Duration::from_secs(7);
 /// Boxes that are stepped together.
 const BOXES: usize = 100;
+/// The same over a floor, where each does the whole scene.
+const FLOOR_BOXES: usize = 8;
 
 /// Errors below this count as this: rounding is no ratio.
 const ROUNDING: f64 = 1e-12;
@@ -228,7 +230,7 @@ fn contender(
 ) -> Result<Contender<'static>, Stop> {
     let setup = &family.setup;
     let snapshot = if setup.floor.is_some() {
-        Snapshot::of_scene(setup, BOXES, p.dt)
+        Snapshot::of_scene(setup, FLOOR_BOXES, p.dt)
     } else {
         let states = starts.iter().cycle().take(BOXES);
         let bodies = states.map(|s| (&setup.body, s, ContactState::default()));
