@@ -141,7 +141,7 @@ impl Snapshot {
     }
 
     /// A call; returns its evaluations and body-steps.
-    fn work(&mut self, integrator: Integrator) -> u64 {
+    pub fn work(&mut self, integrator: Integrator) -> u64 {
         self.call(integrator).evaluations + self.units() as u64
     }
 
