@@ -252,7 +252,7 @@ mod tests {
             assert_eq!(read(&path, 1000).expect("readable"), text.as_bytes());
         }
         assert_eq!(read(&path, 2).expect("readable"), b"sh");
-        assert_eq!(list(folder.path()), [path.clone()]);
+        assert_eq!(list(folder.path()), std::slice::from_ref(&path));
         remove(&path);
         assert!(!exists(&path) && stamp(&path).is_none());
         assert!(list(&path).is_empty());
