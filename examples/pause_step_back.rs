@@ -5,12 +5,6 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// All inputs of a body's motion, and the time (for your own forces that depend on it). You may omit the
-/// memories `IntegratorMemory` and `ContactState`: the motion is then as accurate, but not identical to the
-/// last bit. (Impulses that wait for the next step are messages and not part of a snapshot.)
-#[derive(Clone)]
-struct Snapshot(PhysicsClock, BodyState, IntegratorMemory, ContactState);
-
 fn main() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
@@ -42,28 +36,16 @@ fn main() {
         state(&app).position
     );
 
-    // A snapshot, ten steps, and back: the motion repeats bit for bit, including the landing.
-    let world = app.world();
-    let snapshot = Snapshot(
-        *world.resource::<PhysicsClock>(),
-        state(&app),
-        world
-            .get::<IntegratorMemory>(entity)
-            .expect("required")
-            .clone(),
-        world.get::<ContactState>(entity).expect("required").clone(),
-    );
+    // A snapshot, a second on, and back: the future repeats bit for bit, including the landing.
+    let snapshot = PhysicsSnapshot::take(app.world_mut());
     let future = |app: &mut App| {
         app.world_mut().commands().queue(StepPhysics(60));
         app.world_mut().flush();
         state(app)
     };
     let first = future(&mut app);
-    let Snapshot(clock, body, integrator, contact) = snapshot;
-    app.insert_resource(clock);
-    app.world_mut()
-        .entity_mut(entity)
-        .insert((body, integrator, contact));
+    let missing = snapshot.restore(app.world_mut());
+    assert!(missing.is_empty(), "no body was despawned since");
     let second = future(&mut app);
     assert_eq!(first, second);
     println!(

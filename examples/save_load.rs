@@ -7,15 +7,12 @@ use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// One body in a file. If you omit the last two fields, the library computes them again: the motion is as
-/// accurate, but the last bits may differ.
+/// One body in a file: what you gave it, and what the physics remembers of it.
 #[derive(Serialize, Deserialize, Bundle)]
 struct SavedBody {
     body: RigidBox,
-    state: BodyState,
     drag: LinearDrag,
-    integrator: IntegratorMemory,
-    contact: ContactState,
+    motion: BodySnapshot,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -28,28 +25,19 @@ struct SavedGame {
 }
 
 fn save(world: &mut World) -> Result<String, BevyError> {
-    let mut bodies = world.query::<(
-        &RigidBox,
-        &BodyState,
-        &LinearDrag,
-        &IntegratorMemory,
-        &ContactState,
-    )>();
+    let snapshot = PhysicsSnapshot::take(world);
+    let mut bodies = world.query::<(&RigidBox, &LinearDrag)>();
+    let saved = snapshot.bodies().filter_map(|(entity, motion)| {
+        let (body, drag) = bodies.get(world, entity).ok()?;
+        let (body, drag, motion) = (*body, *drag, motion.clone());
+        Some(SavedBody { body, drag, motion })
+    });
     let game = SavedGame {
+        bodies: saved.collect(),
         clock: *world.resource(),
         integrator: *world.resource(),
         gravity: *world.resource(),
         floor: *world.resource(),
-        bodies: bodies
-            .iter(world)
-            .map(|(body, state, drag, integrator, contact)| SavedBody {
-                body: *body,
-                state: *state,
-                drag: *drag,
-                integrator: integrator.clone(),
-                contact: contact.clone(),
-            })
-            .collect(),
     };
     // RON keeps every bit of an f64. (JSON does so only with serde_json's `float_roundtrip`.)
     Ok(ron::to_string(&game)?)

@@ -45,8 +45,7 @@ impl Options {
         if self.quick {
             Settings {
                 shortest_sample: Duration::from_micros(100),
-                samples: (5, 5),
-                ..Settings::default()
+                samples: 5,
             }
         } else {
             Settings::default()

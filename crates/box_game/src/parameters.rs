@@ -127,7 +127,7 @@ impl Info {
 
     const fn half_extent(id: &'static str, label: &'static str, hint: &'static str) -> Self {
         Self::new(id, label, "m", hint)
-            .logarithmic((0.05, 5.0), (1e-3, 1e3))
+            .logarithmic((0.0025, 5.0), (1e-4, 1e3))
             .effect(Effect::Restart)
     }
 }
@@ -174,7 +174,7 @@ impl Parameter {
             Self::HalfY => Info::half_extent("half-y", "Half-size y", "Half the size along the box's y axis."),
             Self::HalfZ => Info::half_extent("half-z", "Half-size z", "Half the size along the box's z axis."),
             Self::Mass => Info::new("mass", "Mass", "kg", "Mass of the box, uniformly distributed.")
-                .logarithmic((0.1, 100.0), (1e-6, 1e6)).effect(Effect::Restart),
+                .logarithmic((0.0005, 100.0), (1e-6, 1e6)).effect(Effect::Restart),
             Self::Impulse => Info::new("impulse", "Strength", "N s", "Impulse of one push.")
                 .logarithmic((0.01, 100.0), (0.0, 1e6)).effect(Effect::None),
             Self::Boxes => Info::new("boxes", "Boxes", "", "Number of boxes. More boxes make the timing steadier.")

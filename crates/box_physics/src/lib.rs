@@ -88,13 +88,3 @@ pub mod prelude {
     pub use crate::state::BodyState;
     pub use glam::{DQuat, DVec3};
 }
-
-/// The code blocks of the guide are compiled and run.
-#[cfg(all(doctest, feature = "bevy"))]
-#[doc = include_str!("../../../docs/guide.md")]
-struct Guide;
-
-/// The code blocks of the page for users of Avian or Rapier are compiled and run.
-#[cfg(all(doctest, feature = "bevy"))]
-#[doc = include_str!("../../../docs/migration.md")]
-struct Migration;

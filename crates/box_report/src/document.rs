@@ -9,9 +9,9 @@ use minijinja::{Environment, Value, context};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
 use serde::Serialize;
 
-use crate::context::{SAMPLES_IN_WORDS, Stop};
+use crate::context::Stop;
 use crate::files;
-use box_bench::machine::Machine;
+use crate::machine::Machine;
 
 /// A part of the report.
 #[derive(Clone, Debug, Serialize)]
@@ -52,6 +52,8 @@ pub(crate) struct Table {
     pub(crate) rows: Vec<Vec<String>>,
     /// The file with these data.
     pub(crate) csv: String,
+    /// Whether the digest shows it.
+    pub(crate) digest: bool,
 }
 
 impl Section {
@@ -105,8 +107,7 @@ impl Document<'_> {
         )
     }
 
-    /// Writes the page of one minute: `results.md` (the summary's first table, the figures marked for it, other
-    /// engines) and `results/*.svg` into `docs`.
+    /// Writes the digest: `results.md` and the figures that it shows, `results/*.svg`, into `docs`.
     pub(crate) fn write_digest(&self, docs: &Path) -> Result<(), Stop> {
         let figures = docs.join("results");
         files::create_folder(&figures)?;
@@ -137,10 +138,9 @@ impl Document<'_> {
         page.render(context! {
             sections => plain(&self.sections)?,
             missing => plain(&self.missing)?,
-            machine => context! { version => &self.machine.version, line => self.machine.to_string() },
+            machine => plain(self.machine)?,
             seconds => self.seconds.round() as u64,
             quick => self.quick,
-            samples => SAMPLES_IN_WORDS,
         })
         .map_err(failed)
     }

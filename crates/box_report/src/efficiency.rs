@@ -131,6 +131,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         columns,
         rows: cells,
         csv: "efficiency.csv".to_owned(),
+        digest: true,
     });
     section.tables.push(frontier(ctx, data)?);
     section.verdicts = verdicts(ctx, data, wins);
@@ -184,6 +185,7 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
             })
             .collect(),
         csv: "frontier.csv".to_owned(),
+        digest: true,
     })
 }
 

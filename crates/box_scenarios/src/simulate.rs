@@ -4,11 +4,10 @@ use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
 use crate::driver::Totals;
-use crate::metrics::{Errors, SpeedLimits, StateError};
+use crate::metrics::{Errors, Sanity, StateError};
 use crate::reference::ReferenceSolution;
 use crate::run::{End, Plan, run_plan, steps_in};
 use crate::setup::Setup;
-use crate::status::{Divergence, Reason};
 
 /// What a run should have reached at a sample, as far as it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,8 +38,8 @@ pub struct Comparison {
     pub totals: Totals,
     /// How it ended.
     pub end: End,
-    /// When and why it diverged, if it did; nothing after that counts.
-    pub diverged: Option<Divergence>,
+    /// When it diverged \[s\], if it did; nothing after that counts.
+    pub diverged_at: Option<f64>,
     /// The last state that did not diverge.
     pub last: BodyState,
 }
@@ -54,16 +53,16 @@ pub fn compare(
     mut expected: impl FnMut(f64) -> Expected,
     mut look: impl FnMut(&Compared) -> bool,
 ) -> Comparison {
-    let mut limits = SpeedLimits::of(setup);
-    let (mut errors, mut diverged, mut last) = (Errors::default(), None, setup.initial);
+    let mut limits = Sanity::of(setup);
+    let (mut errors, mut diverged_at, mut last) = (Errors::default(), None, setup.initial);
     let (totals, end) = run_plan(setup, integrator, plan, |t, state| {
         let Expected {
             state: reference,
             energy,
         } = expected(t);
         reference.iter().for_each(|r| limits.see(r));
-        diverged = limits.broken(state).map(|reason| Divergence { t, reason });
-        if diverged.is_some() {
+        if limits.is_diverged(state) {
+            diverged_at = Some(t);
             return false;
         }
         let error = reference.map(|r| StateError::between(state, &r));
@@ -74,15 +73,14 @@ pub fn compare(
         last = *state;
         look(&Compared { t, state, error })
     });
-    if let End::Failed { at: t } = end {
-        let reason = Reason::Invalid;
-        diverged = Some(Divergence { t, reason });
+    if let End::Failed { at } = end {
+        diverged_at = Some(at);
     }
     Comparison {
         errors,
         totals,
         end,
-        diverged,
+        diverged_at,
         last,
     }
 }
@@ -104,4 +102,11 @@ pub fn simulate(
         energy,
     };
     compare(setup, integrator, &plan, expected, |_| true)
+}
+
+/// The limits of sanity for a run of `setup` with these states of its reference.
+pub fn sanity<'a>(setup: &Setup, reference: impl IntoIterator<Item = &'a BodyState>) -> Sanity {
+    let mut limits = Sanity::of(setup);
+    reference.into_iter().for_each(|r| limits.see(r));
+    limits
 }

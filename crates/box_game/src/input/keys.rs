@@ -42,7 +42,8 @@ const DIGITS: [KeyCode; 9] = [
 
 /// Reads the keyboard.
 pub(super) fn read_keys(
-    (keys, characters): (Res<ButtonInput<KeyCode>>, Res<ButtonInput<Key>>),
+    keys: Res<ButtonInput<KeyCode>>,
+    characters: Res<ButtonInput<Key>>,
     focus: Res<UiFocus>,
     time: Res<Time<Real>>,
     session: Res<Session>,

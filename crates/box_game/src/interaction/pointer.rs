@@ -85,7 +85,8 @@ impl Fingers {
 /// Reads mouse and fingers.
 pub(super) fn read(
     buttons: Res<ButtonInput<MouseButton>>,
-    (motion, scroll): (Res<AccumulatedMouseMotion>, Res<AccumulatedMouseScroll>),
+    motion: Res<AccumulatedMouseMotion>,
+    scroll: Res<AccumulatedMouseScroll>,
     touches: Res<Touches>,
     window: Query<&Window, With<PrimaryWindow>>,
     mut fingers: Local<Fingers>,

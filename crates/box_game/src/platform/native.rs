@@ -1,7 +1,6 @@
 //! The desktop: command line, standard output, file system, threads.
 
 mod display;
-mod synced_file;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -17,7 +16,6 @@ use bevy::log::tracing_subscriber::{self, Layer as _};
 use bevy::prelude::*;
 
 pub use display::{check, probe};
-pub use synced_file::SyncedFile;
 
 /// Why there is no CPU usage, if there is none.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
@@ -252,7 +250,7 @@ mod tests {
             assert_eq!(read(&path, 1000).expect("readable"), text.as_bytes());
         }
         assert_eq!(read(&path, 2).expect("readable"), b"sh");
-        assert_eq!(list(folder.path()), std::slice::from_ref(&path));
+        assert_eq!(list(folder.path()), [path.clone()]);
         remove(&path);
         assert!(!exists(&path) && stamp(&path).is_none());
         assert!(list(&path).is_empty());

@@ -53,11 +53,13 @@ pub(super) fn spawn_camera(
 pub(super) fn show_panel(
     mut contexts: EguiContexts,
     mut sources: Sources,
-    (mut state, mut drawn): (ResMut<PanelState>, Local<f64>),
+    mut state: ResMut<PanelState>,
     mut actions: ResMut<Actions>,
     mut focus: ResMut<UiFocus>,
-    (mut picture, mut plot): (ResMut<PictureArea>, ResMut<PlotArea>),
+    mut picture: ResMut<PictureArea>,
+    mut drawn: Local<f64>,
     camera: Single<&Camera, With<PanelCamera>>,
+    mut plot: ResMut<PlotArea>,
 ) -> Result {
     let start = Instant::now();
     let context = contexts.ctx_mut()?;

@@ -1,5 +1,7 @@
 //! The tables of `docs/integrators.md` and of `docs/contact.md`.
 
+use std::fmt::Write as _;
+
 use box_physics::integrators::Integrator;
 use box_scenarios::contact_cases;
 
@@ -8,18 +10,8 @@ use crate::text;
 
 /// What each integrator says of itself.
 pub(super) fn integrators() -> Result<String, Stop> {
-    let heading = [
-        "id",
-        "order: rotation · gravity · drag · torque",
-        "evaluations a step: free · forced",
-        "energy of a tumbling box",
-        "keeps L",
-        "|ω|dt",
-        "c·dt/m",
-        "√(k/m)·dt",
-        "in a sentence",
-    ];
-    let rows = Integrator::ALL.iter().map(|i| {
+    let mut table = "| id | order: rotation · gravity · drag · torque | evaluations a step: free · forced | energy of a tumbling box | keeps L | \\|ω\\|dt | c·dt/m | √(k/m)·dt | in a sentence |\n|---|---|---|---|---|---|---|---|---|\n".to_owned();
+    for i in Integrator::ALL {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
         let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
@@ -27,7 +19,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
             (false, true) => "its length",
             _ => "no",
         };
-        vec![
+        let row = [
             text::code(info.id),
             format!(
                 "{} · {} · {} · {}",
@@ -39,10 +31,11 @@ pub(super) fn integrators() -> Result<String, Stop> {
             s.rotation.to_string(),
             s.drag.to_string(),
             s.oscillator.to_string(),
-            info.summary.to_owned(),
-        ]
-    });
-    Ok(markdown(&heading.map(str::to_owned), rows))
+            info.summary.replace('|', "\\|"),
+        ];
+        line(&mut table, &row);
+    }
+    Ok(table)
 }
 
 /// Where each integrator is from.
@@ -73,7 +66,12 @@ pub(super) fn contact() -> Result<String, Stop> {
         .map(str::to_owned)
         .to_vec();
     heading.extend(CHOSEN.map(text::code));
-    let rows = contact_cases().into_iter().map(|case| {
+    let mut table = String::new();
+    line(&mut table, &heading);
+    table += "|";
+    table += &"---|".repeat(heading.len());
+    table += "\n";
+    for case in contact_cases() {
         let mut row = vec![
             case.number.to_string(),
             case.title.to_owned(),
@@ -81,20 +79,14 @@ pub(super) fn contact() -> Result<String, Stop> {
             figure(case.bound),
         ];
         row.extend(CHOSEN.map(|i| figure(case.measure(i))));
-        row
-    });
-    Ok(markdown(&heading, rows))
+        line(&mut table, &row);
+    }
+    Ok(table)
 }
 
-/// A table in Markdown; a bar in a cell is escaped.
-pub(crate) fn markdown(heading: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
-    let line = |cells: &[String]| {
-        let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
-        format!("| {} |\n", cells.join(" | "))
-    };
-    let rule = format!("|{}\n", "---|".repeat(heading.len()));
-    let rows: String = rows.map(|row| line(&row)).collect();
-    line(heading) + &rule + &rows
+fn line(table: &mut String, cells: &[String]) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(table, "| {} |", cells.join(" | "));
 }
 
 /// Below this a figure is rounding, and its digits mean nothing.

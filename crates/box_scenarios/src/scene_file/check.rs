@@ -99,12 +99,12 @@ pub(super) fn duration<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Err
 }
 
 pub(super) fn half_extents<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
-    let allowed = "between 0.001 and 1000 m";
-    limits::within(DVec3::deserialize(from)?, 1e-3..=1e3, allowed)
+    let allowed = "between 0.0001 and 1000 m";
+    limits::within(DVec3::deserialize(from)?, 1e-4..=1e3, allowed)
 }
 
 pub(super) fn mass<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    limits::number(from, 1e-3..=1e6, "between 0.001 and 1e6 kg")
+    limits::number(from, 1e-6..=1e6, "between 1e-6 and 1e6 kg")
 }
 
 /// An attitude; a unit quaternion keeps its bits.

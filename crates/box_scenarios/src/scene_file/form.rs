@@ -58,9 +58,14 @@ fn body<'de, D: Deserializer<'de>>(from: D) -> Result<BodyForm, D::Error> {
 
 fn start<'de, D: Deserializer<'de>>(from: D) -> Result<StartForm, D::Error> {
     let form = StartForm::deserialize(from)?;
-    if form.angular_velocity.is_some() && form.angular_momentum.is_some() {
+    let spins = [
+        form.body_angular_velocity,
+        form.world_angular_velocity,
+        form.angular_momentum,
+    ];
+    if spins.iter().flatten().count() > 1 {
         return Err(D::Error::custom(
-            "the spin is given twice, by angular_velocity and angular_momentum",
+            "the spin is given twice: give one of body_angular_velocity, world_angular_velocity and angular_momentum",
         ));
     }
     Ok(form)
@@ -86,7 +91,7 @@ pub(super) struct BodyForm {
     inertia: Option<DVec3>,
 }
 
-/// Its state at t = 0. The spin is given as one of two quantities.
+/// Its state at t = 0. The spin is given as one of three quantities.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct StartForm {
@@ -96,11 +101,18 @@ pub(super) struct StartForm {
     rotation: DQuat,
     #[serde(deserialize_with = "limits::vector")]
     velocity: DVec3,
+    // The alias is the name of older files.
+    #[serde(
+        alias = "angular_velocity",
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "limits::optional_vector"
+    )]
+    body_angular_velocity: Option<DVec3>,
     #[serde(
         skip_serializing_if = "Option::is_none",
         deserialize_with = "limits::optional_vector"
     )]
-    angular_velocity: Option<DVec3>,
+    world_angular_velocity: Option<DVec3>,
     #[serde(
         skip_serializing_if = "Option::is_none",
         deserialize_with = "limits::optional_vector"
@@ -131,7 +143,8 @@ impl SceneForm {
                 position: setup.initial.position,
                 rotation: setup.initial.rotation,
                 velocity: setup.initial.velocity,
-                angular_velocity: None,
+                body_angular_velocity: None,
+                world_angular_velocity: None,
                 angular_momentum: Some(setup.initial.angular_momentum),
             },
             forces: setup.forces.clone(),
@@ -182,12 +195,11 @@ impl StartForm {
     fn build(&self, body: &RigidBox) -> BodyState {
         let mut state = BodyState::at(self.position).with_velocity(self.velocity);
         state.rotation = self.rotation;
-        match self.angular_velocity {
-            Some(spin) => state.with_body_angular_velocity(body, spin),
-            None => {
-                state.angular_momentum = self.angular_momentum.unwrap_or_default();
-                state
-            }
+        state.angular_momentum = self.angular_momentum.unwrap_or_default();
+        match (self.body_angular_velocity, self.world_angular_velocity) {
+            (Some(spin), _) => state.with_body_angular_velocity(body, spin),
+            (_, Some(spin)) => state.with_angular_velocity(body, spin),
+            _ => state,
         }
     }
 }

@@ -69,6 +69,52 @@ fn the_example_shows_every_field() {
     }
 }
 
+/// The spin in world axes, as the API has it, or in body axes, under a name each; the older name is that in body axes.
+#[test]
+fn the_axes_of_the_spin_are_named() {
+    let momentum = "angular_momentum: (0.08, 1.6, 0.16)";
+    let spin = glam::DVec3::new(1.0, 6.0, 0.5);
+    for name in [
+        "world_angular_velocity",
+        "body_angular_velocity",
+        "angular_velocity",
+    ] {
+        let given = format!("{name}: (1.0, 6.0, 0.5)");
+        let setup = read(&EXAMPLE.replace(momentum, &given))
+            .expect("a scene")
+            .setup;
+        let is = match name {
+            "world_angular_velocity" => setup.initial.angular_velocity(&setup.body),
+            _ => setup.initial.body_angular_velocity(&setup.body),
+        };
+        assert!((is - spin).length() < 1e-12, "{name}: {is}");
+        let twice = EXAMPLE.replace(momentum, &format!("{given}, {momentum}"));
+        assert!(
+            read(&twice)
+                .expect_err("twice")
+                .to_string()
+                .contains("given twice")
+        );
+    }
+}
+
+/// A die of half a gram and 5 mm is a box like others.
+#[test]
+fn dice_are_boxes() {
+    let die = EXAMPLE.replace("mass: 3.0", "mass: 0.0005");
+    let (before, rest) = die.split_once("half_extents: (").expect("there");
+    let (_, after) = rest.split_once(')').expect("there");
+    let die = read(&format!(
+        "{before}half_extents: (0.0025, 0.0025, 0.0025){after}"
+    ));
+    let die = die.expect("a scene");
+    assert_eq!(
+        (die.setup.body.mass(), die.setup.body.half_extents().x),
+        (0.0005, 0.0025)
+    );
+    plays(&die);
+}
+
 #[test]
 fn complaints_name_file_line_column_and_field() {
     for (from, to, expected) in [
