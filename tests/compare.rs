@@ -1,34 +1,18 @@
 //! The comparison in the whole game without a window: main box, comparisons, reference, inputs, fairness,
 //! log, memory.
 
-use bevy::input::InputPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_game::action::{Action, Actions, Push};
-use box_game::app::GamePlugin;
-use box_game::cli::Cli;
-use box_game::cli::start::open_files;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
 use box_game::parameters::Parameter;
+use box_game::record::csv_log::CsvLog;
 use box_game::scene::session::MainBox;
 use box_physics::prelude::*;
-use clap::Parser;
 
-fn game(arguments: &[&str]) -> App {
-    let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid");
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    // The fixed clock does not run on the first update.
-    app.update();
-    open_files(&mut app, &cli).expect("writable");
-    app
-}
+mod playing;
 
-fn ask(app: &mut App, action: Action) {
-    app.world_mut().resource_mut::<Actions>().0.push(action);
-    app.update();
-}
+use playing::{ask, game, log_rows, main_box};
 
 fn compare(app: &mut App, action: CompareAction) {
     ask(app, Action::Compare(action));
@@ -37,13 +21,6 @@ fn compare(app: &mut App, action: CompareAction) {
 fn run(app: &App) -> &Run {
     let comparison = app.world().resource::<Comparison>();
     comparison.run.as_ref().expect("a main box")
-}
-
-fn main_box(app: &mut App) -> BodyState {
-    *app.world_mut()
-        .query_filtered::<&BodyState, With<MainBox>>()
-        .single(app.world())
-        .expect("one main box")
 }
 
 fn push(direction: DVec3, off_center: bool) -> Action {
@@ -290,19 +267,12 @@ fn equal_evaluations_and_late_inputs() {
         assert!(run(&app).clock - r.simulation.driver.time < 4.0 / 60.0 + 1e-9);
         assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
     }
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_path(&path)
-        .expect("readable");
-    let columns = reader.headers().expect("a header").clone();
-    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
     let mut comparisons = [0, 0];
-    for row in reader.records() {
-        let row = row.expect("a row");
-        let number = |name| row[at(name)].parse::<f64>();
-        comparisons[row[at("trajectory")].parse::<usize>().expect("0 or 1")] += 1;
-        if row[at("event")].contains(" s late") {
-            let skew = row[at("event")].split(' ').nth(1).expect("a number");
+    for row in log_rows(&mut app, &path) {
+        let number = |name| row[name].parse::<f64>();
+        comparisons[row["trajectory"].parse::<usize>().expect("0 or 1")] += 1;
+        if row["event"].contains(" s late") {
+            let skew = row["event"].split(' ').nth(1).expect("a number");
             late.push(skew.parse::<f64>().expect("seconds"));
         }
         assert!(number("pos_err_m").expect("measured") < 0.6);
@@ -335,20 +305,14 @@ fn the_log_has_a_row_for_every_comparison() {
         path.to_str().expect("utf-8"),
     ]);
     updates(&mut app, 120);
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_path(&path)
-        .expect("readable");
-    let columns = reader.headers().expect("a header").clone();
-    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
-    let rows: Vec<_> = reader.records().map(|r| r.expect("a row")).collect();
+    let rows = log_rows(&mut app, &path);
     assert_eq!(rows.len(), 3 * 120);
     for (k, row) in rows.iter().enumerate() {
-        assert_eq!(row[at("trajectory")], (k % 3).to_string());
-        let local: f64 = row[at("local_pos_err_m")].parse().expect("measured");
+        assert_eq!(row["trajectory"], (k % 3).to_string());
+        let local: f64 = row["local_pos_err_m"].parse().expect("measured");
         assert!(local < 0.2, "{local}");
     }
-    assert!(rows.iter().any(|r| &r[at("state")] == "contact"));
+    assert!(rows.iter().any(|r| r["state"] == "contact"));
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Contact));
 }
 
@@ -575,10 +539,7 @@ fn keys_of_the_comparison() {
     let (down, up) = (ButtonState::Pressed, ButtonState::Released);
     key(&mut app, KeyCode::ShiftLeft, "", down);
     // A key that types nothing triggers nothing.
-    assert!(
-        !app.world()
-            .contains_resource::<box_game::record::csv_log::CsvLog>()
-    );
+    assert!(!app.world().contains_resource::<CsvLog>());
     assert!(!app.world().resource::<PhysicsClock>().paused);
     key(&mut app, KeyCode::Digit5, "%", down);
     key(&mut app, KeyCode::Digit5, "%", up);

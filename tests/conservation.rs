@@ -143,12 +143,26 @@ fn the_default_keeps_everything_to_rounding() {
     }
 }
 
-/// 600 steps forward and 600 back, tumbling and under gravity.
+/// The brick under a torque that depends on its attitude, and everything that damps it.
+fn forced() -> Setup {
+    let mut setup = brick();
+    setup.forces = ForceSet {
+        linear_drag: 0.6,
+        quadratic_drag: 0.1,
+        angular_damping: 0.2,
+        angular_drag: 0.01,
+        ..ForceSet::gravity(9.81)
+    }
+    .with_dipole(DVec3::new(0.0, 1.5, 0.5), DVec3::new(0.0, 1.0, 0.5));
+    setup
+}
+
+/// 600 steps forward and 600 back, tumbling, under forces and damped.
 #[test]
 fn reversible_as_claimed() {
     for &i in Integrator::ALL {
         let mut worst = 0.0_f64;
-        for setup in [brick(), plate()] {
+        for setup in [brick(), plate(), forced()] {
             let (model, mut driver) = (Model::of(&setup), Driver::new(setup.initial, i));
             for h in [H, -H] {
                 assert!(driver.run(&model, h, 600, u64::MAX), "{i}");

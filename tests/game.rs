@@ -1,13 +1,10 @@
 //! The game without a window: keys, actions, scenes and log run through the same systems as with a window.
 
+use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
-use bevy::input::{ButtonState, InputPlugin};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_game::action::{Action, Actions, Push};
-use box_game::app::GamePlugin;
-use box_game::cli::Cli;
-use box_game::cli::start::open_files;
+use box_game::action::{Action, Push};
 use box_game::compare::sampling::IntegratorSamples;
 use box_game::input::focus::UiFocus;
 use box_game::parameters::Parameter;
@@ -15,18 +12,10 @@ use box_game::scene::library::SceneLibrary;
 use box_game::scene::session::{MainBox, Session};
 use box_physics::force::Gravity;
 use box_physics::prelude::*;
-use clap::Parser;
 
-fn game(arguments: &[&str]) -> App {
-    let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid");
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    // The fixed clock does not run on the first update.
-    app.update();
-    open_files(&mut app, &cli).expect("writable");
-    app
-}
+mod playing;
+
+use playing::{ask, game, log_rows, main_box};
 
 fn key(app: &mut App, key_code: KeyCode, state: ButtonState) {
     let window = Entity::PLACEHOLDER;
@@ -68,18 +57,6 @@ fn with(app: &mut App, modifier: KeyCode, code: KeyCode) {
     key(app, modifier, ButtonState::Pressed);
     tap(app, code);
     key(app, modifier, ButtonState::Released);
-    app.update();
-}
-
-fn main_box(app: &mut App) -> BodyState {
-    *app.world_mut()
-        .query_filtered::<&BodyState, With<MainBox>>()
-        .single(app.world())
-        .expect("one main box")
-}
-
-fn ask(app: &mut App, action: Action) {
-    app.world_mut().resource_mut::<Actions>().0.push(action);
     app.update();
 }
 
@@ -389,17 +366,11 @@ fn the_log_has_a_row_per_step_with_its_inputs() {
     };
     ask(&mut app, Action::Push(push));
     app.update();
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_path(&path)
-        .expect("readable");
-    let columns = reader.headers().expect("a header").clone();
-    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
-    // Rows of the main box; the comparisons have separate rows.
-    let rows = reader.records().map(|r| r.expect("a row"));
-    let rows: Vec<_> = rows.filter(|r| &r[at("trajectory")] == "0").collect();
+    // The main box's rows; the comparisons have their own.
+    let mut rows = log_rows(&mut app, &path);
+    rows.retain(|r| r["trajectory"] == "0");
     assert_eq!(rows.len(), 4);
-    let (time, event, error) = (at("sim_t_s"), at("event"), at("pos_err_m"));
+    let (time, event, error) = ("sim_t_s", "event", "pos_err_m");
     assert!(rows[1][event].contains("integrator rk4"));
     assert!(rows[2][event].contains("push 0.000 "));
     let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();
@@ -459,20 +430,13 @@ fn the_log_stays_right_across_a_change_of_the_step() {
     for _ in 0..30 {
         app.update();
     }
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .from_path(&path)
-        .expect("readable");
-    let columns = reader.headers().expect("a header").clone();
-    let at = |name: &str| columns.iter().position(|c| c == name).expect("a column");
     let mut last = 0.0;
     let mut rows = 0;
-    for row in reader.records() {
-        let row = row.expect("a row");
-        if &row[at("trajectory")] != "0" {
+    for row in log_rows(&mut app, &path) {
+        if row["trajectory"] != "0" {
             continue;
         }
-        let number = |name| row[at(name)].parse::<f64>().expect("a number");
+        let number = |name| row[name].parse::<f64>().expect("a number");
         assert!(number("sim_t_s") > last, "time goes on");
         last = number("sim_t_s");
         assert!(number("pos_err_m") < 1e-9, "at {last}");

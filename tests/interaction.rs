@@ -5,15 +5,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use bevy::input::ButtonState;
-use bevy::input::InputPlugin;
 use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use box_game::action::{Action, Actions, Hold, Plot, Poke, Push};
-use box_game::app::GamePlugin;
-use box_game::cli::Cli;
 use box_game::cli::command_line;
-use box_game::cli::start::open_files;
 use box_game::compare::Comparison;
 use box_game::demo_2012::Demo2012;
 use box_game::interaction::grab::Grip;
@@ -27,7 +22,6 @@ use box_physics::force::Gravity;
 use box_physics::prelude::*;
 use box_scenarios::Scenario;
 use box_scenarios::dissertation::{Demo, State, Stepper};
-use clap::Parser;
 
 #[path = "interaction/acceptance.rs"]
 mod acceptance;
@@ -35,35 +29,11 @@ mod acceptance;
 mod demo;
 #[path = "interaction/files.rs"]
 mod files;
+mod playing;
 #[path = "interaction/settings.rs"]
 mod settings;
 
-fn cli(arguments: &[&str]) -> Cli {
-    Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid")
-}
-
-fn game(arguments: &[&str]) -> App {
-    let cli = cli(arguments);
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    // The fixed clock does not run on the first update.
-    app.update();
-    open_files(&mut app, &cli).expect("readable");
-    app
-}
-
-fn ask(app: &mut App, action: Action) {
-    app.world_mut().resource_mut::<Actions>().0.push(action);
-    app.update();
-}
-
-fn main_box(app: &mut App) -> BodyState {
-    *app.world_mut()
-        .query_filtered::<&BodyState, With<MainBox>>()
-        .single(app.world())
-        .expect("one main box")
-}
+use playing::{ask, cli, game, main_box};
 
 fn session(app: &App) -> &Session {
     app.world().resource::<Session>()

@@ -1,6 +1,8 @@
 //! Scenes from files, scripts, and the command line that reproduces a setup.
 
 use super::*;
+use box_game::cli::Cli;
+use clap::Parser;
 
 const MINE: &str = r#"(
     id: "mine",

@@ -1,6 +1,8 @@
 //! Settings that persist between two starts.
 
 use super::*;
+use bevy::input::InputPlugin;
+use box_game::app::GamePlugin;
 
 /// Runs in a separate process with the settings folder of the test.
 #[test]

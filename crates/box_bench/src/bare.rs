@@ -53,13 +53,6 @@ impl Bare {
         );
     }
 
-    /// One step of `h` \[s\] body by body, by the integrator's plain definition, with bounding boxes and
-    /// transforms.
-    pub fn step_scalar(&mut self, integrator: Integrator, h: f64) {
-        self.kernel_scalar(integrator, h);
-        self.publish();
-    }
-
     /// Only the integrator, body by body.
     pub fn kernel_scalar(&mut self, integrator: Integrator, h: f64) {
         integrator.dispatch(Scalar { bare: self, h });

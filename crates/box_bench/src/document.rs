@@ -1,12 +1,13 @@
 //! The tables of a document, between markers, rewritten from what was measured.
 //!
 //! A table named `step` is between the lines `<!-- table: step -->` and `<!-- /table -->`; its name is
-//! a suite's, or that of something computed from several: `targets`, `million`.
+//! a suite's, or that of something else: `targets` and `million`, computed from several, and `machine`.
 
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::machine::Machine;
 use crate::rows::Row;
 use crate::targets::{self, Aim};
 
@@ -56,8 +57,8 @@ fn block(name: &str, rows: &[Row]) -> Option<String> {
     match name {
         "targets" => targets_table(rows),
         "million" => targets::million(rows),
+        "machine" => Some(format!("{}\n", Machine::this())),
         _ if found.is_empty() => None,
-        "kernels" => Some(integrators_table(&found)),
         _ => Some(table(&found)),
     }
 }
@@ -78,41 +79,6 @@ fn targets_table(rows: &[Row]) -> Option<String> {
         lines.push(&[&target.what, &aim, &measured, met]);
     }
     Some(lines.0)
-}
-
-/// One line an integrator: its plain step of the bodies that stay in the cache best, and many at a time.
-fn integrators_table(rows: &[&Row]) -> String {
-    let mut sizes: Vec<_> = rows.iter().map(|row| row.bodies).collect();
-    sizes.sort_unstable();
-    sizes.dedup();
-    // Of one body the call is measured as well.
-    let plain = sizes.iter().copied().find(|&n| n >= 100);
-    let plain = plain.unwrap_or(sizes[0]);
-    let mut integrators = Vec::new();
-    for row in rows {
-        if !integrators.contains(&row.integrator) {
-            integrators.push(row.integrator);
-        }
-    }
-    let heads: Vec<_> = ["integrator".to_owned(), format!("plain, {plain}")]
-        .into_iter()
-        .chain(sizes.iter().map(|n| format!("many, {n}")))
-        .collect();
-    let heads: Vec<_> = heads.iter().map(String::as_str).collect();
-    let mut lines = Lines::new(&heads);
-    for integrator in integrators {
-        let cost = |name: &str, n: usize| {
-            let mut rows = rows.iter();
-            let row =
-                rows.find(|r| (r.integrator, r.name.as_str(), r.bodies) == (integrator, name, n));
-            row.map_or_else(String::new, |row| number(row.cost.min))
-        };
-        let mut cells = vec![format!("`{integrator}`"), cost("plain", plain)];
-        cells.extend(sizes.iter().map(|&n| cost("many at a time", n)));
-        let cells: Vec<_> = cells.iter().map(String::as_str).collect();
-        lines.push(&cells);
-    }
-    lines.0
 }
 
 /// The lines of a table.
@@ -226,17 +192,5 @@ mod tests {
         );
         assert!(once.contains("| resting | 12.3 | 12.3 |\n| sliding | 891 | 891 |\n"));
         assert!(!once.contains("old") && once.contains("end\n") && once.contains("kept"));
-        let mut one = row("plain", 20.0);
-        (one.suite, one.bodies) = ("kernels", 100);
-        let mut many = one.clone();
-        (many.name, many.cost) = ("many at a time".to_owned(), Cost::of(&[8.0]));
-        let pivot = with_tables("<!-- table: kernels -->\n<!-- /table -->\n", &[one, many]);
-        assert!(
-            pivot.contains("| integrator | plain, 100 | many, 100 |\n"),
-            "{pivot}"
-        );
-        assert!(pivot.contains("| `split` | 20.0 | 8.0 |\n"), "{pivot}");
-        let again = with_tables(&once, &[row("resting", 12.34), row("sliding", 890.6)]);
-        assert_eq!(again, once);
     }
 }

@@ -9,6 +9,7 @@ pub mod bare;
 pub mod bodies;
 pub mod contact_scenes;
 pub mod document;
+pub mod machine;
 pub mod measure;
 pub mod memory;
 pub mod options;

@@ -12,20 +12,70 @@ use bevy::platform::time::Instant;
 use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 
+/// Times a call that returns its work (force evaluations and body-steps): the wall clock, or in tests a clock made of
+/// that.
+pub type Stopwatch = fn(&mut dyn FnMut() -> u64) -> Duration;
+
+/// The wall clock.
+pub fn wall_clock(work: &mut dyn FnMut() -> u64) -> Duration {
+    let start = Instant::now();
+    work();
+    start.elapsed()
+}
+
 /// Something to be timed.
 pub struct Contender<'a> {
-    run: Box<dyn FnMut() + 'a>,
+    run: Box<dyn FnMut() -> u64 + 'a>,
     /// What one call amounts to (say, bodies times steps); a cost is per unit.
     units: f64,
+    /// Calls that fill a sample; 0 before the first.
+    repeats: u32,
+    /// Whether a call is too long to be made untimed.
+    long: bool,
 }
 
 impl<'a> Contender<'a> {
     /// `run` does `units` units of work (> 0) at each call.
-    pub fn new(units: f64, run: impl FnMut() + 'a) -> Self {
+    pub fn new(units: f64, mut run: impl FnMut() + 'a) -> Self {
+        Self::counted(units, move || {
+            run();
+            0
+        })
+    }
+
+    /// The same, of a `run` that returns its work, at least 1.
+    pub fn counted(units: f64, run: impl FnMut() -> u64 + 'a) -> Self {
         Self {
             run: Box::new(run),
             units,
+            repeats: 0,
+            long: false,
         }
+    }
+
+    /// One sample [ns per unit]: an untimed call, then calls until they last long enough. The first sample finds out
+    /// how many that takes, and is its own warm-up.
+    pub fn sample(&mut self, settings: &Settings) -> f64 {
+        if self.repeats > 0 && !self.long {
+            (self.run)();
+        }
+        self.repeats = self.repeats.max(1);
+        loop {
+            let elapsed = self.time(settings.stopwatch);
+            if elapsed >= settings.shortest_sample {
+                self.long = elapsed > LONG * self.repeats;
+                return elapsed.as_nanos() as f64 / (f64::from(self.repeats) * self.units);
+            }
+            // A fifth more than needed, at most ten times as many as were tried.
+            let wanted =
+                1.2 * settings.shortest_sample.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
+            self.repeats = (f64::from(self.repeats) * wanted.clamp(1.2, 10.0)).ceil() as u32;
+        }
+    }
+
+    fn time(&mut self, stopwatch: Stopwatch) -> Duration {
+        let (run, repeats) = (&mut self.run, self.repeats);
+        stopwatch(&mut || (0..repeats).map(|_| run()).sum())
     }
 }
 
@@ -34,16 +84,22 @@ impl<'a> Contender<'a> {
 pub struct Settings {
     /// A sample lasts at least this long: a call that is shorter is repeated.
     pub shortest_sample: Duration,
-    /// Samples per contender (≥ 1).
-    pub samples: usize,
+    /// Samples per contender, at least (≥ 1) and at most: between these no round begins after the `budget`.
+    pub samples: (usize, usize),
+    /// See `samples`.
+    pub budget: Duration,
+    /// What tells the time.
+    pub stopwatch: Stopwatch,
 }
 
 impl Default for Settings {
-    /// Twenty samples of at least 100 µs.
+    /// Twenty samples of at least 100 µs by the wall clock, fewer where they would take more than ten seconds.
     fn default() -> Self {
         Self {
             shortest_sample: Duration::from_micros(100),
-            samples: 20,
+            samples: (3, 20),
+            budget: Duration::from_secs(10),
+            stopwatch: wall_clock,
         }
     }
 }
@@ -79,58 +135,36 @@ impl Cost {
 /// A call that takes longer than this is not made untimed: what the one before it left is a small part of it.
 const LONG: Duration = Duration::from_millis(200);
 
-/// Times all `contenders` in turns and returns their costs in their order. Each is called once before
-/// the first sample, to warm caches, and is repeated within a sample as often as that first call asks.
+/// Times all `contenders` in turns and returns their costs in their order. A first sample of each, which sets the
+/// length of the others and warms the caches, does not count.
 pub fn interleaved(contenders: &mut [Contender<'_>], settings: &Settings) -> Vec<Cost> {
-    let repeats: Vec<(u32, bool)> = contenders
-        .iter_mut()
-        .map(|c| {
-            let (repeats, elapsed) = fill(c, settings.shortest_sample);
-            (repeats, elapsed > LONG * repeats)
-        })
-        .collect();
-    let mut samples = vec![Vec::with_capacity(settings.samples); contenders.len()];
-    for _ in 0..settings.samples.max(1) {
-        for ((contender, &(repeats, long)), samples) in
-            contenders.iter_mut().zip(&repeats).zip(&mut samples)
-        {
-            if !long {
-                (contender.run)();
+    interleaved_until(contenders, settings, || false).unwrap_or_default()
+}
+
+/// [`interleaved`], given up when `stop`, which is called before each sample, returns true.
+pub fn interleaved_until(
+    contenders: &mut [Contender<'_>],
+    settings: &Settings,
+    mut stop: impl FnMut() -> bool,
+) -> Option<Vec<Cost>> {
+    let start = Instant::now();
+    let (least, most) = settings.samples;
+    let mut samples = vec![Vec::with_capacity(most); contenders.len()];
+    for round in 0..=most.max(1) {
+        if round > least.max(1) && start.elapsed() > settings.budget {
+            break;
+        }
+        for (contender, samples) in contenders.iter_mut().zip(&mut samples) {
+            if stop() {
+                return None;
             }
-            let nanoseconds = time(contender, repeats).as_nanos() as f64;
-            samples.push(nanoseconds / (f64::from(repeats) * contender.units));
+            let sample = contender.sample(settings);
+            if round > 0 {
+                samples.push(sample);
+            }
         }
     }
-    samples.iter().map(|s| Cost::of(s)).collect()
-}
-
-/// One sample of a contender that has no opponents [ns per unit]: its calls until they last at least `shortest`, after
-/// as many as that takes to find out.
-pub fn sample(contender: &mut Contender<'_>, shortest: Duration) -> f64 {
-    let (repeats, elapsed) = fill(contender, shortest);
-    elapsed.as_nanos() as f64 / (f64::from(repeats) * contender.units)
-}
-
-/// Calls that fill a sample, and how long they lasted.
-fn fill(contender: &mut Contender<'_>, shortest: Duration) -> (u32, Duration) {
-    let mut repeats = 1;
-    loop {
-        let elapsed = time(contender, repeats);
-        if elapsed >= shortest {
-            return (repeats, elapsed);
-        }
-        // A fifth more than needed, at most ten times as many as were tried.
-        let wanted = 1.2 * shortest.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
-        repeats = (f64::from(repeats) * wanted.min(10.0)).ceil() as u32;
-    }
-}
-
-fn time(contender: &mut Contender<'_>, repeats: u32) -> Duration {
-    let clock = Instant::now();
-    for _ in 0..repeats {
-        (contender.run)();
-    }
-    clock.elapsed()
+    Some(samples.iter().map(|s| Cost::of(s)).collect())
 }
 
 #[cfg(test)]
@@ -142,7 +176,8 @@ mod tests {
         let turns = std::cell::RefCell::new(Vec::new());
         let settings = Settings {
             shortest_sample: Duration::from_nanos(1),
-            samples: 3,
+            samples: (3, 3),
+            ..Settings::default()
         };
         let costs = interleaved(
             &mut [
@@ -152,16 +187,43 @@ mod tests {
             &settings,
         );
         assert_eq!(costs.len(), 2);
-        // The warm-up of each, then a sample of each in turn, untimed and timed.
+        // The first sample of each, then samples in turn, each after an untimed call.
         let turns = turns.into_inner();
         assert_eq!(turns.iter().collect::<String>(), "abaabbaabbaabb");
         let mut calls = 0_u32;
         let settings = Settings {
             shortest_sample: Duration::from_micros(50),
-            samples: 2,
+            samples: (2, 2),
+            ..Settings::default()
         };
         interleaved(&mut [Contender::new(1.0, || calls += 1)], &settings);
         assert!(calls > 3, "an empty call must be repeated to fill a sample");
+    }
+
+    #[test]
+    fn a_budget_ends_the_rounds_and_a_stop_the_whole() {
+        let settings = Settings {
+            shortest_sample: Duration::from_nanos(1),
+            samples: (2, 1000),
+            budget: Duration::ZERO,
+            ..Settings::default()
+        };
+        let mut calls = 0;
+        interleaved(&mut [Contender::new(1.0, || calls += 1)], &settings);
+        assert_eq!(calls, 1 + 2 * 2, "the first, and two samples");
+        let contenders = &mut [Contender::new(1.0, || ())];
+        assert_eq!(interleaved_until(contenders, &settings, || true), None);
+    }
+
+    /// A clock made of work: ten nanoseconds each.
+    #[test]
+    fn a_stopwatch_can_be_another() {
+        let settings = Settings {
+            stopwatch: |work| Duration::from_nanos(10 * work()),
+            ..Settings::default()
+        };
+        let cost = interleaved(&mut [Contender::counted(5.0, || 35)], &settings)[0];
+        assert_eq!((cost.min, cost.p95), (70.0, 70.0));
     }
 
     #[test]

@@ -45,7 +45,8 @@ impl Options {
         if self.quick {
             Settings {
                 shortest_sample: Duration::from_micros(100),
-                samples: 5,
+                samples: (5, 5),
+                ..Settings::default()
             }
         } else {
             Settings::default()

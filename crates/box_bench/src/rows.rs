@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::machine::Machine;
 use crate::measure::Cost;
 
 /// One measurement.
@@ -30,8 +31,9 @@ pub struct Row {
     pub allocations: Option<f64>,
 }
 
-/// Prints rows as a table.
+/// Prints rows as a table, with where they were measured.
 pub fn print(rows: &[Row]) {
+    println!("{}", Machine::this());
     println!(
         "{:<10} {:<24} {:<20} {:>8} {:>3} {:>9} {:>9} {:>9} {:>7} {:>8} {:>7}",
         "suite",
@@ -65,10 +67,11 @@ pub fn print(rows: &[Row]) {
     }
 }
 
-/// Writes rows as JSON.
+/// Writes rows and where they were measured as JSON.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_json(rows: &[Row], file: &Path) -> io::Result<()> {
-    std::fs::write(file, serde_json::to_string_pretty(rows)? + "\n")
+    let measured = serde_json::json!({ "machine": Machine::this(), "rows": rows });
+    std::fs::write(file, serde_json::to_string_pretty(&measured)? + "\n")
 }

@@ -1,11 +1,14 @@
-//! What a step of the bodies of a scene costs under any integrator: the one definition of that figure for panel, table
-//! and benchmarks.
+//! The cost of a step of a scene's bodies under each integrator: the one definition of that figure for panel, headless
+//! table, sweep, report and benchmarks.
 //!
-//! A [`Snapshot`] copies bodies, states and contacts of one moment. Each call puts the copies back there and steps them
-//! a few times by the path that the plugin takes for that many bodies: in free flight under gravity alone several at a
-//! time in SIMD lanes, with other forces one by one, at the floor by the contact solver.
-
-use std::time::Duration;
+//! A [`Snapshot`] copies the bodies, states and contacts of one moment. Each call puts the copies back there and steps
+//! them by the path that the plugin takes for that many bodies: in free flight under gravity alone several at a time in
+//! SIMD lanes, with other forces one by one, at the floor by the contact solver. The steps are a few
+//! ([`Snapshot::new`]) or those of a whole scene ([`Snapshot::of_scene`]).
+//!
+//! All integrators take turns on the same snapshot ([`measure`](crate::measure)). The cost is the **minimum** of the
+//! samples, in ns per body-step; the median says how quiet the machine was. The second figure, where it is wanted, is
+//! that of a lone body by the integrator's plain step ([`lone_body`]).
 
 use box_physics::floor::{
     ContactSettings, ContactState, Floor, FloorContext, may_touch, step_on_floor,
@@ -13,9 +16,9 @@ use box_physics::floor::{
 use box_physics::force::{ForceModel, Gravity};
 use box_physics::integrators::{GravityField, Group, Integrate, IntegratorVisitor};
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory, RigidBox, StepOutcome};
-use box_scenarios::ForceSet;
+use box_scenarios::{Driver, ForceSet, Model, Setup};
 
-use crate::measure::{Contender, sample};
+use crate::measure::{Contender, Cost, Settings, interleaved};
 
 /// Bodies that are copied at most: as many as the plugin steps in one piece.
 const MOST: usize = 512;
@@ -23,7 +26,13 @@ const MOST: usize = 512;
 const MOST_AT_FLOOR: usize = 128;
 /// Body-steps in a call, roughly, and the steps that may be.
 const BODY_STEPS: usize = 1024;
-const STEPS: (usize, usize) = (2, 16);
+const STEPS: (usize, usize) = (4, 16);
+/// Body-steps in a call that follows a whole scene, unless the bodies that are followed at least make more: enough of
+/// them for the plugin's path of many.
+const SCENE_BODY_STEPS: usize = 65_536;
+const SCENE_BODIES: usize = 32;
+/// How much of a scene is followed \[s\].
+pub const LONGEST_SCENE: f64 = 10.0;
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -82,6 +91,33 @@ impl Snapshot {
         (count > 0 && h > 0.0).then_some(this)
     }
 
+    /// Of a scene with `boxes` boxes, from its start through its whole duration (at most [`LONGEST_SCENE`]) in steps of
+    /// `h` \[s\], without its impulses. Of many boxes a part is followed, so that a call stays short.
+    pub fn of_scene(setup: &Setup, boxes: usize, h: f64) -> Option<Self> {
+        let steps = (setup.duration.min(LONGEST_SCENE) / h).round().max(1.0) as usize;
+        let boxes = boxes.clamp(1, (SCENE_BODY_STEPS / steps).max(SCENE_BODIES));
+        let model = Model::of(setup);
+        let start =
+            std::iter::repeat_with(|| (&setup.body, &setup.initial, ContactState::default()));
+        let floor = model.floor.map(|f| (f, model.settings));
+        let this = Self::new(start.take(boxes), &setup.forces, floor, h)?;
+        Some(Self { steps, ..this })
+    }
+
+    /// The costs of `integrators` on this snapshot, in turns, in their order.
+    pub fn costs(&self, integrators: &[Integrator], settings: &Settings) -> Vec<Cost> {
+        let mut contenders: Vec<_> = integrators
+            .iter()
+            .map(|&i| self.clone().contender(i))
+            .collect();
+        interleaved(&mut contenders, settings)
+    }
+
+    /// Calls under `integrator`; the units are body-steps.
+    pub fn contender(mut self, integrator: Integrator) -> Contender<'static> {
+        Contender::counted(self.units(), move || self.work(integrator))
+    }
+
     /// Body-steps in one call.
     pub fn units(&self) -> f64 {
         (self.bodies.len() * self.steps) as f64
@@ -92,16 +128,21 @@ impl Snapshot {
         integrator.dispatch(Call(self))
     }
 
-    /// One sample of at least `shortest` under `integrator`.
-    pub fn time(&mut self, integrator: Integrator, shortest: Duration) -> Sample {
+    /// One sample under `integrator`, for a caller that lets the integrators take turns itself.
+    pub fn sample(&mut self, integrator: Integrator, settings: &Settings) -> Sample {
+        // The untimed call before a sample; a new contender makes none.
         let evaluations = self.call(integrator).evaluations as f64 / self.units();
-        let mut contender = Contender::new(self.units(), || {
-            std::hint::black_box(self.call(integrator));
-        });
+        let units = self.units();
+        let mut contender = Contender::counted(units, || self.work(integrator));
         Sample {
-            nanoseconds: sample(&mut contender, shortest),
+            nanoseconds: contender.sample(settings),
             evaluations,
         }
+    }
+
+    /// A call; returns its evaluations and body-steps.
+    pub fn work(&mut self, integrator: Integrator) -> u64 {
+        self.call(integrator).evaluations + self.units() as u64
     }
 
     fn is_at_floor(&self, i: usize, force: &impl ForceModel) -> bool {
@@ -141,6 +182,7 @@ impl Snapshot {
                 if self.is_at_floor(i, &gravity) {
                     outcome += self.fly::<S>(from, i);
                     outcome += self.touch::<S, _>(i, &gravity);
+                    self.restore_if_invalid(i);
                     from = i + 1;
                 }
             } else {
@@ -152,6 +194,7 @@ impl Snapshot {
                     let (body, state) = (&self.bodies[i], &mut self.states[i]);
                     S::step(body, state, &force, self.h, &mut self.memories[i])
                 };
+                self.restore_if_invalid(i);
                 self.forces = forces;
             }
         }
@@ -159,6 +202,13 @@ impl Snapshot {
             outcome += self.fly::<S>(from, count);
         }
         outcome
+    }
+
+    /// A body that an integrator makes diverge begins again: what is timed are steps of valid bodies.
+    fn restore_if_invalid(&mut self, i: usize) {
+        if !self.states[i].is_valid() {
+            (self.states[i], self.contacts[i]) = self.start[i].clone();
+        }
     }
 
     fn touch<S: Integrate, F: ForceModel>(&mut self, i: usize, force: &F) -> StepOutcome {
@@ -206,9 +256,24 @@ pub struct Sample {
     pub evaluations: f64,
 }
 
+/// The lone body of `setup` from its start by the integrator's plain step in steps of `h` \[s\], over the whole scene
+/// like [`Snapshot::of_scene`]; the units are steps.
+pub fn lone_body(setup: &Setup, integrator: Integrator, h: f64) -> Contender<'static> {
+    let steps = (setup.duration.min(LONGEST_SCENE) / h).round().max(1.0) as u64;
+    let (model, start) = (Model::of(setup), setup.initial);
+    Contender::counted(steps as f64, move || {
+        let mut driver = Driver::new(start, integrator);
+        driver.run(&model, h, steps, u64::MAX);
+        std::hint::black_box(driver.state);
+        driver.totals.evaluations + steps
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::Duration;
+
     use crate::bodies::Situation;
 
     fn snapshot(situation: Situation, n: usize) -> Snapshot {
@@ -268,12 +333,7 @@ mod tests {
         let cost = |n: usize, forces: ForceSet| {
             let mut s = snapshot(Situation::Flight, n);
             s.forces = forces;
-            (0..5)
-                .map(|_| {
-                    s.time(Integrator::Split, Duration::from_micros(200))
-                        .nanoseconds
-                })
-                .fold(f64::MAX, f64::min)
+            s.costs(&[Integrator::Split], &Settings::default())[0].min
         };
         let (one, many) = (cost(1, ForceSet::none()), cost(512, ForceSet::none()));
         assert!(many < 0.7 * one, "one {one} ns, of many {many} ns");
@@ -289,7 +349,11 @@ mod tests {
         for situation in Situation::ALL {
             let mut snapshot = snapshot(situation, 3);
             for &i in Integrator::ALL {
-                let s = snapshot.time(i, Duration::from_nanos(1));
+                let shortest = Settings {
+                    shortest_sample: Duration::from_nanos(1),
+                    ..Settings::default()
+                };
+                let s = snapshot.sample(i, &shortest);
                 assert!(s.nanoseconds > 0.0 && s.nanoseconds.is_finite(), "{i}");
                 // A box at rest is not evaluated.
                 let moves = situation != Situation::Rest;

@@ -167,7 +167,7 @@ fn step_rows(
     let mut settings = options.settings();
     if steps > 1.0 {
         // An episode is a long sample and an average over many steps.
-        settings.samples = settings.samples.min(3);
+        settings.samples = (3, 3);
     }
     let costs = interleaved(&mut contenders, &settings);
     drop(contenders);

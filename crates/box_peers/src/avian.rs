@@ -35,6 +35,10 @@ impl Engine for Avian {
         crate::engine::locked_version("avian3d")
     }
 
+    fn threads(&self) -> usize {
+        crate::engine::all_threads()
+    }
+
     fn driven(&self) -> &'static str {
         "PhysicsPlugins in a Bevy app, f32, parallel"
     }

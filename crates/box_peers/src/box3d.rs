@@ -12,22 +12,33 @@ use crate::engine::{Engine, SLAB, Simulation, Spec};
 /// Box3D with its default settings.
 pub struct Box3d {
     foundation: &'static Foundation,
+    workers: u32,
 }
 
 impl Box3d {
-    /// Starts the library, once.
+    /// Starts the library, once, for worlds of one worker and for worlds of as many as there are threads.
     ///
     /// # Errors
     /// What it says.
-    pub fn new() -> Result<Self, String> {
+    pub fn all() -> Result<Vec<Self>, String> {
         let foundation = Foundation::initialize_default().map_err(|e| e.to_string())?;
-        Ok(Self { foundation })
+        let workers = [1, crate::engine::all_threads() as u32];
+        let all = workers.map(|workers| Self {
+            foundation,
+            workers,
+        });
+        Ok(all.into())
     }
 
     fn world(&self, spec: &Spec) -> Result<Running, Error> {
         let f = self.foundation;
         let gravity = Vec3::new(0.0, -spec.gravity, 0.0);
-        let mut world = f.create_world(f.world_def_builder().gravity(gravity).build()?)?;
+        let mut world = f.create_world(
+            f.world_def_builder()
+                .gravity(gravity)
+                .worker_count(self.workers)
+                .build()?,
+        )?;
         let filter = |own, other| Filter {
             category_bits: own,
             mask_bits: other,
@@ -86,7 +97,10 @@ struct Running {
 
 impl Engine for Box3d {
     fn id(&self) -> &'static str {
-        "box3d"
+        match self.workers {
+            1 => "box3d",
+            _ => "box3d-parallel",
+        }
     }
 
     fn name(&self) -> &'static str {
@@ -98,7 +112,11 @@ impl Engine for Box3d {
     }
 
     fn driven(&self) -> &'static str {
-        "bare, without Bevy, f32, 4 substeps, one worker"
+        "bare, without Bevy, f32, 4 substeps"
+    }
+
+    fn threads(&self) -> usize {
+        self.workers as usize
     }
 
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {

@@ -103,7 +103,7 @@ pub fn measure(
     let (update, post_update) = empty_update();
     let notes = vec![
         format!(
-            "Cost: {TIMED} steps of 1/{RATE} s after {WARM_UP} of warm-up, world built anew for each of {} to {} samples, engines in turns; \
+            "Cost: {TIMED} steps of 1/{RATE} s after {WARM_UP} of warm-up, a new world for each of {} to {} samples, engines in turns; \
              free: the boxes tumble and fall; landing: they drop tumbling from half a meter, bounce and settle; resting: they lie on the floor from the start \
              (who puts boxes to sleep by default, does so).",
             SIZES[2].1, SIZES[0].1

@@ -49,6 +49,8 @@ pub trait Engine {
     fn name(&self) -> &'static str;
     /// Its crate's version.
     fn version(&self) -> String;
+    /// The threads that it may use.
+    fn threads(&self) -> usize;
     /// How it is driven, in a few words.
     fn driven(&self) -> &'static str;
     /// Builds a world.
@@ -56,6 +58,11 @@ pub trait Engine {
     /// # Errors
     /// What the engine says.
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String>;
+}
+
+/// The threads of the machine, which Bevy's engines share out.
+pub fn all_threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// The floor of engines that have no plane: half-extents \[m\] of a slab whose top is y = 0.

@@ -1,5 +1,5 @@
-//! The same boxes in Avian, Rapier and Box3D, beside `box_physics`, in one run: how wrong a free tumble is
-//! over time, and what a body and a step cost. Writes `peers-measured.json`, which
+//! The same boxes in Avian, Rapier, Box3D and `box_physics`, in one run: the error of a free tumble over time, and the cost
+//! of a body and a step. Writes `peers-measured.json`, which
 //! `cargo box-report peers` reads.
 
 mod accuracy;
@@ -36,6 +36,7 @@ struct EngineInfo {
     id: &'static str,
     name: &'static str,
     version: String,
+    threads: usize,
     driven: &'static str,
 }
 
@@ -61,11 +62,14 @@ fn run(options: &Options) -> Result<(), String> {
     let mut engines: Vec<Box<dyn Engine>> = vec![
         Box::new(ours::Ours),
         Box::new(avian::Avian),
-        Box::new(rapier::Rapier),
+        Box::new(rapier::Rapier { threads: 1 }),
+        Box::new(rapier::Rapier {
+            threads: engine::all_threads(),
+        }),
     ];
     let mut notes = Vec::new();
-    match box3d::Box3d::new() {
-        Ok(engine) => engines.push(Box::new(engine)),
+    match box3d::Box3d::all() {
+        Ok(all) => engines.extend(all.into_iter().map(|e| Box::new(e) as Box<dyn Engine>)),
         Err(e) => notes.push(format!("Box3D is left out: {e}.")),
     }
     let accuracy = accuracy::measure(&engines)?;
@@ -75,6 +79,7 @@ fn run(options: &Options) -> Result<(), String> {
         id: e.id(),
         name: e.name(),
         version: e.version(),
+        threads: e.threads(),
         driven: e.driven(),
     };
     let measured = Measured {

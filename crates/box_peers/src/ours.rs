@@ -29,6 +29,10 @@ impl Engine for Ours {
         crate::engine::locked_version("box_physics")
     }
 
+    fn threads(&self) -> usize {
+        crate::engine::all_threads()
+    }
+
     fn driven(&self) -> &'static str {
         "whole plugin in a Bevy app, f64"
     }

@@ -7,8 +7,11 @@ use rapier3d::prelude::*;
 
 use crate::engine::{Engine, SLAB, Simulation, Spec};
 
-/// Rapier with its default settings and features.
-pub struct Rapier;
+/// Rapier with its default settings.
+pub struct Rapier {
+    /// Threads of its pool.
+    pub threads: usize,
+}
 
 struct World {
     physics: PhysicsWorld,
@@ -19,7 +22,10 @@ struct World {
 
 impl Engine for Rapier {
     fn id(&self) -> &'static str {
-        "rapier"
+        match self.threads {
+            1 => "rapier",
+            _ => "rapier-parallel",
+        }
     }
 
     fn name(&self) -> &'static str {
@@ -31,11 +37,18 @@ impl Engine for Rapier {
     }
 
     fn driven(&self) -> &'static str {
-        "bare, without Bevy, f32, its default features: one thread"
+        "bare, without Bevy, f32"
+    }
+
+    fn threads(&self) -> usize {
+        self.threads
     }
 
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
         let mut physics = PhysicsWorld::new();
+        physics
+            .configure_thread_pool(self.threads)
+            .map_err(|e| e.to_string())?;
         physics.gravity = Vector::new(0.0, -spec.gravity, 0.0);
         physics.integration_parameters.dt = 1.0 / spec.rate as f32;
         let groups = |own, other| InteractionGroups::new(own, other, InteractionTestMode::And);

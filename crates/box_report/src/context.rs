@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use box_bench::measure::{Contender, Cost, Settings, interleaved};
 use box_physics::integrators::Integrator;
@@ -73,8 +73,7 @@ pub(crate) struct Context {
     pub(crate) interrupt: Interrupt,
 }
 
-/// Samples per contender: as many as the share of time allows, between these. On a machine that is not
-/// much slower or busier than usual the share is enough for twenty and more.
+/// Samples per contender, at least and at most: as many as the share of time allows.
 const SAMPLES: (usize, usize) = (7, 60);
 
 impl Context {
@@ -96,29 +95,24 @@ impl Context {
         Ok(())
     }
 
-    /// Times contenders in turns. As many samples as fit into `share`, 20 to 60, at least 7 on a machine
-    /// so slow that 20 do not fit.
+    /// Times contenders in turns; `share` is the time for that.
     pub(crate) fn measure(&self, contenders: &mut [Contender<'_>], share: Duration) -> Vec<Cost> {
-        if self.quick {
-            let quick = Settings {
+        let settings = if self.quick {
+            Settings {
                 shortest_sample: Duration::from_micros(20),
-                samples: 3,
-            };
-            return interleaved(contenders, &quick);
-        }
-        // A single round tells how long a round takes: calibration and warm-up are about two more.
-        let pilot = Settings {
-            samples: 1,
-            ..Settings::default()
+                samples: (3, 3),
+                ..Settings::default()
+            }
+        } else {
+            Settings {
+                samples: SAMPLES,
+                budget: share,
+                ..Settings::default()
+            }
         };
-        let clock = Instant::now();
-        interleaved(contenders, &pilot);
-        let round = clock.elapsed() / 3;
-        let fit = share.as_secs_f64() / round.as_secs_f64().max(1e-9);
-        let samples = (fit as usize).clamp(SAMPLES.0, SAMPLES.1);
-        interleaved(contenders, &Settings { samples, ..pilot })
+        interleaved(contenders, &settings)
     }
 }
 
 /// How times are measured, for the text of the report.
-pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 20 to 60 samples of at least 100 µs (fewer where the budget of time is short), integrators in turns within one run";
+pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 7 to 60 samples of at least 100 µs, integrators in turns on the same bodies within one run";

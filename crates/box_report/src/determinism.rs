@@ -56,7 +56,6 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
             .map(|r| vec![text::code(r.integrator), text::code(&r.digest)])
             .collect(),
         csv: "determinism.csv".to_owned(),
-        digest: true,
     });
     Ok(section)
 }

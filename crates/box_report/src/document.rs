@@ -9,9 +9,9 @@ use minijinja::{Environment, Value, context};
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd, html};
 use serde::Serialize;
 
-use crate::context::Stop;
+use crate::context::{SAMPLES_IN_WORDS, Stop};
 use crate::files;
-use crate::machine::Machine;
+use box_bench::machine::Machine;
 
 /// A part of the report.
 #[derive(Clone, Debug, Serialize)]
@@ -52,8 +52,6 @@ pub(crate) struct Table {
     pub(crate) rows: Vec<Vec<String>>,
     /// The file with these data.
     pub(crate) csv: String,
-    /// Whether the digest shows it.
-    pub(crate) digest: bool,
 }
 
 impl Section {
@@ -107,7 +105,8 @@ impl Document<'_> {
         )
     }
 
-    /// Writes the digest: `results.md` and the figures that it shows, `results/*.svg`, into `docs`.
+    /// Writes the page of one minute: `results.md` (the summary's first table, the figures marked for it, other
+    /// engines) and `results/*.svg` into `docs`.
     pub(crate) fn write_digest(&self, docs: &Path) -> Result<(), Stop> {
         let figures = docs.join("results");
         files::create_folder(&figures)?;
@@ -138,9 +137,10 @@ impl Document<'_> {
         page.render(context! {
             sections => plain(&self.sections)?,
             missing => plain(&self.missing)?,
-            machine => plain(self.machine)?,
+            machine => context! { version => &self.machine.version, line => self.machine.to_string() },
             seconds => self.seconds.round() as u64,
             quick => self.quick,
+            samples => SAMPLES_IN_WORDS,
         })
         .map_err(failed)
     }

@@ -131,7 +131,6 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         columns,
         rows: cells,
         csv: "efficiency.csv".to_owned(),
-        digest: true,
     });
     section.tables.push(frontier(ctx, data)?);
     section.verdicts = verdicts(ctx, data, wins);
@@ -185,7 +184,6 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
             })
             .collect(),
         csv: "frontier.csv".to_owned(),
-        digest: true,
     })
 }
 

@@ -3,11 +3,10 @@
 mod context;
 mod determinism;
 mod dissertation;
+mod docs;
 mod document;
 mod efficiency;
 mod files;
-mod herd;
-mod machine;
 mod peers;
 mod plot;
 mod progress;

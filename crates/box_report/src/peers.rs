@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::context::{Context, Stop};
 use crate::document::{Figure, Section, Table};
-use crate::machine::Machine;
 use crate::plot::{Axis, Line, Plot, Point, plain};
 use crate::{files, text};
+use box_bench::machine::Machine;
 use box_physics::integrators::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
 
@@ -29,8 +29,22 @@ struct Engine {
     id: String,
     name: String,
     version: String,
+    /// Threads that it may use.
+    #[serde(default)]
+    threads: Option<usize>,
     /// How it was driven.
     driven: String,
+}
+
+impl Engine {
+    /// With the number of threads, where that is known.
+    fn full_name(&self) -> String {
+        match self.threads {
+            None => self.name.clone(),
+            Some(1) => format!("{}, 1 thread", self.name),
+            Some(n) => format!("{}, {n} threads", self.name),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -147,24 +161,21 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let engines: Vec<String> = measured
         .engines
         .iter()
-        .map(|e| format!("{} {} ({})", e.name, e.version, e.driven))
+        .map(|e| format!("{} {} ({})", e.full_name(), e.version, e.driven))
         .collect();
     let mut section = Section::new(
         ID,
         TITLE,
         format!(
-            "The same boxes in other engines with their default settings: {}. {} on {} ({} threads, {}). \
+            "The same boxes in other engines with their default settings, and with as many threads as there are: {}. {} on {m}. \
              Repeat it with `cargo box-report peers`. Attitude and energy against the reference trajectories of free \
              motion; cost per body and step of everything that an update does, box–box collisions off. {}",
             engines.join("; "),
             if fresh {
-                format!("Measured in this run, {},", m.date)
+                "Measured in this run"
             } else {
-                format!("**The last measured result**, of {},", m.date)
+                "**The last measured result**"
             },
-            m.processor,
-            m.threads,
-            m.system,
             measured.notes.join(" ")
         ),
     );
@@ -218,9 +229,13 @@ fn accuracy_table(measured: &Measured) -> Table {
         title: "Largest attitude error, and energy error at the end, 60 Hz".to_owned(),
         note: "π ≈ 3.1 rad is as wrong as an attitude can be.".to_owned(),
         columns,
-        rows: measured.engines.iter().map(row).collect(),
+        rows: measured
+            .engines
+            .iter()
+            .filter(|e| measured.accuracy.iter().any(|a| a.engine == e.id))
+            .map(row)
+            .collect(),
         csv: "peers-accuracy.csv".to_owned(),
-        digest: true,
     }
 }
 
@@ -242,7 +257,7 @@ fn cost_table(measured: &Measured) -> Table {
     }
     let name = |id: &str| {
         let found = measured.engines.iter().find(|e| e.id == id);
-        found.map_or_else(|| id.to_owned(), |e| e.name.clone())
+        found.map_or_else(|| id.to_owned(), Engine::full_name)
     };
     let row = |id: &str, alone: bool| {
         let words = if alone { ", physics alone" } else { "" };
@@ -281,7 +296,6 @@ fn cost_table(measured: &Measured) -> Table {
         rows: rows.collect(),
         columns,
         csv: "peers-cost.csv".to_owned(),
-        digest: true,
     }
 }
 
@@ -333,7 +347,7 @@ fn figure(measured: &Measured, case: &str, energy: bool) -> Result<Figure, Stop>
             "{case} in every engine, 60 Hz, {what} error against the reference trajectory."
         ),
         svg: plot.svg().map_err(Stop::Internal)?,
-        digest: !energy,
+        digest: false,
     })
 }
 
@@ -373,16 +387,19 @@ fn verdicts(measured: &Measured) -> Vec<String> {
                 .accuracy
                 .iter()
                 .filter(|a| a.engine == id && a.rate_hz == 60);
-            of.map(|a| ends(a).0).fold(0.0, f64::max)
+            of.map(|a| ends(a).0).reduce(f64::max)
         };
-        parts.push(format!(
-            "worst attitude error {} rad against our {}",
-            text::error(worst(&e.id)),
-            text::error(worst("box_physics"))
-        ));
+        parts.extend(
+            worst(&e.id)
+                .zip(worst("box_physics"))
+                .map(|(theirs, ours)| {
+                    let [theirs, ours] = [theirs, ours].map(text::error);
+                    format!("worst attitude error {theirs} rad against our {ours}")
+                }),
+        );
         said.push(format!(
             "{} {}, {most} boxes: {}.",
-            e.name,
+            e.full_name(),
             e.version,
             parts.join(", ")
         ));

@@ -8,13 +8,13 @@ use clap::Args;
 
 use crate::context::{Context, Interrupt, Stop};
 use crate::document::{Document, Section};
-use crate::machine::Machine;
 use crate::progress::Progress;
 use crate::summary::Results;
 use crate::{
-    determinism, dissertation, efficiency, files, peers, stability, summary, timing, visible,
+    determinism, dissertation, docs, efficiency, files, peers, stability, summary, timing, visible,
     work_precision,
 };
+use box_bench::machine::Machine;
 
 /// Options of every part that measures.
 #[derive(Args)]
@@ -28,7 +28,8 @@ pub(crate) struct Options {
     /// Only these integrators, separated by commas [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = crate::integrator)]
     integrators: Vec<Integrator>,
-    /// Rewrite the digest as well: DIR/results.md and its figures, DIR/results/*.svg
+    /// Rewrite what the repository shows as well: DIR/results.md, its figures DIR/results/*.svg, and the measured
+    /// tables of DIR/integrators.md, DIR/performance.md and DIR/../README.md
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
 }
@@ -101,7 +102,7 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
         }
         files::create_folder(docs)?;
     }
-    let wanted: Vec<Part> = only.map_or_else(|| Part::ALL.to_vec(), |p| vec![p]);
+    let wanted = wanted(only);
     let needed = measurements(&wanted);
     let ctx = Context {
         folder: options.output.clone(),
@@ -114,8 +115,8 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
         progress: Progress::new(needed.iter().map(|p| p.ticks(options.quick)).sum()),
         interrupt: Interrupt::listen()?,
     };
-    let mut done = Vec::new();
-    let result = measure_all(&ctx, options, only, &wanted, &mut done);
+    let (mut done, mut results) = (Vec::new(), Results::default());
+    let result = measure_all(&ctx, options, only, &mut results, &mut done);
     ctx.progress.end();
     let missing: Vec<&str> = wanted
         .iter()
@@ -134,6 +135,9 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     result?;
     if let (Some(docs), None) = (&options.docs, only) {
         document.write_digest(docs)?;
+        if let Some(table) = done.first().and_then(|summary| summary.tables.first()) {
+            docs::rewrite(docs, table, &results, (&machine, options.quick))?;
+        }
     }
     for v in done.iter().flat_map(|s| &s.verdicts) {
         println!("{}", v.replace("**", ""));
@@ -144,6 +148,11 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
         options.output.join("report.html").display()
     );
     Ok(())
+}
+
+/// The parts asked for.
+fn wanted(only: Option<Part>) -> Vec<Part> {
+    only.map_or_else(|| Part::ALL.to_vec(), |p| vec![p])
 }
 
 /// What must be measured for the parts that are wanted: some are made of others.
@@ -166,11 +175,11 @@ fn measure_all(
     ctx: &Context,
     options: &Options,
     only: Option<Part>,
-    wanted: &[Part],
+    results: &mut Results,
     done: &mut Vec<Section>,
 ) -> Result<(), Stop> {
-    let mut results = Results::default();
-    for part in measurements(wanted) {
+    let wanted = wanted(only);
+    for part in measurements(&wanted) {
         let section = match part {
             Part::WorkPrecision => {
                 let data = work_precision::measure(ctx)?;
@@ -201,7 +210,7 @@ fn measure_all(
                 results.visible = Some(data);
                 Some(section)
             }
-            Part::Dissertation => Some(dissertation::section(ctx, &results)?),
+            Part::Dissertation => Some(dissertation::section(ctx, results)?),
             Part::Determinism => Some(determinism::section(ctx)?),
             Part::Peers => {
                 let fresh = only == Some(Part::Peers);
@@ -214,7 +223,7 @@ fn measure_all(
         done.extend(section.filter(|_| wanted.contains(&part)));
     }
     if only.is_none() {
-        done.insert(0, summary::section(ctx, &results)?);
+        done.insert(0, summary::section(ctx, results)?);
     }
     Ok(())
 }

@@ -3,20 +3,21 @@
 use std::time::Duration;
 
 use box_bench::measure::Cost;
+use box_bench::snapshot::{Snapshot, lone_body};
 use box_physics::integrators::Integrator;
 use box_scenarios::{Family, ForceSet, Scenario, Setup};
 use serde::Serialize;
 
 use crate::context::{Context, SAMPLES_IN_WORDS, Stop};
 use crate::document::{Section, Table};
-use crate::{files, herd, text};
+use crate::{files, text};
 
 /// The step \[s\].
 const H: f64 = 1.0 / 60.0;
 /// Time for the measurements of a situation.
 const SHARE: Duration = Duration::from_secs(3);
-/// Steps of a run over the floor.
-const FLOOR_STEPS: u64 = 240;
+/// Boxes that are many.
+const MANY: usize = 100;
 
 /// What boxes are doing.
 struct Situation {
@@ -43,7 +44,20 @@ impl Timings {
         self.of("free-one", integrator)
     }
 
-    fn of(&self, situation: &str, integrator: Integrator) -> Option<f64> {
+    /// The ids of the situations.
+    pub(crate) fn situations(&self) -> Vec<&'static str> {
+        self.situations.iter().map(|(s, _)| s.id).collect()
+    }
+
+    /// Headings of the columns of these situations.
+    pub(crate) fn titles(&self, ids: &[&str]) -> Vec<String> {
+        let wanted = |id: &&str| self.situations.iter().find(|(s, _)| s.id == *id);
+        let found = ids.iter().filter_map(wanted);
+        found.map(|(s, _)| format!("{} [ns]", s.title)).collect()
+    }
+
+    /// ns per body and step of `integrator` in a situation, by its id.
+    pub(crate) fn of(&self, situation: &str, integrator: Integrator) -> Option<f64> {
         let (_, costs) = self.situations.iter().find(|(s, _)| s.id == situation)?;
         let found = costs.iter().find(|(s, _)| *s == integrator);
         found.map(|(_, c)| c.min)
@@ -85,7 +99,7 @@ fn situations() -> Result<Vec<Situation>, Stop> {
     };
     let free = under(ForceSet::gravity(9.81));
     Ok(vec![
-        situation("free-many", "free flight, many boxes", free.clone()),
+        situation("free-many", "free flight, 100 boxes", free.clone()),
         Situation {
             alone: true,
             ..situation("free-one", "free flight, one box", free)
@@ -108,11 +122,13 @@ pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
     let mut timed = Vec::new();
     for situation in situations()? {
         let setup = &situation.setup;
-        let contender = |&s: &Integrator| {
+        let snapshot = Snapshot::of_scene(setup, MANY, H)
+            .ok_or_else(|| Stop::Internal(format!("{}: no bodies", situation.title)))?;
+        let contender = |&i: &Integrator| {
             if situation.alone {
-                herd::one(setup, s, H, u64::MAX)
+                lone_body(setup, i, H)
             } else {
-                herd::many(setup, &[], s, H, FLOOR_STEPS)
+                snapshot.clone().contender(i)
             }
         };
         let mut contenders: Vec<_> = ctx.integrators.iter().map(contender).collect();
@@ -131,9 +147,9 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
         "timing",
         "What a step costs",
         format!(
-            "Nanoseconds per body and step of 1/60 s on one core, without bounding box and `Transform`, along the plugin's \
-             path. *Many boxes*: 16 stepped together, in SIMD lanes under gravity alone where the integrator has them. *One \
-             box*: the plain step of a single body. Over a floor, one box for its first four seconds. Fastest sample, and how far the \
+            "Nanoseconds per body and step of 1/60 s on one core over the whole scene, without bounding box and `Transform`. \
+             *{MANY} boxes* (and everywhere but *one box*): by the path that the plugin takes for them, in SIMD lanes under gravity \
+             alone where the integrator has them. *One box*: the plain step of a lone body. Fastest sample, and how far the \
              median lies above it: {SAMPLES_IN_WORDS}."
         ),
     );
@@ -149,12 +165,8 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
     }
     files::write_csv(&ctx.file("timing.csv"), &rows)?;
     let mut columns = vec!["integrator".to_owned()];
-    columns.extend(
-        data.situations
-            .iter()
-            .map(|(s, _)| format!("{} [ns]", s.title)),
-    );
-    columns.push("many boxes in free flight per ms".to_owned());
+    columns.extend(data.titles(&data.situations()));
+    columns.push("boxes in free flight per ms".to_owned());
     let lines = ctx.integrators.iter().enumerate().map(|(k, s)| {
         let mut line = vec![text::code(s)];
         for (_, costs) in &data.situations {
@@ -171,7 +183,6 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
         columns,
         rows: lines.collect(),
         csv: "timing.csv".to_owned(),
-        digest: true,
     });
     section.verdicts = verdicts(ctx, data);
     Ok(section)

@@ -1,7 +1,7 @@
 //! Named rigid-body scenes with reference solutions, shared by the tests, the report and the game. No
 //! rendering, no clock.
 //!
-//! - [`scenario`]: the registry; [`scenes`]: one function a scene, **where a new scene goes**.
+//! - [`scenario`]: what a scene is; [`scenes`]: the registry, one function a scene, **where a new scene goes**.
 //! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`mod@reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
@@ -69,7 +69,8 @@ pub use metrics::{Errors, StateError};
 pub use reference::{ReferenceKind, ReferenceSolution};
 pub use run::{End, Plan, run_plan};
 pub use runner::{Runner, local_error};
-pub use scenario::{Scenario, UnknownScenario};
+pub use scenario::Scenario;
+pub use scenes::UnknownScenario;
 pub use setup::{FloorSpec, Setup, TimedImpulse};
 pub use simulate::{Compared, Comparison, Expected, compare, simulate};
 pub use status::{Divergence, Reason, Status};

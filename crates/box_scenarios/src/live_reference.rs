@@ -3,7 +3,7 @@
 //!
 //! While there is a closed form it is that; an impulse begins a new one from the state it leaves. Where there is none
 //! (torques, tumbling contact) the motion is simulated in steps 64 times finer than the clock's, by the integrator that
-//! is best for the forces, and beside it in steps of half that size. What the two differ by is the reference's
+//! is best for the forces, and once more in steps of half that size. What the two differ by is the reference's
 //! [`uncertainty`](LiveReference::uncertainty): a smaller error says nothing. When they differ by more than
 //! [`AGREEMENT`] the motion is chaotic and the reference ends: that moment is its
 //! [`horizon`](LiveReference::horizon).

@@ -4,6 +4,7 @@ use box_physics::state::BodyState;
 use glam::DVec3;
 
 use crate::setup::Setup;
+use crate::status::Reason;
 
 /// The difference of two states at one instant. All are ≥ 0, in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -95,10 +96,10 @@ pub fn momentum_scale(initial: f64, last: f64) -> f64 {
         .unwrap_or(1.0)
 }
 
-/// Tells a run that diverged from one that is merely inaccurate: its state is not finite, or more than
-/// a thousand times faster than anything the reference has done so far.
+/// Tells a run that diverged from one that is merely inaccurate: a state is not finite, or more than a thousand times
+/// faster than the reference has been so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sanity {
+pub struct SpeedLimits {
     speed: f64,
     momentum: f64,
 }
@@ -107,7 +108,7 @@ pub struct Sanity {
 /// above every legitimate error, far below overflow.
 const TOO_FAST: f64 = 1e3;
 
-impl Sanity {
+impl SpeedLimits {
     /// The limits for a run of `setup` before its reference is known. Where nothing moves, the size of
     /// the box and what gravity does in a second set the scale.
     pub fn of(setup: &Setup) -> Self {
@@ -130,11 +131,15 @@ impl Sanity {
             .max(TOO_FAST * reference.angular_momentum.length());
     }
 
-    /// Whether `state` is beyond what an inaccurate but stable run can be.
-    pub fn is_diverged(&self, state: &BodyState) -> bool {
+    /// The limit that `state` breaks, if it does.
+    pub fn broken(&self, state: &BodyState) -> Option<Reason> {
         let within = state.velocity.length() <= self.speed
             && state.angular_momentum.length() <= self.momentum;
-        !(state.is_finite() && within)
+        match (state.is_finite(), within) {
+            (false, _) => Some(Reason::Invalid),
+            (true, false) => Some(Reason::Speed),
+            (true, true) => None,
+        }
     }
 }
 
@@ -155,10 +160,11 @@ mod tests {
         errors.see_energy(1.0, 1.0);
         assert_eq!(errors.position, f64::INFINITY);
         assert_eq!(errors.energy, f64::INFINITY);
-        let limits = Sanity::of(&Scenario::default().setup);
-        assert!(limits.is_diverged(&bad) && !limits.is_diverged(&reference));
+        let limits = SpeedLimits::of(&Scenario::default().setup);
+        assert_eq!(limits.broken(&bad), Some(Reason::Invalid));
+        assert_eq!(limits.broken(&reference), None);
         bad.velocity.x = 1e5;
-        assert!(limits.is_diverged(&bad));
+        assert_eq!(limits.broken(&bad), Some(Reason::Speed));
     }
 
     #[test]

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::forces::{ForceSet, coefficient};
 use crate::limits;
-use crate::reference::ReferenceSolution;
 
 /// The floor of a scene: the plane y = `height`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -125,11 +124,6 @@ impl Setup {
         self
     }
 
-    /// The reference solution; see [`ReferenceSolution`].
-    pub fn reference(&self) -> ReferenceSolution {
-        ReferenceSolution::of(self)
-    }
-
     /// Kinetic and potential energy of `state` under these forces \[J\].
     pub fn energy(&self, state: &BodyState) -> f64 {
         box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
@@ -158,17 +152,6 @@ impl Setup {
             && d.angular_drag == 0.0
             && self.impulses.is_empty()
             && self.floor.is_none()
-    }
-
-    /// |L − L₀|/|L₀| of `state` in world axes; 0 over 0 counts as 0.
-    pub fn angular_momentum_error(&self, state: &BodyState) -> f64 {
-        let start = self.initial.angular_momentum_world();
-        let drift = (state.angular_momentum_world() - start).length();
-        if drift == 0.0 {
-            0.0
-        } else {
-            drift / start.length()
-        }
     }
 
     /// Checks forces, floor, impulses and duration (body and state are checked where they are made).

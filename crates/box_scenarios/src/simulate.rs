@@ -4,10 +4,11 @@ use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
 use crate::driver::Totals;
-use crate::metrics::{Errors, Sanity, StateError};
+use crate::metrics::{Errors, SpeedLimits, StateError};
 use crate::reference::ReferenceSolution;
 use crate::run::{End, Plan, run_plan, steps_in};
 use crate::setup::Setup;
+use crate::status::{Divergence, Reason};
 
 /// What a run should have reached at a sample, as far as it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,8 +39,8 @@ pub struct Comparison {
     pub totals: Totals,
     /// How it ended.
     pub end: End,
-    /// When it diverged \[s\], if it did; nothing after that counts.
-    pub diverged_at: Option<f64>,
+    /// When and why it diverged, if it did; nothing after that counts.
+    pub diverged: Option<Divergence>,
     /// The last state that did not diverge.
     pub last: BodyState,
 }
@@ -53,16 +54,16 @@ pub fn compare(
     mut expected: impl FnMut(f64) -> Expected,
     mut look: impl FnMut(&Compared) -> bool,
 ) -> Comparison {
-    let mut limits = Sanity::of(setup);
-    let (mut errors, mut diverged_at, mut last) = (Errors::default(), None, setup.initial);
+    let mut limits = SpeedLimits::of(setup);
+    let (mut errors, mut diverged, mut last) = (Errors::default(), None, setup.initial);
     let (totals, end) = run_plan(setup, integrator, plan, |t, state| {
         let Expected {
             state: reference,
             energy,
         } = expected(t);
         reference.iter().for_each(|r| limits.see(r));
-        if limits.is_diverged(state) {
-            diverged_at = Some(t);
+        diverged = limits.broken(state).map(|reason| Divergence { t, reason });
+        if diverged.is_some() {
             return false;
         }
         let error = reference.map(|r| StateError::between(state, &r));
@@ -73,14 +74,15 @@ pub fn compare(
         last = *state;
         look(&Compared { t, state, error })
     });
-    if let End::Failed { at } = end {
-        diverged_at = Some(at);
+    if let End::Failed { at: t } = end {
+        let reason = Reason::Invalid;
+        diverged = Some(Divergence { t, reason });
     }
     Comparison {
         errors,
         totals,
         end,
-        diverged_at,
+        diverged,
         last,
     }
 }
@@ -102,11 +104,4 @@ pub fn simulate(
         energy,
     };
     compare(setup, integrator, &plan, expected, |_| true)
-}
-
-/// The limits of sanity for a run of `setup` with these states of its reference.
-pub fn sanity<'a>(setup: &Setup, reference: impl IntoIterator<Item = &'a BodyState>) -> Sanity {
-    let mut limits = Sanity::of(setup);
-    reference.into_iter().for_each(|r| limits.see(r));
-    limits
 }

@@ -38,6 +38,8 @@ pub enum Reason {
     Invalid,
     /// It has more than twice the energy that it could have been given.
     Energy,
+    /// It is more than a thousand times faster than the reference has been.
+    Speed,
 }
 
 impl Status {
@@ -86,6 +88,7 @@ impl fmt::Display for Reason {
         f.write_str(match self {
             Self::Invalid => "invalid state",
             Self::Energy => "energy",
+            Self::Speed => "speed",
         })
     }
 }

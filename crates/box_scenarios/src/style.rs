@@ -165,12 +165,6 @@ pub fn integrator_of_key(digit: u8) -> Option<Integrator> {
     all.into_iter().find(|&i| key(i) == Some(digit))
 }
 
-/// The look of the reference: black on light, white on dark, dashed.
-pub const fn reference_style(dark: bool) -> Style {
-    let shade = if dark { 0xFF } else { 0x00 };
-    look([shade; 3], Dash::Dashed, Marker::Plus)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

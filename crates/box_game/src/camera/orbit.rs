@@ -171,14 +171,11 @@ pub fn spawn_camera(session: Res<Session>, target: Res<PictureTarget>, mut comma
 /// Moves the camera by the mouse.
 pub fn move_camera(
     mut camera: Single<(&mut OrbitCamera, &mut Transform, &Camera)>,
-    pointer: Res<Pointer>,
-    focus: Res<UiFocus>,
-    session: Res<Session>,
-    (request, hand): (Option<Res<CameraRequest>>, Res<Hand>),
+    (pointer, focus, hand): (Res<Pointer>, Res<UiFocus>, Res<Hand>),
+    (session, floor): (Res<Session>, Option<Res<Floor>>),
+    request: Option<Res<CameraRequest>>,
     main_box: Query<&BodyState, With<MainBox>>,
-    floor: Option<Res<Floor>>,
-    mut gesture: Local<Gesture>,
-    mut seen: Local<Option<Vec3>>,
+    (mut gesture, mut seen): (Local<Gesture>, Local<Option<Vec3>>),
     mut commands: Commands,
 ) {
     let (orbit, transform, lens) = &mut *camera;

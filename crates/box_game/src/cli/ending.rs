@@ -37,8 +37,7 @@ impl Ending {
 
 /// Ends the program on time, and after its picture is on disk.
 pub(super) fn end(
-    ending: Res<Ending>,
-    clock: Res<PhysicsClock>,
+    (ending, clock): (Res<Ending>, Res<PhysicsClock>),
     mut quarantined: MessageReader<BodyQuarantined>,
     mut frames: Local<u32>,
     mut asked: Local<Option<u32>>,

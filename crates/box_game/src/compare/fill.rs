@@ -50,6 +50,7 @@ pub fn compare_view(
         skew: 0.0,
         status: Status::default(),
         nanoseconds: samples.statistics(integrator),
+        cost: samples.mean_of_run(integrator).map(|ns| ns / dt),
         evaluations: samples.evaluations(integrator),
         now: track.now.sample.values,
         worst: track.now.worst,

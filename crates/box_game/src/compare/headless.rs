@@ -4,16 +4,15 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use box_bench::measure::{Contender, Cost, Settings, interleaved};
+use box_bench::measure::{Cost, Settings};
 use box_bench::snapshot::Snapshot;
-use box_physics::floor::{ContactSettings, ContactState};
 use box_physics::prelude::Integrator;
-use box_scenarios::{ComparisonResult, Model, Scenario};
+use box_scenarios::{ComparisonResult, Scenario};
 
 use super::sampling::{measure_grain, shortest_sample};
 use crate::record::csv_log::{CsvLog, Row};
 
-/// Rows of the CSV per integrator at most; of longer runs it has every so many steps.
+/// Rows of the CSV per integrator at most; a longer run is thinned to every `every`-th step.
 const MOST_ROWS: u64 = 100_000;
 
 /// What to compare.
@@ -40,7 +39,7 @@ pub struct Table {
     pub result: ComparisonResult,
     /// Cost [ns per body-step] in the order of the integrators.
     pub costs: Vec<Cost>,
-    /// The CSV has every so many steps.
+    /// Steps between two rows of the CSV.
     pub every: u64,
 }
 
@@ -90,6 +89,7 @@ impl Headless {
                 ..Row::default()
             })
         })?;
+        log.sync()?;
         Ok(Table {
             result,
             costs,
@@ -97,36 +97,17 @@ impl Headless {
         })
     }
 
-    /// A step of as many boxes as the scene has, at its start, by the path that the plugin takes for so many: 21
-    /// samples per integrator in turns.
-    fn costs(&self) -> Vec<Cost> {
-        let setup = &self.scenario.setup;
+    /// A step of the scene's boxes over its course; see [`Snapshot`].
+    pub fn costs(&self) -> Vec<Cost> {
         let boxes = self.scenario.boxes as usize;
-        let bodies =
-            std::iter::repeat_with(|| (&setup.body, &setup.initial, ContactState::default()));
-        let floor = Model::of(setup)
-            .floor
-            .map(|f| (f, ContactSettings::default()));
         let h = self.dt / f64::from(self.substeps.max(1));
-        let Some(snapshot) = Snapshot::new(bodies.take(boxes.max(1)), &setup.forces, floor, h)
-        else {
-            return Vec::new();
-        };
-        let mut contenders: Vec<_> = self
-            .integrators
-            .iter()
-            .map(|&integrator| {
-                let mut snapshot = snapshot.clone();
-                Contender::new(snapshot.units(), move || {
-                    std::hint::black_box(snapshot.call(integrator));
-                })
-            })
-            .collect();
         let settings = Settings {
-            samples: 21,
             shortest_sample: shortest_sample(measure_grain()),
+            ..Settings::default()
         };
-        interleaved(&mut contenders, &settings)
+        Snapshot::of_scene(&self.scenario.setup, boxes, h)
+            .map(|snapshot| snapshot.costs(&self.integrators, &settings))
+            .unwrap_or_default()
     }
 
     /// The table, and in words what it says.
@@ -321,7 +302,7 @@ mod tests {
         assert!(!text.contains("chaotic"), "{text}");
     }
 
-    /// A box that bounces for ever, corner by corner: chaotic. Errors end where the reference does, the balance of
+    /// A box that bounces without end, corner by corner: chaotic. Errors end where the reference does, the balance of
     /// energy goes on.
     #[test]
     fn chaos_is_named_and_its_moment() {
@@ -353,7 +334,7 @@ mod tests {
         assert!(cells[15].parse::<f64>().is_ok());
     }
 
-    /// Of a long run the file has every so many steps, the last one among them.
+    /// The file of a long run is thinned, and has the last step.
     #[test]
     fn a_long_run_has_a_short_file() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -13,7 +13,7 @@
 //!   [`Balance`](box_scenarios::Balance): what energy and angular momentum should be; [`series`]: the past in fixed
 //!   memory.
 //! - [`input`]: what is done to all alike.
-//! - [`sweep`]: work–precision in a thread of its own; [`view`]: what the panel shows.
+//! - [`sweep`]: work–precision in its own thread; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
 //!   [`MainBox`](crate::scene::session::MainBox) can use it.
 
@@ -49,7 +49,7 @@ use sweep::Sweep;
 /// Time that comparisons may take of a frame; what they cannot do in it they catch up with later, and the
 /// status says so.
 const BUDGET: Duration = Duration::from_micros(2500);
-/// Comparisons beside the main box that a scene opens with.
+/// Comparisons that a scene opens with.
 const RECOMMENDED: usize = 2;
 /// Smallest and largest step of a comparison over the clock's.
 const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
@@ -79,7 +79,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Opens on `scene` with these integrators beside the main box.
+    /// Opens on `scene` with these integrators as comparisons.
     pub fn with_comparisons(scene: &str, comparisons: &[Integrator]) -> Self {
         let mut comparison = Self {
             scene: Some(scene.to_owned()),
@@ -89,7 +89,7 @@ impl Comparison {
         comparison
     }
 
-    /// The integrators beside the main box, in the order of the menu. One that is the main box's own waits.
+    /// The compared integrators, in the order of the menu. The main box's own waits.
     pub fn chosen(&self) -> &[Integrator] {
         &self.chosen
     }

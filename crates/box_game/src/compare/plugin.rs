@@ -15,6 +15,7 @@ use box_physics::prelude::{
 };
 use box_scenarios::{ForceSet, ReferenceSolution};
 
+use super::sweep::SweepTask;
 use super::{Comparison, RuleKind, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
@@ -289,7 +290,9 @@ pub fn apply(world: &mut World, action: CompareAction) {
     }
     let session = world.get_resource::<Session>();
     let setup = session.map(|s| (s.setup(), s.truth.clone()));
-    let grain = world.get_resource::<IntegratorSamples>().map(|s| s.grain());
+    let samples = world.get_resource::<IntegratorSamples>();
+    let grain = samples.map(IntegratorSamples::grain).unwrap_or_default();
+    let boxes = world.query::<&RigidBox>().iter(world).count();
     let mut notice = None;
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
@@ -319,8 +322,12 @@ pub fn apply(world: &mut World, action: CompareAction) {
             let main_box = run.main_box.integrator;
             let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
             let integrators = [main_box].into_iter().chain(others).collect();
-            let grain = grain.unwrap_or_default();
-            if let Err(error) = comparison.sweep.start(setup, truth, integrators, grain) {
+            let task = SweepTask {
+                truth,
+                grain,
+                ..SweepTask::new(setup, boxes, integrators)
+            };
+            if let Err(error) = comparison.sweep.start(task) {
                 notice = Some(format!("sweep: {error}"));
             }
         }

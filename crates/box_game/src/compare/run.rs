@@ -1,4 +1,4 @@
-//! One run of a scene: the main box, the comparisons beside it, and the reference, all from the same start through
+//! One run of a scene: the main box, the comparisons, and the reference, all from the same start through
 //! the same inputs.
 
 mod past;
@@ -83,7 +83,7 @@ pub struct Run {
     pub law: Arc<Model>,
     /// The main box.
     pub main_box: MainTrack,
-    /// The comparisons beside it.
+    /// The comparisons.
     pub comparisons: Vec<Runner>,
     /// What is trusted.
     pub reference: LiveReference,
@@ -145,7 +145,7 @@ impl Run {
         &self.start.1
     }
 
-    /// Simulates exactly these integrators beside the main box, in this order. One that is new begins at the
+    /// Compares with exactly these integrators, in this order. One that is new begins at the
     /// start and catches up.
     pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
         let mut old = core::mem::take(&mut self.comparisons);

@@ -1,4 +1,4 @@
-//! One integrator beside the main box: its simulation, its clock, its books.
+//! One compared integrator: its simulation, its clock, its balance.
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub struct Runner {
     pub track: Track,
     /// Its step over the clock's.
     pub factor: f64,
-    /// By how much it took the last input late, because it has boundaries of its own \[s\].
+    /// By how much it took the last input late, because its steps end at other times \[s\].
     pub skew: f64,
     pub(crate) next_input: u64,
     /// The reference at its time, after inputs.

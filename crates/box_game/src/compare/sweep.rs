@@ -6,31 +6,25 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use bevy::platform::time::Instant;
+use box_bench::measure::{Cost, Stopwatch, wall_clock};
+use box_bench::snapshot::{LONGEST_SCENE, Snapshot};
 use box_physics::prelude::{BodyState, Integrator};
-use box_scenarios::run::PlanRun;
 use box_scenarios::runner::DUE;
-use box_scenarios::{LiveReference, Model, Plan, ReferenceSolution, Runner, Setup, StateError};
+use box_scenarios::statistics::{self, Fitted};
+use box_scenarios::{LiveReference, Model, ReferenceSolution, Runner, Setup, StateError};
 
+use super::sampling::{Turn, shortest_sample};
 use crate::platform::Worker;
 
 /// Rates of the steps [1/s], coarsest first; every step fits a whole number of times into the first.
 pub const RATES: [u32; 8] = [15, 30, 60, 120, 240, 480, 960, 1920];
-/// How much of a scene is run at most \[s\].
-const LONGEST: f64 = 10.0;
-/// A timing is the least of this many samples, or of as many as fit into the time allowed.
-const REPEATS: u32 = 5;
-/// A point is not timed for longer than this, after three samples.
-const PATIENCE: Duration = Duration::from_millis(40);
+/// Rounds of samples at a rate, at least and at most: between these no round begins after [`PATIENCE`].
+const ROUNDS: (u32, u32) = (3, 10);
+const PATIENCE: Duration = Duration::from_millis(200);
 /// A slice ends with the first stretch of steps after this time. Half of what a frame may be held.
 const SLICE: Duration = Duration::from_millis(4);
-/// Steps between two looks at the clock.
-const STRETCH: u32 = 128;
 /// The reference is found in parts of this of a step of the first rate.
 const PARTS: u32 = 32;
-/// Errors below are rounding, above (attitude \[rad\], position in radii of the box) lost: neither shows
-/// an order.
-const ROUNDING: f64 = 1e-11;
-const LOST: f64 = 0.3;
 
 /// One step size of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +35,7 @@ pub struct SweepPoint {
     pub position: f64,
     /// Largest angle to the reference \[°\]; NaN if it diverged.
     pub attitude: f64,
-    /// Shortest time [ns per simulated second].
+    /// Cost of a box over the scene [ns per simulated second], the minimum of the samples.
     pub cost: f64,
 }
 
@@ -52,10 +46,52 @@ pub struct SweepLine {
     pub integrator: Integrator,
     /// Coarsest first.
     pub points: Vec<SweepPoint>,
-    /// Order fitted to the position, where it can be.
-    pub order_position: Option<f64>,
-    /// Order fitted to the attitude, where it can be.
-    pub order_attitude: Option<f64>,
+}
+
+impl SweepLine {
+    /// The order fitted to the position, or else the attitude.
+    pub fn order(&self, position: bool) -> Fitted {
+        let error = |p: &SweepPoint| {
+            if position {
+                p.position
+            } else {
+                p.attitude.to_radians()
+            }
+        };
+        let points: Vec<_> = self.points.iter().map(|p| (p.dt, error(p))).collect();
+        statistics::order(&points)
+    }
+}
+
+/// What a sweep runs.
+#[derive(Clone, Debug)]
+pub struct SweepTask {
+    /// The scene.
+    pub setup: Setup,
+    /// Its reference, if it is known.
+    pub truth: Option<ReferenceSolution>,
+    /// Its boxes.
+    pub boxes: usize,
+    /// The integrators.
+    pub integrators: Vec<Integrator>,
+    /// Grain of the clock.
+    pub grain: Duration,
+    /// What tells the time of a sample.
+    pub stopwatch: Stopwatch,
+}
+
+impl SweepTask {
+    /// `setup` with `boxes` boxes under `integrators`, on a clock without grain.
+    pub fn new(setup: Setup, boxes: usize, integrators: Vec<Integrator>) -> Self {
+        Self {
+            setup,
+            truth: None,
+            boxes,
+            integrators,
+            grain: Duration::ZERO,
+            stopwatch: wall_clock,
+        }
+    }
 }
 
 /// A sweep: none, running or done.
@@ -74,25 +110,26 @@ struct Shared {
 }
 
 impl Sweep {
-    /// Begins; a sweep that runs is canceled first. `truth` is the setup's reference, if it is known, and `grain` that
-    /// of the clock.
+    /// Begins; a sweep that runs is canceled first.
     ///
     /// # Errors
     /// Where the system gives no thread.
-    pub fn start(
-        &mut self,
-        setup: Setup,
-        truth: Option<ReferenceSolution>,
-        integrators: Vec<Integrator>,
-        grain: Duration,
-    ) -> std::io::Result<()> {
+    pub fn start(&mut self, task: SweepTask) -> std::io::Result<()> {
         self.cancel();
-        self.shared = Arc::default();
-        self.total = (integrators.len() * RATES.len()) as u32;
+        self.shared = Arc::new(Shared::of(&task.integrators));
+        self.total = (task.integrators.len() * RATES.len()) as u32;
         let shared = self.shared.clone();
-        let mut work = Work::new(setup, truth, integrators, grain);
+        let mut work = Work::new(task);
         self.worker = Some(Worker::spawn(move || work.slice(&shared))?);
         Ok(())
+    }
+
+    /// Waits for its end.
+    pub fn wait(&mut self) {
+        while self.is_running() {
+            self.tick();
+            std::thread::sleep(Duration::from_millis(2));
+        }
     }
 
     /// A frame has passed.
@@ -142,29 +179,41 @@ impl Drop for Sweep {
     }
 }
 
-/// A sweep in the middle.
+impl Shared {
+    /// A line without points for each integrator.
+    fn of(integrators: &[Integrator]) -> Self {
+        let line = |&integrator| SweepLine {
+            integrator,
+            points: Vec::new(),
+        };
+        Self {
+            lines: Mutex::new(integrators.iter().map(line).collect()),
+            ..Self::default()
+        }
+    }
+}
+
+/// A sweep in the middle: rate by rate the errors of every integrator, then their costs in turns.
 struct Work {
-    setup: Setup,
+    task: SweepTask,
     model: Arc<Model>,
-    integrators: Vec<Integrator>,
-    /// A timing lasts at least this long.
-    shortest: Duration,
     /// The reference at every step of the first rate.
     trusted: Vec<BodyState>,
     stage: Stage,
-    /// Of the integrator whose turn it is.
-    points: Vec<SweepPoint>,
-    integrator: usize,
+    /// Number of the rate.
+    rate: usize,
+    /// Errors at this rate \[m\] and \[rad\], unless it diverged.
+    found: Vec<Option<(f64, f64)>>,
 }
 
 /// What is being found out.
 enum Stage {
     /// The reference; parts done.
     Reference(Box<LiveReference>, u32),
-    /// The errors of the next point.
+    /// The errors of the next integrator.
     Errors(Box<Errors>),
-    /// Its cost.
-    Cost(Box<Cost>),
+    /// The costs of all.
+    Costs(Box<Costs>),
 }
 
 struct Errors {
@@ -174,40 +223,32 @@ struct Errors {
     worst: (f64, f64),
 }
 
-struct Cost {
-    errors: (f64, f64),
-    plan: Plan,
-    run: PlanRun,
-    /// Of the sample: runs completed, and time spent on them and on the one in progress.
-    runs: u32,
-    spent: Duration,
-    /// Samples taken, their least per run, and their time.
-    samples: u32,
-    best: Duration,
-    total: Duration,
+struct Costs {
+    snapshot: Snapshot,
+    started: Instant,
+    /// Integrators that did not diverge, by their places in the task, and their samples [ns per body-step].
+    samples: Vec<(usize, Vec<f64>)>,
+    /// Whose turn it is, and the sample in the making.
+    next: usize,
+    turn: Turn,
+    round: u32,
 }
 
 impl Work {
-    fn new(
-        setup: Setup,
-        truth: Option<ReferenceSolution>,
-        integrators: Vec<Integrator>,
-        grain: Duration,
-    ) -> Self {
-        let model = Arc::new(Model::of(&setup));
-        let truth = truth.or_else(|| ReferenceSolution::closed_form(&setup));
+    fn new(mut task: SweepTask) -> Self {
+        let model = Arc::new(Model::of(&task.setup));
+        let truth = task.truth.take();
+        let truth = truth.or_else(|| ReferenceSolution::closed_form(&task.setup));
+        let (start, impulses) = (task.setup.initial, &task.setup.impulses);
         // Fine enough for the finest step: 1/30720 s.
-        let reference =
-            LiveReference::new(&model, setup.initial, &setup.impulses, truth, 1.0 / 480.0);
+        let reference = LiveReference::new(&model, start, impulses, truth, 1.0 / 480.0);
         Self {
-            setup,
+            task,
             model,
-            integrators,
-            shortest: grain * super::sampling::GRAINS,
             trusted: Vec::new(),
             stage: Stage::Reference(Box::new(reference), 0),
-            points: Vec::new(),
-            integrator: 0,
+            rate: 0,
+            found: Vec::new(),
         }
     }
 
@@ -215,18 +256,18 @@ impl Work {
     fn slice(&mut self, shared: &Shared) -> bool {
         let end = Instant::now() + SLICE;
         loop {
-            let goes_on = !shared.cancel.load(Ordering::Relaxed) && self.next(shared, end);
+            let goes_on = !shared.cancel.load(Ordering::Relaxed) && self.next(shared);
             if !goes_on || Instant::now() >= end {
                 return goes_on;
             }
         }
     }
 
-    /// A stretch of steps; returns whether anything is left to do.
-    fn next(&mut self, shared: &Shared, end: Instant) -> bool {
+    /// A stretch of steps or a part of a sample; returns whether anything is left to do.
+    fn next(&mut self, shared: &Shared) -> bool {
         match &mut self.stage {
             Stage::Reference(reference, parts) => {
-                let seconds = self.setup.duration.min(LONGEST);
+                let seconds = self.task.setup.duration.min(LONGEST_SCENE);
                 let samples = (seconds * f64::from(RATES[0])).floor().max(1.0) as u32;
                 let state = reference.at(f64::from(*parts) / f64::from(PARTS * RATES[0]));
                 let known = state.is_some() && *parts <= samples * PARTS;
@@ -234,38 +275,36 @@ impl Work {
                     self.trusted.push(state);
                 }
                 *parts += 1;
-                return known || self.begin_point();
+                known || self.begin_errors()
             }
             Stage::Errors(errors) => {
-                let rate = RATES[self.points.len()];
-                if errors.runner.diverged.is_some() {
-                    self.end_point(shared, None, Duration::ZERO);
-                    return self.begin_point();
+                let diverged = errors.runner.diverged.is_some();
+                if !diverged && errors.compared < self.trusted.len() {
+                    errors.compare_next(&self.task.setup, RATES[self.rate], &self.trusted);
+                    return true;
                 }
-                if errors.compared < self.trusted.len() {
-                    errors.compare_next(&self.setup, rate, &self.trusted);
-                } else {
-                    self.begin_timing();
-                }
+                self.found.push((!diverged).then_some(errors.worst));
+                shared.done.fetch_add(1, Ordering::Relaxed);
+                self.begin_errors() || self.begin_costs()
             }
-            Stage::Cost(cost) => {
-                let stretch = (STRETCH * RATES[0] / RATES[self.points.len()]).max(1);
-                if cost.run(&self.setup, stretch, self.shortest, end) {
-                    let (errors, best) = (cost.errors, cost.best);
-                    self.end_point(shared, Some(errors), best);
-                    return self.begin_point();
+            Stage::Costs(costs) => {
+                if costs.go_on(&self.task) {
+                    return true;
                 }
+                let samples = core::mem::take(&mut costs.samples);
+                self.end_rate(shared, &samples);
+                self.begin_errors()
             }
         }
-        true
     }
 
-    /// Begins the next point; returns whether there is one.
-    fn begin_point(&mut self) -> bool {
-        let Some(&integrator) = self.integrators.get(self.integrator) else {
+    /// Begins the errors of the next integrator; returns whether there is one.
+    fn begin_errors(&mut self) -> bool {
+        let next = self.task.integrators.get(self.found.len());
+        let Some(&integrator) = next.filter(|_| self.rate < RATES.len()) else {
             return false;
         };
-        let (setup, model) = (&self.setup, &self.model);
+        let (setup, model) = (&self.task.setup, &self.model);
         self.stage = Stage::Errors(Box::new(Errors {
             runner: Runner::new(integrator, model, setup.initial, 0.0, &setup.impulses),
             compared: 0,
@@ -274,56 +313,62 @@ impl Work {
         true
     }
 
-    /// Times the point whose errors are known.
-    fn begin_timing(&mut self) {
-        let Stage::Errors(errors) = &self.stage else {
-            return;
+    /// Begins the costs of those that did not diverge.
+    fn begin_costs(&mut self) -> bool {
+        let (task, rate) = (&self.task, RATES[self.rate]);
+        let snapshot = Snapshot::of_scene(&task.setup, task.boxes, 1.0 / f64::from(rate));
+        let Some(snapshot) = snapshot else {
+            return false;
         };
-        let times: Vec<f64> = (0..self.trusted.len())
-            .map(|k| k as f64 / f64::from(RATES[0]))
-            .collect();
-        let dt = 1.0 / f64::from(RATES[self.points.len()]);
-        self.stage = Stage::Cost(Box::new(Cost {
-            errors: errors.worst,
-            plan: Plan::new(&times, &self.setup.impulses, dt),
-            run: PlanRun::new(&self.setup, self.integrators[self.integrator]),
-            runs: 0,
-            spent: Duration::ZERO,
-            samples: 0,
-            best: Duration::MAX,
-            total: Duration::ZERO,
+        let valid = self.found.iter().enumerate().filter(|(_, e)| e.is_some());
+        self.stage = Stage::Costs(Box::new(Costs {
+            snapshot,
+            started: Instant::now(),
+            samples: valid.map(|(k, _)| (k, Vec::new())).collect(),
+            next: 0,
+            turn: Turn::default(),
+            round: 0,
         }));
+        true
     }
 
-    /// Keeps a point: `errors` \[m\] and \[rad\] unless it diverged, and the time of a run.
-    fn end_point(&mut self, shared: &Shared, errors: Option<(f64, f64)>, time: Duration) {
-        let simulated = self.trusted.len().saturating_sub(1) as f64 / f64::from(RATES[0]);
-        self.points.push(SweepPoint {
-            dt: 1.0 / f64::from(RATES[self.points.len()]),
-            position: errors.map_or(f64::NAN, |e| e.0),
-            attitude: errors.map_or(f64::NAN, |e| e.1.to_degrees()),
-            cost: errors.map_or(f64::NAN, |_| time.as_nanos() as f64 / simulated),
-        });
-        shared.done.fetch_add(1, Ordering::Relaxed);
-        if self.points.len() < RATES.len() {
-            return;
+    /// Adds the points of a rate to the lines.
+    fn end_rate(&mut self, shared: &Shared, samples: &[(usize, Vec<f64>)]) {
+        let dt = 1.0 / f64::from(RATES[self.rate]);
+        let mut lines = shared.lines.lock().unwrap_or_else(PoisonError::into_inner);
+        for (k, (line, errors)) in lines.iter_mut().zip(self.found.drain(..)).enumerate() {
+            let cost = samples.iter().find(|s| s.0 == k).map(|s| Cost::of(&s.1));
+            line.points.push(SweepPoint {
+                dt,
+                position: errors.map_or(f64::NAN, |e| e.0),
+                attitude: errors.map_or(f64::NAN, |e| e.1.to_degrees()),
+                cost: cost.map_or(f64::NAN, |c| c.min / dt),
+            });
         }
-        let points = core::mem::take(&mut self.points);
-        let fit = |error: fn(&SweepPoint) -> f64, unit: f64| {
-            order(points.iter().map(|p| (p.dt, error(p) / unit)))
-        };
-        let line = SweepLine {
-            integrator: self.integrators[self.integrator],
-            order_position: fit(|p| p.position, self.setup.body.radius()),
-            order_attitude: fit(|p| p.attitude, 1.0_f64.to_degrees()),
-            points,
-        };
-        self.integrator += 1;
-        shared
-            .lines
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(line);
+        self.rate += 1;
+    }
+}
+
+impl Costs {
+    /// A part of a sample of the integrator whose turn it is; returns whether any sample is missing.
+    fn go_on(&mut self, task: &SweepTask) -> bool {
+        let late = self.round >= ROUNDS.0 && self.started.elapsed() > PATIENCE;
+        if self.samples.is_empty() || self.round >= ROUNDS.1 || late && self.next == 0 {
+            return false;
+        }
+        let (k, samples) = &mut self.samples[self.next];
+        self.turn.integrator = task.integrators[*k].index();
+        let shortest = shortest_sample(task.grain);
+        let sample = self
+            .turn
+            .take(&mut self.snapshot, (SLICE, shortest), task.stopwatch);
+        if let Some(sample) = sample {
+            samples.push(sample.nanoseconds);
+            self.turn = Turn::default();
+            self.next = (self.next + 1) % self.samples.len();
+            self.round += u32::from(self.next == 0);
+        }
+        true
     }
 }
 
@@ -347,90 +392,20 @@ impl Errors {
     }
 }
 
-impl Cost {
-    /// Runs the scene until `end`, with a look at the clock after every `stretch` samples; returns whether it has been
-    /// timed often enough.
-    fn run(&mut self, setup: &Setup, stretch: u32, shortest: Duration, end: Instant) -> bool {
-        let start = Instant::now();
-        for n in 1_u32.. {
-            if self.run.advance(&self.plan, |_, _| true).is_some() {
-                self.runs += 1;
-                break;
-            }
-            if n.is_multiple_of(stretch) && Instant::now() >= end {
-                self.spent += start.elapsed();
-                return false;
-            }
-        }
-        self.spent += start.elapsed();
-        self.run.restart(setup);
-        if self.spent < shortest {
-            return false;
-        }
-        self.best = self.best.min(self.spent / self.runs);
-        self.total += self.spent;
-        self.samples += 1;
-        (self.runs, self.spent) = (0, Duration::ZERO);
-        // Three at least: one may fall into another process's turn.
-        self.samples >= REPEATS || self.samples >= 3 && self.total > PATIENCE
-    }
-}
-
-/// The slope of log error over log dt, by least squares along the finest stretch of four neighboring
-/// steps (three, if there is none of four) over which it is steady: neither lost, nor rounding, nor on the
-/// way from one to the other. `None` where there is no such stretch. `points` are (dt, error), coarsest
-/// first.
-pub fn order(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
-    let points: Vec<(f64, f64)> = points.collect();
-    [4, 3].into_iter().find_map(|length| {
-        let mut finest_first = points.windows(length).rev();
-        finest_first.find_map(steady_slope)
-    })
-}
-
-/// By how much the slopes between neighbors may differ, of their mean.
-const STEADY: f64 = 0.15;
-
-fn steady_slope(points: &[(f64, f64)]) -> Option<f64> {
-    if !points.iter().all(|(_, e)| (ROUNDING..LOST).contains(e)) {
-        return None;
-    }
-    let logs: Vec<(f64, f64)> = points.iter().map(|(dt, e)| (dt.ln(), e.ln())).collect();
-    let slopes = || {
-        logs.windows(2)
-            .map(|p| (p[0].1 - p[1].1) / (p[0].0 - p[1].0))
-    };
-    let (low, high) = slopes().fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(s), h.max(s)));
-    let n = logs.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
-    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
-    let sxy: f64 = logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-    let sxx: f64 = logs.iter().map(|p| (p.0 - mx).powi(2)).sum();
-    let slope = sxy / sxx;
-    (low > 0.25 && high - low <= STEADY * slope).then_some(slope)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use box_scenarios::Scenario;
 
-    fn start(sweep: &mut Sweep, setup: Setup, integrators: &[Integrator]) {
-        let truth = Some(setup.reference());
-        let grain = Duration::from_nanos(50);
-        let started = sweep.start(setup, truth, integrators.to_vec(), grain);
-        started.expect("a thread");
+    fn task(setup: &Setup, integrators: &[Integrator]) -> SweepTask {
+        SweepTask::new(setup.clone(), 1, integrators.to_vec())
     }
 
-    fn wait(sweep: &mut Sweep) {
-        for _ in 0..6000 {
-            if !sweep.is_running() {
-                return;
-            }
-            sweep.tick();
-            std::thread::sleep(Duration::from_millis(20));
-        }
-        panic!("the sweep does not end");
+    fn swept(setup: &Setup, integrators: &[Integrator]) -> Sweep {
+        let mut sweep = Sweep::default();
+        sweep.start(task(setup, integrators)).expect("a thread");
+        sweep.wait();
+        sweep
     }
 
     /// The fitted orders of the flip are those that the integrators claim for the rotation.
@@ -444,18 +419,17 @@ mod tests {
             Integrator::SemiImplicitEuler,
             Integrator::Exact,
         ];
-        let mut sweep = Sweep::default();
-        start(&mut sweep, setup, &integrators);
-        wait(&mut sweep);
+        let sweep = swept(&setup, &integrators);
         assert_eq!(sweep.progress(), (32, 32));
         let lines = sweep.lines();
         for (line, order) in lines.iter().zip([Some(2.0), Some(4.0), Some(1.0), None]) {
             assert_eq!(line.points.len(), RATES.len());
-            match (line.order_attitude, order) {
-                (Some(found), Some(order)) => {
+            match (line.order(false), order) {
+                (Fitted::Order(found), Some(order)) => {
                     assert!((found - order).abs() < 0.2, "{}: {found}", line.integrator);
                 }
-                (found, order) => assert_eq!(found, order, "{}", line.integrator),
+                (found, None) => assert_eq!(found, Fitted::Rounding, "{}", line.integrator),
+                (found, _) => panic!("{}: {found}", line.integrator),
             }
             assert!(line.points.iter().all(|p| p.cost > 0.0));
         }
@@ -466,13 +440,10 @@ mod tests {
     fn scenes_without_a_formula_and_divergence() {
         let mut setup = Scenario::find("contact").expect("a scene").setup;
         setup.duration = 0.5;
-        let mut sweep = Sweep::default();
-        start(&mut sweep, setup, &[Integrator::Split]);
-        wait(&mut sweep);
+        let sweep = swept(&setup, &[Integrator::Split]);
         assert!(sweep.lines()[0].points.iter().all(|p| p.position < 1.0));
         let setup = Scenario::find("needle").expect("a scene").setup;
-        start(&mut sweep, setup, &[Integrator::SemiImplicitEuler]);
-        wait(&mut sweep);
+        let sweep = swept(&setup, &[Integrator::SemiImplicitEuler]);
         let points = &sweep.lines()[0].points;
         assert!(points[0].attitude.is_nan() && points[0].cost.is_nan());
     }
@@ -481,12 +452,14 @@ mod tests {
     fn it_can_be_canceled_and_dropped() {
         let setup = Scenario::find("heavy-top").expect("a scene").setup;
         let mut sweep = Sweep::default();
-        start(&mut sweep, setup.clone(), Integrator::ALL);
+        let all = task(&setup, Integrator::ALL);
+        sweep.start(all).expect("a thread");
         sweep.cancel();
         assert!(!sweep.is_running());
         let (done, total) = sweep.progress();
         assert!(done < total);
-        start(&mut sweep, setup, &[Integrator::Rk4]);
+        let one = task(&setup, &[Integrator::Rk4]);
+        sweep.start(one).expect("a thread");
         drop(sweep);
     }
 
@@ -498,9 +471,12 @@ mod tests {
             let mut setup = Scenario::find(scene).expect("a scene").setup;
             setup.duration = 0.5;
             // After a push the reference is not known.
-            let grain = Duration::from_micros(100);
-            let mut work = Work::new(setup, None, vec![Integrator::Split, Integrator::Rk4], grain);
-            let (shared, mut slices) = (Shared::default(), Vec::new());
+            let task = SweepTask {
+                grain: Duration::from_micros(100),
+                ..task(&setup, &[Integrator::Split, Integrator::Rk4])
+            };
+            let (shared, mut slices) = (Shared::of(&task.integrators), Vec::new());
+            let mut work = Work::new(task);
             loop {
                 let start = Instant::now();
                 let goes_on = work.slice(&shared);
@@ -520,23 +496,5 @@ mod tests {
             assert!(points.clone().all(|p| p.cost > 0.0), "{scene}");
             assert!(points.clone().all(|p| p.attitude < 180.0), "{scene}");
         }
-    }
-
-    #[test]
-    fn an_order_needs_a_steady_slope_between_rounding_and_lost() {
-        let line = |c: f64, p: i32| {
-            RATES.map(move |r| {
-                let dt = 1.0 / f64::from(r);
-                (dt, c * dt.powi(p))
-            })
-        };
-        let found = order(line(0.5, 3).into_iter()).expect("a slope");
-        assert!((found - 3.0).abs() < 1e-9);
-        assert!(order(line(1e-13, 0).into_iter()).is_none());
-        assert!(order(line(100.0, 0).into_iter()).is_none());
-        // A floor of rounding under a fourth order: the slope is that above the floor.
-        let floored = line(1.0, 4).map(|(dt, e)| (dt, e + 3e-10));
-        let found = order(floored.into_iter()).expect("a slope");
-        assert!((found - 4.0).abs() < 0.3, "{found}");
     }
 }

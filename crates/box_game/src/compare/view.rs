@@ -46,7 +46,7 @@ impl Default for Settings {
 pub struct CompareView {
     /// What is chosen.
     pub settings: Settings,
-    /// The main box, then the trajectories beside it.
+    /// The main box, then the comparisons.
     pub trajectories: Vec<TrajectoryView>,
     /// Whether the attitudes have gone more wrong than the positions have.
     pub attitude: bool,
@@ -83,6 +83,8 @@ pub struct TrajectoryView {
     pub status: Status,
     /// Shortest, median, 95th percentile [ns per step].
     pub nanoseconds: Option<(f64, f64, f64)>,
+    /// Cost of this run so far [ns per simulated second], as the sweep measures it.
+    pub cost: Option<f64>,
     /// Force evaluations per step.
     pub evaluations: f64,
     /// Now, in the order of [`Quantity::ALL`]; NaN where unknown.
@@ -145,7 +147,7 @@ pub fn verdict(view: &CompareView) -> String {
     } else {
         (main_box.worst.0, other.worst.0, "position")
     };
-    let cost = |l: &TrajectoryView| l.nanoseconds.map(|(_, median, _)| median / l.dt);
+    let cost = |l: &TrajectoryView| l.nanoseconds.map(|(min, ..)| min / l.dt);
     let (best, worst, small, large) = if a <= b {
         (main_box, other, a, b)
     } else {
@@ -203,6 +205,7 @@ mod tests {
             skew: 0.0,
             status: Status::Ok,
             nanoseconds: Some((ns, ns, ns)),
+            cost: None,
             evaluations: 1.0,
             now: [0.0; Quantity::ALL.len()],
             worst: error,

@@ -42,8 +42,7 @@ const DIGITS: [KeyCode; 9] = [
 
 /// Reads the keyboard.
 pub(super) fn read_keys(
-    keys: Res<ButtonInput<KeyCode>>,
-    characters: Res<ButtonInput<Key>>,
+    (keys, characters): (Res<ButtonInput<KeyCode>>, Res<ButtonInput<Key>>),
     focus: Res<UiFocus>,
     time: Res<Time<Real>>,
     session: Res<Session>,

@@ -85,8 +85,7 @@ impl Fingers {
 /// Reads mouse and fingers.
 pub(super) fn read(
     buttons: Res<ButtonInput<MouseButton>>,
-    motion: Res<AccumulatedMouseMotion>,
-    scroll: Res<AccumulatedMouseScroll>,
+    (motion, scroll): (Res<AccumulatedMouseMotion>, Res<AccumulatedMouseScroll>),
     touches: Res<Touches>,
     window: Query<&Window, With<PrimaryWindow>>,
     mut fingers: Local<Fingers>,

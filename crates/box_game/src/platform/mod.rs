@@ -25,18 +25,18 @@ macro_rules! shipped {
 mod native;
 #[cfg(not(target_family = "wasm"))]
 pub use native::{
-    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, Worker, absolute, arguments, check, complain,
-    cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe, read, refuse, remove,
-    reproduce, say, scene_folder, stamp, window, write,
+    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
+    check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
+    read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
 };
 
 #[cfg(target_family = "wasm")]
 mod web;
 #[cfg(target_family = "wasm")]
 pub use web::{
-    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, Worker, absolute, arguments, check, complain,
-    cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe, read, refuse, remove,
-    reproduce, say, scene_folder, stamp, window, write,
+    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
+    check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
+    read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
 };
 
 use clap::ValueEnum;

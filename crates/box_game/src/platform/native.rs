@@ -1,6 +1,7 @@
 //! The desktop: command line, standard output, file system, threads.
 
 mod display;
+mod synced_file;
 
 use std::ffi::OsString;
 use std::io::{self, Write as _};
@@ -16,6 +17,7 @@ use bevy::log::tracing_subscriber::{self, Layer as _};
 use bevy::prelude::*;
 
 pub use display::{check, probe};
+pub use synced_file::SyncedFile;
 
 /// Why there is no CPU usage, if there is none.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
@@ -250,7 +252,7 @@ mod tests {
             assert_eq!(read(&path, 1000).expect("readable"), text.as_bytes());
         }
         assert_eq!(read(&path, 2).expect("readable"), b"sh");
-        assert_eq!(list(folder.path()), [path.clone()]);
+        assert_eq!(list(folder.path()), std::slice::from_ref(&path));
         remove(&path);
         assert!(!exists(&path) && stamp(&path).is_none());
         assert!(list(&path).is_empty());

@@ -112,7 +112,7 @@ mod tests {
             "bounce --integrator split,rk4 --set gravity=1.62 --set half-x=0.5 --no-settings";
         assert_eq!(again.join(" "), expected);
         let odd = "é &?+%20/x.ron".to_owned();
-        assert_eq!(words(&of(&[odd.clone()])), [odd]);
+        assert_eq!(words(&of(std::slice::from_ref(&odd))), [odd]);
         assert_eq!(words("a=%zz%4"), ["--a=%zz%4"]);
     }
 }

@@ -54,10 +54,10 @@ pub fn record(
         history.pace.pop_front();
     }
     let due = history.cpu.back().is_none_or(|last| wall - last.0 >= 0.25);
-    if let (Some(store), true) = (diagnostics, due) {
-        if let Some((process, system)) = platform::cpu_usage(&store) {
-            push(&mut history.cpu, (wall, process, system));
-        }
+    if let (Some(store), true) = (diagnostics, due)
+        && let Some((process, system)) = platform::cpu_usage(&store)
+    {
+        push(&mut history.cpu, (wall, process, system));
     }
 }
 

@@ -21,19 +21,19 @@ use box_scenarios::{Model, Status};
 /// Observes the switch of the log.
 pub(super) fn on_action(
     action: On<Action>,
-    log: Option<Res<CsvLog>>,
+    log: Option<ResMut<CsvLog>>,
     mut session: ResMut<Session>,
     mut commands: Commands,
 ) {
     if *action != Action::ToggleLog {
         return;
     }
-    if let Some(log) = log {
-        session.notice(format!(
-            "log closed: {} ({} rows)",
-            log.path().display(),
-            log.rows()
-        ));
+    if let Some(mut log) = log {
+        let (path, rows) = (log.path().display().to_string(), log.rows());
+        session.notice(match log.sync() {
+            Ok(()) => format!("log closed: {path} ({rows} rows)"),
+            Err(error) => format!("log closed: {path}: {error}"),
+        });
         commands.remove_resource::<CsvLog>();
         return;
     }

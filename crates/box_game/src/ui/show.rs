@@ -53,13 +53,11 @@ pub(super) fn spawn_camera(
 pub(super) fn show_panel(
     mut contexts: EguiContexts,
     mut sources: Sources,
-    mut state: ResMut<PanelState>,
+    (mut state, mut drawn): (ResMut<PanelState>, Local<f64>),
     mut actions: ResMut<Actions>,
     mut focus: ResMut<UiFocus>,
-    mut picture: ResMut<PictureArea>,
-    mut drawn: Local<f64>,
+    (mut picture, mut plot): (ResMut<PictureArea>, ResMut<PlotArea>),
     camera: Single<&Camera, With<PanelCamera>>,
-    mut plot: ResMut<PlotArea>,
 ) -> Result {
     let start = Instant::now();
     let context = contexts.ctx_mut()?;

@@ -156,6 +156,10 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
 
 /// The step of a box that touches the floor or may: segment after segment. `flown` is the plain step, if it is known,
 /// and `slid` what a slide has made of it until it stopped.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "where a step begins, and how far it has come"
+)]
 #[inline(never)] // its large frame is not for boxes that rest or fly
 fn between_events<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,

@@ -112,7 +112,7 @@ fn turn_momentum(
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Case, brick, drag, run};
+    use super::super::testing::{Case, drag, run};
     use super::*;
     use crate::force::{Forces, Gravity};
     use crate::rotation::exponential_map;
@@ -167,19 +167,5 @@ mod tests {
         };
         let slope = libm::log2((change(240) / change(480)).abs());
         assert!((slope - 2.0).abs() < 0.1, "{slope}");
-    }
-
-    #[test]
-    fn first_order_in_rotation_and_torque() {
-        Case::free().expect_order::<Avian993>(1920, 1.0);
-        Case::dipole().expect_order::<Avian993>(7680, 1.0);
-        let s = run::<Avian993>(
-            &brick(),
-            BodyState::default(),
-            &Gravity(DVec3::NEG_Y),
-            4.0,
-            240,
-        );
-        assert!((s.position + DVec3::Y * (2.0 * (4.0 + 1.0 / 60.0))).length() < 1e-12);
     }
 }

@@ -111,12 +111,4 @@ mod tests {
         assert!((error - 0.011).abs() < 1e-3, "{error}");
         assert!(case.error::<BussAugmented>(60) > 1.0);
     }
-
-    /// Independent measurement in Python, pub01 at 60 Hz: 6.7e-3 rad.
-    #[test]
-    fn second_order_in_rotation_and_torque() {
-        assert!((Case::free().error::<BussAugmented>(60) - 6.7e-3).abs() < 1e-4);
-        Case::free().expect_order::<BussAugmented>(480, 2.0);
-        Case::dipole().expect_order::<BussAugmented>(480, 2.0);
-    }
 }

@@ -173,10 +173,4 @@ mod tests {
             );
         }
     }
-
-    #[test]
-    fn first_order_in_rotation_and_torque() {
-        Case::free().expect_order::<EngineRescaled>(1920, 1.0);
-        Case::dipole().expect_order::<EngineRescaled>(7680, 1.0);
-    }
 }

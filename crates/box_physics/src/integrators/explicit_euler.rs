@@ -28,12 +28,7 @@ impl Integrate for ExplicitEuler {
             damper: Limit::Below(2.0),
             oscillator: Limit::AlwaysGrows,
         },
-        keeps: Keeps {
-            energy: EnergyBehavior::Gains,
-            momentum_magnitude: false,
-            momentum: false,
-            reversible: false,
-        },
+        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();
@@ -55,7 +50,7 @@ impl Integrate for ExplicitEuler {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
+    use super::super::testing::run;
     use super::*;
     use crate::force::Gravity;
     use glam::DVec3;
@@ -63,39 +58,20 @@ mod tests {
     /// x_n = x₀ + n h v₀ + ½ g h² n(n−1): the parabola minus exactly ½ g h t.
     #[test]
     fn free_fall_closed_form() {
-        let body = RigidBox::default();
-        let (g, h) = (DVec3::NEG_Y * 9.81, 1.0 / 60.0);
-        let mut s = BodyState::default().with_velocity(DVec3::new(3.0, 9.0, 0.0));
-        for n in 1..=240 {
-            ExplicitEuler::step(
-                &body,
-                &mut s,
-                &Gravity(g),
-                h,
-                &mut IntegratorMemory::default(),
-            );
-            let n = f64::from(n);
-            let x = DVec3::new(3.0, 9.0, 0.0) * (n * h) + g * (0.5 * h * h * n * (n - 1.0));
-            assert!((s.position - x).length() < 1e-12);
-        }
+        let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);
+        let (t, h) = (4.0, 1.0 / 60.0);
+        let start = BodyState::default().with_velocity(v);
+        let s = run::<ExplicitEuler>(&RigidBox::default(), start, &Gravity(g), t, 240);
+        assert!((s.position - (v * t + 0.5 * g * t * (t - h))).length() < 1e-12);
     }
 
     /// A principal spin turns by 2 atan(ωh/2) per step instead of ωh.
     #[test]
     fn principal_spin_closed_form() {
         let body = RigidBox::default();
-        let (w, h, n) = (8.0, 1.0 / 60.0, 300);
-        let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::X * w);
-        for _ in 0..n {
-            ExplicitEuler::step(
-                &body,
-                &mut s,
-                &Gravity(DVec3::ZERO),
-                h,
-                &mut IntegratorMemory::default(),
-            );
-        }
-        let half = libm::atan(0.5 * w * h) * f64::from(n);
+        let start = BodyState::default().with_body_angular_velocity(&body, DVec3::X * 8.0);
+        let s = run::<ExplicitEuler>(&body, start, &Gravity(DVec3::ZERO), 5.0, 300);
+        let half = libm::atan(4.0 / 60.0) * 300.0;
         assert!((s.rotation.x - libm::sin(half)).abs() < 1e-12);
         assert!((s.rotation.w - libm::cos(half)).abs() < 1e-12);
     }

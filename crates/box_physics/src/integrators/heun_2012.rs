@@ -32,12 +32,7 @@ impl Integrate for Heun2012 {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps {
-            energy: EnergyBehavior::Gains,
-            momentum_magnitude: false,
-            momentum: false,
-            reversible: false,
-        },
+        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();
@@ -68,52 +63,26 @@ impl Integrate for Heun2012 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
+    use super::super::testing::{drag, run};
     use super::*;
-    use crate::force::{Dissipation, Forces};
     use glam::DVec3;
 
-    /// v_n = R(z)ⁿ v₀ with R = 1 + z + z²/2, and x by the new velocity.
+    /// v_n = R(z)ⁿ v₀ with R = 1 + z + z²/2, the position by the new velocity, and the same factor of the angular
+    /// damping on the L of a principal spin.
     #[test]
     fn amplification_factor_and_position() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let law = Forces {
-            dissipation: Dissipation {
-                linear_drag: 1.4,
-                ..Dissipation::NONE
-            },
-            ..Default::default()
-        };
-        let h = 0.1;
-        let z = -1.4 * h / 2.0;
-        let r = 1.0 + z + 0.5 * z * z;
-        let mut s = BodyState::default().with_velocity(DVec3::X);
-        let (mut v, mut x) = (1.0, 0.0);
-        for _ in 0..100 {
-            Heun2012::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
-            v *= r;
-            x += h * v;
-            assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);
-        }
-    }
-
-    /// Angular damping alone: the same factor on L of a principal spin.
-    #[test]
-    fn angular_momentum_likewise() {
-        let body = RigidBox::default();
-        let law = Forces {
-            dissipation: Dissipation {
-                angular_damping: 0.5,
-                ..Dissipation::NONE
-            },
-            ..Default::default()
-        };
-        let (h, z) = (0.02, -0.01_f64);
-        let r = 1.0 + z + 0.5 * z * z;
-        let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * 3.0);
-        for n in 1..=200 {
-            Heun2012::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
-            assert!((s.body_angular_velocity(&body).z - 3.0 * r.powi(n)).abs() < 1e-12);
-        }
+        let start = BodyState::default()
+            .with_velocity(DVec3::X)
+            .with_body_angular_velocity(&body, DVec3::Z * 3.0);
+        let (h, n) = (0.1, 100);
+        let factor = |z: f64| 1.0 + z + 0.5 * z * z;
+        let (r, spin) = (factor(-0.07), factor(-0.05));
+        let s = run::<Heun2012>(&body, start, &drag(1.4, 0.5), h * f64::from(n), n as u32);
+        assert!((s.velocity.x - r.powi(n)).abs() < 1e-12);
+        // Σ h rᵏ, k = 1 … n.
+        let x = h * r * (1.0 - r.powi(n)) / (1.0 - r);
+        assert!((s.position.x - x).abs() < 1e-12);
+        assert!((s.body_angular_velocity(&body).z - 3.0 * spin.powi(n)).abs() < 1e-12);
     }
 }

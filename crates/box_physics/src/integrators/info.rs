@@ -197,6 +197,28 @@ pub struct Keeps {
     pub reversible: bool,
 }
 
+impl Keeps {
+    /// The energy as `energy` says; neither angular momentum nor the way back.
+    pub const fn nothing_else(energy: EnergyBehavior) -> Self {
+        Self {
+            energy,
+            momentum_magnitude: false,
+            momentum: false,
+            reversible: false,
+        }
+    }
+
+    /// The energy as `energy` says, angular momentum, and the way back.
+    pub const fn all_else(energy: EnergyBehavior) -> Self {
+        Self {
+            energy,
+            momentum_magnitude: true,
+            momentum: true,
+            reversible: true,
+        }
+    }
+}
+
 /// Force evaluations per step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Evaluations {

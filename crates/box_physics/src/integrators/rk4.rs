@@ -37,12 +37,7 @@ impl Integrate for Rk4 {
             damper: Limit::Below(2.785),
             oscillator: Limit::Below(2.828),
         },
-        keeps: Keeps {
-            energy: EnergyBehavior::Dissipates,
-            momentum_magnitude: false,
-            momentum: false,
-            reversible: false,
-        },
+        keeps: Keeps::nothing_else(EnergyBehavior::Dissipates),
     };
 
     type Memory = ();
@@ -74,50 +69,31 @@ impl Integrate for Rk4 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
+    use super::super::testing::{drag, run};
     use super::*;
-    use crate::force::{Dissipation, Forces, Gravity};
+    use crate::force::Gravity;
     use glam::DVec3;
 
-    /// The discrete solution: with linear drag a step multiplies v by R(z) = Σ zᵏ/k!, k ≤ 4.
+    /// Its own discrete answer: with linear drag a step multiplies v by R(z) = Σ zᵏ/k!, k ≤ 4.
     #[test]
     fn amplification_factor() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let law = Forces {
-            dissipation: Dissipation {
-                linear_drag: 1.4,
-                ..Dissipation::NONE
-            },
-            ..Default::default()
-        };
-        let h = 0.1;
-        let z = -1.4 * h / 2.0;
+        let start = BodyState::default().with_velocity(DVec3::X);
+        let z = -0.07_f64;
         let r = 1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)));
-        let mut s = BodyState::default().with_velocity(DVec3::X);
-        for n in 1..=50 {
-            Rk4::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
-            assert!((s.velocity.x - r.powi(n)).abs() < 1e-12);
-        }
+        let s = run::<Rk4>(&body, start, &drag(1.4, 0.0), 5.0, 50);
+        assert!((s.velocity.x - r.powi(50)).abs() < 1e-12);
     }
 
     /// Spin about a principal axis: the quaternion turns by arg R(iωh/2) per step.
     #[test]
     fn phase_of_a_fixed_axis_spin() {
         let body = RigidBox::default();
-        let (w, h, n) = (5.0, 1.0 / 60.0, 600);
-        let mut s = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * w);
-        for _ in 0..n {
-            Rk4::step(
-                &body,
-                &mut s,
-                &Gravity(DVec3::ZERO),
-                h,
-                &mut IntegratorMemory::default(),
-            );
-        }
-        let y = 0.5 * w * h;
+        let start = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * 5.0);
+        let s = run::<Rk4>(&body, start, &Gravity(DVec3::ZERO), 10.0, 600);
+        let y: f64 = 2.5 / 60.0;
         let per_step = libm::atan2(y - y * y * y / 6.0, 1.0 - y * y / 2.0 + y.powi(4) / 24.0);
-        let half = per_step * f64::from(n);
+        let half = per_step * 600.0;
         assert!((s.rotation.z - libm::sin(half)).abs() < 1e-12);
         assert!((s.rotation.w - libm::cos(half)).abs() < 1e-12);
     }

@@ -31,12 +31,7 @@ impl Integrate for SemiImplicitEuler {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps {
-            energy: EnergyBehavior::Gains,
-            momentum_magnitude: false,
-            momentum: false,
-            reversible: false,
-        },
+        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();
@@ -63,50 +58,23 @@ impl Integrate for SemiImplicitEuler {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
+    use super::super::testing::{brick, run};
     use super::*;
     use crate::force::Gravity;
     use crate::rotation::exponential_map;
     use glam::DVec3;
 
-    /// x_n = x₀ + n h v₀ + ½ g h² n(n+1): the parabola plus exactly ½ g h t.
+    /// x_n = x₀ + n h v₀ + ½ g h² n(n+1), the parabola plus exactly ½ g h t; a spin about a principal axis is exact.
     #[test]
-    fn free_fall_closed_form() {
-        let body = RigidBox::default();
-        let (g, h) = (DVec3::NEG_Y * 9.81, 1.0 / 60.0);
-        let mut s = BodyState::default().with_velocity(DVec3::new(3.0, 9.0, 0.0));
-        for n in 1..=240 {
-            SemiImplicitEuler::step(
-                &body,
-                &mut s,
-                &Gravity(g),
-                h,
-                &mut IntegratorMemory::default(),
-            );
-            let n = f64::from(n);
-            let x = DVec3::new(3.0, 9.0, 0.0) * (n * h) + g * (0.5 * h * h * n * (n + 1.0));
-            assert!((s.position - x).length() < 1e-12);
-        }
-    }
-
-    /// A spin about a principal axis is exact: q_n = exp(n h ω).
-    #[test]
-    fn principal_spin_closed_form() {
-        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
-        let (w, h) = (DVec3::new(0.0, 7.0, 0.0), 1.0 / 60.0);
-        let mut s = BodyState::default().with_body_angular_velocity(&body, w);
-        for n in 1..=600 {
-            SemiImplicitEuler::step(
-                &body,
-                &mut s,
-                &Gravity(DVec3::ZERO),
-                h,
-                &mut IntegratorMemory::default(),
-            );
-            let exact = exponential_map(w * (h * f64::from(n)));
-            assert!(
-                (s.rotation.y - exact.y).abs() < 1e-12 && (s.rotation.w - exact.w).abs() < 1e-12
-            );
-        }
+    fn closed_forms() {
+        let (body, w) = (brick(), DVec3::Y * 7.0);
+        let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);
+        let (t, h) = (4.0, 1.0 / 60.0);
+        let start = BodyState::default()
+            .with_velocity(v)
+            .with_body_angular_velocity(&body, w);
+        let s = run::<SemiImplicitEuler>(&body, start, &Gravity(g), t, 240);
+        assert!((s.position - (v * t + 0.5 * g * t * (t + h))).length() < 1e-12);
+        assert!((s.rotation.dot(exponential_map(w * t)).abs() - 1.0).abs() < 1e-12);
     }
 }

@@ -37,12 +37,7 @@ impl Integrate for SymmetricTop {
             damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps {
-            energy: EnergyBehavior::Bounded,
-            momentum_magnitude: true,
-            momentum: true,
-            reversible: true,
-        },
+        keeps: Keeps::all_else(EnergyBehavior::Bounded),
     };
 
     type Memory = ();
@@ -68,18 +63,5 @@ impl<T: Trigonometry> FreeRotationFlow for Strang<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
         free_rotation_strang_by(body, state, h, self.0);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::testing::Case;
-    use super::*;
-
-    #[test]
-    fn second_order_in_rotation_and_torque() {
-        for case in [Case::free(), Case::dipole(), Case::top()] {
-            case.expect_order::<SymmetricTop>(60, 2.0);
-        }
     }
 }

@@ -167,18 +167,6 @@ impl Case {
             S::INFO.id
         );
     }
-
-    /// Runs 600 steps of 1/60 s forward and back. Returns the largest difference from the start: attitude
-    /// \[rad\], position \[m\] and velocity [m/s].
-    pub(crate) fn return_error<S: Integrate>(&self, law: &Forces) -> f64 {
-        let out = run::<S>(&self.body, self.start, law, 10.0, 600);
-        let back = run::<S>(&self.body, out, law, -10.0, 600);
-        assert!(back.is_finite());
-        back.attitude_difference(&self.start)
-            .max((back.position - self.start.position).length())
-            .max((back.velocity - self.start.velocity).length())
-            .max((back.angular_momentum - self.start.angular_momentum).length())
-    }
 }
 
 /// The torque (Rµ)×B as a pair of forces.

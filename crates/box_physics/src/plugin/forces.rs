@@ -39,8 +39,7 @@ pub(crate) struct Step {
 pub(crate) fn gather_forces(
     mut step: ResMut<Step>,
     clock: Res<PhysicsClock>,
-    gravity: Res<WorldGravity>,
-    wind: Option<Res<Wind>>,
+    (gravity, wind): (Res<WorldGravity>, Option<Res<Wind>>),
     integrator: Res<GlobalIntegrator>,
     floor: Option<Res<Floor>>,
     settings: Option<Res<ContactSettings>>,

@@ -2,23 +2,16 @@
 //! how much.
 
 use box_physics::integrators::Integrator;
-use box_scenarios::Metric;
-use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
 use crate::document::Table;
 use crate::summary::Results;
 use crate::visible::{MINUTE, RATES, THROW};
-use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
 /// Its two integrators: under its own rule for the position, and as a textbook has it.
 const ITS: [Integrator; 2] = [Integrator::Heun2012, Integrator::Rk4];
-/// Errors below this count as this: rounding is no ratio.
-const ROUNDING: f64 = 1e-12;
-/// An error that says nothing any more; what failed counts as this: as wrong as an attitude can be.
-const LOST: f64 = core::f64::consts::PI;
 
 #[derive(Serialize)]
 struct Row {
@@ -56,19 +49,19 @@ pub(super) fn table(
                 integrator: s.id(),
                 invisible_10s: visible.invisible(s, rate, THROW),
                 invisible_60s: visible.invisible(s, rate, MINUTE),
-                microseconds_per_simulated_s: cost(work, s, rate).unwrap_or(f64::NAN),
-                median_error_over_the_best: median_ratio(work, s, best, rate),
+                microseconds_per_simulated_s: work.cost(s, rate).unwrap_or(f64::NAN),
+                median_error_over_the_best: work.median_ratio(s, best, rate),
             });
         }
         let against = |s: Integrator| -> Option<String> {
             if s == best {
                 return None;
             }
-            let (own, other) = (cost(work, best, rate)?, cost(work, s, rate)?);
+            let (own, other) = (work.cost(best, rate)?, work.cost(s, rate)?);
             Some(format!(
                 "`{s}`: {} scenes, {} times the error in the median scene, {} times the cost",
                 visible.invisible(s, rate, THROW),
-                ratio(median_ratio(work, s, best, rate)),
+                ratio(work.median_ratio(s, best, rate)),
                 text::significant(other / own, 2)
             ))
         };
@@ -77,7 +70,7 @@ pub(super) fn table(
             "At {rate} Hz the answer is `{best}`: for ten seconds nothing shows in {} of {} scenes, at {} µs per box and simulated second. Against it {}.",
             visible.invisible(best, rate, THROW),
             work.families.len(),
-            text::significant(cost(work, best, rate).unwrap_or(f64::NAN), 2),
+            text::significant(work.cost(best, rate).unwrap_or(f64::NAN), 2),
             compared.join("; ")
         ));
     }
@@ -115,7 +108,6 @@ pub(super) fn table(
         .to_vec(),
         rows: cells,
         csv: "dissertation-answer.csv".to_owned(),
-        digest: true,
     };
     Ok(Some((table, verdicts)))
 }
@@ -126,45 +118,4 @@ fn ratio(x: f64) -> String {
     } else {
         text::significant(x, 2)
     }
-}
-
-/// Geometric mean over the families of the time per simulated second \[µs\] at `rate`; failed runs are left
-/// out.
-pub(crate) fn cost(work: &WorkPrecision, integrator: Integrator, rate: u32) -> Option<f64> {
-    let costs: Vec<f64> = work
-        .families
-        .iter()
-        .filter_map(|f| {
-            let at =
-                |p: &&crate::work_precision::Point| (p.dt * f64::from(rate) - 1.0).abs() < 1e-9;
-            f.of(integrator).find(at)?.microseconds()
-        })
-        .collect();
-    if costs.is_empty() {
-        return None;
-    }
-    let logs: f64 = costs.iter().map(|c| c.ln()).sum();
-    Some((logs / costs.len() as f64).exp())
-}
-
-/// The median over all families and errors of the error of `integrator` over that of `best`.
-pub(crate) fn median_ratio(
-    work: &WorkPrecision,
-    integrator: Integrator,
-    best: Integrator,
-    rate: u32,
-) -> f64 {
-    let mut ratios = Vec::new();
-    for f in &work.families {
-        for &metric in f.family.metrics.iter().filter(|m| **m != Metric::Energy) {
-            let error = |s: Integrator| {
-                let at =
-                    |p: &&crate::work_precision::Point| (p.dt * f64::from(rate) - 1.0).abs() < 1e-9;
-                let e = f.of(s).find(at).and_then(|p| p.run.error(metric));
-                e.unwrap_or(LOST).max(ROUNDING)
-            };
-            ratios.push(error(integrator) / error(best));
-        }
-    }
-    Quantiles::of(ratios).median()
 }

@@ -1,6 +1,6 @@
 //! `dissertation`: the comparison of 2012 redone, its question answered, and where its text was wrong.
 
-pub(crate) mod answer;
+mod answer;
 mod claims;
 mod cycle;
 mod figures;
@@ -27,7 +27,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
         "V. Stojanovic, “Evaluation of Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion \
          Within a Game Environment” (2012), asked which integrator is the most efficient for simple rigid bodies in a game. Its two \
          integrators (what it calls implicit Euler, and RK4), its steps of 0.005 to 0.01 s, one cube over a floor, pushed along each axis in turn, \
-         the time of each integration cycle over the run and the share of the processor: here once more, beside ours. \
+         the time of each integration cycle over the run and the share of the processor: here once more, next to ours. \
          `2012-…` are its own steppers with its own contact, line by line.",
     );
     let mut runs = Vec::new();
@@ -86,7 +86,6 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
             .to_vec(),
         rows,
         csv: "dissertation-cycles.csv".to_owned(),
-        digest: true,
     }
 }
 
@@ -250,6 +249,5 @@ fn claim_table(
             })
             .collect(),
         csv: "dissertation-claims.csv".to_owned(),
-        digest: true,
     })
 }

@@ -17,18 +17,21 @@ pub(crate) enum Number {
     Spin,
     /// c·dt/m of linear drag.
     Drag,
+    /// d·dt/m of a damper at the center of mass.
+    Damper,
     /// √(k/m)·dt of an undamped spring.
     Spring,
 }
 
 impl Number {
-    pub(crate) const ALL: [Self; 3] = [Self::Spin, Self::Drag, Self::Spring];
+    pub(crate) const ALL: [Self; 4] = [Self::Spin, Self::Drag, Self::Damper, Self::Spring];
 
     /// As a heading.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Spin => "|ω|·dt",
             Self::Drag => "c·dt/m",
+            Self::Damper => "d·dt/m",
             Self::Spring => "√(k/m)·dt",
         }
     }
@@ -39,6 +42,7 @@ impl Number {
         match self {
             Self::Spin => s.rotation,
             Self::Drag => s.drag,
+            Self::Damper => s.damper,
             Self::Spring => s.oscillator,
         }
     }
@@ -164,13 +168,16 @@ impl Spinning {
 fn linear(number: Number, x: f64) -> Model {
     let body = RigidBox::default();
     let m = body.mass();
-    let forces = if number == Number::Drag {
-        ForceSet {
+    let spring = |stiffness, damping| {
+        ForceSet::none().with_spring(DVec3::ZERO, DVec3::ZERO, stiffness, damping)
+    };
+    let forces = match number {
+        Number::Damper => spring(0.0, x * m),
+        Number::Spring => spring(x * x * m, 0.0),
+        Number::Spin | Number::Drag => ForceSet {
             linear_drag: x * m,
             ..ForceSet::none()
-        }
-    } else {
-        ForceSet::none().with_spring(DVec3::ZERO, DVec3::ZERO, x * x * m, 0.0)
+        },
     };
     Model::without_floor(body, forces)
 }
@@ -193,7 +200,7 @@ fn spectral_radius(integrator: Integrator, number: Number, x: f64) -> Option<f64
         driver.step(&model, 1.0);
         driver.state
     };
-    if number == Number::Drag {
+    if number != Number::Spring {
         // A step with memory shows in its second step.
         let mut driver = Driver::new(at([0.0, 1.0]), integrator);
         driver.run(&model, 1.0, 2, u64::MAX);
@@ -220,10 +227,10 @@ fn spectral_radius(integrator: Integrator, number: Number, x: f64) -> Option<f64
 /// Whether a run of the linear problem stays bounded: for integrators that have no matrix of one step.
 fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
     let model = linear(number, x);
-    let start = at(if number == Number::Drag {
-        [0.0, 1.0]
-    } else {
+    let start = at(if number == Number::Spring {
         [1.0, 0.0]
+    } else {
+        [0.0, 1.0]
     });
     let mut driver = Driver::new(start, integrator);
     // Growth by 1e-4 a step, or by 1e-5 in the long run, is growth.
@@ -233,8 +240,8 @@ fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
         (10_000, 2.7)
     };
     let size = |s: &BodyState| match number {
-        Number::Drag => s.velocity.length(),
-        _ => s.velocity.length().hypot(x * s.position.length()),
+        Number::Spring => s.velocity.length().hypot(x * s.position.length()),
+        _ => s.velocity.length(),
     };
     // The first steps, without memory, may do anything.
     let settled = driver.run(&model, 1.0, 100, u64::MAX);
@@ -263,6 +270,8 @@ mod tests {
             (Integrator::ExplicitEuler, Number::Drag, Limit::Below(2.0)),
             (Integrator::Heun2012, Number::Drag, Limit::Below(2.0)),
             (Integrator::Rk4, Number::Drag, Limit::Below(2.785)),
+            (Integrator::Rk4, Number::Damper, Limit::Below(2.785)),
+            (Integrator::Split, Number::Damper, Limit::None),
             (Integrator::Rk4, Number::Spring, Limit::Below(2.828)),
             // Chin's 4A: 2√3.
             (Integrator::Split, Number::Spring, Limit::Below(3.464)),

@@ -23,12 +23,12 @@ struct Case {
 /// The whole measurement.
 pub(crate) struct StabilityData {
     cases: Vec<(Case, Vec<(Integrator, Vec<Finding>)>)>,
-    limits: Vec<(Integrator, [Limit; 3])>,
+    limits: Vec<(Integrator, [Limit; 4])>,
 }
 
 impl StabilityData {
     /// The largest stable steps of `integrator`, in the order of [`Number::ALL`].
-    pub(crate) fn limits(&self, integrator: Integrator) -> Option<&[Limit; 3]> {
+    pub(crate) fn limits(&self, integrator: Integrator) -> Option<&[Limit; 4]> {
         let found = self.limits.iter().find(|(s, _)| *s == integrator);
         found.map(|(_, l)| l)
     }
@@ -206,15 +206,20 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     Ok(Table {
         title: "Largest stable steps".to_owned(),
         note: "Tried from 0.1 to 1000. Spin: |L| of a tumbling box, plate and needle in 1000 steps, and of a blade spun near its \
-               middle axis, does not grow; the worst counts, and theory promises a range for every body. Drag and undamped \
+               middle axis, does not grow; the worst counts, and theory promises a range for every body. Drag, damper and undamped \
                spring: no eigenvalue of the matrix of a step lies outside the unit circle (in steps of 0.05 %). Where theory differs, it is added."
             .to_owned(),
-        columns: ["integrator", "|ω|·dt", "c·dt/m", "√(k/m)·dt"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: [
+            "integrator",
+            "spin |ω|·dt",
+            "drag c·dt/m",
+            "damper d·dt/m",
+            "spring √(k/m)·dt",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
         rows: cells,
         csv: "limits.csv".to_owned(),
-        digest: true,
     })
 }
 
@@ -264,6 +269,5 @@ fn case_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
         columns,
         rows: cells,
         csv: "stability.csv".to_owned(),
-        digest: true,
     })
 }

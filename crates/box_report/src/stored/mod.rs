@@ -5,7 +5,7 @@
 
 mod digests;
 mod errors;
-mod tables;
+pub(crate) mod tables;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -81,6 +81,21 @@ const ITEMS: [Item; 5] = [
     },
 ];
 
+/// The text of `file` between `<!-- name -->` and `<!-- /name -->`.
+pub(crate) fn section(file: &str, text: &str, name: &str) -> Result<core::ops::Range<usize>, Stop> {
+    let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
+    let place = text.find(&open).and_then(|at| {
+        let from = at + open.len();
+        Some(from..from + text.get(from..)?.find(&close)?)
+    });
+    place.ok_or_else(|| {
+        Stop::Usage(format!(
+            "{file}: no section between '{}' and '{close}'",
+            open.trim()
+        ))
+    })
+}
+
 /// Differences shown at most, of an item.
 const SHOWN: usize = 40;
 
@@ -91,21 +106,10 @@ impl Item {
 
     /// Where the item is in the text of its file.
     fn place(&self, text: &str) -> Result<core::ops::Range<usize>, Stop> {
-        let Some(name) = self.section else {
-            return Ok(0..text.len());
-        };
-        let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
-        let place = text.find(&open).and_then(|at| {
-            let from = at + open.len();
-            Some(from..from + text.get(from..)?.find(&close)?)
-        });
-        place.ok_or_else(|| {
-            Stop::Usage(format!(
-                "{}: no section between '{}' and '{close}'",
-                self.file,
-                open.trim()
-            ))
-        })
+        match self.section {
+            None => Ok(0..text.len()),
+            Some(name) => section(self.file, text, name),
+        }
     }
 
     /// What differs between `stored` and `new`, with the name of the item as heading; empty if nothing does.

@@ -1,7 +1,5 @@
 //! The tables of `docs/integrators.md` and of `docs/contact.md`.
 
-use std::fmt::Write as _;
-
 use box_physics::integrators::Integrator;
 use box_scenarios::contact_cases;
 
@@ -10,8 +8,18 @@ use crate::text;
 
 /// What each integrator says of itself.
 pub(super) fn integrators() -> Result<String, Stop> {
-    let mut table = "| id | order: rotation · gravity · drag · torque | evaluations a step: free · forced | energy of a tumbling box | keeps L | \\|ω\\|dt | c·dt/m | √(k/m)·dt | in a sentence |\n|---|---|---|---|---|---|---|---|---|\n".to_owned();
-    for i in Integrator::ALL {
+    let heading = [
+        "id",
+        "order: rotation · gravity · drag · torque",
+        "evaluations a step: free · forced",
+        "energy of a tumbling box",
+        "keeps L",
+        "|ω|dt",
+        "c·dt/m",
+        "√(k/m)·dt",
+        "in a sentence",
+    ];
+    let rows = Integrator::ALL.iter().map(|i| {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
         let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
@@ -19,7 +27,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
             (false, true) => "its length",
             _ => "no",
         };
-        let row = [
+        vec![
             text::code(info.id),
             format!(
                 "{} · {} · {} · {}",
@@ -31,11 +39,10 @@ pub(super) fn integrators() -> Result<String, Stop> {
             s.rotation.to_string(),
             s.drag.to_string(),
             s.oscillator.to_string(),
-            info.summary.replace('|', "\\|"),
-        ];
-        line(&mut table, &row);
-    }
-    Ok(table)
+            info.summary.to_owned(),
+        ]
+    });
+    Ok(markdown(&heading.map(str::to_owned), rows))
 }
 
 /// Where each integrator is from.
@@ -66,12 +73,7 @@ pub(super) fn contact() -> Result<String, Stop> {
         .map(str::to_owned)
         .to_vec();
     heading.extend(CHOSEN.map(text::code));
-    let mut table = String::new();
-    line(&mut table, &heading);
-    table += "|";
-    table += &"---|".repeat(heading.len());
-    table += "\n";
-    for case in contact_cases() {
+    let rows = contact_cases().into_iter().map(|case| {
         let mut row = vec![
             case.number.to_string(),
             case.title.to_owned(),
@@ -79,14 +81,20 @@ pub(super) fn contact() -> Result<String, Stop> {
             figure(case.bound),
         ];
         row.extend(CHOSEN.map(|i| figure(case.measure(i))));
-        line(&mut table, &row);
-    }
-    Ok(table)
+        row
+    });
+    Ok(markdown(&heading, rows))
 }
 
-fn line(table: &mut String, cells: &[String]) {
-    // Writing to a string cannot fail.
-    let _ = writeln!(table, "| {} |", cells.join(" | "));
+/// A table in Markdown; a bar in a cell is escaped.
+pub(crate) fn markdown(heading: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
+        format!("| {} |\n", cells.join(" | "))
+    };
+    let rule = format!("|{}\n", "---|".repeat(heading.len()));
+    let rows: String = rows.map(|row| line(&row)).collect();
+    line(heading) + &rule + &rows
 }
 
 /// Below this a figure is rounding, and its digits mean nothing.

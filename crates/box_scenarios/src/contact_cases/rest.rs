@@ -94,7 +94,7 @@ fn time_to_fall(rate: impl Fn(f64) -> f64, tilt: f64) -> f64 {
 }
 
 /// The longer of the times that a cube stands on an edge and on a corner, balanced as well as f64 can
-/// write it down \[s\]; infinite if it stands for ever, and if it fell before rounding could tell.
+/// write it down \[s\]; infinite if it never falls, and if it fell before rounding could tell.
 pub(super) fn balance(integrator: Integrator) -> f64 {
     // The diagonal upright: a turn about (−1, 0, 1)/√2 by the angle whose cosine is 1/√3.
     let axis = DVec3::new(-1.0, 0.0, 1.0) / 2.0_f64.sqrt();

@@ -195,7 +195,7 @@ impl Family {
         let mut errors = run.errors;
         errors.energy /= energy_scale(setup.energy(start), start.kinetic_energy(&setup.body));
         FamilyRun {
-            errors: (run.diverged_at.is_none()).then_some(errors),
+            errors: (run.diverged.is_none()).then_some(errors),
             totals: run.totals,
         }
     }
@@ -239,7 +239,7 @@ impl Family {
             }
             found.is_none()
         });
-        found.or_else(|| run.diverged_at.map(|t| (t, Metric::Attitude)))
+        found.or_else(|| run.diverged.map(|d| (d.t, Metric::Attitude)))
     }
 }
 

@@ -5,7 +5,7 @@ use box_physics::state::BodyState;
 
 use super::{Check, Finding, HardCase};
 use crate::driver::{Driver, Model};
-use crate::metrics::{Sanity, energy_scale};
+use crate::metrics::{SpeedLimits, energy_scale};
 use crate::reference::ReferenceSolution;
 use crate::setup::Setup;
 use crate::simulate::simulate;
@@ -22,7 +22,7 @@ pub(super) fn examine(
     let (quantity, bound, value) = match case.check {
         Check::Position(bound) | Check::Attitude(bound) | Check::Energy(bound) => {
             let result = simulate(setup, reference, integrator, h);
-            run.sane = result.diverged_at.is_none();
+            run.sane = result.diverged.is_none();
             let errors = result.errors;
             let (start, body) = (&setup.initial, &setup.body);
             match case.check {
@@ -95,7 +95,7 @@ struct Run<'a> {
     setup: &'a Setup,
     model: Model,
     driver: Driver,
-    limits: Sanity,
+    limits: SpeedLimits,
     sane: bool,
 }
 
@@ -105,7 +105,7 @@ impl<'a> Run<'a> {
             setup,
             model: Model::of(setup),
             driver: Driver::new(setup.initial, integrator),
-            limits: Sanity::of(setup),
+            limits: SpeedLimits::of(setup),
             sane: true,
         }
     }
@@ -113,7 +113,7 @@ impl<'a> Run<'a> {
     /// Takes `steps` steps of `h`, then checks whether the motion is still sane.
     fn go(&mut self, h: f64, steps: u64) {
         let valid = self.driver.run(&self.model, h, steps, u64::MAX);
-        self.sane &= valid && !self.limits.is_diverged(&self.driver.state);
+        self.sane &= valid && self.limits.broken(&self.driver.state).is_none();
     }
 
     fn violation(&mut self, h: f64, steps: u64) -> f64 {

@@ -118,7 +118,7 @@ impl Case {
             errors.angular_momentum,
             errors.energy,
         ];
-        if run.diverged_at.is_some() || all.iter().any(|e| !e.is_finite()) {
+        if run.diverged.is_some() || all.iter().any(|e| !e.is_finite()) {
             let energy = self.knows_energy().then_some(f64::INFINITY);
             let failed = Measurement::without_run(Status::Diverged, f64::INFINITY, energy);
             return Measurement { totals, ..failed };

@@ -86,6 +86,13 @@ impl Rotation {
     }
 }
 
+impl Setup {
+    /// The reference solution; see [`ReferenceSolution`].
+    pub fn reference(&self) -> ReferenceSolution {
+        ReferenceSolution::of(self)
+    }
+}
+
 impl ReferenceSolution {
     /// The reference solution of `setup`, through all its impulses.
     pub fn of(setup: &Setup) -> Self {

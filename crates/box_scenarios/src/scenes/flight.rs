@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{GRAVITY, brick, solid, spinning};
+use super::bodies::{GRAVITY, brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
@@ -29,7 +29,7 @@ pub fn ballistic() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
-        // Beside the box: what the integrators differ by is less than its size.
+        // Next to the box: what the integrators differ by is less than its size.
         view: SceneView::from(20.0, 10.0).with_plot(PlotPreset::Error),
     }
 }

@@ -3,7 +3,7 @@
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
-use super::{brick, solid, spinning};
+use super::bodies::{brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;

@@ -1,6 +1,6 @@
 //! Nothing but spin.
 
-use super::{brick, solid, spinning};
+use super::bodies::{brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;

@@ -1,36 +1,112 @@
-//! The scenes, one function each. **To add one**, write a function next to its likes and name it in
-//! [`Scenario::ALL`](crate::Scenario::ALL):
+//! The registry of scenes, one function each. **To add one**, write a function next to its likes and name it in
+//! [`Scenario::ALL`]:
 //!
 //! - [`mod@free`]: nothing but spin;
 //! - [`mod@flight`]: the center of mass under gravity and drag;
 //! - [`mod@forced`]: springs and torques;
 //! - [`mod@floor`][]: contact.
 
+mod bodies;
 pub mod flight;
 pub mod floor;
 pub mod forced;
 pub mod free;
 
-use box_physics::body::RigidBox;
-use box_physics::state::BodyState;
-use glam::DVec3;
+pub use bodies::GRAVITY;
 
-/// Standard gravity of the scenes [m/s²].
-pub const GRAVITY: f64 = 9.81;
+use crate::scenario::Scenario;
 
-/// A solid box of half-extents `half` \[m\] and `mass` \[kg\], both known to be valid.
-fn solid(half: [f64; 3], mass: f64) -> RigidBox {
-    RigidBox::new(DVec3::from_array(half), mass)
-        .expect("the numbers of a built-in scene are valid: a test builds every one")
+impl Scenario {
+    /// Every scene, in the order of the menu, as the function that builds it. **A new scene is one
+    /// function in this module and one line here.**
+    pub const ALL: &[fn() -> Self] = &[
+        free::dzhanibekov,
+        floor::playground,
+        flight::ballistic,
+        free::stable_axis,
+        forced::spring_orbit,
+        flight::stiff_drag,
+        forced::stiff_spring,
+        floor::drop,
+        floor::bounce,
+        floor::slide,
+        floor::tumble_storm,
+        floor::load,
+        floor::contact,
+        floor::dissertation_2012,
+        free::thin_plate,
+        free::needle,
+        free::symmetric_top,
+        forced::heavy_top,
+        free::damped_spin,
+        flight::quadratic_drag,
+        free::separatrix,
+        flight::throw,
+    ];
+
+    /// The ids, in the order of the menu.
+    pub fn ids() -> Vec<&'static str> {
+        Self::ALL.iter().map(|build| build().id).collect()
+    }
+
+    /// The scene called `id` (any case).
+    ///
+    /// # Errors
+    /// [`UnknownScenario`] lists what there is.
+    pub fn find(id: &str) -> Result<Self, UnknownScenario> {
+        Self::ALL
+            .iter()
+            .map(|build| build())
+            .find(|s| s.id.eq_ignore_ascii_case(id.trim()))
+            .ok_or_else(|| UnknownScenario {
+                given: id.to_owned(),
+            })
+    }
 }
 
-/// The box with three different moments that most scenes throw about: edges 1, 0.5 and 0.25 m, 3 kg.
-fn brick() -> RigidBox {
-    solid([0.5, 0.25, 0.125], 3.0)
+impl Default for Scenario {
+    /// The first scene of the menu.
+    fn default() -> Self {
+        (Self::ALL[0])()
+    }
 }
 
-/// At `position` \[m\] with body angular velocity `spin` [rad/s].
-fn spinning(body: &RigidBox, position: [f64; 3], spin: [f64; 3]) -> BodyState {
-    BodyState::at(DVec3::from_array(position))
-        .with_body_angular_velocity(body, DVec3::from_array(spin))
+/// No scene has this id; the message lists those there are.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown scene '{given}'; allowed: {}", Scenario::ids().join(", "))]
+pub struct UnknownScenario {
+    /// What was typed.
+    pub given: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_physics::integrators::Integrator;
+
+    #[test]
+    fn every_scene_is_complete() {
+        let ids = Scenario::ids();
+        for (k, build) in Scenario::ALL.iter().enumerate() {
+            let s = build();
+            assert!(!ids[..k].contains(&s.id), "{} twice", s.id);
+            assert!(s.setup.validate().is_ok(), "{}", s.id);
+            assert!(s.lesson.ends_with('.') && s.lesson.len() < 260, "{}", s.id);
+            assert!(s.hints.iter().all(|h| h.ends_with('.')), "{}", s.id);
+            assert!(!s.recommended().is_empty() && s.boxes >= 1, "{}", s.id);
+            for id in s.recommended {
+                assert!(
+                    id.parse::<Integrator>().is_ok(),
+                    "{}: no integrator '{id}'",
+                    s.id
+                );
+            }
+            assert_eq!(Scenario::find(&s.id.to_uppercase()), Ok(s));
+        }
+        let error = Scenario::find("moon")
+            .expect_err("no such scene")
+            .to_string();
+        assert!(error.contains("'moon'") && ids.iter().all(|id| error.contains(id)));
+        assert_eq!(Scenario::default().id, "dzhanibekov");
+    }
 }

@@ -62,7 +62,7 @@ impl Run {
             .map(|r| r.simulation.driver.integrator)
             .collect();
         let Some(c) = self.checkpoints.back().cloned() else {
-            // Before the first: anew from the start.
+            // Before the first: again from the start.
             self.reference = LiveReference::new(
                 &self.start.0,
                 self.start.1,

@@ -119,6 +119,7 @@ fn sample_comparison() -> CompareView {
                     skew: 0.0,
                     status: Default::default(),
                     nanoseconds: Some((50.0, 60.0, 80.0)),
+                    cost: Some(3600.0),
                     evaluations: 1.0,
                     now: [error; Quantity::ALL.len()],
                     worst: (error, error),

@@ -4,6 +4,8 @@
 use bevy_egui::egui::{Label, ProgressBar, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 use egui_plot::{HoverPosition, Line, PlotPoints, Points};
 
+use box_scenarios::statistics::Fitted;
+
 use super::super::decimate::segments;
 use super::super::format::number;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
@@ -98,17 +100,11 @@ fn controls(
 /// `■ RK4 (Δtᵖ, p = 4.0)`.
 fn legend(ui: &mut Ui, trajectory: &TrajectoryView, line: Option<&SweepLine>, position: bool) {
     let mut text = style::marked_name(trajectory.integrator);
-    let order = line.map(|l| {
-        if position {
-            l.order_position
-        } else {
-            l.order_attitude
-        }
-    });
-    match order {
-        Some(Some(p)) => text.push_str(&format!(" (Δt^p, p = {p:.1})")),
-        Some(None) => text.push_str(" (no order: rounding or diverged)"),
-        None => {}
+    if let Some(line) = line {
+        text.push_str(&match line.order(position) {
+            Fitted::Order(p) => format!(" (Δt^p, p = {p:.1})"),
+            other => format!(" ({other})"),
+        });
     }
     let color = style::of(trajectory.integrator).color();
     ui.add(Label::new(RichText::new(text).small().color(color)).truncate());
@@ -195,14 +191,13 @@ fn place(p: &SweepPoint, position: bool) -> [f64; 2] {
     [to_axis(error), to_axis(p.cost * 1e-3)]
 }
 
-/// A comparison as it runs: its largest error so far, its median cost.
+/// A comparison as it runs: its largest error and its cost so far.
 fn now(trajectory: &TrajectoryView, position: bool) -> Option<[f64; 2]> {
-    let (_, median, _) = trajectory.nanoseconds?;
     let error = if position {
         trajectory.worst.0
     } else {
         trajectory.worst.1
     };
-    let at = [to_axis(error), to_axis(median * 1e-3 / trajectory.dt)];
+    let at = [to_axis(error), to_axis(trajectory.cost? * 1e-3)];
     (at.iter().all(|v| v.is_finite()) && !trajectory.diverged()).then_some(at)
 }
