@@ -275,3 +275,54 @@ fn between_the_sets_a_box_can_still_be_moved() {
         assert!(now.1.translation.y > before.1.translation.y);
     }
 }
+
+/// An elevator goes down with boxes on it: they ride, their contacts go on, and when it stops they rest and sleep.
+#[test]
+fn boxes_ride_an_elevator_and_a_conveyor() {
+    let mut scene = Scene::at_rest();
+    scene.insert(ReportContacts);
+    scene.step(2);
+    let velocity = DVec3::new(0.4, -0.5, 0.0);
+    let drive = |scene: &mut Scene, velocity: DVec3| {
+        let mut floor = scene.app.world_mut().resource_mut::<Floor>();
+        floor.velocity = velocity;
+    };
+    let mut began = |scene: &mut Scene| {
+        let mut messages = scene
+            .app
+            .world_mut()
+            .resource_mut::<Messages<FloorContact>>();
+        let began = messages.drain().filter(|m| m.phase == ContactPhase::Began);
+        began.count()
+    };
+    began(&mut scene);
+    drive(&mut scene, velocity);
+    scene.step(60);
+    let start = scene.seen();
+    assert!(began(&mut scene) <= 16, "a hop that ends");
+    for _ in 0..120 {
+        scene.step(1);
+        let height = scene.app.world().resource::<Floor>().height;
+        for body in scene.bodies {
+            let state = scene.get::<BodyState>(body);
+            assert!(scene.get::<ContactState>(body).is_resting(&state));
+            assert!(state.velocity == velocity && state.position.y == height + 0.25);
+            let shown = scene.get::<Transform>(body).translation.y;
+            assert_eq!(shown, state.position.y as f32);
+        }
+    }
+    assert_eq!(began(&mut scene), 0);
+    let height = scene.app.world().resource::<Floor>().height;
+    assert!((height + 0.5 * 180.0 / 60.0).abs() < 1e-12, "{height}");
+    for (start, now) in start.iter().zip(scene.seen()) {
+        let way = now.0.position - start.0.position;
+        assert!((way - velocity * 2.0).length() < 1e-9, "{way}");
+    }
+    drive(&mut scene, DVec3::ZERO);
+    scene.step(60);
+    let still = scene.seen();
+    scene.step(60);
+    assert!(
+        scene.seen() == still && scene.get::<BodyState>(scene.bodies[0]).velocity == DVec3::ZERO
+    );
+}

@@ -17,6 +17,7 @@ pub(super) fn spin_bound(body: &RigidBox, state: &BodyState) -> f64 {
 }
 
 /// How strongly the law accelerates any corner now, the rotation's own part left out [m/s²].
+/// `state` is in the world.
 pub(super) fn acceleration_bound<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,

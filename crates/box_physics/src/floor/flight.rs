@@ -34,17 +34,17 @@ pub(super) fn fly<S: Integrate, F: ForceModel>(
 ) -> Flight {
     let (floor, body, force) = (context.floor, context.body, context.force);
     let margin = 2.0 * context.tolerated_height();
-    let clearance = |s: &BodyState| {
-        s.position.y - floor.height - world_half_extents(s.rotation, body.half_extents()).y
+    let clearance = |s: &BodyState, height: f64| {
+        s.position.y - height - world_half_extents(s.rotation, body.half_extents()).y
     };
-    let before = clearance(state);
+    let before = clearance(state, floor.height);
     if before <= margin {
         return Flight::Low;
     }
     let mut end = *state;
     spare.clone_from(memory);
     let outcome = S::step(body, &mut end, force, h, spare);
-    let after = clearance(&end);
+    let after = clearance(&end, floor.height + floor.velocity.y * h);
     if after > margin && clears(body, state, force, h, before, after) {
         *state = end;
         core::mem::swap(memory, spare);

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use super::geometry::{Corner3, Corners, has};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
-use crate::force::{ForceModel, Wrench, acceleration_at_rest};
+use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
@@ -68,8 +68,12 @@ pub(super) struct Rest {
     half_extents: DVec3,
     mass: f64,
     acceleration: DVec3,
+    /// Of the air, which a floor that moves carries the box through.
+    dissipation: Dissipation,
     wrench: Wrench,
     floor: Floor,
+    /// Height of the center over the floor \[m\].
+    above: f64,
     /// The floor's force at each corner \[N\], for the report.
     pub(super) reaction: [f64; 8],
 }
@@ -79,7 +83,7 @@ impl Rest {
     fn is_of(&self, state: &BodyState) -> bool {
         self.position == state.position
             && self.rotation == state.rotation
-            && state.velocity == DVec3::ZERO
+            && state.velocity == self.floor.velocity
             && state.angular_momentum == DVec3::ZERO
     }
 }
@@ -108,31 +112,50 @@ impl ContactState {
             return false;
         };
         rest.is_of(state)
-            && rest.acceleration == acceleration_at_rest(body, force)
+            && rest.acceleration == force.acceleration()
+            && rest.dissipation == force.dissipation()
             && rest.floor == *context.floor
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
             && rest.wrench == wrench(body, state, force)
     }
 
-    /// Remembers that the box lies still; `impulse` over `tau` \[s\] held it.
+    /// Carries a box that lies still with the floor for `h` \[s\]. Its height over the floor stays to the last bit.
+    #[inline]
+    pub(super) fn ride(&mut self, state: &mut BodyState, h: f64) {
+        let Some(rest) = &mut self.rest else { return };
+        if rest.floor.velocity != DVec3::ZERO && h > 0.0 && h.is_finite() {
+            rest.floor.advance(h);
+            state.position += rest.floor.velocity * h;
+            state.position.y = rest.floor.height + rest.above;
+            rest.position = state.position;
+        }
+    }
+
+    /// Remembers that the box lies still, with these forces \[N\] at its corners. `state` is in the floor's frame at the
+    /// end of a step of `h` \[s\].
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
         context: &FloorContext<'_, F>,
         state: &BodyState,
-        impulse: &Corner3,
-        tau: f64,
+        h: f64,
+        reaction: [f64; 8],
     ) {
         let (body, force) = (context.body, context.force);
+        let (mut state, mut floor) = (*state, *context.floor);
+        context.to_world(&mut state, h);
+        floor.advance(h);
         self.rest = Some(Rest {
             position: state.position,
             rotation: state.rotation,
             half_extents: body.half_extents(),
             mass: body.mass(),
-            acceleration: acceleration_at_rest(body, force),
-            wrench: wrench(body, state, force),
-            floor: *context.floor,
-            reaction: impulse.map(|p| p.y / tau),
+            acceleration: force.acceleration(),
+            dissipation: force.dissipation(),
+            wrench: wrench(body, &state, force),
+            floor,
+            above: state.position.y - floor.height,
+            reaction,
         });
     }
 }
@@ -200,35 +223,28 @@ impl ContactReport {
         self.approach_speed = self.approach_speed.max(speed);
     }
 
-    /// Adds impulses at the corners of `state`.
-    pub(super) fn add(&mut self, state: &BodyState, lever: &Corner3, impulse: &Corner3) {
+    /// Adds impulses at the corners of a box whose center is at `center` in the world.
+    pub(super) fn add(&mut self, center: DVec3, lever: &Corner3, impulse: &Corner3) {
         for k in 0..8 {
             if impulse[k].y != 0.0 {
                 self.normal_impulses[k] += impulse[k].y;
                 self.tangential_impulse += impulse[k].with_y(0.0);
-                self.points[k] = state.position + lever[k];
+                self.points[k] = center + lever[k];
                 self.corners |= 1 << k;
             }
         }
     }
 
-    /// Adds what forces \[N\] at the corners of `state` make in the time `h` \[s\].
-    pub(super) fn hold<F>(
-        &mut self,
-        context: &FloorContext<'_, F>,
-        state: &BodyState,
-        h: f64,
-        load: &[f64; 8],
-    ) {
-        let corners = Corners::at(context.floor, context.body, state);
-        self.add(state, &corners.lever, &load.map(|f| DVec3::Y * (f * h)));
+    /// Adds what forces \[N\] at the corners make in the time `h` \[s\].
+    pub(super) fn hold(&mut self, center: DVec3, corners: &Corners, h: f64, load: &[f64; 8]) {
+        self.add(center, &corners.lever, &load.map(|f| DVec3::Y * (f * h)));
     }
 
     /// Ends the step with these corners touching.
-    pub(super) fn end(&mut self, state: &BodyState, lever: &Corner3, touching: u8) {
+    pub(super) fn end(&mut self, center: DVec3, lever: &Corner3, touching: u8) {
         self.corners |= touching;
         for k in (0..8).filter(|&k| has(touching, k)) {
-            self.points[k] = state.position + lever[k];
+            self.points[k] = center + lever[k];
         }
     }
 }

@@ -22,6 +22,7 @@ mod bounds;
 mod cone;
 mod event;
 mod flight;
+mod frame;
 mod geometry;
 mod impact;
 mod memory;
@@ -47,8 +48,12 @@ use crate::error::InvalidValue;
 use crate::force::{Dissipation, ForceModel};
 use crate::integrators::StepOutcome;
 use crate::state::BodyState;
+use glam::DVec3;
 
 /// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
+///
+/// A floor with a `velocity` is an elevator or a conveyor belt: impacts, friction and rest are relative to it. The
+/// plugin advances `height` by it in every step. The velocity is constant over a step; to change it wakes all bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -63,6 +68,9 @@ pub struct Floor {
     pub restitution: f64,
     /// Coulomb's coefficient of friction µ, ≥ 0, static and kinetic alike.
     pub friction: f64,
+    /// Velocity of the floor [m/s], world axes. Default 0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub velocity: DVec3,
 }
 
 impl Default for Floor {
@@ -72,6 +80,7 @@ impl Default for Floor {
             height: 0.0,
             restitution: 0.3,
             friction: 0.5,
+            velocity: DVec3::ZERO,
         }
     }
 }
@@ -92,8 +101,29 @@ impl Floor {
             height,
             restitution,
             friction,
+            velocity: DVec3::ZERO,
         };
         floor.validate().map(|()| floor)
+    }
+
+    /// The same floor, moving with this velocity [m/s] in world axes.
+    ///
+    /// ```
+    /// use box_physics::prelude::*;
+    /// let elevator = Floor::default().with_velocity(DVec3::Y * 2.0);
+    /// let conveyor = Floor::default().with_velocity(DVec3::X * 0.5);
+    /// ```
+    pub fn with_velocity(self, velocity: impl Into<DVec3>) -> Self {
+        Self {
+            velocity: velocity.into(),
+            ..self
+        }
+    }
+
+    /// Moves the plane on by `h` \[s\], to where it is after a step. The plugin does this; users of the core do it
+    /// after each step of all bodies.
+    pub fn advance(&mut self, h: f64) {
+        self.height += self.velocity.y * h;
     }
 
     /// Whether the fields are in their ranges, however they were set.
@@ -109,6 +139,13 @@ impl Floor {
             "between 0 and 1",
         )?;
         InvalidValue::check_coefficient("friction", self.friction)?;
+        let velocity = self.velocity.to_array();
+        for (field, v) in ["velocity.x", "velocity.y", "velocity.z"]
+            .into_iter()
+            .zip(velocity)
+        {
+            InvalidValue::check(v.is_finite(), field, v, "finite")?;
+        }
         Ok(())
     }
 }
@@ -268,7 +305,7 @@ pub fn may_touch<F: ForceModel>(
     h: f64,
 ) -> bool {
     let clearance = state.position.y - floor.height;
-    let mut drop = h * (-state.velocity.y).max(0.0);
+    let mut drop = h * (floor.velocity.y - state.velocity.y).max(0.0);
     let mut pull = (-force.acceleration().y).max(0.0);
     let wrench = force.has_wrench();
     if wrench {

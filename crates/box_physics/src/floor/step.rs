@@ -71,8 +71,9 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     let mut outcome = FloorOutcome::default();
     if contact.still_rests(context, state) {
         outcome.resting = true;
+        contact.ride(state, h);
         if let (Some(report), Some(rest)) = (report, &contact.rest) {
-            *report = held(context, state, h, &rest.reaction, contact.touching);
+            *report = held(context, state, 0.0, h, &rest.reaction, contact.touching);
         }
         return outcome;
     }
@@ -80,32 +81,23 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
         return outcome;
     }
     contact.rest = None;
-    let touching = contact.touching;
-    let mut slid = None;
-    if touching.count_ones() == 4 {
-        slid = slide::<S, F>(context, state, h, touching);
-        if let Some(slide) = &slid
-            && slide.time == h
-        {
-            outcome.step = StepOutcome::plain(slide.evaluations);
-            if let Some(report) = report {
-                *report = held(context, state, h, &slide.load, touching);
-            }
-            return outcome;
-        }
-    }
     let mut flown = None;
-    if touching == 0 {
+    if contact.touching == 0 {
         match fly::<S, F>(context, state, h, memory, &mut contact.spare.0[0]) {
             Flight::Clear(flight) => {
                 outcome.step = flight;
                 return outcome;
             }
-            Flight::Meets(segment) => flown = Some(segment),
+            Flight::Meets(mut segment) => {
+                context.to_floor(&mut segment.state, h);
+                flown = Some(segment);
+            }
             Flight::Low => {}
         }
     }
-    outcome = between_events::<S, F>(context, state, h, memory, contact, report, flown, slid);
+    context.to_floor(state, 0.0);
+    outcome = in_floor_frame::<S, F>(context, state, h, memory, contact, report, flown);
+    context.to_world(state, h);
     // However many segments and trials it took: one step gave way once.
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
     outcome.step.unconverged = outcome.step.unconverged.min(1);
@@ -154,8 +146,38 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
     }
 }
 
-/// The step of a box that touches the floor or may: segment after segment. `flown` is the plain step, if it is known,
-/// and `slid` what a slide has made of it until it stopped.
+/// The step of a box that touches the floor or may. `flown` is the plain step, if it is known.
+#[inline]
+fn in_floor_frame<S: Integrate, F: ForceModel>(
+    context: &FloorContext<'_, F>,
+    state: &mut BodyState,
+    h: f64,
+    memory: &mut IntegratorMemory,
+    contact: &mut ContactState,
+    report: Option<&mut ContactReport>,
+    flown: Option<Flown>,
+) -> FloorOutcome {
+    let touching = contact.touching;
+    let mut slid = None;
+    if touching.count_ones() == 4 {
+        slid = slide::<S, F>(context, state, h, touching);
+        if let Some(slide) = &slid
+            && slide.time == h
+        {
+            if let Some(report) = report {
+                *report = held(context, state, h, h, &slide.load, touching);
+            }
+            let step = StepOutcome::plain(slide.evaluations);
+            return FloorOutcome {
+                step,
+                ..FloorOutcome::default()
+            };
+        }
+    }
+    between_events::<S, F>(context, state, h, memory, contact, report, flown, slid)
+}
+
+/// Segment after segment. `slid` is what a slide has made of the step until it stopped.
 #[allow(
     clippy::too_many_arguments,
     reason = "where a step begins, and how far it has come"
@@ -186,9 +208,12 @@ fn between_events<S: Integrate, F: ForceModel>(
     if let Some(slide) = slid {
         remaining -= slide.time;
         outcome.step = StepOutcome::plain(slide.evaluations);
-        impulses.hold(context, state, slide.time, &slide.load);
+        let center = context.world_point(state.position, slide.time);
+        let corners = Corners::at(floor, body, state);
+        impulses.hold(center, &corners, slide.time, &slide.load);
     }
     let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
+    let mut still = None;
     let mut corners = Corners::at(floor, body, state);
     // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
     // velocity stays what it was, so depth never turns into speed.
@@ -204,13 +229,16 @@ fn between_events<S: Integrate, F: ForceModel>(
             || outcome.impacts_capped > settings.max_impacts;
         if exhausted {
             outcome.solves_capped += 1;
-            remainder_of_step::<S, F>(context, state, remaining, memory);
+            remainder_of_step::<S, F>(context, state, h - remaining, remaining, memory);
             corners = Corners::at(floor, body, state);
             break;
         }
         let touching = corners.touching(2.0 * tolerance);
         let normal = normal_velocities(body, state, &corners);
-        let pull = acceleration_bound(body, state, force);
+        let elapsed = h - remaining;
+        let mut in_world = *state;
+        context.to_world(&mut in_world, elapsed);
+        let pull = acceleration_bound(body, &in_world, force);
         let speed = state.velocity.length() + body.radius() * spin_bound(body, state);
         // A hop lower than the tolerance is none: u²/2A.
         let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
@@ -225,7 +253,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             let fastest = (0..8).filter(|&k| has(touching, k)).map(|k| -normal[k]);
             impulses.strike(h - remaining, fastest.fold(0.0, f64::max));
             let hit = resolve_impact(context, state, &corners, touching, kind);
-            impulses.add(state, &corners.lever, &hit.impulse);
+            impulses.add(in_world.position, &corners.lever, &hit.impulse);
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
             outcome.repair(hit.repaired);
@@ -243,6 +271,7 @@ fn between_events<S: Integrate, F: ForceModel>(
         let start = Start {
             context,
             state: *state,
+            elapsed,
             memory,
             corners: &corners,
             normal,
@@ -262,9 +291,9 @@ fn between_events<S: Integrate, F: ForceModel>(
         iterations += segment.iterations;
         outcome.solves_capped += u32::from(segment.capped);
         if segment.still {
-            contact.establish_rest(context, state, &segment.impulse, tau);
+            still = Some(segment.impulse.map(|p| p.y / tau));
             let whole = segment.impulse.map(|p| p * (remaining / tau));
-            impulses.add(state, &corners.lever, &whole);
+            impulses.add(in_world.position, &corners.lever, &whole);
             break;
         }
         if held != 0 {
@@ -272,7 +301,8 @@ fn between_events<S: Integrate, F: ForceModel>(
         }
         corners = segment.corners;
         outcome.repair(segment.repaired);
-        impulses.add(&segment.state, &corners.lever, &segment.impulse);
+        let center = context.world_point(segment.state.position, elapsed + tau);
+        impulses.add(center, &corners.lever, &segment.impulse);
         *state = segment.state;
         core::mem::swap(memory, &mut segment.memory);
         remaining = if tau >= remaining {
@@ -286,26 +316,33 @@ fn between_events<S: Integrate, F: ForceModel>(
     recover_penetration(floor, state, &mut corners);
     let now = corners.touching(2.0 * tolerance);
     if let Some(report) = report {
-        impulses.end(state, &corners.lever, now);
+        let center = context.world_point(state.position, h);
+        impulses.end(center, &corners.lever, now);
         *report = impulses;
     }
     contact.touching = now;
-    outcome.resting = contact.rest.is_some();
+    if let Some(reaction) = still {
+        contact.establish_rest(context, state, h, reaction);
+        outcome.resting = true;
+    }
     outcome
 }
 
-/// The step of corners that touched before and do now, held by these forces \[N\].
+/// The step of corners that touched before and do now, held by these forces \[N\]. `state` is in the frame of the floor
+/// `elapsed` \[s\] after the two coincided.
 fn held<F>(
     context: &FloorContext<'_, F>,
     state: &BodyState,
+    elapsed: f64,
     h: f64,
     load: &[f64; 8],
     touching: u8,
 ) -> ContactReport {
     let mut report = ContactReport::default();
-    report.hold(context, state, h, load);
     let corners = Corners::at(context.floor, context.body, state);
-    report.end(state, &corners.lever, touching);
+    let center = context.world_point(state.position, elapsed);
+    report.hold(center, &corners, h, load);
+    report.end(center, &corners.lever, touching);
     report
 }
 
@@ -396,9 +433,10 @@ impl<F: ForceModel> Start<'_, F> {
     fn spent<S: Integrate>(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment) {
         segment.memory.clone_from(self.memory);
         if self.candidates == 0 {
-            let (body, force) = (self.context.body, self.context.force);
-            let mut state = self.state;
-            let outcome = S::step(body, &mut state, force, tau, &mut segment.memory);
+            let (context, mut state) = (self.context, self.state);
+            let memory = &mut segment.memory;
+            let outcome =
+                context.integrate::<S>(&mut state, context.force, self.elapsed, tau, memory);
             segment.fly_to(self, Flown { state, outcome });
         } else {
             self.advance::<S>(tau, segment);
@@ -411,12 +449,13 @@ impl<F: ForceModel> Start<'_, F> {
 fn remainder_of_step<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,
     state: &mut BodyState,
+    elapsed: f64,
     remaining: f64,
     memory: &mut IntegratorMemory,
 ) {
     let (floor, body, force) = (context.floor, context.body, context.force);
     let start = *state;
-    S::step(body, state, force, remaining, memory);
+    context.integrate::<S>(state, force, elapsed, remaining, memory);
     recover_penetration(floor, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());

@@ -85,6 +85,8 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
 pub(super) struct Start<'a, F> {
     pub(super) context: &'a FloorContext<'a, F>,
     pub(super) state: BodyState,
+    /// Since the beginning of the step \[s\].
+    pub(super) elapsed: f64,
     pub(super) memory: &'a IntegratorMemory,
     pub(super) corners: &'a Corners,
     /// The corners' velocities upwards [m/s].
@@ -186,7 +188,10 @@ impl<F: ForceModel> Start<'_, F> {
             acceleration: force * (rate * body.inverse_mass()),
             torque: torque * rate,
         };
-        segment.outcome = S::step(body, &mut segment.state, &law, tau, &mut segment.memory);
+        let (state, memory) = (&mut segment.state, &mut segment.memory);
+        segment.outcome = self
+            .context
+            .integrate::<S>(state, &law, self.elapsed, tau, memory);
 
         let held = mask(|k| segment.impulse[k].y > 0.0);
         if held != 0 {
@@ -219,7 +224,22 @@ impl<F: ForceModel> Start<'_, F> {
             return (middle, (center, middle * (omega * chord)));
         }
         let mut free = *start;
-        impulse_step(body, &mut free, force, tau);
+        self.context.to_world(&mut free, self.elapsed);
+        if force.dissipation() == Dissipation::NONE {
+            impulse_step(body, &mut free, force, tau);
+        } else {
+            // The air resists what moves already. What the floor is going to prevent it does not resist.
+            let pull = force.acceleration();
+            let law = Supported {
+                inner: force,
+                acceleration: -pull,
+                torque: DVec3::ZERO,
+            };
+            impulse_step(body, &mut free, &law, tau);
+            free.velocity += pull * tau;
+            free.position += pull * (0.5 * tau * tau);
+        }
+        self.context.to_floor(&mut free, self.elapsed + tau);
         let rate = 1.0 / tau;
         let mut center = 0.5 * (start.velocity + free.velocity);
         let path = (free.position - start.position) * rate;
@@ -297,7 +317,7 @@ impl<F: ForceModel> Start<'_, F> {
     pub(super) fn finish(&self, segment: &mut Segment) {
         let context = self.context;
         recover_penetration(context.floor, &mut segment.state, &mut segment.corners);
-        if !context.force.has_wrench() && context.force.dissipation().wind == DVec3::ZERO {
+        if context.bounds_energy() {
             let pull = context.force.acceleration();
             let height = segment.state.position.y;
             segment.repaired = limit_energy(context.body, &self.state, &mut segment.state, pull);

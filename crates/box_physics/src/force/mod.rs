@@ -276,14 +276,6 @@ pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (D
     (dv, state.angular_momentum.cross(omega) + torque)
 }
 
-/// Uniform acceleration of a body at rest [m/s²], including the effect of wind.
-#[inline(always)]
-pub(crate) fn acceleration_at_rest<F: ForceModel>(body: &RigidBox, force: &F) -> DVec3 {
-    let d = force.dissipation();
-    let coefficient = d.linear_drag + d.quadratic_drag * d.wind.length();
-    d.blown(force.acceleration(), coefficient * body.inverse_mass())
-}
-
 /// [`rates`] without the gyroscopic term L×ω, for integrators whose drift contains that term.
 #[inline(always)]
 pub(crate) fn applied_rates<F: ForceModel>(

@@ -36,6 +36,7 @@ pub(crate) struct FloorColumns {
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(
     step: Res<Step>,
+    mut moving: Option<ResMut<Floor>>,
     mut clock: ResMut<SleepClock>,
     mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
     threads: Res<PhysicsThreads>,
@@ -135,6 +136,11 @@ pub(crate) fn contact(
                 );
             }
         }
+    }
+    if floor.velocity.y != 0.0
+        && let Some(moving) = &mut moving
+    {
+        moving.advance(step.h);
     }
     Ok(())
 }

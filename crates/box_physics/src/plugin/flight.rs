@@ -55,7 +55,7 @@ impl VectorLoop for HighAbove<'_> {
     fn run(self) {
         let fall = self.h * self.h * self.pull;
         for ((body, state), high) in self.bodies.iter().zip(self.states).zip(self.high) {
-            let down = -state.velocity.y;
+            let down = self.floor.velocity.y - state.velocity.y;
             // Half as much again as `may_touch` requires: what is not high is tested there.
             let drop = self.h * if down > 0.0 { down } else { 0.0 } + 1.5 * fall;
             let clearance = state.position.y - self.floor.height - body.radius();

@@ -8,7 +8,7 @@
 //! | its `BodyState` is written: by hand, an impulse, a teleport | change detection |
 //! | its `RigidBox` or `ContactState` is written | change detection |
 //! | it gets a force component, a `GravityScale` or `ReportPersisting` | its table |
-//! | `WorldGravity` or the `Floor` changes | comparison with the last step |
+//! | `WorldGravity` or the `Floor` changes, or it moves | comparison with the last step |
 //! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
 //!
 //! The physics itself moves bodies without marking them as changed. A `Transform` that is overwritten by others is
@@ -51,7 +51,8 @@ impl SleepClock {
     pub(crate) fn begin_run(&mut self, gravity: DVec3, floor: Option<Floor>) {
         self.run = self.run.checked_add(1).unwrap_or(2);
         let now = floor.map(|floor| (gravity, floor));
-        self.unchanged = now.is_some() && self.surroundings == now;
+        let still = floor.is_some_and(|floor| floor.velocity == DVec3::ZERO);
+        self.unchanged = still && self.surroundings == now;
         self.surroundings = now;
     }
 

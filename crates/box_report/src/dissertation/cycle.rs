@@ -98,6 +98,7 @@ pub(super) fn run(h: f64, quick: bool) -> Cycles {
             height: 0.0,
             restitution: 0.5,
             friction: 0.0,
+            ..Floor::default()
         }),
         ..Model::without_floor(body, ForceSet::gravity(9.81))
     };

@@ -43,6 +43,7 @@ impl Trial {
                 height: 0.0,
                 restitution: e,
                 friction: mu,
+                ..Floor::default()
             },
             settings: ContactSettings::default(),
             body: RigidBox::new(half, 3.0).expect("the examinations' boxes are valid"),

@@ -2,6 +2,7 @@
 //! `box_scenarios::contact_cases`.)
 
 mod bounce;
+mod moving;
 mod react;
 mod rest;
 mod robust;
@@ -84,6 +85,7 @@ impl Scene {
         };
         let (state, memory, contact) = (&mut self.state, &mut self.memory, &mut self.contact);
         let outcome = step_on_floor::<S, _>(&context, state, h, memory, contact, report);
+        self.floor.advance(h);
         self.total += outcome;
         outcome
     }
