@@ -71,7 +71,10 @@ pub mod translation;
 pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;
-    pub use crate::floor::{ContactReport, ContactSettings, ContactState, Floor, RestitutionLaw};
+    pub use crate::floor::{
+        CoefficientCombine, ContactReport, ContactSettings, ContactState, Floor, Friction,
+        Restitution, RestitutionLaw,
+    };
     pub use crate::force::{Dissipation, ForceModel, Frame, PointForce, Spring, Wrench};
     pub use crate::integrators::{Integrator, IntegratorMemory, StepOutcome};
     #[cfg(feature = "bevy")]

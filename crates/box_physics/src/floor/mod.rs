@@ -25,6 +25,7 @@ mod flight;
 mod frame;
 mod geometry;
 mod impact;
+mod material;
 mod memory;
 mod projection;
 mod slide;
@@ -35,6 +36,7 @@ mod sustained;
 #[cfg(test)]
 mod tests;
 
+pub use material::{CoefficientCombine, Friction, Restitution};
 pub use memory::{ContactReport, ContactState};
 pub use step::step_on_floor;
 
@@ -66,8 +68,12 @@ pub struct Floor {
     pub height: f64,
     /// Restitution e, 0 to 1: the part of the approach speed that comes back.
     pub restitution: f64,
-    /// Coulomb's coefficient of friction µ, ≥ 0, static and kinetic alike.
+    /// Coulomb's coefficient of kinetic friction µ, ≥ 0.
     pub friction: f64,
+    /// Coefficient of static friction, at least `friction`: it holds a box of which no corner slips. Impacts know the
+    /// kinetic one alone. Default `None`: as `friction`.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub static_friction: Option<f64>,
     /// Velocity of the floor [m/s], world axes. Default 0.
     #[cfg_attr(feature = "serde", serde(default))]
     pub velocity: DVec3,
@@ -80,6 +86,7 @@ impl Default for Floor {
             height: 0.0,
             restitution: 0.3,
             friction: 0.5,
+            static_friction: None,
             velocity: DVec3::ZERO,
         }
     }
@@ -101,6 +108,7 @@ impl Floor {
             height,
             restitution,
             friction,
+            static_friction: None,
             velocity: DVec3::ZERO,
         };
         floor.validate().map(|()| floor)
@@ -139,6 +147,11 @@ impl Floor {
             "between 0 and 1",
         )?;
         InvalidValue::check_coefficient("friction", self.friction)?;
+        if let Some(holds) = self.static_friction {
+            let in_range = holds.is_finite() && holds >= self.friction;
+            let allowed = "finite and not less than friction";
+            InvalidValue::check(in_range, "static_friction", holds, allowed)?;
+        }
         let velocity = self.velocity.to_array();
         for (field, v) in ["velocity.x", "velocity.y", "velocity.z"]
             .into_iter()

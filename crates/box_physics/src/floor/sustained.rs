@@ -19,7 +19,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::FloorContext;
-use super::cone::Cone;
+use super::cone::{Cone, ConeSolution};
 use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spans_face};
 use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
@@ -162,8 +162,19 @@ impl<F: ForceModel> Start<'_, F> {
 
         let d = operator.velocities(motion);
         let rate = 1.0 / tau;
-        let cone = Cone::new(&operator, 0.5, floor.friction, settings);
-        let solution = cone.solve(&d);
+        let still = 1e-9 * operator.largest(&d);
+        let slips = |w: DVec3| w.x.abs().max(w.z.abs()) > still;
+        let solve = |friction| Cone::new(&operator, 0.5, friction, settings).solve(&d);
+        // Static friction holds where no corner slips, before or after.
+        let holds = |solution: &ConeSolution| {
+            let mut corners = (0..operator.count).filter(|&i| solution.p[i].y > 0.0);
+            solution.converged && corners.all(|i| !slips(solution.w[i]))
+        };
+        let held = floor.static_friction.filter(|_| !self.slips());
+        let solution = held
+            .map(solve)
+            .filter(holds)
+            .unwrap_or_else(|| solve(floor.friction));
         segment.clear();
         segment.state = *start;
         segment.iterations = solution.iterations;
@@ -172,10 +183,7 @@ impl<F: ForceModel> Start<'_, F> {
             segment.impulse[usize::from(operator.corner[i])] = solution.p[i];
         }
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
-        if at_rest
-            && spans_face(self.candidates)
-            && operator.largest(&solution.w) <= 1e-9 * operator.largest(&d)
-        {
+        if at_rest && spans_face(self.candidates) && operator.largest(&solution.w) <= still {
             segment.corners = *self.corners;
             segment.outcome = StepOutcome::plain(1);
             segment.still = true;
@@ -195,14 +203,22 @@ impl<F: ForceModel> Start<'_, F> {
 
         let held = mask(|k| segment.impulse[k].y > 0.0);
         if held != 0 {
-            let still = 1e-9 * operator.largest(&d);
-            let slips = |i: usize| solution.w[i].x.abs().max(solution.w[i].z.abs()) > still;
-            let sticking = (0..operator.count).filter(|&i| !slips(i));
+            let sticking = (0..operator.count).filter(|&i| !slips(solution.w[i]));
             let stuck = sticking.fold(0, |m, i| m | 1 << operator.corner[i]);
             self.settle(segment, held, stuck, tau);
         } else {
             segment.corners = Corners::at(floor, body, &segment.state);
         }
+    }
+
+    /// Whether a corner that may be held slips.
+    fn slips(&self) -> bool {
+        let state = &self.state;
+        let omega = state.angular_velocity(self.context.body);
+        (0..8).any(|k| {
+            let u = state.velocity + omega.cross(self.corners.lever[k]);
+            has(self.candidates, k) && u.with_y(0.0).length() > self.still_speed
+        })
     }
 
     /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
@@ -265,12 +281,13 @@ impl<F: ForceModel> Start<'_, F> {
         let (velocity, omega) = twist(&self.state);
 
         // Which corners stick, and when the first slip vanishes.
+        let grip = floor.static_friction.unwrap_or(floor.friction);
         let mut components = [DVec3::Y; 8];
         for i in 0..operator.count {
             let p = segment.impulse[usize::from(operator.corner[i])];
             let limit = floor.friction * p.y;
             let used = (p.x * p.x + p.z * p.z).sqrt();
-            let sticks = floor.friction > 0.0 && has(stuck, usize::from(operator.corner[i]));
+            let sticks = grip > 0.0 && has(stuck, usize::from(operator.corner[i]));
             let lever = self.corners.lever[usize::from(operator.corner[i])];
             let slip_before = (velocity + omega.cross(lever)).with_y(0.0);
             let slip = after[i].with_y(0.0);

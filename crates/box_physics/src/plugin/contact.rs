@@ -16,7 +16,7 @@ use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
-use crate::floor::{ContactState, Floor, FloorContext, step_on_floor};
+use crate::floor::{ContactState, Floor, FloorContext, Friction, Restitution, step_on_floor};
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
@@ -31,6 +31,27 @@ pub(crate) struct FloorColumns {
     reports: Has<ReportContacts>,
     persisting: Has<ReportPersisting>,
     resting: &'static mut RestingSince,
+    material: Material,
+}
+
+/// The surfaces of bodies that have their own.
+#[derive(QueryData)]
+#[query_data(contiguous(all))]
+pub(crate) struct Material {
+    friction: Option<&'static Friction>,
+    restitution: Option<&'static Restitution>,
+}
+
+impl MaterialContiguousItem<'_, '_> {
+    fn is_none(&self) -> bool {
+        self.friction.is_none() && self.restitution.is_none()
+    }
+
+    /// The floor as body `i` meets it.
+    fn meets(&self, floor: &Floor, i: usize) -> Floor {
+        let friction = self.friction.map(|c| &c[i]);
+        floor.against(friction, self.restitution.map(|c| &c[i]))
+    }
 }
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
@@ -56,7 +77,7 @@ pub(crate) fn contact(
         let (mut sleep, mut reported) = (at_floor.sleep, at_floor.reported);
         let sleepers = Sleepers::new(
             &clock,
-            forces.only_uniform_gravity() && !at_floor.persisting,
+            forces.only_uniform_gravity() && !at_floor.persisting && at_floor.material.is_none(),
             Changes {
                 columns: [
                     table.body.changed_ticks_slice(),
@@ -94,6 +115,7 @@ pub(crate) fn contact(
                         step: &step,
                         floor,
                         forces,
+                        material: &at_floor.material,
                         sleepers: &sleepers,
                         first,
                         bodies,
@@ -151,6 +173,7 @@ struct AtFloor<'a, 'w, 's> {
     floor: &'a Floor,
     /// Of the whole table.
     forces: &'a ForceColumnsContiguousItem<'w, 's>,
+    material: &'a MaterialContiguousItem<'w, 's>,
     sleepers: &'a Sleepers<'a>,
     /// Row of the first body.
     first: usize,
@@ -183,6 +206,7 @@ impl AtFloor<'_, '_, '_> {
         let mut tally = Tally::default();
         let rows = self.first..self.first + self.bodies.len();
         let untouched = self.sleepers.untouched(rows.clone());
+        let same_floor = self.material.is_none();
         for (i, row) in rows.enumerate() {
             if !self.near[i].pending {
                 continue;
@@ -195,10 +219,11 @@ impl AtFloor<'_, '_, '_> {
             let (state, contact) = (&mut self.states[i], &mut self.contacts[i]);
             let before = *state;
             let lay_still = contact.is_resting(state);
+            let own = (!same_floor).then(|| self.material.meets(self.floor, row));
             let mut reported = self.reported.as_mut().map(|r| &mut r[i]);
             let outcome = step_on_floor::<S, F>(
                 &FloorContext {
-                    floor: self.floor,
+                    floor: own.as_ref().unwrap_or(self.floor),
                     settings: &self.step.settings,
                     body: &self.bodies[i],
                     force: &model(i),

@@ -121,7 +121,7 @@ use self::components::NearFloor;
 use self::sleeping::Sleep;
 use self::transforms::PublishedPose;
 use crate::body::RigidBox;
-use crate::floor::{ContactReport, ContactSettings, ContactState, Floor};
+use crate::floor::{ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
@@ -370,6 +370,8 @@ impl Plugin for FloorPlugin {
             .add_message::<Landed>()
             .register_type::<Floor>()
             .register_type::<ContactSettings>()
+            .register_type::<Friction>()
+            .register_type::<Restitution>()
             .register_type::<ContactState>()
             .register_type::<ReportContacts>()
             .register_type::<ReportPersisting>()

@@ -1,13 +1,14 @@
 //! Sleep: a box at rest on the floor is left alone until something could move it.
 //!
-//! A box falls asleep in the second step that finds it at rest, if nothing but gravity acts on it. From then on it is
-//! not stepped, its bounding box is not re-fitted and its `Transform` not written. It wakes when
+//! A box falls asleep in the second step that finds it at rest, if nothing but gravity acts on it and it has no
+//! `Friction` or `Restitution`. From then on it is not stepped, its bounding box is not re-fitted and its `Transform`
+//! not written. It wakes when
 //!
 //! | | seen by |
 //! |---|---|
 //! | its `BodyState` is written: by hand, an impulse, a teleport | change detection |
 //! | its `RigidBox` or `ContactState` is written | change detection |
-//! | it gets a force component, a `GravityScale` or `ReportPersisting` | its table |
+//! | it gets a force component, `GravityScale`, `Friction`, `Restitution` or `ReportPersisting` | its table |
 //! | `WorldGravity` or the `Floor` changes, or it moves | comparison with the last step |
 //! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
 //!
@@ -103,7 +104,7 @@ pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
 /// The sleepers of a table in one run of *Contact*.
 pub(crate) struct Sleepers<'a> {
     run: u32,
-    /// Only gravity acts on them, and contacts that persist are not reported.
+    /// Only gravity acts on them, they have no surface of their own, and contacts that persist are not reported.
     may_sleep: bool,
     unchanged: bool,
     /// Of everything whose change wakes a body.

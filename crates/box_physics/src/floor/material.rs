@@ -1,0 +1,285 @@
+//! The surface of a body: friction and restitution of its own, combined with those of the floor. Names, formulas and
+//! priority of the rules are Avian's; Rapier has the same without the geometric mean.
+
+use super::Floor;
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
+use crate::error::InvalidValue;
+
+/// How the coefficients of body and floor combine. The floor has no rule of its own: the body's decides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum CoefficientCombine {
+    /// (a + b)/2
+    #[default]
+    Average,
+    /// √(ab)
+    GeometricMean,
+    /// The smaller one.
+    Min,
+    /// ab
+    Multiply,
+    /// The larger one. With a body's coefficient above the floor's, the body's own.
+    Max,
+}
+
+impl CoefficientCombine {
+    /// Combines two coefficients.
+    pub fn mix(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Average => 0.5 * (a + b),
+            Self::GeometricMean => (a * b).sqrt(),
+            Self::Min => a.min(b),
+            Self::Multiply => a * b,
+            Self::Max => a.max(b),
+        }
+    }
+}
+
+/// Friction of a body's surface, combined with the floor's. Without it the floor's alone counts.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// let rubber = Friction::new(1.2)?.with_combine_rule(CoefficientCombine::Max);
+/// // Harder to move than to keep moving.
+/// let wood = Friction::new(0.3)?.with_static_coefficient(0.5)?;
+/// let floor = Floor::default().against(Some(&rubber), None);
+/// assert_eq!(floor.friction, 1.2);
+/// # Ok::<(), InvalidValue>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(Component, Default, Clone, PartialEq)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Friction {
+    /// Kinetic coefficient, ≥ 0: where the surfaces slip. Default 0.5.
+    pub dynamic_coefficient: f64,
+    /// Static coefficient: where they do not. At least the dynamic one; a smaller one counts as that. Default 0.5.
+    pub static_coefficient: f64,
+    /// How both combine with the floor's.
+    pub combine_rule: CoefficientCombine,
+}
+
+impl Default for Friction {
+    /// That of the default [`Floor`].
+    fn default() -> Self {
+        Self {
+            dynamic_coefficient: 0.5,
+            static_coefficient: 0.5,
+            combine_rule: CoefficientCombine::Average,
+        }
+    }
+}
+
+impl Friction {
+    /// The same coefficient for both kinds, averaged with the floor's.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if it is negative or not finite.
+    pub fn new(coefficient: f64) -> Result<Self, InvalidValue> {
+        let friction = Self {
+            dynamic_coefficient: coefficient,
+            static_coefficient: coefficient,
+            ..Self::default()
+        };
+        friction.validate().map(|()| friction)
+    }
+
+    /// With another coefficient at rest.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if it is negative or not finite.
+    pub fn with_static_coefficient(self, static_coefficient: f64) -> Result<Self, InvalidValue> {
+        let friction = Self {
+            static_coefficient,
+            ..self
+        };
+        friction.validate().map(|()| friction)
+    }
+
+    /// With another rule.
+    pub fn with_combine_rule(self, combine_rule: CoefficientCombine) -> Self {
+        Self {
+            combine_rule,
+            ..self
+        }
+    }
+
+    /// Whether the fields are in their ranges, however they were set.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        InvalidValue::check_coefficient("dynamic_coefficient", self.dynamic_coefficient)?;
+        InvalidValue::check_coefficient("static_coefficient", self.static_coefficient).map(|_| ())
+    }
+}
+
+/// Restitution of a body's surface, combined with the floor's. Without it the floor's alone counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(Component, Default, Clone, PartialEq)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Restitution {
+    /// 0 to 1. Default 0.3.
+    pub coefficient: f64,
+    /// How it combines with the floor's.
+    pub combine_rule: CoefficientCombine,
+}
+
+impl Default for Restitution {
+    /// That of the default [`Floor`].
+    fn default() -> Self {
+        Self {
+            coefficient: 0.3,
+            combine_rule: CoefficientCombine::Average,
+        }
+    }
+}
+
+impl Restitution {
+    /// Averaged with the floor's.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if it is not between 0 and 1.
+    pub fn new(coefficient: f64) -> Result<Self, InvalidValue> {
+        let restitution = Self {
+            coefficient,
+            ..Self::default()
+        };
+        restitution.validate().map(|()| restitution)
+    }
+
+    /// With another rule.
+    pub fn with_combine_rule(self, combine_rule: CoefficientCombine) -> Self {
+        Self {
+            combine_rule,
+            ..self
+        }
+    }
+
+    /// Whether the coefficient is in its range, however it was set.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if it is not.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        let (e, field) = (self.coefficient, "coefficient");
+        InvalidValue::check((0.0..=1.0).contains(&e), field, e, "between 0 and 1").map(|_| ())
+    }
+}
+
+impl Floor {
+    /// The floor as a body with these surfaces meets it. One that is out of range counts as absent.
+    pub fn against(
+        mut self,
+        friction: Option<&Friction>,
+        restitution: Option<&Restitution>,
+    ) -> Self {
+        if let Some(own) = friction.filter(|own| own.validate().is_ok()) {
+            let mix = |a, b| own.combine_rule.mix(a, b);
+            let holds = self.static_friction.unwrap_or(self.friction);
+            self.friction = mix(self.friction, own.dynamic_coefficient);
+            let holds = mix(holds, own.static_coefficient);
+            self.static_friction = (holds > self.friction).then_some(holds);
+        }
+        if let Some(own) = restitution.filter(|own| own.validate().is_ok()) {
+            self.restitution = own.combine_rule.mix(self.restitution, own.coefficient);
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{G, SIXTIETH, Scene};
+    use super::*;
+    use crate::integrators::Split;
+    use glam::DVec3;
+
+    #[test]
+    fn coefficients_combine_by_the_rule_of_the_body() {
+        use CoefficientCombine::{Average, GeometricMean, Max, Min, Multiply};
+        let floor = Floor::new(0.0, 0.2, 0.5).expect("valid");
+        for (rule, mu, e) in [
+            (Average, 0.65, 0.5),
+            (GeometricMean, 0.4_f64.sqrt(), 0.4),
+            (Min, 0.5, 0.2),
+            (Multiply, 0.4, 0.16),
+            (Max, 0.8, 0.8),
+        ] {
+            let friction = Friction::new(0.8).expect("valid").with_combine_rule(rule);
+            let restitution = Restitution::new(0.8)
+                .expect("valid")
+                .with_combine_rule(rule);
+            let both = floor.against(Some(&friction), Some(&restitution));
+            assert!((both.friction - mu).abs() < 1e-15 && (both.restitution - e).abs() < 1e-15);
+            assert!(both.static_friction.is_none() && both.validate().is_ok());
+        }
+        assert_eq!(floor.against(None, None), floor);
+        // What is out of range counts as absent.
+        let wrong = Friction {
+            static_coefficient: f64::NAN,
+            ..Friction::default()
+        };
+        let bouncy = Restitution {
+            coefficient: 1.5,
+            ..Restitution::default()
+        };
+        assert_eq!(floor.against(Some(&wrong), Some(&bouncy)), floor);
+        assert!(Friction::new(-0.1).is_err() && Restitution::new(1.1).is_err());
+    }
+
+    /// On a slope between the two angles a box that rests stays, and one that slides goes on sliding.
+    #[test]
+    fn static_friction_holds_what_kinetic_friction_does_not_stop() {
+        let (kinetic, holds) = (0.3, 0.6);
+        let own = Friction::new(kinetic)
+            .expect("valid")
+            .with_combine_rule(CoefficientCombine::Min);
+        let own = own.with_static_coefficient(holds).expect("valid");
+        let floor = Floor::new(0.0, 0.0, 1.0).expect("valid");
+        for (slope, stays) in [(0.59_f64, true), (0.31, true), (0.61, false)] {
+            let theta = libm::atan(slope);
+            let mut scene = Scene::new(DVec3::new(0.5, 0.1, 0.5), 0.0, 0.0).on_slope(theta);
+            scene.floor = floor.against(Some(&own), None);
+            let start = scene.state;
+            scene.run::<Split>(SIXTIETH, 60);
+            assert_eq!(scene.state == start, stays, "{slope}");
+            let (s, c) = crate::math::sin_cos(theta);
+            let a = G * (s - kinetic * c);
+            if !stays {
+                assert!((scene.state.position.x - 0.5 * a).abs() < 1e-9);
+                continue;
+            }
+            assert!(scene.contact.is_resting(&scene.state));
+            scene.state.velocity.x = 0.1;
+            scene.run::<Split>(SIXTIETH, 60);
+            let way = scene.state.position.x - start.position.x;
+            assert!((way - 0.1 - 0.5 * a).abs() < 1e-9, "{slope}: {way}");
+        }
+    }
+
+    /// A box that slides is stopped by kinetic friction, and held by the static one where it stands.
+    #[test]
+    fn a_box_that_stops_is_held() {
+        let mut scene = Scene::new(DVec3::new(0.5, 0.1, 0.5), 0.0, 0.3).on_slope(0.2);
+        scene.floor.static_friction = Some(0.6);
+        scene.state.velocity.x = 1.0;
+        let (s, c) = crate::math::sin_cos(0.2);
+        let a = G * (0.3 * c - s);
+        scene.run::<Split>(SIXTIETH, 120);
+        assert!(scene.contact.is_resting(&scene.state));
+        assert!((scene.state.position.x - 0.5 / a).abs() < 1e-9);
+        scene = scene.on_slope(0.5);
+        let held = scene.state;
+        scene.run::<Split>(SIXTIETH, 10);
+        assert!(scene.state == held && scene.contact.is_resting(&scene.state));
+    }
+}
