@@ -313,10 +313,10 @@ fn boxes_ride_an_elevator_and_a_conveyor() {
     }
     assert_eq!(began(&mut scene), 0);
     let height = scene.app.world().resource::<Floor>().height;
-    assert!((height + 0.5 * 180.0 / 60.0).abs() < 1e-12, "{height}");
+    assert!((height + 0.5 * 180.0 / 64.0).abs() < 1e-12, "{height}");
     for (start, now) in start.iter().zip(scene.seen()) {
         let way = now.0.position - start.0.position;
-        assert!((way - velocity * 2.0).length() < 1e-9, "{way}");
+        assert!((way - velocity * (120.0 / 64.0)).length() < 1e-9, "{way}");
     }
     drive(&mut scene, DVec3::ZERO);
     scene.step(60);

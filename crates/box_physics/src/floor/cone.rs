@@ -215,6 +215,36 @@ impl<'a> Cone<'a> {
             _ => {}
         }
         self.newton(b, target, limit, solution);
+        if !solution.converged && self.operator.count > 2 {
+            self.two_alone(b, target, solution);
+        }
+    }
+
+    /// Two corners as an edge, if all others leave then. A friction so strong that corners jam may have many solutions
+    /// near one another, between which Newton's method finds no way.
+    fn two_alone(&self, b: &Corner3, target: f64, solution: &mut ConeSolution) {
+        let n = self.operator.count;
+        for (i, j) in (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))) {
+            let part = self.operator.part(1 << i | 1 << j);
+            let cone = Cone::new(&part, self.alpha, self.friction, self.settings);
+            let mut own = [DVec3::ZERO; 8];
+            (own[0], own[1]) = (b[i], b[j]);
+            let edge = Edge {
+                cone: &cone,
+                b: &own,
+                target,
+            };
+            let Some([first, second]) = edge.solve() else {
+                continue;
+            };
+            let mut p = [DVec3::ZERO; 8];
+            (p[i], p[j]) = (first, second);
+            let w = self.velocities(b, &p);
+            if w[..n].iter().all(|w| w.y >= -target) {
+                (solution.p, solution.converged) = (p, true);
+                return;
+            }
+        }
     }
 
     /// Accelerated projected gradients (Nesterov 1983; restart after O'Donoghue, Candès, Found. Comput. Math. 15 (2015)
