@@ -287,7 +287,7 @@ fn boxes_ride_an_elevator_and_a_conveyor() {
         let mut floor = scene.app.world_mut().resource_mut::<Floor>();
         floor.velocity = velocity;
     };
-    let mut began = |scene: &mut Scene| {
+    let began = |scene: &mut Scene| {
         let mut messages = scene
             .app
             .world_mut()
