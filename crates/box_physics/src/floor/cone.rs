@@ -29,8 +29,6 @@ use super::projection::cancel;
 pub(super) struct ConeSolution {
     /// The impulses p \[N s\].
     pub(super) p: Corner3,
-    /// w = b + αWp [m/s].
-    pub(super) w: Corner3,
     /// Iterations used.
     pub(super) iterations: u32,
     /// Whether the residual came below the tolerance.
@@ -86,7 +84,12 @@ impl<'a> Cone<'a> {
             alpha,
             friction,
             settings,
-            norm: alpha * operator.norm_bound(),
+            // Of one corner the trace is a bound.
+            norm: if operator.count == 1 {
+                own[0].x_axis.x + own[0].y_axis.y + own[0].z_axis.z
+            } else {
+                alpha * operator.norm_bound()
+            },
             own,
             other,
         }
@@ -100,7 +103,6 @@ impl<'a> Cone<'a> {
         let n = operator.count;
         let mut solution = ConeSolution {
             p: [DVec3::ZERO; 8],
-            w: *b,
             iterations: 0,
             converged: true,
         };
@@ -108,24 +110,30 @@ impl<'a> Cone<'a> {
             return solution; // nothing approaches: p = 0 is the solution
         }
         let target = self.settings.tolerance * operator.largest(b);
-        let mut weaker = *self;
-        for share in [2, 4, 4] {
-            if weaker.friction == 0.0 {
-                break;
-            }
-            let limit = solution.iterations + self.settings.max_iterations / share;
-            weaker.attempt(b, target, limit, &mut solution);
-            if solution.converged {
-                break;
-            }
-            weaker.friction *= 0.25;
-        }
-        if weaker.friction == 0.0 || !solution.converged {
+        if self.friction == 0.0 {
             solution.p = self.smooth(b);
+            return solution;
         }
-        solution.converged = weaker.friction == self.friction;
-        solution.w = self.velocities(b, &solution.p);
+        self.attempt(b, target, self.settings.max_iterations / 2, &mut solution);
+        if !solution.converged {
+            self.give_way(b, target, &mut solution);
+        }
         solution
+    }
+
+    #[cold]
+    fn give_way(&self, b: &Corner3, target: f64, solution: &mut ConeSolution) {
+        let mut weaker = *self;
+        for _ in 0..2 {
+            weaker.friction *= 0.25;
+            let limit = solution.iterations + self.settings.max_iterations / 4;
+            weaker.attempt(b, target, limit, solution);
+            if solution.converged {
+                solution.converged = false;
+                return;
+            }
+        }
+        solution.p = self.smooth(b);
     }
 
     /// The impulses without friction: the smallest that stop all corners along the normal, if they all push;
@@ -290,7 +298,7 @@ impl<'a> Cone<'a> {
     }
 
     /// b + αWp.
-    fn velocities(&self, b: &Corner3, p: &Corner3) -> Corner3 {
+    pub(super) fn velocities(&self, b: &Corner3, p: &Corner3) -> Corner3 {
         let (v, omega) = self.operator.twist(p);
         let mut w = *b;
         for i in 0..self.operator.count {

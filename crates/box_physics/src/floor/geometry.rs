@@ -196,6 +196,12 @@ impl DelassusOperator {
         u
     }
 
+    /// p·Wq: of resultants instead of corner by corner.
+    pub(super) fn work(&self, p: &Corner3, q: &Corner3) -> f64 {
+        let ((force, torque), (v, omega)) = (self.resultant(p), self.twist(q));
+        force.dot(v) + torque.dot(omega)
+    }
+
     /// W p.
     #[inline]
     pub(super) fn response(&self, p: &Corner3) -> Corner3 {

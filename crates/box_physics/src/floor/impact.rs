@@ -115,7 +115,7 @@ fn newton(cone: &Cone, before: &[DVec3], e: f64) -> ConeSolution {
 
 /// The kinetic energy that the impulses add: p·u⁻ + ½ p·Wp \[J\].
 fn gain(operator: &DelassusOperator, before: &Corner3, p: &Corner3) -> f64 {
-    operator.dot(p, before) + 0.5 * operator.dot(p, &operator.response(p))
+    operator.dot(p, before) + 0.5 * operator.work(p, p)
 }
 
 /// Newton's law with friction or several corners may return more than the part e² of the energy, and even create
@@ -135,8 +135,8 @@ fn within(
     for i in 0..n {
         d[i] = wanted[i] - plastic[i];
     }
-    let a = 0.5 * operator.dot(&d, &operator.response(&d));
-    let b = operator.dot(&d, before) + operator.dot(&d, &operator.response(plastic));
+    let a = 0.5 * operator.work(&d, &d);
+    let b = operator.dot(&d, before) + operator.work(&d, plastic);
     let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
     let lambda = if b > 0.0 {
         -2.0 * c / (b + root)

@@ -25,7 +25,7 @@ use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel, Wrench};
-use crate::integrators::{Integrate, IntegratorMemory, StepOutcome, impulse_step};
+use crate::integrators::{Integrate, IntegratorMemory, Order, StepOutcome, impulse_step};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -164,14 +164,19 @@ impl<F: ForceModel> Start<'_, F> {
         let rate = 1.0 / tau;
         let still = 1e-9 * operator.largest(&d);
         let slips = |w: DVec3| w.x.abs().max(w.z.abs()) > still;
-        let solve = |friction| Cone::new(&operator, 0.5, friction, settings).solve(&d);
+        let solve = |friction| {
+            let cone = Cone::new(&operator, 0.5, friction, settings);
+            let solution = cone.solve(&d);
+            let mean = cone.velocities(&d, &solution.p);
+            (solution, mean)
+        };
         // Static friction holds where no corner slips, before or after.
-        let holds = |solution: &ConeSolution| {
+        let holds = |(solution, mean): &(ConeSolution, Corner3)| {
             let mut corners = (0..operator.count).filter(|&i| solution.p[i].y > 0.0);
-            solution.converged && corners.all(|i| !slips(solution.w[i]))
+            solution.converged && corners.all(|i| !slips(mean[i]))
         };
         let held = floor.static_friction.filter(|_| !self.slips());
-        let solution = held
+        let (solution, mean) = held
             .map(solve)
             .filter(holds)
             .unwrap_or_else(|| solve(floor.friction));
@@ -183,7 +188,7 @@ impl<F: ForceModel> Start<'_, F> {
             segment.impulse[usize::from(operator.corner[i])] = solution.p[i];
         }
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
-        if at_rest && spans_face(self.candidates) && operator.largest(&solution.w) <= still {
+        if at_rest && spans_face(self.candidates) && operator.largest(&mean) <= still {
             segment.corners = *self.corners;
             segment.outcome = StepOutcome::plain(1);
             segment.still = true;
@@ -191,24 +196,58 @@ impl<F: ForceModel> Start<'_, F> {
         }
 
         let (force, torque) = operator.resultant(&solution.p);
-        let law = Supported {
-            inner: self.context.force,
-            acceleration: force * (rate * body.inverse_mass()),
-            torque: torque * rate,
-        };
-        let (state, memory) = (&mut segment.state, &mut segment.memory);
-        segment.outcome = self
-            .context
-            .integrate::<S>(state, &law, self.elapsed, tau, memory);
+        if self.is_uniform() && !matches!(S::INFO.orders.gravity, Order::Of(1)) {
+            let (v, omega) = operator.twist(&solution.p);
+            let twist = (motion.0 + 0.5 * v, motion.1 + 0.5 * omega);
+            self.carry(&mut segment.state, tau, twist, v, torque);
+            segment.outcome = StepOutcome::plain(1);
+        } else {
+            let law = Supported {
+                inner: self.context.force,
+                acceleration: force * (rate * body.inverse_mass()),
+                torque: torque * rate,
+            };
+            let (state, memory) = (&mut segment.state, &mut segment.memory);
+            segment.outcome = self
+                .context
+                .integrate::<S>(state, &law, self.elapsed, tau, memory);
+        }
 
         let held = mask(|k| segment.impulse[k].y > 0.0);
         if held != 0 {
-            let sticking = (0..operator.count).filter(|&i| !slips(solution.w[i]));
+            let sticking = (0..operator.count).filter(|&i| !slips(mean[i]));
             let stuck = sticking.fold(0, |m, i| m | 1 << operator.corner[i]);
             self.settle(segment, held, stuck, tau);
         } else {
             segment.corners = Corners::at(floor, body, &segment.state);
         }
+    }
+
+    /// Whether nothing but a uniform acceleration acts besides the floor.
+    fn is_uniform(&self) -> bool {
+        let force = self.context.force;
+        !force.has_wrench() && !force.has_dissipation()
+    }
+
+    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`Start::free_motion`], with the contact's changes of
+    /// the velocity and of the angular momentum (world axes): the midpoint rule, of which the turn has the sine τω̄/2.
+    fn carry(
+        &self,
+        state: &mut BodyState,
+        tau: f64,
+        mean: (DVec3, DVec3),
+        velocity: DVec3,
+        torque: DVec3,
+    ) {
+        let momentum = state.rotation * state.angular_momentum + torque;
+        let sine = 0.5 * tau * mean.1;
+        let cosine = (1.0 - sine.length_squared()).max(0.0).sqrt();
+        let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
+        state.position += tau * mean.0;
+        state.velocity += tau * self.context.force.acceleration() + velocity;
+        state.rotation = compose(turn, state.rotation);
+        state.renormalize();
+        state.angular_momentum = state.rotation.inverse() * momentum;
     }
 
     /// Whether a corner that may be held slips.
@@ -227,7 +266,7 @@ impl<F: ForceModel> Start<'_, F> {
     fn free_motion(&self, tau: f64) -> (DMat3, (DVec3, DVec3)) {
         let start = &self.state;
         let (body, force) = (self.context.body, self.context.force);
-        if !force.has_wrench() && !force.has_dissipation() {
+        if self.is_uniform() {
             // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
             let l = start.angular_momentum;
             let first = l * body.inverse_inertia();

@@ -52,6 +52,11 @@ fn solve(operator: &DelassusOperator, b: &Corner3, mu: f64, max_iterations: u32)
     Cone::new(operator, 1.0, mu, &settings).solve(b)
 }
 
+/// b + Wp.
+fn after(operator: &DelassusOperator, b: &Corner3, s: &ConeSolution) -> Corner3 {
+    Cone::new(operator, 1.0, 0.0, &ContactSettings::DEFAULT).velocities(b, &s.p)
+}
+
 /// How many of `n` impacts were not solved, and how far the others are from the law.
 fn examine(mu: f64, n: usize) -> (usize, f64) {
     let mut counts = Vec::new();
@@ -85,9 +90,10 @@ fn distance_from_the_law(
     mass: f64,
 ) -> f64 {
     let scale = operator.largest(b);
+    let w = after(operator, b, s);
     let mut worst = 0.0_f64;
     for k in 0..operator.count {
-        let (p, w) = (s.p[k], s.w[k]);
+        let (p, w) = (s.p[k], w[k]);
         let t = (p.x * p.x + p.z * p.z).sqrt();
         let slip = (w.x * w.x + w.z * w.z).sqrt();
         let against = p.x * w.x + p.z * w.z + mu * p.y * slip;
@@ -122,8 +128,9 @@ fn the_cap_is_the_cap() {
                 assert!(s.iterations <= max_iterations, "mu {mu}: {}", s.iterations);
                 unsolved += u32::from(!s.converged);
                 let scale = operator.largest(b);
+                let w = after(operator, b, &s);
                 for k in 0..operator.count {
-                    let (p, w) = (s.p[k], s.w[k]);
+                    let (p, w) = (s.p[k], w[k]);
                     assert!(p.y >= 0.0 && w.y >= -1e-11 * scale);
                     assert!(p.y * w.y <= 1e-9 * mass * scale * scale);
                     assert!(libm::hypot(p.x, p.z) <= mu * p.y + 1e-12 * mass * scale);
