@@ -50,7 +50,6 @@ use crate::error::InvalidValue;
 use crate::force::{Dissipation, ForceModel};
 use crate::integrators::StepOutcome;
 use crate::state::BodyState;
-use glam::DVec3;
 
 /// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
 ///
