@@ -56,8 +56,7 @@ impl MaterialContiguousItem<'_, '_> {
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(
-    step: Res<Step>,
-    mut moving: Option<ResMut<Floor>>,
+    (step, mut moving): (Res<Step>, Option<ResMut<Floor>>),
     mut clock: ResMut<SleepClock>,
     mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
     threads: Res<PhysicsThreads>,
