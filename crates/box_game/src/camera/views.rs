@@ -51,8 +51,28 @@ pub struct Third;
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct Fourth;
 
+/// Lines on boxes of the first view, a little in front of their faces.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub struct Edges;
+
+/// The same behind what hides them, to be drawn faintly.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub struct HiddenEdges;
+
+/// The pins through the boxes of the first view.
+#[derive(Default, Reflect, GizmoConfigGroup)]
+pub struct Pins;
+
 /// The lines of one view each, and of all.
 pub fn add_gizmos(app: &mut App) {
+    let lines = |width: f32, depth_bias: f32| GizmoConfig {
+        line: GizmoLineConfig { width, ..default() },
+        depth_bias,
+        ..default()
+    };
+    app.insert_gizmo_config(Edges, lines(2.5, -0.0005))
+        .insert_gizmo_config(HiddenEdges, lines(1.5, -1.0))
+        .insert_gizmo_config(Pins, lines(6.0, -0.0002));
     let group = |layers: RenderLayers| GizmoConfig {
         render_layers: layers,
         ..default()

@@ -54,6 +54,7 @@ pub fn compare_view(
         evaluations: samples.evaluations(integrator),
         now: track.now.sample.values,
         worst: track.now.worst,
+        late: run.late(track),
         energies: track.now.energies,
         lines: shown
             .iter()

@@ -19,6 +19,7 @@
 
 pub mod copy;
 pub mod fill;
+pub mod flips;
 pub mod headless;
 pub mod input;
 pub mod plugin;
@@ -28,6 +29,7 @@ pub mod sampling;
 pub mod series;
 pub mod sweep;
 pub mod track;
+pub mod verdict;
 pub mod view;
 
 use std::time::Duration;

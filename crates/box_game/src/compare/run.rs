@@ -14,6 +14,7 @@ use box_scenarios::{
     StateError, Status, TimedImpulse, local_error,
 };
 
+use super::flips::{Flips, lateness};
 use super::input::{Input, Inputs};
 use super::runner::{Runner, SAME, Shared};
 use super::track::Track;
@@ -87,6 +88,8 @@ pub struct Run {
     pub comparisons: Vec<Runner>,
     /// What is trusted.
     pub reference: LiveReference,
+    /// When the reference turned over.
+    pub reference_flips: Flips,
     /// Vertical lines, oldest first.
     pub rules: VecDeque<Rule>,
     start: (Arc<Model>, BodyState),
@@ -131,6 +134,7 @@ impl Run {
             },
             comparisons: Vec::new(),
             reference: LiveReference::new(&law, state, &impulses, truth, step),
+            reference_flips: Flips::new(&law, &state, 0.0),
             rules: VecDeque::new(),
             start: (law.clone(), state),
             impulses,
@@ -196,6 +200,14 @@ impl Run {
             .chain(comparisons)
             .fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
         a.to_radians() >= x / self.law.body.radius()
+    }
+
+    /// The flip of a trajectory that is late or early most, and by how much \[s\]; see [`lateness`].
+    pub fn late(&self, track: &Track) -> Option<(usize, f64)> {
+        let now = track.now.sample.t;
+        let known = self.reference_flips.times();
+        let due = known.partition_point(|&t| t <= now);
+        lateness(track.flips.times(), &known[..due], now)
     }
 
     /// Draws a line.
@@ -291,6 +303,9 @@ impl Run {
         let main_box = &mut self.main_box;
         main_box.balance.step(&self.law, &main_box.before, h);
         let to = self.reference.at(t);
+        if let Some(to) = &to {
+            self.reference_flips.observe(to, t);
+        }
         let local: Option<StateError> = match (main_box.reference, to) {
             (Some(from), Some(to)) if !main_box.kicked => {
                 Some(local_error(integrator, &self.law, from, &to, h))
@@ -361,6 +376,7 @@ impl Run {
         self.main_box.track.reopen(&self.law, books, &state, t);
         (self.main_box.state, self.main_box.before) = (state, state);
         self.main_box.reference = Some(state);
+        self.reference_flips = Flips::new(&self.law, &state, t);
         self.rule(t, RuleKind::Resync);
         Some(state)
     }

@@ -142,7 +142,7 @@ impl Runner {
     pub(crate) fn restore(&mut self, saved: &Saved) {
         self.simulation = saved.simulation.clone();
         self.track.now.worst = saved.worst;
-        self.track.series.rewind(saved.simulation.driver.time);
+        self.track.rewind(saved.simulation.driver.time);
         self.next_input = saved.next_input;
         self.reference = saved.reference;
         self.logged = self.simulation.driver.totals.steps;

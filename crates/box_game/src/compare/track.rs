@@ -4,6 +4,7 @@ use box_physics::prelude::BodyState;
 
 use box_scenarios::{Balance, Model, StateError};
 
+use super::flips::Flips;
 use super::series::{Quantity, Sample, Series};
 
 /// The present figures of a trajectory.
@@ -38,12 +39,17 @@ pub struct Track {
     pub series: Series,
     /// The present.
     pub now: Measured,
+    /// When it turned over.
+    pub flips: Flips,
 }
 
 impl Track {
     /// At the start.
     pub fn new(model: &Model, balance: &Balance, state: &BodyState, t: f64) -> Self {
-        let mut track = Self::default();
+        let mut track = Self {
+            flips: Flips::new(model, state, t),
+            ..Self::default()
+        };
         track.observe((model, balance), state, t, Some(state), None);
         track
     }
@@ -51,7 +57,14 @@ impl Track {
     /// The same trajectory goes on from `state` with a new balance; the past stays.
     pub(crate) fn reopen(&mut self, model: &Model, balance: &Balance, state: &BodyState, t: f64) {
         self.now = Measured::default();
+        self.flips = Flips::new(model, state, t);
         self.observe((model, balance), state, t, Some(state), None);
+    }
+
+    /// Forgets what was after `t` \[s\].
+    pub(crate) fn rewind(&mut self, t: f64) {
+        self.series.rewind(t);
+        self.flips.rewind(t);
     }
 
     /// Looks at the state after a step that ends at `t` \[s\]; `local` is the error of that step alone.
@@ -100,6 +113,7 @@ impl Track {
             ],
             momentum: left.vector,
         };
+        self.flips.observe(state, t);
         self.series.push(sample);
     }
 }

@@ -91,6 +91,8 @@ pub struct TrajectoryView {
     pub now: [f64; Quantity::ALL.len()],
     /// Largest distance \[m\] and angle \[°\] from the reference so far.
     pub worst: (f64, f64),
+    /// The flip that is late (> 0) or early (< 0) most, from 1, and by how much \[s\].
+    pub late: Option<(usize, f64)>,
     /// Energies \[J\]: of translation, of rotation, potential.
     pub energies: [f64; 3],
     /// The lines of the open plot.
@@ -209,6 +211,7 @@ mod tests {
             evaluations: 1.0,
             now: [0.0; Quantity::ALL.len()],
             worst: error,
+            late: None,
             energies: [0.0; 3],
             lines: Vec::new(),
         }

@@ -1,7 +1,9 @@
 //! The picture: renderer, boxes, floor, comparisons, labels.
 
+mod backdrop;
 mod comparisons;
 mod lattice;
+mod marks;
 pub mod renderer;
 pub mod style;
 mod visuals;
@@ -19,11 +21,12 @@ pub struct ViewPlugin;
 impl Plugin for ViewPlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((BodyGizmosPlugin, comparisons::ComparisonsPlugin))
-            .add_systems(Startup, visuals::set_up)
+            .add_systems(Startup, (visuals::set_up, backdrop::spawn_backdrop))
             .add_systems(
                 Update,
                 (
                     lattice::draw_lattice.after(move_camera),
+                    backdrop::place_backdrop.after(move_camera),
                     visuals::dress_boxes,
                     visuals::tint_main_box,
                     visuals::place_floor,

@@ -3,9 +3,11 @@
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::view::window::screenshot::Screenshot;
 use bevy::window::{ExitCondition, PrimaryWindow, WindowRef, WindowResolution};
 use box_physics::prelude::GlobalIntegrator;
 
+use crate::camera::views::SplitView;
 use crate::platform;
 use crate::scene::session::Session;
 
@@ -28,6 +30,7 @@ impl Plugin for TargetPlugin {
             let format = TextureFormat::Rgba8UnormSrgb;
             let mut image = Image::new_target_texture(width, height, format, None);
             image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+            app.add_systems(Last, draw_pictures_alone);
             let mut images = app.world_mut().resource_mut::<Assets<Image>>();
             RenderTarget::Image(images.add(image).into())
         } else {
@@ -36,6 +39,20 @@ impl Plugin for TargetPlugin {
         };
         app.insert_resource(PictureTarget(target))
             .insert_resource(ClearColor(Color::srgb(0.10, 0.115, 0.14)));
+    }
+}
+
+/// Without a window, only frames that become pictures are drawn: in software a frame takes a second.
+fn draw_pictures_alone(
+    pictures: Query<(), With<Screenshot>>,
+    mut cameras: Query<(&mut Camera, Has<SplitView>)>,
+) {
+    for (mut camera, split) in &mut cameras {
+        // Further views are switched on by the layout.
+        let drawn = !pictures.is_empty() && (!split || camera.is_active);
+        if camera.is_active != drawn {
+            camera.is_active = drawn;
+        }
     }
 }
 

@@ -58,6 +58,17 @@ pub fn marked_name(integrator: Integrator) -> String {
     format!("{} {}", of(integrator).glyph, integrator.name())
 }
 
+/// Text over the picture: on its plate, beside it, right and wrong.
+pub const PICTURE_TEXT: Color32 = Color32::from_rgb(0xF2, 0xF4, 0xF7);
+/// See [`PICTURE_TEXT`].
+pub const PICTURE_WEAK: Color32 = Color32::from_rgb(0xB4, 0xBC, 0xC8);
+/// See [`PICTURE_TEXT`].
+pub const PICTURE_GOOD: Color32 = Color32::from_rgb(0x8F, 0xE3, 0xB4);
+/// See [`PICTURE_TEXT`].
+pub const PICTURE_BAD: Color32 = Color32::from_rgb(0xFF, 0xB4, 0x8F);
+/// The plate of a label.
+pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xDC);
+
 /// The process in the plot of CPU use.
 pub const PROCESS: IntegratorStyle = look(VERMILION, "●", MarkerShape::Circle, LineStyle::Solid);
 /// The whole computer in the plot of CPU use.

@@ -11,9 +11,10 @@ use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, Integrator, 
 use crate::camera::views::everywhere;
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{MainBox, Session};
+use crate::view::marks::{marked_cuboid, shaded_cuboid};
 
 /// Edge of the drawn floor \[m\].
-const FLOOR_SIZE: f32 = 200.0;
+const FLOOR_SIZE: f32 = 400.0;
 
 /// The drawn floor.
 #[derive(Component)]
@@ -24,7 +25,7 @@ pub(super) struct FloorSurface;
 pub(super) struct BoxLook {
     main_box: Handle<StandardMaterial>,
     load: Handle<StandardMaterial>,
-    mesh: Option<(Vec3, Handle<Mesh>)>,
+    meshes: Option<(Vec3, [Handle<Mesh>; 2])>,
 }
 
 /// Light, floor and materials.
@@ -37,7 +38,7 @@ pub(super) fn set_up(
     commands.spawn((
         everywhere(),
         DirectionalLight {
-            illuminance: 9_000.0,
+            illuminance: 8_000.0,
             shadow_maps_enabled: true,
             ..default()
         },
@@ -51,19 +52,19 @@ pub(super) fn set_up(
         .build(),
     ));
     commands.insert_resource(GlobalAmbientLight {
-        brightness: 260.0,
+        brightness: 330.0,
         ..default()
     });
     let mut plane = Plane3d::new(Vec3::Y, Vec2::splat(FLOOR_SIZE / 2.0))
         .mesh()
         .build();
-    // One tile of the image is 2 m: four squares of 1 m.
+    let tiles = FLOOR_SIZE / SQUARES as f32;
     if let Some(bevy::mesh::VertexAttributeValues::Float32x2(uvs)) =
         plane.attribute_mut(Mesh::ATTRIBUTE_UV_0)
     {
         for uv in uvs {
-            uv[0] *= FLOOR_SIZE / 2.0;
-            uv[1] *= FLOOR_SIZE / 2.0;
+            uv[0] *= tiles;
+            uv[1] *= tiles;
         }
     }
     commands.spawn((
@@ -71,7 +72,7 @@ pub(super) fn set_up(
         everywhere(),
         Mesh3d(meshes.add(plane)),
         MeshMaterial3d(materials.add(StandardMaterial {
-            base_color_texture: Some(images.add(checker())),
+            base_color_texture: Some(images.add(grid())),
             perceptual_roughness: 0.95,
             ..default()
         })),
@@ -85,29 +86,49 @@ pub(super) fn set_up(
     commands.insert_resource(BoxLook {
         main_box: materials.add(painted(Color::WHITE)),
         load: materials.add(painted(Color::srgb(0.62, 0.66, 0.72))),
-        mesh: None,
+        meshes: None,
     });
 }
 
-/// Texels along an edge of the floor's tile, a power of two.
-const TILE: u32 = 128;
+/// Texels along an edge of the floor's tile, a power of two, and the grid squares of 1 m along it.
+const TILE: u32 = 512;
+const SQUARES: u32 = 4;
 
-/// Two by two squares of 1 m, with all smaller versions of it: a distant floor is gray and does not
-/// shimmer.
-fn checker() -> Image {
-    let (light, dark) = ([96, 102, 112, 255], [78, 84, 94, 255]);
-    let mean: [u8; 4] = core::array::from_fn(|k| u8::midpoint(light[k], dark[k]));
-    let level = |edge: u32| {
-        (0..edge * edge).flat_map(move |texel| {
-            let square = |at: u32| at * 2 / edge;
-            match edge {
-                1 => mean,
-                _ if (square(texel % edge) + square(texel / edge)).is_multiple_of(2) => light,
-                _ => dark,
-            }
-        })
+/// Four by four squares of 1 m, the border of the tile drawn stronger, with all smaller versions of it: a distant
+/// floor is plain and does not shimmer.
+fn grid() -> Image {
+    let (ground, fine, strong) = (92.0, 118.0, 138.0);
+    let square = TILE / SQUARES;
+    let line = |at: u32| match (at.min(TILE - at) < 3, at % square < 2) {
+        (true, _) => strong,
+        (_, true) => fine,
+        _ => ground,
     };
-    let levels = TILE.ilog2() + 1;
+    let mut level: Vec<f32> = (0..TILE * TILE)
+        .map(|texel| f32::max(line(texel % TILE), line(texel / TILE)))
+        .collect();
+    let mut data: Vec<u8> = Vec::new();
+    let mut edge = TILE as usize;
+    loop {
+        // A little blue.
+        data.extend(
+            level
+                .iter()
+                .flat_map(|&v| [v as u8, (1.05 * v) as u8, (1.17 * v) as u8, 255]),
+        );
+        if edge == 1 {
+            break;
+        }
+        edge /= 2;
+        level = (0..edge * edge)
+            .map(|k| {
+                let (x, y) = (2 * (k % edge), 2 * (k / edge));
+                let width = 2 * edge;
+                let at = |x: usize, y: usize| level[y * width + x];
+                (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0
+            })
+            .collect();
+    }
     let mut image = Image::new(
         Extent3d {
             width: TILE,
@@ -115,12 +136,12 @@ fn checker() -> Image {
             depth_or_array_layers: 1,
         },
         TextureDimension::D2,
-        level(TILE).collect(),
+        data[..(4 * TILE * TILE) as usize].to_vec(),
         TextureFormat::Rgba8UnormSrgb,
         RenderAssetUsages::RENDER_WORLD,
     );
-    image.texture_descriptor.mip_level_count = levels;
-    image.data = Some((0..levels).flat_map(|k| level(TILE >> k)).collect());
+    image.texture_descriptor.mip_level_count = TILE.ilog2() + 1;
+    image.data = Some(data);
     image.sampler = ImageSampler::Descriptor(ImageSamplerDescriptor {
         address_mode_u: ImageAddressMode::Repeat,
         address_mode_v: ImageAddressMode::Repeat,
@@ -128,41 +149,6 @@ fn checker() -> Image {
         ..ImageSamplerDescriptor::linear()
     });
     image
-}
-
-/// A cuboid with six faces of different lightness and no color of its own, so that every attitude looks
-/// different and the material's color says whose box it is.
-pub(crate) fn shaded_cuboid(half: Vec3) -> Mesh {
-    let mut mesh = Cuboid::from_size(half * 2.0).mesh().build();
-    let colors: Vec<[f32; 4]> = mesh
-        .attribute(Mesh::ATTRIBUTE_NORMAL)
-        .and_then(|n| n.as_float3())
-        .map(|normals| {
-            normals
-                .iter()
-                .map(|n| face_shade(Vec3::from_array(*n)))
-                .collect()
-        })
-        .unwrap_or_default();
-    mesh.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
-    mesh
-}
-
-/// Opposite faces are far apart in lightness: a box that has turned over is told at a glance.
-fn face_shade(normal: Vec3) -> [f32; 4] {
-    let pair = if normal.x.abs() > 0.5 {
-        (0.62, 0.14)
-    } else if normal.y.abs() > 0.5 {
-        (1.0, 0.07)
-    } else {
-        (0.36, 0.22)
-    };
-    let shade = if normal.element_sum() > 0.0 {
-        pair.0
-    } else {
-        pair.1
-    };
-    [shade, shade, shade, 1.0]
 }
 
 /// The color of a box that `integrator` moves: that of the integrator.
@@ -194,7 +180,7 @@ pub(super) fn tint_main_box(
     }
 }
 
-/// Gives new boxes a mesh: one mesh and two materials for all, so that they are drawn in few calls.
+/// Gives new boxes a mesh: two meshes and two materials for all, so that they are drawn in few calls.
 pub(super) fn dress_boxes(
     new: Query<(Entity, &RigidBox, Has<MainBox>), Added<RigidBox>>,
     mut look: ResMut<BoxLook>,
@@ -203,18 +189,18 @@ pub(super) fn dress_boxes(
 ) {
     for (entity, body, main_box) in &new {
         let half = body.half_extents().as_vec3();
-        let mesh = match &look.mesh {
-            Some((size, mesh)) if *size == half => mesh.clone(),
+        let [marked, plain] = match &look.meshes {
+            Some((size, meshes)) if *size == half => meshes.clone(),
             _ => {
-                let mesh = meshes.add(shaded_cuboid(half));
-                look.mesh = Some((half, mesh.clone()));
-                mesh
+                let made = [marked_cuboid(half), shaded_cuboid(half)].map(|mesh| meshes.add(mesh));
+                look.meshes = Some((half, made.clone()));
+                made
             }
         };
-        let material = if main_box {
-            look.main_box.clone()
+        let (mesh, material) = if main_box {
+            (marked, look.main_box.clone())
         } else {
-            look.load.clone()
+            (plain, look.load.clone())
         };
         commands
             .entity(entity)

@@ -7,6 +7,7 @@ use box_scenarios::{Balance, Change, LiveReference, Model, ReferenceSolution};
 
 use super::Run;
 use crate::compare::Quantity;
+use crate::compare::flips::Flips;
 use crate::compare::runner::{Runner, SAME, Saved};
 use crate::compare::track::Track;
 
@@ -79,6 +80,7 @@ impl Run {
             self.choose(integrators);
             self.main_box.balance = Balance::new(&self.law, &self.start.1);
             self.main_box.track = Track::new(&self.law, &self.main_box.balance, &self.start.1, 0.0);
+            self.reference_flips = Flips::new(&self.law, &self.start.1, 0.0);
             self.arrive(t, state);
             return;
         };
@@ -112,7 +114,8 @@ impl Run {
             }
         }
         self.clock = t;
-        self.main_box.track.series.rewind(t);
+        self.main_box.track.rewind(t);
+        self.reference_flips.rewind(t);
         // Its own steps since then are not known: what they left over stays as the last sample had it.
         let left = self.main_box.track.series.last().map_or(0.0, |s| {
             let energy = s.get(Quantity::Energy);

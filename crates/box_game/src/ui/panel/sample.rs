@@ -123,6 +123,7 @@ fn sample_comparison() -> CompareView {
                     evaluations: 1.0,
                     now: [error; Quantity::ALL.len()],
                     worst: (error, error),
+                    late: None,
                     energies: [1.5, 0.25, 4.9],
                     lines: Quantity::ALL
                         .iter()

@@ -1,14 +1,16 @@
-//! Lines over the picture: the edges of the comparisons, the reference dashed, the fading trails.
+//! Lines on the boxes: their edges (faint where hidden), the reference dashed, pins and fading trails.
 
 use std::collections::VecDeque;
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Integrator, RigidBox};
 
-use super::shown::{Shown, color, drawn, shown, tip};
+use super::shown::{Shown, color, drawn, pin, shown, tip};
 use crate::action::compare::Layout;
-use crate::camera::views::{Fourth, PictureArea, Second, Third};
-use crate::compare::Comparison;
+use crate::camera::views::{Edges, Fourth, HiddenEdges, PictureArea, Pins, Second, Third};
+use crate::compare::{Comparison, Quantity};
+use crate::view::marks;
 
 /// Length of a trail \[s\], and its largest number of points.
 const TRAIL: f64 = 1.5;
@@ -22,8 +24,8 @@ pub(super) struct Trails {
     points: Vec<(Integrator, VecDeque<(f64, Vec3)>)>,
 }
 
-/// Follows a point of every trajectory: the center where the box travels, else the tip of its longest
-/// edge, which shows a flip.
+/// Follows a point of every trajectory: the center where the box travels, else the end of its pin, which shows
+/// a flip.
 pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Trails>) {
     let Some(run) = &comparison.run else {
         return;
@@ -59,12 +61,17 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
     }
 }
 
-/// Edges of comparisons and of the reference, and the trails, each in its view.
+/// Opacity of an edge behind a face.
+const HIDDEN: f32 = 0.3;
+/// Angle to the reference from which a comparison shows the marks on its faces \[°\].
+const MARKED: f64 = 2.0;
+
+/// Edges, pins and trails of every trajectory, and the reference, each in its view.
 pub(super) fn draw_frames(
     comparison: Res<Comparison>,
     trails: Res<Trails>,
     area: Option<Res<PictureArea>>,
-    mut first: Gizmos,
+    (mut edges, mut hidden, mut pins): (Gizmos<Edges>, Gizmos<HiddenEdges>, Gizmos<Pins>),
     mut second: Gizmos<Second>,
     mut third: Gizmos<Third>,
     mut fourth: Gizmos<Fourth>,
@@ -76,21 +83,22 @@ pub(super) fn draw_frames(
     if layout == Layout::Solo {
         return;
     }
-    for (k, comparison) in shown(run, layout).into_iter().enumerate() {
-        let trail = trails.points.iter().find(|(i, _)| *i == comparison.0);
+    for (k, trajectory) in shown(run, layout).into_iter().enumerate() {
+        let trail = trails.points.iter().find(|(i, _)| *i == trajectory.0);
         let lines = Lines {
             body: &run.law.body,
-            edges: k > 0 && layout == Layout::Overlaid,
+            pin: pin(run),
+            solid: k == 0 || layout != Layout::Overlaid,
             reference: run
                 .trusted()
                 .filter(|_| k == 0 || layout != Layout::Overlaid),
             trail: trail.map(|(_, points)| points),
         };
         match (layout, k) {
-            (Layout::Views, 1) => lines.draw(&mut second, comparison),
-            (Layout::Views, 2) => lines.draw(&mut third, comparison),
-            (Layout::Views, 3) => lines.draw(&mut fourth, comparison),
-            _ => lines.draw(&mut first, comparison),
+            (Layout::Views, 1) => lines.draw(&mut second, None, trajectory),
+            (Layout::Views, 2) => lines.draw(&mut third, None, trajectory),
+            (Layout::Views, 3) => lines.draw(&mut fourth, None, trajectory),
+            _ => lines.draw(&mut edges, Some((&mut hidden, &mut pins)), trajectory),
         }
     }
 }
@@ -98,8 +106,9 @@ pub(super) fn draw_frames(
 /// Lines of one trajectory.
 struct Lines<'a> {
     body: &'a RigidBox,
-    /// The box's own edges.
-    edges: bool,
+    pin: Option<[DVec3; 2]>,
+    /// It has a solid box, not edges alone.
+    solid: bool,
     reference: Option<&'a BodyState>,
     trail: Option<&'a VecDeque<(f64, Vec3)>>,
 }
@@ -108,11 +117,30 @@ impl Lines<'_> {
     fn draw<G: GizmoConfigGroup>(
         &self,
         gizmos: &mut Gizmos<G>,
-        (integrator, state, _, offset, _): Shown<'_>,
+        mut first: Option<(&mut Gizmos<HiddenEdges>, &mut Gizmos<Pins>)>,
+        (integrator, state, track, offset, status): Shown<'_>,
     ) {
-        if self.edges {
-            for [a, b] in edges(self.body, state, offset) {
-                gizmos.line(a, b, color(integrator, 0.95));
+        // A comparison that was given up is gray.
+        let own = |alpha: f32| match status.is_diverged() {
+            true => Color::srgba(0.5, 0.5, 0.5, alpha),
+            false => color(integrator, alpha),
+        };
+        let mut line = |[a, b]: [Vec3; 2], color: Color, hidden: bool| {
+            gizmos.line(a, b, color);
+            if let (true, Some((behind, _))) = (hidden, &mut first) {
+                behind.line(a, b, color.with_alpha(HIDDEN * color.alpha()));
+            }
+        };
+        let bright = own(1.0).mix(&Color::WHITE, 0.55);
+        let edge = if self.solid { bright } else { own(1.0) };
+        for ends in edges(self.body, state, offset) {
+            line(ends, edge, !self.solid);
+        }
+        let apart = track.now.sample.get(Quantity::Attitude);
+        if !self.solid && (apart.is_nan() || apart > MARKED) {
+            for ends in marks::lines(self.body.half_extents().as_vec3()) {
+                let place = |p: Vec3| state.point(p.as_dvec3()).as_vec3() + offset;
+                line(ends.map(place), own(1.0), false);
             }
         }
         if let Some(reference) = self.reference {
@@ -120,16 +148,35 @@ impl Lines<'_> {
                 for d in 0..DASHES {
                     let part = |s: f32| a.lerp(b, s / DASHES as f32);
                     let from = d as f32;
-                    gizmos.line(part(from), part(from + 0.55), Color::WHITE);
+                    line([part(from), part(from + 0.55)], Color::WHITE, true);
+                }
+            }
+        }
+        if let Some(ends) = self.pin {
+            let place = |p: DVec3| state.point(p).as_vec3() + offset;
+            let [inner, outer] = ends.map(place);
+            let [back, far] = ends.map(|p| place(-p));
+            let ball = 0.1 * (outer - inner).length();
+            match first {
+                Some((_, pins)) => {
+                    pins.line(inner, outer, bright);
+                    pins.sphere(outer, ball, bright).resolution(8);
+                    pins.line(back, far, own(1.0).darker(0.25));
+                }
+                None => {
+                    gizmos.line(inner, outer, bright);
+                    gizmos.sphere(outer, ball, bright).resolution(8);
+                    gizmos.line(back, far, own(1.0).darker(0.25));
                 }
             }
         }
         if let Some(points) = self.trail {
             let count = points.len().max(2) as f32;
             gizmos.linestrip_gradient(
-                points.iter().enumerate().map(|(n, (_, at))| {
-                    (*at + offset, color(integrator, n as f32 / (count - 1.0)))
-                }),
+                points
+                    .iter()
+                    .enumerate()
+                    .map(|(n, (_, at))| (*at + offset, own(n as f32 / (count - 1.0)))),
             );
         }
     }
@@ -140,7 +187,7 @@ fn edges(body: &RigidBox, state: &BodyState, offset: Vec3) -> [[Vec3; 2]; 12] {
     let half = body.half_extents();
     let corner = |k: usize| {
         let sign = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
-        let local = half * bevy::math::DVec3::new(sign(1), sign(2), sign(4));
+        let local = half * DVec3::new(sign(1), sign(2), sign(4));
         state.point(local).as_vec3() + offset
     };
     let mut found = [[Vec3::ZERO; 2]; 12];
@@ -162,11 +209,8 @@ mod tests {
 
     #[test]
     fn a_box_has_twelve_edges_of_its_size() {
-        let body = RigidBox::new(bevy::math::DVec3::new(0.5, 0.25, 0.125), 1.0).expect("valid");
-        let state = BodyState::at_pose(
-            bevy::math::DVec3::ZERO,
-            bevy::math::DQuat::from_rotation_x(0.7),
-        );
+        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 1.0).expect("valid");
+        let state = BodyState::at_pose(DVec3::ZERO, bevy::math::DQuat::from_rotation_x(0.7));
         let lengths = edges(&body, &state, Vec3::X).map(|[a, b]| a.distance(b));
         for size in [1.0, 0.5, 0.25] {
             let count = lengths.iter().filter(|l| (*l - size).abs() < 1e-5);

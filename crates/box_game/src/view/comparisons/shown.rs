@@ -1,5 +1,6 @@
 //! The trajectories that are drawn, and their places.
 
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Integrator};
 use box_scenarios::Status;
@@ -76,22 +77,26 @@ pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
     }
 }
 
-/// The point that trails and labels follow, body axes \[m\].
-pub(super) fn tip(run: &Run) -> bevy::math::DVec3 {
+/// Length of a pin outside the box, over the box's radius.
+const PIN: f64 = 0.35;
+
+/// The ends of the pin through the box, body axes \[m\]: along the axis that the box spins about, which a flip
+/// turns over. None for a box that travels.
+pub(super) fn pin(run: &Run) -> Option<[DVec3; 2]> {
     let start = run.start();
     let travels = start.velocity.length() > 0.1
         || run.law.floor.is_some()
         || run.law.forces.gravity.length() > 0.0;
     let half = run.law.body.half_extents();
-    if travels {
-        bevy::math::DVec3::ZERO
-    } else if half.x >= half.y && half.x >= half.z {
-        bevy::math::DVec3::X * half.x
-    } else if half.y >= half.z {
-        bevy::math::DVec3::Y * half.y
-    } else {
-        bevy::math::DVec3::Z * half.z
-    }
+    let axis = run.reference_flips.axis().unwrap_or(half.max_position());
+    let inner = DVec3::AXES[axis] * half[axis];
+    let outer = inner + DVec3::AXES[axis] * PIN * run.law.body.radius();
+    (!travels).then_some([inner, outer])
+}
+
+/// The point that trails and labels follow, body axes \[m\].
+pub(super) fn tip(run: &Run) -> DVec3 {
+    pin(run).map_or(DVec3::ZERO, |[_, outer]| outer)
 }
 
 #[cfg(test)]

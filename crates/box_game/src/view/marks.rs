@@ -1,0 +1,202 @@
+//! Marks on the faces of a box: the letter of the axis that comes out of it, underlined, with a minus sign on the
+//! opposite face, so that every attitude looks different. Strokes in body axes, for meshes and for lines.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
+use bevy::prelude::*;
+
+/// A stroke in the letter's square, −1 to 1.
+type Stroke = [[f32; 2]; 2];
+
+const UNDERLINE: Stroke = [[-0.8, -1.35], [0.8, -1.35]];
+const MINUS: Stroke = [[-1.7, 0.0], [-1.0, 0.0]];
+const LETTERS: [&[Stroke]; 3] = [
+    &[[[-0.7, 1.0], [0.7, -1.0]], [[-0.7, -1.0], [0.7, 1.0]]],
+    &[
+        [[-0.7, 1.0], [0.0, 0.1]],
+        [[0.7, 1.0], [0.0, 0.1]],
+        [[0.0, 0.1], [0.0, -1.0]],
+    ],
+    &[
+        [[-0.7, 1.0], [0.7, 1.0]],
+        [[0.7, 1.0], [-0.7, -1.0]],
+        [[-0.7, -1.0], [0.7, -1.0]],
+    ],
+];
+/// Half the letter's size over the shorter half-edge of its face.
+const SIZE: f32 = 0.5;
+/// Half the width of a stroke over half the letter's size.
+const WIDTH: f32 = 0.15;
+/// Height of the marks over the face, over the box's shortest half-edge.
+const LIFT: f32 = 0.004;
+
+/// A face: its axis and sign, its middle \[m\], the half-edges along its right and up \[m\].
+struct Face {
+    axis: usize,
+    sign: f32,
+    normal: Vec3,
+    middle: Vec3,
+    right: Vec3,
+    up: Vec3,
+}
+
+fn faces(half: Vec3) -> impl Iterator<Item = Face> {
+    [0, 1, 2].into_iter().flat_map(move |axis| {
+        [1.0, -1.0].map(|sign| {
+            let normal = sign * Vec3::AXES[axis];
+            let up = if axis == 1 { Vec3::Z } else { Vec3::Y };
+            let right = up.cross(normal);
+            Face {
+                axis,
+                sign,
+                normal,
+                middle: normal * half[axis],
+                right: right * right.abs().dot(half),
+                up: up * up.dot(half),
+            }
+        })
+    })
+}
+
+impl Face {
+    /// Half the size of the letter \[m\].
+    fn size(&self) -> f32 {
+        SIZE * self.right.length().min(self.up.length())
+    }
+
+    /// The strokes of its mark, body axes \[m\].
+    fn strokes(&self, lift: f32) -> impl Iterator<Item = [Vec3; 2]> {
+        let (right, up) = (self.right.normalize_or_zero(), self.up.normalize_or_zero());
+        let (size, middle) = (self.size(), self.middle + self.normal * lift);
+        let minus = (self.sign < 0.0).then_some(MINUS);
+        let letter = LETTERS[self.axis].iter().copied();
+        letter
+            .chain([UNDERLINE])
+            .chain(minus)
+            .map(move |stroke| stroke.map(|[x, y]| middle + size * (x * right + y * up)))
+    }
+
+    /// Opposite faces are far apart in lightness.
+    fn shade(&self) -> f32 {
+        let (front, back) = [(0.62, 0.16), (1.0, 0.10), (0.40, 0.24)][self.axis];
+        if self.sign > 0.0 { front } else { back }
+    }
+}
+
+/// The marks of the three faces that look along +x, +y and +z, as lines in body axes \[m\].
+pub(super) fn lines(half: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
+    faces(half)
+        .filter(|face| face.sign > 0.0)
+        .flat_map(|face| face.strokes(0.0).collect::<Vec<_>>())
+}
+
+/// A cuboid with marks on six faces of different lightness and no color of its own: the material's color says
+/// whose box it is.
+pub(crate) fn marked_cuboid(half: Vec3) -> Mesh {
+    cuboid(half, true)
+}
+
+/// The same without marks, for boxes of the load.
+pub(crate) fn shaded_cuboid(half: Vec3) -> Mesh {
+    cuboid(half, false)
+}
+
+fn cuboid(half: Vec3, marked: bool) -> Mesh {
+    let (mut places, mut normals, mut colors, mut indices) = (vec![], vec![], vec![], vec![]);
+    let mut quad = |normal: Vec3, corners: [Vec3; 4], color: f32| {
+        let first = places.len() as u32;
+        places.extend(corners.map(|c| c.to_array()));
+        normals.extend([normal.to_array(); 4]);
+        colors.extend([[color, color, color, 1.0]; 4]);
+        indices.extend([0, 1, 2, 0, 2, 3].map(|k| first + k));
+    };
+    for face in faces(half) {
+        let (m, r, u) = (face.middle, face.right, face.up);
+        let shade = face.shade();
+        quad(
+            face.normal,
+            [m - r - u, m + r - u, m + r + u, m - r + u],
+            shade,
+        );
+        if !marked {
+            continue;
+        }
+        let ink = if shade > 0.3 { 0.02 } else { 1.0 };
+        let width = WIDTH * face.size();
+        for [a, b] in face.strokes(LIFT * half.min_element()) {
+            let along = (b - a).normalize_or_zero() * width;
+            let aside = face.normal.cross(along);
+            let (a, b) = (a - along, b + along);
+            quad(
+                face.normal,
+                [a - aside, b - aside, b + aside, a + aside],
+                ink,
+            );
+        }
+    }
+    Mesh::new(
+        PrimitiveTopology::TriangleList,
+        RenderAssetUsages::default(),
+    )
+    .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, places)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+    .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
+    .with_inserted_indices(Indices::U32(indices))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every mark lies inside its face, and no two faces look alike in any of their four turns.
+    #[test]
+    fn marks_lie_on_their_faces_and_tell_them_apart() {
+        let half = Vec3::new(0.2, 0.5, 1.0);
+        let mut seen: Vec<Vec<[i32; 4]>> = Vec::new();
+        for face in faces(half) {
+            for [a, b] in face.strokes(0.0) {
+                for p in [a, b] {
+                    assert!((p.abs().cmple(half + 1e-6)).all(), "{p}");
+                    assert!((p.dot(face.normal) - face.normal.abs().dot(half)).abs() < 1e-6);
+                }
+            }
+            assert!(
+                face.right.cross(face.up).dot(face.normal) > 0.0,
+                "seen from outside"
+            );
+            let strokes: Vec<_> = LETTERS[face.axis]
+                .iter()
+                .copied()
+                .chain([UNDERLINE])
+                .chain((face.sign < 0.0).then_some(MINUS))
+                .collect();
+            for turn in 0..4 {
+                let turned = |[x, y]: [f32; 2]| match turn {
+                    0 => [x, y],
+                    1 => [-y, x],
+                    2 => [-x, -y],
+                    _ => [y, -x],
+                };
+                let mut look: Vec<[i32; 4]> = strokes
+                    .iter()
+                    .map(|s| {
+                        let mut ends = s.map(turned).map(|p| p.map(|v| (v * 100.0).round() as i32));
+                        ends.sort_unstable();
+                        [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]
+                    })
+                    .collect();
+                look.sort_unstable();
+                assert!(!seen.contains(&look), "{} {}", face.axis, face.sign);
+                seen.push(look);
+            }
+        }
+    }
+
+    #[test]
+    fn a_cuboid_has_six_faces_and_its_marks() {
+        let strokes: usize = faces(Vec3::ONE).map(|f| f.strokes(0.0).count()).sum();
+        assert_eq!(shaded_cuboid(Vec3::ONE).count_vertices(), 24);
+        assert_eq!(marked_cuboid(Vec3::ONE).count_vertices(), 24 + 4 * strokes);
+        assert_eq!(lines(Vec3::ONE).count(), 3 + 4 + 4);
+    }
+}
