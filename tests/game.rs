@@ -491,3 +491,49 @@ fn the_reference_includes_parameters_unless_changed_in_flight() {
     let now = main_box(&mut app);
     assert!((now.position - reference.position).length() < 1e-9);
 }
+
+/// The window's exit code sees a comparison that diverges, and the main box, not the quarantined alone.
+#[test]
+fn fail_on_divergence_sees_every_trajectory() {
+    for integrators in [
+        "split,semi-implicit-euler",
+        "semi-implicit-euler,split",
+        "split,exact",
+    ] {
+        let mut app = game(&[
+            "needle",
+            "--integrator",
+            integrators,
+            "--fail-on-divergence",
+            "--duration",
+            "3",
+        ]);
+        let mut updates = 0;
+        while app.should_exit().is_none() && updates < 1000 {
+            app.update();
+            updates += 1;
+        }
+        let expected = if integrators == "split,exact" {
+            AppExit::Success
+        } else {
+            AppExit::from_code(3)
+        };
+        assert_eq!(app.should_exit(), Some(expected), "{integrators}");
+    }
+}
+
+/// The law of restitution reaches the plugin and every comparison, live.
+#[test]
+fn the_law_of_restitution_is_a_parameter() {
+    let mut app = game(&["bounce", "--set", "restitution-law=newton"]);
+    let law = |app: &App| app.world().resource::<ContactSettings>().restitution;
+    assert_eq!(law(&app), RestitutionLaw::Newton);
+    ask(&mut app, Action::Set(Parameter::RestitutionLaw, 0.0));
+    app.update();
+    assert_eq!(law(&app), RestitutionLaw::Energetic);
+    ask(&mut app, Action::Set(Parameter::RestitutionLaw, 1.0));
+    app.update();
+    let comparison = app.world().resource::<box_game::compare::Comparison>();
+    let run = comparison.run.as_ref().expect("a run");
+    assert_eq!(run.law.settings.restitution, RestitutionLaw::Newton);
+}

@@ -22,6 +22,8 @@ pub enum Parameter {
     Gravity,
     /// Restitution of the floor.
     Restitution,
+    /// Law that limits the energy of an impact, by its number in [`Info::choices`].
+    RestitutionLaw,
     /// Friction of the floor.
     Friction,
     /// Linear drag c₁ [N s/m].
@@ -76,6 +78,8 @@ pub struct Info {
     pub integer: bool,
     /// When a new value acts.
     pub effect: Effect,
+    /// Names of the values 0, 1, …, if it is a choice and not a number.
+    pub choices: &'static [&'static str],
 }
 
 impl Info {
@@ -96,6 +100,7 @@ impl Info {
             logarithmic: false,
             integer: false,
             effect: Effect::Live,
+            choices: &[],
         }
     }
 
@@ -121,6 +126,14 @@ impl Info {
         }
     }
 
+    const fn choice(self, choices: &'static [&'static str]) -> Self {
+        let last = (choices.len() - 1) as f64;
+        Self {
+            choices,
+            ..self.linear((0.0, last), (0.0, last)).integer()
+        }
+    }
+
     const fn effect(self, effect: Effect) -> Self {
         Self { effect, ..self }
     }
@@ -134,11 +147,12 @@ impl Info {
 
 impl Parameter {
     /// Every parameter, in the order of the panel.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Step,
         Self::Substeps,
         Self::Gravity,
         Self::Restitution,
+        Self::RestitutionLaw,
         Self::Friction,
         Self::LinearDrag,
         Self::AngularDamping,
@@ -164,6 +178,9 @@ impl Parameter {
                 .linear((0.0, 30.0), (-1e4, 1e4)),
             Self::Restitution => Info::new("restitution", "Restitution", "",
                 "Speed after a bounce over the speed before it: 0 stays down, 1 keeps bouncing."),
+            Self::RestitutionLaw => Info::new("restitution-law", "Impact law", "",
+                "Energetic: an impact returns at most e² of the energy. Newton: the speed of each corner is reversed times e.")
+                .choice(&["Energetic", "Newton"]),
             Self::Friction => Info::new("friction", "Friction", "", "Coulomb friction coefficient of the floor.")
                 .linear((0.0, 2.0), (0.0, 1e3)),
             Self::LinearDrag => Info::new("linear-drag", "Linear drag", "N s/m", "Force against the velocity, c₁ v.")
@@ -190,9 +207,24 @@ impl Parameter {
         (!value.is_nan()).then_some(value)
     }
 
-    /// A value with its name and unit: `gravity 1.62 m/s²`.
+    /// A value as typed: a number, or the name of a choice in any case.
+    pub fn parse(self, text: &str) -> Option<f64> {
+        let text = text.trim();
+        let named = self
+            .info()
+            .choices
+            .iter()
+            .position(|c| c.eq_ignore_ascii_case(text));
+        let value = named.map_or_else(|| text.parse().ok(), |k| Some(k as f64));
+        value.filter(|v: &f64| v.is_finite())
+    }
+
+    /// A value with its name and unit: `gravity 1.62 m/s²`, `restitution-law Newton`.
     pub fn describe(self, value: f64) -> String {
         let info = self.info();
+        if let (Some(choice), true) = (info.choices.get(value as usize), value.fract() == 0.0) {
+            return format!("{} {choice}", info.id);
+        }
         format!("{} {value} {}", info.id, info.unit)
             .trim_end()
             .to_owned()
@@ -210,6 +242,8 @@ pub struct Parameters {
     pub gravity: f64,
     /// Restitution of the floor; `None` without a floor.
     pub restitution: Option<f64>,
+    /// Law of restitution, 0 or 1; `None` without a floor.
+    pub restitution_law: Option<f64>,
     /// Friction of the floor; `None` without a floor.
     pub friction: Option<f64>,
     /// Linear drag c₁ [N s/m].
@@ -235,6 +269,7 @@ impl Parameters {
             substeps: 1.0,
             gravity: -setup.forces.gravity.y,
             restitution: setup.floor.map(|f| f.restitution),
+            restitution_law: setup.floor.map(|_| 0.0),
             friction: setup.floor.map(|f| f.friction),
             linear_drag: setup.forces.linear_drag,
             angular_damping: setup.forces.angular_damping,
@@ -262,6 +297,7 @@ impl Parameters {
             Parameter::Substeps => &mut self.substeps,
             Parameter::Gravity => &mut self.gravity,
             Parameter::Restitution => self.restitution.as_mut()?,
+            Parameter::RestitutionLaw => self.restitution_law.as_mut()?,
             Parameter::Friction => self.friction.as_mut()?,
             Parameter::LinearDrag => &mut self.linear_drag,
             Parameter::AngularDamping => &mut self.angular_damping,
@@ -332,6 +368,12 @@ mod tests {
             }
             assert_eq!(parameter.nearest(f64::NAN), None);
         }
+        let law = Parameter::RestitutionLaw;
+        assert_eq!(
+            (law.parse("newton"), law.parse("0"), law.parse("x")),
+            (Some(1.0), Some(0.0), None)
+        );
+        assert_eq!(law.describe(1.0), "restitution-law Newton");
         assert_eq!(Parameter::Substeps.nearest(2.6), Some(3.0));
         assert!(SPEEDS.is_sorted_by(|a, b| a < b) && SPEEDS.contains(&1.0));
     }

@@ -27,6 +27,8 @@ pub struct Preferences {
     pub show_contacts: bool,
     /// Body axes and velocity are drawn.
     pub show_axes: bool,
+    /// The panel is light.
+    pub light: bool,
 }
 
 impl Default for Preferences {
@@ -37,6 +39,7 @@ impl Default for Preferences {
             show_aabb: false,
             show_contacts: false,
             show_axes: false,
+            light: false,
         }
     }
 }
@@ -72,6 +75,7 @@ pub fn on_action(action: On<Action>, mut preferences: ResMut<Preferences>) {
         Action::ToggleAabb => preferences.show_aabb ^= true,
         Action::ToggleContacts => preferences.show_contacts ^= true,
         Action::ToggleAxes => preferences.show_axes ^= true,
+        Action::ToggleTheme => preferences.light ^= true,
         Action::TogglePlots => preferences.show_plots ^= true,
         Action::SelectPlot(_) => preferences.show_plots = true,
         Action::SetUiScale(scale) if scale.is_finite() => {

@@ -138,6 +138,8 @@ pub enum Action {
     TogglePanel,
     /// Show or hide the drawer with the plots.
     TogglePlots,
+    /// Dark or light panel.
+    ToggleTheme,
     /// Choose the plot in the drawer.
     SelectPlot(Plot),
     /// An action of the comparison.

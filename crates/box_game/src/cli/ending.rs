@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use box_physics::prelude::{BodyQuarantined, PhysicsClock};
 
 use super::Cli;
+use crate::compare::{Comparison, Run};
 use crate::platform;
 use crate::record::screenshot::ScreenshotRequest;
 
@@ -19,7 +20,7 @@ pub(super) struct Ending {
     pub frames: Option<u32>,
     /// A picture of the last frame.
     pub screenshot: Option<PathBuf>,
-    /// Exit code 3 if a body was quarantined.
+    /// Exit code 3 if a body was quarantined, or the main box or a comparison diverged.
     pub fail_on_divergence: bool,
 }
 
@@ -39,6 +40,7 @@ impl Ending {
 pub(super) fn end(
     (ending, clock): (Res<Ending>, Res<PhysicsClock>),
     mut quarantined: MessageReader<BodyQuarantined>,
+    comparison: Option<Res<Comparison>>,
     mut frames: Local<u32>,
     mut asked: Local<Option<u32>>,
     mut diverged: Local<bool>,
@@ -47,6 +49,8 @@ pub(super) fn end(
 ) {
     *frames += 1;
     *diverged |= quarantined.read().next().is_some();
+    let run = comparison.as_ref().and_then(|c| c.run.as_ref());
+    *diverged |= run.is_some_and(Run::any_diverged);
     let code = if *diverged && ending.fail_on_divergence {
         AppExit::from_code(3)
     } else {

@@ -93,7 +93,7 @@ pub struct Cli {
     pub speed: f64,
 
     /// A parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
-    /// friction, linear-drag, angular-damping, half-x, half-y, half-z (or half-extents=X,Y,Z), mass, impulse.
+    /// restitution-law (energetic or newton), friction, linear-drag, angular-damping, half-x, half-y, half-z (or half-extents=X,Y,Z), mass, impulse.
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse_setting)]
     pub set: Vec<Setting>,
 
@@ -251,7 +251,13 @@ fn parse_setting(text: &str) -> Result<Setting, String> {
         .into_iter()
         .find(|p| p.info().id == name.trim())
         .ok_or_else(|| format!("unknown parameter '{name}'; allowed: {}", ids().join(", ")))?;
-    Ok(Setting(vec![(parameter, number(value)?)]))
+    let value = parameter
+        .parse(value)
+        .ok_or_else(|| match parameter.info().choices {
+            [] => format!("'{value}' is not a number"),
+            choices => format!("{name} {value}: allowed: {}", choices.join(", ")),
+        })?;
+    Ok(Setting(vec![(parameter, value)]))
 }
 
 fn parse_png(text: &str) -> Result<PathBuf, String> {

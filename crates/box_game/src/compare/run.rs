@@ -210,6 +210,12 @@ impl Run {
         lateness(track.flips.times(), &known[..due], now)
     }
 
+    /// Whether the main box or a comparison was given up.
+    pub fn any_diverged(&self) -> bool {
+        let mut comparisons = self.comparisons.iter();
+        self.main_box.diverged.is_some() || comparisons.any(|r| r.simulation.diverged.is_some())
+    }
+
     /// Draws a line.
     pub fn rule(&mut self, t: f64, kind: RuleKind) {
         let repeated = self

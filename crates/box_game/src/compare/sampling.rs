@@ -255,6 +255,11 @@ impl IntegratorSamples {
         (!self.plugin.is_empty()).then(|| core::array::from_fn(stage))
     }
 
+    /// The stages of each step of the last two seconds \[µs\], oldest first.
+    pub fn plugin_steps(&self) -> impl Iterator<Item = [f64; Stage::ALL.len()]> + '_ {
+        self.plugin.iter().map(|step| step.1)
+    }
+
     /// Age \[s\] at `time` \[s\] of the oldest sample that a figure is made from.
     pub fn oldest(&self, time: f64) -> f64 {
         let first = self.recent.iter().filter_map(|r| r.front().map(|s| s.0));

@@ -3,6 +3,8 @@
 
 use std::collections::VecDeque;
 
+use super::verdict::{VISIBLE_ANGLE, VISIBLE_DISTANCE};
+
 /// Shortest time between two samples kept \[s\]: plots have no more pixels than that.
 const SPACING: f64 = 1.0 / 60.0;
 /// Samples of the last minute, and a few.
@@ -48,9 +50,26 @@ impl Quantity {
             Self::Attitude => "attitude error [°]",
             Self::LocalPosition => "position error of one step [m]",
             Self::LocalAttitude => "attitude error of one step [°]",
-            Self::Energy => "energy drift [of E]",
-            Self::Momentum => "|L| drift [of L]",
+            Self::Energy => "energy drift [%]",
+            Self::Momentum => "|L| drift [%]",
             Self::Direction => "direction of L [°]",
+        }
+    }
+
+    /// Times this a value is in the unit of the label.
+    pub const fn scale(self) -> f64 {
+        match self {
+            Self::Energy | Self::Momentum => 100.0,
+            _ => 1.0,
+        }
+    }
+
+    /// Size from which a person sees it, in the unit of the label, where that can be said.
+    pub const fn visible(self) -> Option<f64> {
+        match self {
+            Self::Position | Self::LocalPosition => Some(VISIBLE_DISTANCE),
+            Self::Attitude | Self::LocalAttitude | Self::Direction => Some(VISIBLE_ANGLE),
+            Self::Energy | Self::Momentum => None,
         }
     }
 

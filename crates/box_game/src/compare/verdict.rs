@@ -12,7 +12,7 @@ pub const VISIBLE_ANGLE: f64 = 1.0;
 /// See [`VISIBLE_ANGLE`].
 pub const VISIBLE_DISTANCE: f64 = 0.01;
 /// See [`VISIBLE_ANGLE`].
-pub const VISIBLE_LATENESS: f64 = 0.05;
+pub const VISIBLE_LATENESS: f64 = 0.1;
 /// Energy drift that is worth a word.
 const VISIBLE_ENERGY: f64 = 0.01;
 /// Errors below are rounding.

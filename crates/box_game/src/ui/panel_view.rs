@@ -10,6 +10,8 @@ use box_physics::prelude::{
     BodyState, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox, WorldAabb,
 };
 
+use box_scenarios::Status;
+
 use crate::compare::Comparison;
 use crate::compare::fill::compare_view;
 use crate::compare::sampling::IntegratorSamples;
@@ -84,6 +86,7 @@ pub fn view(s: &Sources) -> PanelView {
         fallbacks: session.fallbacks,
         unconverged: session.unconverged,
         stages_us: s.samples.plugin(),
+        stage_history: s.samples.plugin_steps().collect(),
         frame_time_ms: frame_time(s.diagnostics.as_deref()).unwrap_or(0.0),
         history: if open {
             history(s)
@@ -142,10 +145,10 @@ fn main_box(s: &Sources) -> MainBoxView {
         spin: state.body_angular_velocity(body).length(),
         position: state.position,
         state: match (quarantined, touching, still) {
-            (true, ..) => "quarantined",
-            (_, true, true) => "resting",
-            (_, true, false) => "contact",
-            _ => "free",
+            (true, ..) => Status::Quarantined,
+            (_, true, true) => Status::Resting,
+            (_, true, false) => Status::Contact,
+            _ => Status::Ok,
         },
     }
 }

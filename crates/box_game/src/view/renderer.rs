@@ -1,6 +1,7 @@
 //! The renderer: Bevy's plugins for a window or for an image, and the target of every camera.
 
 use bevy::camera::RenderTarget;
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::window::screenshot::Screenshot;
@@ -30,7 +31,10 @@ impl Plugin for TargetPlugin {
             let format = TextureFormat::Rgba8UnormSrgb;
             let mut image = Image::new_target_texture(width, height, format, None);
             image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
-            app.add_systems(Last, draw_pictures_alone);
+            app.add_systems(
+                PostUpdate,
+                draw_pictures_alone.before(VisibilitySystems::CheckVisibility),
+            );
             let mut images = app.world_mut().resource_mut::<Assets<Image>>();
             RenderTarget::Image(images.add(image).into())
         } else {

@@ -4,7 +4,9 @@ use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
 use egui_plot::{LineStyle, MarkerShape};
 
-use bevy_egui::egui::{Color32, Context, FontDefinitions, FontFamily, FontId, Id, TextStyle};
+use bevy_egui::egui::{
+    self, Color32, Context, FontDefinitions, FontFamily, FontId, Id, TextStyle, Theme,
+};
 
 /// The looks of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,21 +97,96 @@ const fn look(
     }
 }
 
-/// Small print \[points\]: egui's own nine are hard to read over a dark ground.
-const SMALL: f32 = 10.5;
+/// The panel in each theme: ground, fields on it, text, captions, the one accent and text on it.
+struct Palette {
+    panel: Color32,
+    field: Color32,
+    button: Color32,
+    text: Color32,
+    weak: Color32,
+    accent: Color32,
+}
 
-/// Lets text fall back on egui's own monospaced font, once per context: the proportional one has no
-/// ▲ ◆ ● and no arrows. And makes the small print readable.
-pub fn install_symbols(ctx: &Context) {
-    let done = Id::new("box_game symbols");
+const fn palette(theme: Theme) -> Palette {
+    match theme {
+        Theme::Dark => Palette {
+            panel: Color32::from_rgb(0x15, 0x18, 0x1D),
+            field: Color32::from_rgb(0x0D, 0x0F, 0x13),
+            button: Color32::from_rgb(0x2A, 0x2F, 0x38),
+            text: Color32::from_rgb(0xDD, 0xE2, 0xE9),
+            weak: Color32::from_rgb(0xA4, 0xAD, 0xBA),
+            accent: Color32::from_rgb(0x1F, 0x62, 0xC8),
+        },
+        Theme::Light => Palette {
+            panel: Color32::from_rgb(0xF4, 0xF5, 0xF7),
+            field: Color32::from_rgb(0xFF, 0xFF, 0xFF),
+            button: Color32::from_rgb(0xDF, 0xE3, 0xE9),
+            text: Color32::from_rgb(0x1A, 0x1E, 0x25),
+            weak: Color32::from_rgb(0x52, 0x5C, 0x69),
+            accent: Color32::from_rgb(0x1F, 0x62, 0xC8),
+        },
+    }
+}
+
+/// The type scale [points]: the headline, text, captions and numbers.
+const HEADING: f32 = 19.0;
+const BODY: f32 = 13.5;
+const SMALL: f32 = 12.0;
+const MONOSPACE: f32 = 13.0;
+
+/// Contrast of text with its ground: WCAG 2.1, 1.4.3.
+const CONTRAST: f64 = 4.5;
+
+/// The relative luminance of a color, 0 to 1 (WCAG 2.1).
+fn luminance(color: Color32) -> f64 {
+    let linear = |c: u8| {
+        let c = f64::from(c) / 255.0;
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+}
+
+/// The contrast of two colors, 1 to 21 (WCAG 2.1).
+fn contrast(a: Color32, b: Color32) -> f64 {
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+impl IntegratorStyle {
+    /// The color for text and lines on the panel: the integrator's own, mixed with white or black until it can be read.
+    pub fn ink(self, theme: Theme) -> Color32 {
+        let ground = palette(theme).panel;
+        let end = if theme == Theme::Dark { 255.0 } else { 0.0 };
+        let mixed = |k: u8| {
+            let share = f64::from(k) / 20.0;
+            let [r, g, b] = self
+                .rgb
+                .map(|c| (f64::from(c) * (1.0 - share) + end * share) as u8);
+            Color32::from_rgb(r, g, b)
+        };
+        let readable = (0..20)
+            .map(mixed)
+            .find(|c| contrast(*c, ground) >= CONTRAST);
+        readable.unwrap_or(palette(theme).text)
+    }
+}
+
+/// Colors, type scale and spacing of the panel, once per context. Text falls back on egui's own monospaced font: the
+/// proportional one has no ▲ ◆ ● and no arrows.
+pub fn install(ctx: &Context, light: bool) {
+    ctx.set_theme(if light { Theme::Light } else { Theme::Dark });
+    let done = Id::new("box_game style");
     if ctx.data(|data| data.get_temp::<()>(done)).is_some() {
         return;
     }
     ctx.data_mut(|data| data.insert_temp(done, ()));
-    ctx.all_styles_mut(|style| {
-        let small = FontId::new(SMALL, FontFamily::Proportional);
-        style.text_styles.insert(TextStyle::Small, small);
-    });
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| dress(style, &palette(theme)));
+    }
     let mut fonts = FontDefinitions::default();
     let symbols = fonts.families.get(&FontFamily::Monospace).cloned();
     if let (Some(symbols), Some(text)) =
@@ -121,6 +198,36 @@ pub fn install_symbols(ctx: &Context) {
             }
         }
         ctx.set_fonts(fonts);
+    }
+}
+
+fn dress(style: &mut egui::Style, palette: &Palette) {
+    for (text, size, family) in [
+        (TextStyle::Heading, HEADING, FontFamily::Proportional),
+        (TextStyle::Body, BODY, FontFamily::Proportional),
+        (TextStyle::Button, BODY, FontFamily::Proportional),
+        (TextStyle::Small, SMALL, FontFamily::Proportional),
+        (TextStyle::Monospace, MONOSPACE, FontFamily::Monospace),
+    ] {
+        style.text_styles.insert(text, FontId::new(size, family));
+    }
+    style.spacing.item_spacing = egui::vec2(8.0, 4.0);
+    style.spacing.button_padding = egui::vec2(6.0, 2.0);
+    let visuals = &mut style.visuals;
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.panel;
+    visuals.extreme_bg_color = palette.field;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.selection.bg_fill = palette.accent;
+    visuals.selection.stroke.color = Color32::WHITE;
+    visuals.hyperlink_color = palette.accent;
+    let widgets = &mut visuals.widgets;
+    widgets.noninteractive.fg_stroke.color = palette.text;
+    widgets.inactive.fg_stroke.color = palette.text;
+    widgets.inactive.weak_bg_fill = palette.button;
+    widgets.inactive.bg_fill = palette.button;
+    for state in [&mut widgets.noninteractive, &mut widgets.inactive] {
+        state.corner_radius = egui::CornerRadius::same(4);
     }
 }
 
@@ -140,26 +247,45 @@ mod tests {
         }
     }
 
-    /// WCAG 2.1, 1.4.11: 3 : 1 for graphics, against the panel's gray 27.
+    /// Text on the panel, in the picture and in the integrators' colors, in both themes.
     #[test]
-    fn colors_stand_out_from_the_panel() {
-        let linear = |c: u8| {
-            let c = f64::from(c) / 255.0;
-            if c <= 0.04045 {
-                c / 12.92
-            } else {
-                ((c + 0.055) / 1.055).powf(2.4)
+    fn text_can_be_read() {
+        for theme in [Theme::Dark, Theme::Light] {
+            let p = palette(theme);
+            for (name, text, ground) in [
+                ("text", p.text, p.panel),
+                ("text in a field", p.text, p.field),
+                ("text on a button", p.text, p.button),
+                ("caption", p.weak, p.panel),
+                ("caption in a field", p.weak, p.field),
+                ("selected", Color32::WHITE, p.accent),
+            ] {
+                assert!(
+                    contrast(text, ground) >= CONTRAST,
+                    "{theme:?} {name}: {}",
+                    contrast(text, ground)
+                );
             }
-        };
-        let luminance = |rgb: [u8; 3]| {
-            0.2126 * linear(rgb[0]) + 0.7152 * linear(rgb[1]) + 0.0722 * linear(rgb[2])
-        };
-        let panel = luminance([27; 3]);
-        for style in Integrator::ALL.iter().map(|&i| of(i)) {
-            assert!(
-                (luminance(style.rgb) + 0.05) / (panel + 0.05) >= 3.0,
-                "{style:?}"
-            );
+            for &integrator in Integrator::ALL {
+                let ink = of(integrator).ink(theme);
+                assert!(contrast(ink, p.panel) >= CONTRAST, "{theme:?} {integrator}");
+            }
+        }
+        let plate = Color32::from_rgb(0x1C, 0x20, 0x27);
+        for text in [PICTURE_TEXT, PICTURE_WEAK, PICTURE_GOOD, PICTURE_BAD] {
+            assert!(contrast(text, plate) >= CONTRAST, "{text:?}");
+        }
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-9);
+    }
+
+    /// No text is set smaller than the captions, and captions have 12 points.
+    #[test]
+    fn the_type_scale_ends_at_twelve_points() {
+        let ctx = Context::default();
+        install(&ctx, false);
+        for theme in [Theme::Dark, Theme::Light] {
+            let style = ctx.style_of(theme);
+            assert!(style.text_styles.values().all(|font| font.size >= 12.0));
         }
     }
 }

@@ -18,8 +18,8 @@ pub fn ballistic() -> Scenario {
         title: "Ballistic throw",
         lesson: "The simplest motion there is. Semi-implicit Euler and the 2012 integrator are off by exactly ½·g·dt·t, a third of a meter after 4 s; second-order integrators hit the parabola to rounding.",
         hints: [
-            "Halve dt: the first-order errors halve.",
-            "Explicit Euler flies high by what Semi-implicit Euler flies low.",
+            "Press [120 Hz]: the first-order errors halve.",
+            "Press [Side by side]: Explicit Euler flies high by what Semi-implicit Euler flies low.",
         ],
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &[
@@ -48,8 +48,8 @@ pub fn stiff_drag() -> Scenario {
         title: "Stiff drag",
         lesson: "Drag of 250 per second kills the throw in milliseconds. Explicit integrators explode once c·dt/m passes 2 (RK4: 2.79); implicit and exponential ones fall on quietly.",
         hints: [
-            "At 60 Hz c·dt/m is 4: lower the drag to find each integrator's limit.",
-            "Implicit midpoint rings: its factor tends to −1.",
+            "Lower [Linear drag] from c·dt/m = 4 to find each integrator's limit.",
+            "Open the [Error tab]: Implicit midpoint rings, its factor tends to −1.",
         ],
         setup: Setup::new(body, start, forces, 3.0),
         recommended: &["split", "backward-euler", "implicit-midpoint", "rk4"],
@@ -72,8 +72,8 @@ pub fn quadratic_drag() -> Scenario {
         title: "Quadratic drag",
         lesson: "Thrown straight up at 45 m/s through air: the answer is a tangent going up and a hyperbolic tangent coming down. The drag must never turn the velocity round.",
         hints: [
-            "Throw at 1e4 m/s: explicit integrators come out backwards.",
-            "Every integrator shows its order here.",
+            "Press [Push +y] with a [Strength] of 1e4: explicit integrators come out backwards.",
+            "Press [Sweep] in the [Work–precision tab]: every integrator shows its order.",
         ],
         setup: Setup::new(body, start, forces, 8.0),
         recommended: &["split", "rk4", "velocity-verlet", "explicit-euler"],
@@ -92,8 +92,8 @@ pub fn throw() -> Scenario {
         title: "Tumbling throw",
         lesson: "Gravity exerts no torque, so the center flies a parabola while the box tumbles freely. Both parts have exact answers, and errors in one do not touch the other.",
         hints: [
-            "Position and attitude can have different orders in one integrator.",
-            "Compare cost: force evaluations against error.",
+            "Press [Sweep] in the [Work–precision tab]: position and attitude can have different orders.",
+            "Press [equal cost]: every integrator gets the step it can afford.",
         ],
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],

@@ -19,8 +19,8 @@ pub fn playground() -> Scenario {
         title: "Playground",
         lesson: "A box at rest on a floor. Push it: W and S along its z axis, A and D along x, Q and E along y; Shift pushes off-center.",
         hints: [
-            "Click a face to poke it, drag it to grab it.",
-            "Change friction and restitution in the panel.",
+            "Click the box to poke it, drag it to grab it, or press [Push +x].",
+            "Move [Friction] and [Restitution].",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
@@ -38,7 +38,10 @@ pub fn drop() -> Scenario {
         id: "drop",
         title: "Flat drop",
         lesson: "Bounce n reaches e^(2n) of the first height, infinitely many of them in a finite time, then rest. An integrator that finds the impact inside the step keeps its order.",
-        hints: ["Set e to 1 or 0.", "A flat landing must not start a spin."],
+        hints: [
+            "Set [Restitution] to 1 or 0.",
+            "Read [Spin |ω|]: a flat landing must not start one.",
+        ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
         boxes: 1,
@@ -56,8 +59,8 @@ pub fn bounce() -> Scenario {
         title: "Hundred bounces",
         lesson: "With e = 1 the box must come back to the same height a hundred times. Energy gained or lost at each contact adds up where everyone can see it.",
         hints: [
-            "Read the height of the apex after a minute.",
-            "Integrators that are exact on the parabola stay; the others climb or sink.",
+            "Press [Faster] and read [Total energy] after a minute.",
+            "Open the [Energy tab]: integrators that are exact on the parabola stay, the others climb or sink.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(1.0, 0.0)),
         recommended: &[
@@ -82,8 +85,8 @@ pub fn slide() -> Scenario {
         title: "Slide to rest",
         lesson: "Coulomb friction stops the box after v²/(2µg), with a corner in the velocity when it stops. It must neither creep nor turn back.",
         hints: [
-            "Push it along the diagonal: it must stop on the same line.",
-            "Raise µ past 2: the box tips instead of sliding.",
+            "Press [Restart] and [Push +x]: it must stop on the line it slides along.",
+            "Raise [Friction] past 2: the box tips instead of sliding.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.0, 0.5)),
         recommended: &["split", "rk4", "backward-euler", "explicit-euler"],
@@ -105,8 +108,8 @@ pub fn tumble_storm() -> Scenario {
         title: "Tumble storm",
         lesson: "Each bounce of a tumbling box multiplies every difference. After a few no two integrators agree on the path; energy that never grows is what is left to compare.",
         hints: [
-            "Compare where the comparisons come to rest.",
-            "Halve dt: it does not help for long.",
+            "Press [Compare all]: no two come to rest in the same place.",
+            "Press [120 Hz]: it does not help for long.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.8, 0.3)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
@@ -126,8 +129,8 @@ pub fn load() -> Scenario {
         title: "Load test",
         lesson: "Thousands of boxes thrown over a floor: what a body and a step cost, in nanoseconds, for each integrator.",
         hints: [
-            "Move the load slider and read the time per body.",
-            "An integrator with four evaluations need not cost four times as much.",
+            "Move [Boxes] and read the time of a step.",
+            "Open the [Timing tab]: four evaluations need not cost four times as much.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
@@ -147,8 +150,8 @@ pub fn contact() -> Scenario {
         title: "Corner drop",
         lesson: "A tilted box lands on one corner and turns the fall into spin. When exactly it touched decides everything after.",
         hints: [
-            "Step through the impact with the full stop key.",
-            "Energy may fall at an impact and must never rise.",
+            "Press [Step] to go through the impact.",
+            "Read [Total energy]: it may fall at an impact and must never rise.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
@@ -167,8 +170,8 @@ pub fn dissertation_2012() -> Scenario {
         title: "The 2012 demo",
         lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. What it called implicit Euler is Heun's explicit method.",
         hints: [
-            "Press Ours in the strip and restart: the fall becomes a parabola, and it bounces.",
-            "Push it twice, quickly: in 2012 the second push replaces the first.",
+            "Press [box_physics] and [Restart]: the fall becomes a parabola, and it bounces.",
+            "Press [Push +x] twice, quickly: in 2012 the second push replaces the first.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["heun-2012", "rk4", "explicit-euler", "backward-euler"],

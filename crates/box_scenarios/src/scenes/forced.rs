@@ -19,10 +19,10 @@ pub fn spring_orbit() -> Scenario {
     Scenario {
         id: "spring-orbit",
         title: "Spring orbit",
-        lesson: "A spring to a fixed point makes an ellipse that closes on itself every π seconds. Symplectic integrators keep its size for ever; RK4 shrinks it slowly, Euler spirals out or in.",
+        lesson: "A spring to a fixed point makes an ellipse that closes on itself every π seconds. Symplectic integrators keep its size; RK4 shrinks it slowly, Euler spirals out or in.",
         hints: [
-            "Raise dt: Explicit Euler leaves, Backward Euler falls in.",
-            "Watch the energy of Split: it oscillates and never drifts.",
+            "Press [30 Hz]: Explicit Euler leaves sooner.",
+            "Open the [Energy tab]: Split oscillates and never drifts.",
         ],
         setup: Setup::new(body, start, forces, 30.0),
         recommended: &["split", "semi-implicit-euler", "rk4", "explicit-euler"],
@@ -46,8 +46,8 @@ pub fn stiff_spring() -> Scenario {
         title: "Stiff spring",
         lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Kicked integrators hold up to 2, RK4 to 2.83; implicit ones hold always, some of them by stopping the motion.",
         hints: [
-            "At 30 Hz ω·dt is 2: the kicked integrators are at their limit.",
-            "Backward Euler is stable and wrong: the oscillation is gone in a second.",
+            "Press [30 Hz]: ω·dt is 2, the limit of the kicked integrators.",
+            "Open the [Energy tab]: Backward Euler is stable and wrong, the oscillation is gone in a second.",
         ],
         setup: Setup::new(body, start, forces, 4.0),
         recommended: &["split", "rk4", "implicit-midpoint", "backward-euler"],
@@ -69,8 +69,8 @@ pub fn heavy_top() -> Scenario {
         title: "Heavy top",
         lesson: "A spinning bar leans and does not fall: it precesses and nods. Energy, the spin about its axis and the vertical angular momentum are constant.",
         hints: [
-            "Raise dt until the nodding is wrong, then try Split4.",
-            "Explicit Euler tips it over.",
+            "Raise [dt] until the nodding is wrong, then switch to [Split, order 4].",
+            "Switch to [Explicit Euler]: it tips over.",
         ],
         setup: Setup::new(body, start, forces, 5.0),
         recommended: &["split", "split4", "rk4", "implicit-midpoint"],

@@ -18,8 +18,8 @@ pub fn dzhanibekov() -> Scenario {
         title: "Dzhanibekov flip",
         lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: an integrator that changes the energy flips early, late, or the wrong way round.",
         hints: [
-            "Compare Explicit Euler with Split: one gains energy and loses the flip.",
-            "Halve dt and see whose flips move.",
+            "Tick [Explicit Euler]: it gains energy and loses the flip.",
+            "Press [120 Hz] and see whose flips move.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "semi-implicit-euler", "engine-rescaled", "rk4"],
@@ -37,8 +37,8 @@ pub fn stable_axis() -> Scenario {
         title: "Stable axis",
         lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the integrator's own.",
         hints: [
-            "Let it run for a minute and read the energy.",
-            "Engine (rescaled) walks to the middle axis and flips: it keeps |L|, not the energy.",
+            "Press [Faster] and open the [Energy tab] after a minute.",
+            "Tick [Engine: rescaled]: it walks to the middle axis and flips, for it keeps |L|, not the energy.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
@@ -61,8 +61,8 @@ pub fn thin_plate() -> Scenario {
         title: "Thin plate",
         lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order integrators gain energy here first.",
         hints: [
-            "Compare Midpoint with Implicit midpoint: same order, opposite energy behavior.",
-            "Double dt and see who still tumbles in step with the reference.",
+            "Open the [Energy tab]: Midpoint and Implicit midpoint have the same order and opposite energy behavior.",
+            "Press [30 Hz] and see who still tumbles in step with the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "midpoint", "implicit-midpoint", "rk4"],
@@ -80,8 +80,8 @@ pub fn needle() -> Scenario {
         title: "Needle",
         lesson: "Fast spin about a long thin axis, with moments 800 to 1. Explicit gyroscopic terms explode here at 60 Hz, and implicit ones lose a quarter of the energy.",
         hints: [
-            "Semi-implicit Euler is gone within a second.",
-            "Split stays within a thousandth of a radian at 60 Hz.",
+            "Press [Restart] and watch Semi-implicit Euler: it is gone within a second.",
+            "Open the [Error tab]: Split stays within a thousandth of a radian.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 5.0),
         recommended: &["split", "engine-newton", "semi-implicit-euler", "rk4"],
@@ -99,8 +99,8 @@ pub fn symmetric_top() -> Scenario {
         title: "Symmetric top",
         lesson: "A square bar precesses steadily: its axis draws a cone at the rate L/I. Split is exact for such bodies at any step; most integrators are not.",
         hints: [
-            "Set dt to 1/10 s: Split is still exact.",
-            "Look at the cone's angle under Backward Euler.",
+            "Set [dt] to 1/10 s: Split is still exact.",
+            "Press [Views] and compare the cones' angles.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "backward-euler", "semi-implicit-euler", "rk4"],
@@ -122,8 +122,8 @@ pub fn damped_spin() -> Scenario {
         title: "Damped spin",
         lesson: "Damping in proportion to the angular momentum only slows time down: the tumbling is the free one in the time (1 − e^(−γt))/γ, and the last attitude is known in advance.",
         hints: [
-            "Raise γ until γ·dt passes 2: explicit integrators explode, Split and Exact do not notice.",
-            "The direction of L never changes.",
+            "Raise [Ang. damping] until γ·dt passes 2: explicit integrators explode, Split and Exact do not notice.",
+            "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
         recommended: &["split", "exact", "rk4", "semi-implicit-euler"],
@@ -141,8 +141,8 @@ pub fn separatrix() -> Scenario {
         title: "Separatrix",
         lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
         hints: [
-            "Compare Implicit midpoint, exact in energy, with RK4, which is not.",
-            "No flip at all means the integrator ignores the gyroscopic term.",
+            "Open the [Energy tab]: Implicit midpoint keeps the energy, RK4 does not.",
+            "Tick [Engine: Avian 993]: no flip at all means that the gyroscopic term is missing.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "exact", "implicit-midpoint", "rk4"],

@@ -10,6 +10,8 @@ use crate::parameters::Parameter;
 pub struct PanelMemory {
     /// Open sections of the side panel, in the order of [`Section::ALL`].
     pub open: [bool; Section::ALL.len()],
+    /// The list of every integrator is open.
+    pub all_integrators: bool,
     /// The scene whose lesson was dismissed.
     pub dismissed_lesson: Option<String>,
     /// Number of notices and the newest one when it was dismissed.
@@ -46,9 +48,10 @@ pub(super) struct Frozen {
 
 impl Default for PanelMemory {
     fn default() -> Self {
-        let folded = [Section::Box, Section::Log];
+        let folded = [Section::Box, Section::Load, Section::Now, Section::Log];
         Self {
             open: Section::ALL.map(|section| !folded.contains(&section)),
+            all_integrators: false,
             dismissed_lesson: None,
             dismissed_notice: None,
             push_off_center: false,
@@ -69,6 +72,7 @@ impl PanelMemory {
     pub fn all_open() -> Self {
         Self {
             open: [true; Section::ALL.len()],
+            all_integrators: true,
             ..Self::default()
         }
     }
@@ -79,16 +83,16 @@ impl PanelMemory {
 pub enum Section {
     /// The integrators.
     Integrator,
-    /// dt and substeps.
-    Step,
+    /// Switches of the view.
+    View,
+    /// Impulses by button.
+    Push,
     /// Gravity, floor, drag.
     World,
     /// Size and mass.
     Box,
-    /// Impulses by button.
-    Push,
-    /// Switches of the view.
-    View,
+    /// dt and substeps.
+    Step,
     /// Number of boxes.
     Load,
     /// Read-outs.
@@ -101,11 +105,11 @@ impl Section {
     /// Every section, from top to bottom.
     pub const ALL: [Self; 9] = [
         Self::Integrator,
-        Self::Step,
+        Self::View,
+        Self::Push,
         Self::World,
         Self::Box,
-        Self::Push,
-        Self::View,
+        Self::Step,
         Self::Load,
         Self::Now,
         Self::Log,
@@ -114,7 +118,7 @@ impl Section {
     /// Heading of the section.
     pub const fn title(self) -> &'static str {
         match self {
-            Self::Integrator => "INTEGRATOR",
+            Self::Integrator => "INTEGRATORS",
             Self::Step => "STEP",
             Self::World => "WORLD",
             Self::Box => "BOX",

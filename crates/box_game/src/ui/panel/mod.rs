@@ -63,7 +63,7 @@ pub fn show(
     memory: &mut PanelMemory,
     out: &mut Vec<Action>,
 ) -> PanelLayout {
-    style::install_symbols(ui.ctx());
+    style::install(ui.ctx(), view.preferences.light);
     overlay::help(ui, view, memory, out);
     picker::show(ui, view, memory, out);
     if view.hidden {

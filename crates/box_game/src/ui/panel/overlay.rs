@@ -1,24 +1,34 @@
 //! Texts over the picture: lesson, notices, the list of keys, and the one line of a hidden panel.
 
 use bevy_egui::egui::{
-    Frame, Grid, Id, Label, Modal, Panel, RichText, ScrollArea, TextWrapMode, Ui, UiBuilder,
-    WidgetInfo, WidgetType,
+    Frame, Grid, Id, Label, Modal, Panel, RichText, ScrollArea, TextFormat, TextStyle,
+    TextWrapMode, Ui, UiBuilder, WidgetInfo, WidgetType, text::LayoutJob,
 };
 
 use super::keys::KEYS;
 use super::memory::PanelMemory;
 use super::view::PanelView;
+use super::widgets::toggle;
 use crate::action::Action;
+use crate::compare::verdict::headline;
 use crate::view::style;
 
 /// Below this height [points] the picture matters more than the lesson.
-const LESSON_ROOM: f32 = 150.0;
+const LESSON_ROOM: f32 = 230.0;
+/// The same for the headline.
+const HEADLINE_ROOM: f32 = 130.0;
 
 /// Time that a notice stays \[s\].
 const NOTICE_STAYS: f64 = 20.0;
 
 /// Lesson and newest notice, each until dismissed; a notice goes by itself after a while.
 pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
+    let headline = headline(&view.compare);
+    if !headline.is_empty() && ui.available_height() > HEADLINE_ROOM {
+        Panel::top("headline").show(ui, |ui| {
+            ui.add(Label::new(RichText::new(headline).heading().strong()).wrap());
+        });
+    }
     let lesson = !view.lesson.is_empty() && memory.dismissed_lesson.as_ref() != Some(&view.scene);
     if lesson && ui.available_height() > LESSON_ROOM && self::lesson(ui, view) {
         memory.dismissed_lesson = Some(view.scene.clone());
@@ -56,13 +66,14 @@ fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
         .filter(|hint| !hint.is_empty())
         .collect();
     let try_this = (!hints.is_empty()).then(|| format!("Try: {}", hints.join("  ·  ")));
+    let try_this = try_this.map(|text| controls_in_bold(ui, &text));
     Panel::top(Id::new(("strip", "lesson")))
         .show(ui, |ui| {
             ui.horizontal_top(|ui| {
                 let close = dismiss(ui, "lesson");
                 ui.vertical(|ui| {
                     ui.spacing_mut().item_spacing.y = 2.0;
-                    ui.add(Label::new(RichText::new(&view.lesson).strong()).wrap());
+                    ui.add(Label::new(&view.lesson).wrap());
                     if let Some(text) = try_this {
                         ui.add(Label::new(text).wrap());
                     }
@@ -72,6 +83,21 @@ fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
             .inner
         })
         .inner
+}
+
+/// A hint with the names of controls, which it has in brackets, in bold.
+fn controls_in_bold(ui: &Ui, hint: &str) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    let font = TextStyle::Body.resolve(ui.style());
+    let (plain, bold) = (
+        ui.visuals().weak_text_color(),
+        ui.visuals().strong_text_color(),
+    );
+    for (k, part) in hint.split(['[', ']']).enumerate() {
+        let color = if k % 2 == 0 { plain } else { bold };
+        job.append(part, 0.0, TextFormat::simple(font.clone(), color));
+    }
+    job
 }
 
 fn dismiss(ui: &mut Ui, what: &str) -> bool {
@@ -164,6 +190,10 @@ fn scale(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         }
     }
     ui.label("(Ctrl and + or −)");
+    let light = view.preferences.light;
+    if toggle(ui, light, "Light theme", "Light or dark panel.") {
+        out.push(Action::ToggleTheme);
+    }
 }
 
 fn keys(ui: &mut Ui) {

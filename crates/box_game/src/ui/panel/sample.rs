@@ -17,6 +17,7 @@ pub fn sample_view() -> PanelView {
         substeps: 1.0,
         gravity: 9.81,
         restitution: Some(0.5),
+        restitution_law: Some(0.0),
         friction: Some(0.6),
         linear_drag: 0.0,
         angular_damping: 0.0,
@@ -53,7 +54,7 @@ pub fn sample_view() -> PanelView {
             speed: 1.22,
             spin: 3.0,
             position: DVec3::new(0.1, 0.25, -0.3),
-            state: "free",
+            state: Default::default(),
         },
         timings: Integrator::ALL
             .iter()
@@ -70,6 +71,7 @@ pub fn sample_view() -> PanelView {
         fallbacks: 0,
         unconverged: 0,
         stages_us: Some([0.5, 0.1, 0.1, 0.1]),
+        stage_history: vec![[0.5, 0.1, 0.1, 0.1]; 120],
         frame_time_ms: 16.7,
         history: HistoryView {
             timing: (0..Integrator::ALL.len())

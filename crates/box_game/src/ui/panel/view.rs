@@ -3,6 +3,7 @@
 
 use box_physics::plugin::Stage;
 use box_physics::prelude::{DVec3, Integrator};
+use box_scenarios::Status;
 use box_scenarios::dissertation::Stepper;
 
 use super::format::number;
@@ -50,6 +51,8 @@ pub struct PanelView {
     pub unconverged: u64,
     /// Time of each stage of a step in the plugin, all bodies \[µs\]; `None` while it takes no steps.
     pub stages_us: Option<[f64; Stage::ALL.len()]>,
+    /// The same for each of the last steps, oldest first.
+    pub stage_history: Vec<[f64; Stage::ALL.len()]>,
     /// Time of the last frame \[ms\].
     pub frame_time_ms: f64,
     /// Histories for the plots.
@@ -127,8 +130,8 @@ pub struct MainBoxView {
     pub spin: f64,
     /// Center \[m\].
     pub position: DVec3,
-    /// "free", "contact", "resting" or "quarantined".
-    pub state: &'static str,
+    /// In free flight, at the floor, at rest, or frozen.
+    pub state: Status,
 }
 
 /// Timing of one integrator on the present load.

@@ -161,12 +161,12 @@ impl Lines<'_> {
                 Some((_, pins)) => {
                     pins.line(inner, outer, bright);
                     pins.sphere(outer, ball, bright).resolution(8);
-                    pins.line(back, far, own(1.0).darker(0.25));
+                    pins.line(back, far, own(1.0).darker(0.12));
                 }
                 None => {
                     gizmos.line(inner, outer, bright);
                     gizmos.sphere(outer, ball, bright).resolution(8);
-                    gizmos.line(back, far, own(1.0).darker(0.25));
+                    gizmos.line(back, far, own(1.0).darker(0.12));
                 }
             }
         }

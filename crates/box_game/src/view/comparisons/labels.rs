@@ -245,11 +245,13 @@ fn at_the_boxes(
         .and_then(|center| arrange(view.shrink(8.0), labels, &sizes, center, reach));
     match places {
         Some(places) => {
-            for (label, place) in labels.iter().zip(places) {
+            for (label, place) in labels.iter().zip(&places) {
                 if let Some(at) = label.at {
                     let color = label.marks[0].1.gamma_multiply(0.8);
                     painter.line_segment([place.clamp(at), at], egui::Stroke::new(1.5, color));
                 }
+            }
+            for (label, place) in labels.iter().zip(&places) {
                 plate(painter, label, place.min);
             }
         }
@@ -271,7 +273,7 @@ fn arrange(
     reach: f32,
 ) -> Option<Vec<egui::Rect>> {
     let mut places: Vec<egui::Rect> = Vec::new();
-    let body = egui::Rect::from_center_size(center, egui::Vec2::splat(1.2 * reach));
+    let body = egui::Rect::from_center_size(center, egui::Vec2::splat(1.7 * reach));
     for (label, &size) in labels.iter().zip(sizes) {
         let at = label.at?;
         let out = at - center;
@@ -280,13 +282,15 @@ fn arrange(
         } else {
             out
         };
+        // From inside the box, the line first has to leave it.
+        let inside = (reach - out.length()).max(0.0);
         let tries = REACH
             .iter()
             .flat_map(|length| TURNS.iter().map(move |turn| (length, turn)));
         let place = tries
             .map(|(length, turn)| {
                 let direction = egui::emath::Rot2::from_angle(*turn) * out.normalized();
-                let near = at + *length * direction;
+                let near = at + (inside + *length) * direction;
                 // The side of the label that faces the box is at the end of the line.
                 let shift = egui::vec2(
                     0.5 * size.x * direction.x.clamp(-1.0, 1.0),
@@ -340,7 +344,7 @@ mod tests {
         let places = arrange(view, &labels, &sizes, center, 60.0).expect("room for three");
         for (k, place) in places.iter().enumerate() {
             let at = labels[k].at.expect("seen");
-            assert!(place.distance_to_pos(at) < 100.0 && view.contains_rect(*place));
+            assert!(place.distance_to_pos(at) < 150.0 && view.contains_rect(*place));
             assert!(places[..k].iter().all(|other| !other.intersects(*place)));
             assert!(!place.contains(center));
         }

@@ -2,14 +2,16 @@
 //! lines where something happened.
 
 use bevy_egui::egui::{
-    Color32, Label, Rect, RichText, Sense, Ui, UiBuilder, Vec2b, WidgetInfo, WidgetType, pos2, vec2,
+    Align2, Color32, Label, Rect, RichText, Sense, Theme, Ui, UiBuilder, Vec2b, WidgetInfo,
+    WidgetType, pos2, vec2,
 };
-use egui_plot::{LineStyle, PlotUi, VLine};
+use egui_plot::{Axis, HLine, LineStyle, PlotPoint, PlotUi, Span, Text, VLine};
 
 use super::super::format::number;
 use super::super::linear_axis;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::plots::{describe, frame, line, scrolled, time_and};
+use crate::compare::verdict::{ROUNDING, short};
 use crate::compare::{CompareView, Quantity, RuleKind, TrajectoryView};
 use crate::view::style;
 use box_scenarios::Status;
@@ -50,7 +52,7 @@ pub(super) fn error(ui: &mut Ui, view: &CompareView) {
 
 /// Quantities that should be constant: energy, |L| and the direction of L, less what is accounted for.
 pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
-    legend(ui, view, Quantity::Energy, "");
+    legend(ui, view, Quantity::Energy, " %");
     let log = view.settings.logarithmic_energy;
     let plots = [Quantity::Energy, Quantity::Momentum, Quantity::Direction];
     let bars = ui.available_width() >= ROOM_FOR_BARS;
@@ -71,18 +73,18 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
         for trajectory in &view.trajectories {
-            let value = trajectory.get(quantity);
+            let value = quantity.scale() * trajectory.get(quantity);
             let mut text = style::marked_name(trajectory.integrator);
             if trajectory.main_box {
                 text.push_str(" (main)");
             }
             if value.is_finite() {
-                text.push_str(&format!(" {}{unit}", number(value)));
+                text.push_str(&format!(" {}{unit}", short(value)));
             }
             if trajectory.status != Status::Ok {
                 text.push_str(&format!(" · {}", trajectory.status));
             }
-            let color = style::of(trajectory.integrator).color();
+            let color = style::of(trajectory.integrator).ink(ui.ctx().theme());
             ui.add(Label::new(RichText::new(text).color(color).small()).extend());
         }
         let caption = match quantity {
@@ -122,11 +124,13 @@ fn beside(ui: &mut Ui, n: usize, mut draw: impl FnMut(&mut Ui, usize)) {
 }
 
 fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool) {
+    let scale = quantity.scale();
     let mut plot = frame(quantity.label())
         .link_axis("time of the trajectories", Vec2b::new(true, false))
         .link_cursor("time of the trajectories", Vec2b::new(true, false))
         .x_axis_label("simulated time [s]")
         .y_axis_label(quantity.label())
+        .x_grid_spacer(linear_axis::marks)
         .label_formatter(move |at| {
             Some(time_and(at, |y| {
                 let value = if logarithmic { from_axis(y) } else { y };
@@ -136,7 +140,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
     plot = if logarithmic {
         plot.y_grid_spacer(marks)
             .y_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
-            .include_y(to_axis(1e-12))
+            .include_y(to_axis(ROUNDING))
     } else {
         // Rounding noise on a constant must not fill the plot.
         plot.include_y(-1e-9)
@@ -147,6 +151,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
     let response = plot
         .show(ui, |plot| {
             rules(plot, view);
+            bands(plot, quantity, logarithmic);
             // The main box last, over the others.
             for trajectory in view.trajectories.iter().rev() {
                 let width = if trajectory.main_box { 2.5 } else { 1.6 };
@@ -154,17 +159,42 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
                 for (_, points) in trajectory.lines.iter().filter(|(q, _)| *q == quantity) {
                     let looks = style::of(trajectory.integrator);
                     if logarithmic {
-                        let log: Vec<_> =
-                            points.iter().map(|p| [p[0], to_axis(p[1].abs())]).collect();
+                        let place =
+                            |p: &[f64; 2]| [p[0], to_axis((scale * p[1].abs()).max(ROUNDING))];
+                        let log: Vec<_> = points.iter().map(place).collect();
                         line(plot, &name, &log, looks, width);
                     } else {
-                        line(plot, &name, points, looks, width);
+                        let scaled: Vec<_> = points.iter().map(|p| [p[0], scale * p[1]]).collect();
+                        line(plot, &name, &scaled, looks, width);
                     }
                 }
             }
         })
         .response;
     describe(&response, &in_words(view, quantity));
+}
+
+/// On a logarithmic axis of errors: the floor of rounding, and the band in which an error can be seen.
+fn bands(plot: &mut PlotUi<'_>, quantity: Quantity, logarithmic: bool) {
+    let (Some(visible), true) = (quantity.visible(), logarithmic) else {
+        return;
+    };
+    let dark = plot.ctx().theme() == Theme::Dark;
+    let tint = if dark { 255 } else { 0 };
+    plot.span(
+        Span::new("visible to the eye", to_axis(visible)..=to_axis(1e6))
+            .axis(Axis::Y)
+            .fill(Color32::from_rgba_unmultiplied(tint, tint, tint, 10))
+            .border_width(0.0),
+    );
+    let floor = HLine::new("rounding", to_axis(ROUNDING));
+    plot.hline(floor.color(Color32::GRAY).allow_hover(false));
+    let start = plot.plot_bounds().min()[0];
+    for (text, at) in [("rounding", ROUNDING), ("visible to the eye", visible)] {
+        let place = PlotPoint::new(start, to_axis(at));
+        let label = Text::new(text, place, RichText::new(text).small());
+        plot.text(label.anchor(Align2::LEFT_BOTTOM).allow_hover(false));
+    }
 }
 
 /// For screen readers: what is plotted and where every line stands.
@@ -176,7 +206,7 @@ fn in_words(view: &CompareView, quantity: Quantity) -> String {
             format!(
                 "{} {}",
                 trajectory.integrator.name(),
-                number(trajectory.get(quantity))
+                number(quantity.scale() * trajectory.get(quantity))
             )
         })
         .collect();
@@ -264,10 +294,10 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
         let scale = (place.width() - 16.0) / most as f32;
         painter.text(
             pos2(place.left(), place.center().y),
-            bevy_egui::egui::Align2::LEFT_CENTER,
+            Align2::LEFT_CENTER,
             style::of(trajectory.integrator).glyph,
             bevy_egui::egui::FontId::proportional((height - 2.0).clamp(5.0, 12.0)),
-            style::of(trajectory.integrator).color(),
+            style::of(trajectory.integrator).ink(ui.ctx().theme()),
         );
         for (energy, (_, color)) in trajectory.energies.iter().zip(ENERGIES) {
             let width = (energy.abs() as f32 * scale).min(place.right() - x);

@@ -12,6 +12,7 @@ use egui_plot::{
 
 use super::super::decimate::{decimate, segments, staircase};
 use super::super::format::number;
+use super::super::linear_axis;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::super::view::PanelView;
 use crate::view::style::{self, IntegratorStyle};
@@ -63,8 +64,8 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
         for (k, &integrator) in Integrator::ALL.iter().enumerate() {
             let (column, row) = ((k / rows) as f32, (k % rows) as f32);
             let at = pos2(right + 8.0 + column * LEGEND, whole.top() + row * line);
-            let name =
-                RichText::new(style::marked_name(integrator)).color(style::of(integrator).color());
+            let name = RichText::new(style::marked_name(integrator))
+                .color(style::of(integrator).ink(ui.ctx().theme()));
             let cell = Rect::from_min_size(at, vec2(LEGEND, line));
             ui.scope_builder(UiBuilder::new().max_rect(cell), |ui| {
                 ui.add(Label::new(name.small()).truncate());
@@ -80,6 +81,7 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
 fn timing_plot(ui: &mut Ui, view: &PanelView) {
     let plot = frame("Timing")
         .x_axis_label("wall time [s]")
+        .x_grid_spacer(linear_axis::marks)
         .y_axis_label("median ns per body-step")
         .y_grid_spacer(marks)
         .y_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
@@ -197,7 +199,7 @@ pub(super) fn line(
     looks: IntegratorStyle,
     width: f32,
 ) {
-    let color: Color32 = looks.color();
+    let color: Color32 = looks.ink(plot.ctx().theme());
     let dash = if path_length(plot, points) <= DASHED {
         looks.dash
     } else {

@@ -84,7 +84,7 @@ pub(super) fn show(
 fn mark(ui: &mut Ui, integrator: Integrator) {
     let looks = style::of(integrator);
     // Marks differ in width; the names line up.
-    let mark = Label::new(RichText::new(looks.glyph).color(looks.color()));
+    let mark = Label::new(RichText::new(looks.glyph).color(looks.ink(ui.ctx().theme())));
     ui.add_sized(vec2(16.0, ui.spacing().interact_size.y), mark);
 }
 

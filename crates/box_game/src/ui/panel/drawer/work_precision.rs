@@ -106,7 +106,7 @@ fn legend(ui: &mut Ui, trajectory: &TrajectoryView, line: Option<&SweepLine>, po
             other => format!(" ({other})"),
         });
     }
-    let color = style::of(trajectory.integrator).color();
+    let color = style::of(trajectory.integrator).ink(ui.ctx().theme());
     ui.add(Label::new(RichText::new(text).small().color(color)).truncate());
 }
 
@@ -150,7 +150,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                 for stretch in segments(&points) {
                     plot.line(
                         Line::new(name.clone(), PlotPoints::new(stretch.to_vec()))
-                            .color(looks.color())
+                            .color(looks.ink(plot.ctx().theme()))
                             .width(2.0)
                             .style(looks.dash),
                     );
@@ -158,7 +158,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                         Points::new(name.clone(), PlotPoints::new(stretch.to_vec()))
                             .shape(looks.marker)
                             .radius(3.5)
-                            .color(looks.color()),
+                            .color(looks.ink(plot.ctx().theme())),
                     );
                 }
             }
@@ -175,7 +175,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                     .shape(looks.marker)
                     .filled(trajectory.main_box)
                     .radius(8.0)
-                    .color(looks.color()),
+                    .color(looks.ink(plot.ctx().theme())),
                 );
             }
         })

@@ -1,17 +1,188 @@
-//! A row for every integrator: checkbox, mark, name and present cost; below, layout and fairness of the
-//! comparisons.
+//! What is compared, with verdict and cost; the cost of a step by stage; the list of every integrator; layout and
+//! fairness of the comparisons.
 
-use bevy_egui::egui::{AtomExt as _, Button, Checkbox, RichText, Ui, WidgetInfo, WidgetType, vec2};
+use bevy_egui::egui::{
+    Align, AtomExt as _, Button, Checkbox, CollapsingHeader, Color32, Label, Layout, Painter, Rect,
+    RichText, Sense, TextFormat, TextStyle, Ui, WidgetInfo, WidgetType, pos2, text::LayoutJob,
+    vec2,
+};
+use box_physics::plugin::Stage;
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity};
+use super::super::memory::PanelMemory;
 use super::super::view::{IntegratorTiming, PanelView};
-use super::super::widgets::{button, toggle};
+use super::super::widgets::{button, named_button, toggle};
 use crate::action::Action;
-use crate::action::compare::{CompareAction, Fairness, Layout};
+use crate::action::compare::{self, CompareAction, Fairness};
+use crate::compare::verdict::short;
 use crate::view::style;
 
-pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+    compared(ui, view, out);
+    step_cost(ui, view);
+    let list = CollapsingHeader::new("Add or switch")
+        .open(Some(memory.all_integrators))
+        .show_unindented(ui, |ui| list(ui, view, out));
+    if list.header_response.clicked() {
+        memory.all_integrators ^= true;
+    }
+    together(ui, view, out);
+}
+
+/// What is on the picture: the reference, the main box and the comparisons, with verdict and cost.
+fn compared(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    if !view.compare.reference.is_empty() {
+        let text = format!("┄ Reference: {}", view.compare.reference);
+        ui.add(Label::new(text).truncate())
+            .on_hover_text("Dashed white in the picture. Errors are measured against it.");
+    }
+    let main = view.compare.trajectories.iter().find(|t| t.main_box);
+    let main = main
+        .and_then(|t| t.nanoseconds)
+        .map(|(_, median, _)| median);
+    for trajectory in &view.compare.trajectories {
+        let integrator = trajectory.integrator;
+        ui.horizontal(|ui| {
+            let mut job = LayoutJob::default();
+            let font = TextStyle::Body.resolve(ui.style());
+            let mut append = |text: &str, color| {
+                job.append(text, 0.0, TextFormat::simple(font.clone(), color));
+            };
+            let looks = style::of(integrator);
+            append(looks.glyph, looks.ink(ui.ctx().theme()));
+            append(
+                &format!(" {}", integrator.name()),
+                ui.visuals().text_color(),
+            );
+            if trajectory.main_box {
+                append(" (main box)", ui.visuals().weak_text_color());
+            }
+            ui.add(Label::new(job).extend());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if !trajectory.main_box {
+                    let name = format!("Stop comparing {}", integrator.name());
+                    if named_button(ui, "✖", &name, "Stop comparing this integrator.") {
+                        let action = CompareAction::ToggleComparison(integrator);
+                        out.push(Action::Compare(action));
+                    }
+                }
+                let cost = match (trajectory.nanoseconds, main) {
+                    (None, _) => "… ns".to_owned(),
+                    (Some((_, median, _)), Some(main)) if !trajectory.main_box && main > 0.0 => {
+                        format!("{}×  {} ns", short(median / main), short(median))
+                    }
+                    (Some((_, median, _)), _) => format!("{} ns", short(median)),
+                };
+                ui.add(Label::new(RichText::new(cost).monospace()).truncate())
+                    .on_hover_text(
+                        "Median cost of a body-step on this scene, and over that of the main box.",
+                    );
+            });
+        });
+        let quality = trajectory.quality(view.compare.attitude);
+        let text = RichText::new(format!("    {} {quality}", quality.sign()))
+            .small()
+            .weak();
+        ui.add(Label::new(text).truncate());
+    }
+}
+
+/// Colors of the stages of a step.
+const STAGES: [Color32; Stage::ALL.len()] = [
+    Color32::from_rgb(0x4C, 0x8D, 0xF0),
+    Color32::from_rgb(0xE6, 0x9F, 0x00),
+    Color32::from_rgb(0x8A, 0x93, 0xA0),
+    Color32::from_rgb(0x3F, 0xB0, 0x8A),
+];
+
+/// Time of a step in the plugin by stage: a stacked bar of now, and the last two seconds as columns.
+pub(super) fn step_cost(ui: &mut Ui, view: &PanelView) {
+    let Some(stages) = view.stages_us else {
+        return;
+    };
+    let text = format!(
+        "Step in the plugin: {} for {} {}",
+        view.step_time(),
+        view.parameters.boxes(),
+        if view.parameters.boxes() == 1 {
+            "box"
+        } else {
+            "boxes"
+        }
+    );
+    ui.add(Label::new(RichText::new(text).small()).truncate());
+    let width = ui.available_width();
+    let (place, response) = ui.allocate_exact_size(vec2(width, 26.0), Sense::hover());
+    let words: Vec<String> = Stage::ALL
+        .into_iter()
+        .zip(stages)
+        .map(|(stage, time)| format!("{} {} µs", stage.name(), short(time)))
+        .collect();
+    let words = words.join(", ");
+    response.widget_info(|| {
+        WidgetInfo::labeled(WidgetType::Image, true, format!("Step by stage: {words}"))
+    });
+    let painter = ui.painter_at(place);
+    painter.rect_filled(place, 3.0, ui.visuals().extreme_bg_color);
+    let total = |stages: &[f64]| stages.iter().filter(|t| t.is_finite()).sum::<f64>();
+    // The bar of now, over its whole width; below it the columns, the highest at full height.
+    let bar = Rect::from_min_size(place.min, vec2(width, 9.0));
+    stack(&painter, bar, &stages, total(&stages), false);
+    let most = view
+        .stage_history
+        .iter()
+        .map(|s| total(s))
+        .fold(1e-9, f64::max);
+    let count = view.stage_history.len().max(1) as f32;
+    let low = Rect::from_min_max(pos2(place.left(), bar.bottom() + 2.0), place.max);
+    for (k, stages) in view.stage_history.iter().enumerate() {
+        let left = low.left() + k as f32 / count * low.width();
+        let column = Rect::from_min_max(
+            pos2(left, low.top()),
+            pos2(left + low.width() / count, low.bottom()),
+        );
+        stack(&painter, column, stages, most, true);
+    }
+    response.on_hover_ui(|ui| {
+        ui.label("Median of the last two seconds by the plugin's own clock, without rendering; below, each step.");
+        for ((stage, time), color) in Stage::ALL.into_iter().zip(stages).zip(STAGES) {
+            ui.horizontal(|ui| {
+                ui.colored_label(color, "■");
+                ui.label(format!("{} {} µs", stage.name(), short(time)));
+            });
+        }
+    });
+}
+
+/// Stages one after the other, or one above the other, in a room for `most`.
+fn stack(painter: &Painter, room: Rect, stages: &[f64], most: f64, upright: bool) {
+    let mut done = 0.0;
+    for (time, color) in stages.iter().zip(STAGES) {
+        let share = (time / most) as f32;
+        if !share.is_finite() || share <= 0.0 {
+            continue;
+        }
+        let part = if upright {
+            let bottom = room.bottom() - done * room.height();
+            Rect::from_min_max(
+                pos2(room.left(), bottom - share * room.height()),
+                pos2(room.right(), bottom),
+            )
+        } else {
+            let left = room.left() + done * room.width();
+            Rect::from_min_size(
+                pos2(left, room.top()),
+                vec2(share * room.width(), room.height()),
+            )
+        };
+        painter.rect_filled(part.intersect(room), 0.0, color);
+        done += share;
+    }
+}
+
+/// Every integrator: checkbox, name and cost.
+fn list(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     let mut group = None;
     for &integrator in Integrator::ALL {
         if group.replace(integrator.info().group) != Some(integrator.info().group) {
@@ -30,7 +201,6 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         });
     }
     ui.label(RichText::new("☑ compare · click a name to switch · median ns per body-step").small());
-    together(ui, view, out);
 }
 
 /// The integrator that moves the box; none while a stepper of 2012 does.
@@ -60,12 +230,12 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     let mut ask = |action| out.push(Action::Compare(action));
     ui.horizontal_wrapped(|ui| {
         ui.label("Layout");
-        for layout in Layout::ALL {
+        for layout in compare::Layout::ALL {
             let hint = match layout {
-                Layout::Solo => "The main box alone (G).",
-                Layout::Overlaid => "All in one place, comparisons translucent (G).",
-                Layout::SideBySide => "Side by side; only the picture is shifted (V).",
-                Layout::Views => "One view each, for up to four (V).",
+                compare::Layout::Solo => "The main box alone (G).",
+                compare::Layout::Overlaid => "All in one place, comparisons as edges (G).",
+                compare::Layout::SideBySide => "Side by side; only the picture is shifted (V).",
+                compare::Layout::Views => "One view each, for up to four (V).",
             };
             let chosen = settings.layout == layout;
             if toggle(ui, chosen, layout.name(), hint) && !chosen {
@@ -129,7 +299,7 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     let looks = style::of(integrator);
     // Marks differ in width; the names line up.
     let mark = RichText::new(looks.glyph)
-        .color(looks.color())
+        .color(looks.ink(ui.ctx().theme()))
         .size(15.0)
         .atom_size(vec2(16.0, 14.0));
     let name = if active {

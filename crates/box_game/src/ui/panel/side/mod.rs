@@ -39,7 +39,7 @@ fn body(
     out: &mut Vec<Action>,
 ) {
     match section {
-        Section::Integrator => integrators::show(ui, view, out),
+        Section::Integrator => integrators::show(ui, view, memory, out),
         Section::Step => parameters::step(ui, view, memory, out),
         Section::World => parameters::plain(ui, view, "world", WORLD, memory, out),
         Section::Box => parameters::plain(ui, view, "box", BOX, memory, out),

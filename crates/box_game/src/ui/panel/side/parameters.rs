@@ -1,7 +1,6 @@
 //! The sections that set numbers: each row sends one action, each section ends in its reset.
 
 use bevy_egui::egui::{Button, Response, Ui, WidgetInfo, WidgetType, vec2};
-use box_physics::plugin::Stage;
 use box_physics::prelude::DVec3;
 
 use super::super::format::{number, step_size};
@@ -19,6 +18,7 @@ const RATES: [u32; 4] = [30, 60, 120, 240];
 pub(super) const WORLD: &[Parameter] = &[
     Parameter::Gravity,
     Parameter::Restitution,
+    Parameter::RestitutionLaw,
     Parameter::Friction,
     Parameter::LinearDrag,
     Parameter::AngularDamping,
@@ -39,8 +39,29 @@ fn rows(
     out: &mut Vec<Action>,
 ) {
     for &parameter in parameters {
+        if !parameter.info().choices.is_empty() {
+            choice(ui, view, parameter, out);
+            continue;
+        }
         out.extend(row(ui, parameter, &view.parameters, &view.defaults, memory));
     }
+}
+
+/// A parameter that is a choice: a button for each.
+fn choice(ui: &mut Ui, view: &PanelView, parameter: Parameter, out: &mut Vec<Action>) {
+    let Some(now) = view.parameters.get(parameter) else {
+        return;
+    };
+    let info = parameter.info();
+    ui.horizontal_wrapped(|ui| {
+        ui.label(info.label).on_hover_text(info.hint);
+        for (k, name) in info.choices.iter().enumerate() {
+            let value = k as f64;
+            if toggle(ui, now == value, name, info.hint) && now != value {
+                out.push(Action::Set(parameter, value));
+            }
+        }
+    });
 }
 
 /// A button that sets these parameters to the scene's own.
@@ -152,13 +173,6 @@ fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_center: bool, world: b
 
 pub(super) fn load(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     rows(ui, view, &[Parameter::Boxes], memory, out);
-    ui.label(format!("one step in the plugin: {}", view.step_time()))
-        .on_hover_text("Median of the last two seconds, all boxes, by the plugin's own clock.");
-    if let Some(stages) = view.stages_us {
-        for (stage, time) in Stage::ALL.into_iter().zip(stages) {
-            ui.label(format!("  {}: {} µs", stage.name(), number(time)));
-        }
-    }
     for text in [
         format!("one frame: {} ms", number(view.frame_time_ms)),
         format!("dropped by slow frames: {} s", number(view.dropped)),

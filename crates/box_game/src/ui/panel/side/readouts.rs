@@ -93,7 +93,7 @@ pub(super) fn now(ui: &mut Ui, view: &PanelView) {
                 ui.end_row();
             }
             ui.label("State");
-            ui.label(RichText::new(main_box.state).strong());
+            ui.label(RichText::new(main_box.state.to_string()).strong());
             ui.end_row();
         });
 }

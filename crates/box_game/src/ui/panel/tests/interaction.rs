@@ -5,7 +5,9 @@ use box_scenarios::dissertation::Stepper;
 
 use super::super::{DemoView, PanelView};
 use super::{Person, TALL, sample_view};
-use crate::action::Action;
+use crate::action::{Action, Plot};
+use crate::parameters::Parameters;
+use box_scenarios::Scenario;
 
 fn with(change: impl FnOnce(&mut PanelView)) -> Person {
     let mut view = sample_view();
@@ -15,10 +17,49 @@ fn with(change: impl FnOnce(&mut PanelView)) -> Person {
 
 #[test]
 fn the_lesson_says_what_to_try() {
-    let hints = ["Push it.".to_owned(), "Drop it.".to_owned()];
+    let hints = ["Press [Push +x].".to_owned(), "Drop it.".to_owned()];
     let person = with(|view| view.hints = hints);
-    assert!(person.sees("Try: Push it.  ·  Drop it."));
+    assert!(person.sees("Try: Press Push +x.  ·  Drop it."));
     assert!(!with(|_| {}).sees_part("Try:"));
+}
+
+/// Every hint of every scene names a control, in brackets, that is on the panel under this name: a widget, a slider
+/// with its unit, or a figure to read.
+#[test]
+fn every_hint_names_a_control() {
+    for scene in Scenario::ALL.iter().map(|build| build()) {
+        let mut names: Vec<String> = Vec::new();
+        for plot in [Plot::Error, Plot::WorkPrecision] {
+            let person = with(|view| {
+                view.parameters = Parameters::of(&scene);
+                view.plot = plot;
+                view.demo = (scene.id == crate::demo_2012::SCENE).then_some(DemoView {
+                    stepper: Some(Stepper::Heun),
+                    cycle_us: 1.0,
+                    log: None,
+                });
+            });
+            names.extend(person.nodes().into_iter().map(|(_, name, _)| name));
+        }
+        for hint in scene.hints {
+            let controls: Vec<&str> = hint.split(['[', ']']).skip(1).step_by(2).collect();
+            assert!(
+                !controls.is_empty(),
+                "{}: '{hint}' names no control",
+                scene.id
+            );
+            for control in controls {
+                let with_unit = format!("{control} [");
+                assert!(
+                    names
+                        .iter()
+                        .any(|n| n == control || n.starts_with(&with_unit)),
+                    "{}: '{hint}': no control is called '{control}'",
+                    scene.id
+                );
+            }
+        }
+    }
 }
 
 #[test]

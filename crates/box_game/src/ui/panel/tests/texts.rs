@@ -11,7 +11,7 @@ use crate::view::style;
 
 /// What the plot of the sample's energy says.
 const ENERGY: &str =
-    "energy drift [of E] over simulated time, now Split 1e-6, RK4 1e-4, Semi-implicit Euler 0.01";
+    "energy drift [%] over simulated time, now Split 1e-4, RK4 0.01, Semi-implicit Euler 1";
 
 #[test]
 fn clock_speed_and_log_in_words() {
@@ -74,7 +74,8 @@ fn read_outs_carry_units() {
     ] {
         assert!(person.sees_part(part), "{part}");
     }
-    assert!(person.sees("free") && person.sees("one step in the plugin: 0.8 µs"));
+    assert!(person.sees("ok") && person.sees("Step in the plugin: 0.8 µs for 1 box"));
+    assert!(person.sees_part("Step by stage: integrate 0.50 µs, contact 0.10 µs"));
 }
 
 #[test]
@@ -261,7 +262,7 @@ fn a_plot_under_the_pointer_is_frozen() {
     person.harness.hover_at(bevy_egui::egui::pos2(5.0, 5.0));
     person.look();
     assert!(!person.sees("⏸ frozen"));
-    assert!(words(&person).1.contains("0.5"));
+    assert!(words(&person).1.contains("Split 50"));
 }
 
 /// Best of twenty, so that a busy machine does not fail it; about 2 ms alone.
