@@ -42,7 +42,7 @@ pub enum CompareAction {
 
 /// Layout of the comparisons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Layout {
     /// The main box alone.
     Solo,
@@ -180,7 +180,7 @@ mod tests {
             .to_string();
         assert!(error.contains("leapfrog"), "{error}");
         assert_eq!(
-            ron::from_str("SetLayout(side-by-side)"),
+            ron::from_str("SetLayout(side_by_side)"),
             Ok(CompareAction::SetLayout(Layout::SideBySide))
         );
     }

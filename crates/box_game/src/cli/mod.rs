@@ -17,7 +17,7 @@ use crate::parameters::{Parameter, SPEEDS, UI_SCALES};
 use crate::platform::Need;
 use crate::scene::library;
 
-/// Push a box about and compare numerical integrators live: speed against error.
+/// Push a box around and compare numerical integrators live: speed against error.
 ///
 /// Exit codes: 0 ok, 1 run-time error, 2 usage, 3 diverged with --fail-on-divergence, 4 no display or
 /// GPU although a flag asks for one.
@@ -42,7 +42,7 @@ pub struct Cli {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
 
-    /// How the integrators are shown together: `solo`, `overlaid` (all in one place), `side-by-side` or `views`.
+    /// How the integrators are shown together: solo, overlaid (all in one place), side-by-side or views.
     #[arg(long, value_name = "LAYOUT", default_value = "overlaid", value_parser = parse_layout)]
     pub layout: Layout,
 

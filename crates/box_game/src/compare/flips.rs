@@ -126,7 +126,7 @@ mod tests {
             "{spacing:?}"
         );
         let euler = flips(Integrator::SemiImplicitEuler, 1.0 / 60.0);
-        assert!(lateness(euler.times(), a, 12.0).expect("flips").1.abs() > 0.1);
+        assert!(lateness(euler.times(), a, 12.0).expect("flips").1.abs() > 0.02);
         let mut back = coarse.clone();
         back.rewind(a[1]);
         assert_eq!(back.times().len(), 2);

@@ -31,6 +31,7 @@ fn every_button_asks_for_its_action() {
         ("Home", Action::HomeCamera),
         ("Screenshot", Action::Screenshot),
         ("Start log", Action::ToggleLog),
+        ("Newton", Action::Set(Parameter::RestitutionLaw, 1.0)),
         ("30 Hz", Action::Set(Parameter::Step, 1.0 / 30.0)),
         ("120 Hz", Action::Set(Parameter::Step, 1.0 / 120.0)),
         ("240 Hz", Action::Set(Parameter::Step, 1.0 / 240.0)),

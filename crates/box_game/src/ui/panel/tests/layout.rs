@@ -12,7 +12,13 @@ use crate::parameters::Parameter;
 use box_scenarios::{Divergence, Reason, Status};
 
 /// In a narrow drawer these scroll.
-const SCROLLED: [Plot; 3] = [Plot::Error, Plot::Energy, Plot::WorkPrecision];
+const SCROLLED: [Plot; 5] = [
+    Plot::Error,
+    Plot::Energy,
+    Plot::Timing,
+    Plot::Cpu,
+    Plot::WorkPrecision,
+];
 const TABS: [Plot; 6] = [
     Plot::Error,
     Plot::Energy,
