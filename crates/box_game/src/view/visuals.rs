@@ -97,7 +97,7 @@ const SQUARES: u32 = 4;
 /// Four by four squares of 1 m, the border of the tile drawn stronger, with all smaller versions of it: a distant
 /// floor is plain and does not shimmer.
 fn grid() -> Image {
-    let (ground, fine, strong) = (92.0, 118.0, 138.0);
+    let (ground, fine, strong) = (76.0, 98.0, 116.0);
     let square = TILE / SQUARES;
     let line = |at: u32| match (at.min(TILE - at) < 3, at % square < 2) {
         (true, _) => strong,

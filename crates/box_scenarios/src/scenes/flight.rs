@@ -52,7 +52,7 @@ pub fn stiff_drag() -> Scenario {
             "Open the [Error tab]: Implicit midpoint rings, its factor tends to −1.",
         ],
         setup: Setup::new(body, start, forces, 3.0),
-        recommended: &["split", "backward-euler", "implicit-midpoint", "rk4"],
+        recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],
         boxes: 1,
         view: SceneView::from(8.0, 15.0).with_plot(PlotPreset::Error),
     }

@@ -25,7 +25,7 @@ pub fn spring_orbit() -> Scenario {
             "Open the [Energy tab]: Split oscillates and never drifts.",
         ],
         setup: Setup::new(body, start, forces, 30.0),
-        recommended: &["split", "semi-implicit-euler", "rk4", "explicit-euler"],
+        recommended: &["split", "semi-implicit-euler", "explicit-euler", "rk4"],
         boxes: 1,
         view: SceneView::from(10.0, 50.0).at([0.0, 2.0, 0.0], 7.0),
     }
@@ -50,7 +50,7 @@ pub fn stiff_spring() -> Scenario {
             "Open the [Energy tab]: Backward Euler is stable and wrong, the oscillation is gone in a second.",
         ],
         setup: Setup::new(body, start, forces, 4.0),
-        recommended: &["split", "rk4", "implicit-midpoint", "backward-euler"],
+        recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],
         boxes: 1,
         view: SceneView::from(30.0, 20.0),
     }

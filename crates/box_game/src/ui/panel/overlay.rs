@@ -23,7 +23,13 @@ const NOTICE_STAYS: f64 = 20.0;
 
 /// Lesson and newest notice, each until dismissed; a notice goes by itself after a while.
 pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
-    let headline = headline(&view.compare);
+    // A stepper of 2012 is none of the integrators, and has a strip of its own.
+    let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
+    let headline = if of_2012 {
+        String::new()
+    } else {
+        headline(&view.compare)
+    };
     if !headline.is_empty() && ui.available_height() > HEADLINE_ROOM {
         Panel::top("headline").show(ui, |ui| {
             ui.add(Label::new(RichText::new(headline).heading().strong()).wrap());

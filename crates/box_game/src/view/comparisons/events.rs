@@ -4,10 +4,10 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
 use super::labels::seen;
-use super::shown::{drawn, shown, tip};
+use super::shown::{Shown, drawn, shown, tip};
 use crate::action::compare::Layout;
 use crate::camera::views::{PictureArea, SplitView};
-use crate::compare::{Comparison, RuleKind};
+use crate::compare::{Comparison, RuleKind, Run};
 use crate::view::style;
 
 /// Time that a ring takes to grow and fade \[s\], and its largest radius \[points\].
@@ -24,6 +24,25 @@ const LOWEST: f32 = 220.0;
 fn growth(now: f64, event: f64) -> Option<f32> {
     let share = (now - event) / RING;
     (0.0..=1.0).contains(&share).then_some(share as f32)
+}
+
+/// Room of the strip in `view`; none without flips, or in a picture that is too low.
+pub(super) fn strip_place(
+    run: &Run,
+    trajectories: &[Shown<'_>],
+    layout: Layout,
+    view: egui::Rect,
+) -> Option<egui::Rect> {
+    let flips = !run.reference_flips.times().is_empty()
+        || trajectories.iter().any(|t| !t.2.flips.times().is_empty());
+    if !flips || view.height() < LOWEST || layout == Layout::Views {
+        return None;
+    }
+    let height = ROW * (trajectories.len() + 1) as f32 + 26.0;
+    Some(egui::Rect::from_min_max(
+        egui::pos2(view.left() + 10.0, view.bottom() - height - 8.0),
+        egui::pos2(view.right() - 10.0, view.bottom() - 8.0),
+    ))
 }
 
 /// Draws rings and strip.
@@ -73,11 +92,10 @@ pub(super) fn draw_events(
             ring(at, egui::Color32::WHITE, share);
         }
     }
-    let due = run.reference_flips.times();
-    let flips = trajectories.iter().any(|t| !t.2.flips.times().is_empty());
-    if (due.is_empty() && !flips) || seen.view.height() < LOWEST || layout == Layout::Views {
+    let Some(place) = strip_place(run, &trajectories, layout, seen.view) else {
         return Ok(());
-    }
+    };
+    let due = run.reference_flips.times();
     let rows: Vec<(&str, egui::Color32, &[f64])> = [("┄", egui::Color32::WHITE, due)]
         .into_iter()
         .chain(trajectories.iter().map(|(integrator, _, track, ..)| {
@@ -85,22 +103,17 @@ pub(super) fn draw_events(
             (looks.glyph, looks.color(), track.flips.times())
         }))
         .collect();
-    strip(&painter, seen.view, run.clock, &rows);
+    strip(&painter, place, run.clock, &rows);
     Ok(())
 }
 
 /// A row of ticks for every trajectory, one a flip, the last seconds from left to right.
 fn strip(
     painter: &egui::Painter,
-    view: egui::Rect,
+    place: egui::Rect,
     now: f64,
     rows: &[(&str, egui::Color32, &[f64])],
 ) {
-    let height = ROW * rows.len() as f32 + 26.0;
-    let place = egui::Rect::from_min_max(
-        egui::pos2(view.left() + 10.0, view.bottom() - height - 8.0),
-        egui::pos2(view.right() - 10.0, view.bottom() - 8.0),
-    );
     painter.rect_filled(place, 5.0, style::PICTURE_PLATE);
     let font = egui::FontId::proportional(12.0);
     let top = place.top() + 19.0;

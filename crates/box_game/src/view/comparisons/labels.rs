@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 use egui::text::LayoutJob;
 
+use super::events::strip_place;
 use super::shown::{Shown, drawn, shown, tip};
 use crate::action::compare::Layout;
 use crate::camera::views::{PictureArea, SplitView, cells};
@@ -25,7 +26,6 @@ const TURNS: [f32; 7] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.6, -1.6];
 const MOST: usize = 5;
 /// Room around the text of a label.
 const MARGIN: egui::Vec2 = egui::vec2(7.0, 4.0);
-const FONT: egui::FontId = egui::FontId::proportional(14.0);
 
 /// Where world points are seen, and the room for labels.
 pub(super) struct Seen<'a> {
@@ -73,7 +73,7 @@ struct Label {
 impl Label {
     fn text(&self, painter: &egui::Painter) -> std::sync::Arc<egui::Galley> {
         let mut job = LayoutJob::default();
-        let format = |color| egui::TextFormat::simple(FONT, color);
+        let format = |color| egui::TextFormat::simple(style::PICTURE_FONT, color);
         for (k, (glyph, color, name)) in self.marks.iter().enumerate() {
             if k > 0 {
                 job.append(" = ", 0.0, format(style::PICTURE_WEAK));
@@ -221,7 +221,11 @@ pub(super) fn draw_labels(
                 (Some(center), Some(edge)) => center.distance(edge),
                 _ => 0.0,
             };
-            at_the_boxes(&painter, view, &labels, center, reach);
+            let mut room = view;
+            if let Some(strip) = strip_place(run, &trajectories, layout, view) {
+                room.max.y = strip.top();
+            }
+            at_the_boxes(&painter, room, &labels, center, reach);
         }
     }
     Ok(())
