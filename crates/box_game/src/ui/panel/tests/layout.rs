@@ -129,6 +129,28 @@ fn nothing_lies_outside_the_window() {
     }
 }
 
+/// Lesson, hints and parameters of every scene at the common sizes, and in a narrow window.
+#[test]
+fn every_scene_fits() {
+    for scene in box_scenarios::Scenario::ALL.iter().map(|build| build()) {
+        for (width, height) in [(1280.0, 720.0), (2560.0, 1440.0), (900.0, 720.0)] {
+            let mut view = sample_view();
+            view.title = scene.title.to_owned();
+            view.lesson = scene.lesson.to_owned();
+            view.hints = scene.hints.map(str::to_owned);
+            view.parameters = crate::parameters::Parameters::of(&scene);
+            let person = Person::with(view, PanelMemory::default(), vec2(width, height));
+            let central = person.harness.state().layout.expect("drawn").central;
+            let share = central.area() / (width * height);
+            assert!(share > 0.2, "{} at {width}: {share}", scene.id);
+            for (name, rect) in leaves(&person) {
+                let inside = rect.left() >= 0.0 && rect.right() <= width + 0.5;
+                assert!(inside, "{} at {width}: {name} at {rect:?}", scene.id);
+            }
+        }
+    }
+}
+
 #[test]
 fn nothing_lies_over_anything_else() {
     for width in [1280.0, 1920.0, 640.0] {
