@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn the_type_scale_ends_at_twelve_points() {
         let ctx = Context::default();
-        install(&ctx, false);
+        let _ = ctx.run_ui(egui::RawInput::default(), |ui| install(ui.ctx(), false));
         for theme in [Theme::Dark, Theme::Light] {
             let style = ctx.style_of(theme);
             assert!(style.text_styles.values().all(|font| font.size >= 12.0));

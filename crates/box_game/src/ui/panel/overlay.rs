@@ -14,9 +14,9 @@ use crate::compare::verdict::headline;
 use crate::view::style;
 
 /// Below this height [points] the picture matters more than the lesson.
-const LESSON_ROOM: f32 = 230.0;
+const LESSON_ROOM: f32 = 300.0;
 /// The same for the headline.
-const HEADLINE_ROOM: f32 = 130.0;
+const HEADLINE_ROOM: f32 = 190.0;
 
 /// Time that a notice stays \[s\].
 const NOTICE_STAYS: f64 = 20.0;
