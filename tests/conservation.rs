@@ -143,14 +143,12 @@ fn the_default_keeps_everything_to_rounding() {
     }
 }
 
-/// The brick under a torque that depends on its attitude, and everything that damps it.
+/// The brick under a torque that depends on its attitude, with linear damping.
 fn forced() -> Setup {
     let mut setup = brick();
     setup.forces = ForceSet {
         linear_drag: 0.6,
-        quadratic_drag: 0.1,
         angular_damping: 0.2,
-        angular_drag: 0.01,
         ..ForceSet::gravity(9.81)
     }
     .with_dipole(DVec3::new(0.0, 1.5, 0.5), DVec3::new(0.0, 1.0, 0.5));

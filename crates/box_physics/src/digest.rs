@@ -19,7 +19,7 @@ const PRIME: u64 = 0x0000_0100_0000_01b3;
 /// 0 and −0 are different bits, and so are q and −q.
 ///
 /// ```
-/// use box_physics::{digest::state_digest, prelude::*};
+/// use box_physics::{digest::state_digest, force::Gravity, prelude::*};
 /// let run = |steps| {
 ///     let (body, mut memory) = (RigidBox::default(), IntegratorMemory::default());
 ///     let mut state = BodyState::default().with_angular_velocity(&body, DVec3::new(1.0, 2.0, 3.0));
