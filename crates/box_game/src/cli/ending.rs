@@ -38,9 +38,8 @@ impl Ending {
 
 /// Ends the program on time, and after its picture is on disk.
 pub(super) fn end(
-    (ending, clock): (Res<Ending>, Res<PhysicsClock>),
+    (ending, clock, comparison): (Res<Ending>, Res<PhysicsClock>, Option<Res<Comparison>>),
     mut quarantined: MessageReader<BodyQuarantined>,
-    comparison: Option<Res<Comparison>>,
     mut frames: Local<u32>,
     mut asked: Local<Option<u32>>,
     mut diverged: Local<bool>,
