@@ -193,7 +193,7 @@ pub struct Keeps {
     pub momentum_magnitude: bool,
     /// L in world axes, magnitude and direction.
     pub momentum: bool,
-    /// n steps forward and n backward return to the start, also under a torque and linear damping.
+    /// n steps forward and n backward return to the start.
     pub reversible: bool,
 }
 
