@@ -1,5 +1,5 @@
 //! Work–precision: every integrator at every step size over the whole scene, error against cost, beside the frames:
-//! [`Work`] is done in slices, by a thread or, where there are none, by the frames.
+//! `Work` is done in slices, by a thread or, where there are none, by the frames.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
