@@ -178,7 +178,7 @@ async function main() {
       await game.close();
     },
 
-    "a tablet: sharp, and a tap pokes": async () => {
+    "a tablet's screen is sharp": async () => {
       const game = await open("?scene=dzhanibekov&no-settings", {
         viewport: { width: 1024, height: 768 }, deviceScaleFactor: 2, hasTouch: true });
       await game.running();

@@ -282,3 +282,61 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
         }
     }
 }
+
+/// An invalid material is logged once with entity, field and value, and counts as absent. A valid one acts.
+#[test]
+fn an_invalid_material_is_logged_and_does_not_act() {
+    type Insert = fn(&mut EntityWorldMut, f64);
+    let materials: [(&str, &str, Insert); 3] = [
+        ("dynamic_coefficient", "finite and not negative", |e, c| {
+            e.insert(Friction {
+                dynamic_coefficient: c,
+                ..default()
+            });
+        }),
+        ("static_coefficient", "finite and not negative", |e, c| {
+            e.insert(Friction {
+                static_coefficient: c,
+                dynamic_coefficient: 0.9,
+                ..default()
+            });
+        }),
+        ("coefficient", "between 0 and 1", |e, c| {
+            e.insert(Restitution {
+                coefficient: c,
+                ..default()
+            });
+        }),
+    ];
+    let log = Log::start();
+    // Falls 0.75 m and slides on.
+    let thrown = |insert: &dyn Fn(&mut EntityWorldMut)| {
+        let mut app = app();
+        app.insert_resource(Floor::default());
+        let start = BodyState::at(DVec3::Y).with_velocity(DVec3::X * 10.0);
+        let mut entity = app.world_mut().spawn((brick(), start));
+        insert(&mut entity);
+        let body = entity.id();
+        run(&mut app, 60);
+        (body, state(&app, body))
+    };
+    let (_, without) = thrown(&|_| {});
+    for (field, allowed, insert) in materials {
+        for value in [-0.5, f64::NAN, f64::INFINITY] {
+            let (body, after) = thrown(&|e| insert(e, value));
+            let lines = log.take();
+            let expected = format!("{body}: {field} must be {allowed}, but is {value}");
+            assert!(
+                lines.len() == 1 && lines[0].contains(&expected),
+                "{lines:?}"
+            );
+            assert_eq!(after, without, "{field}: {value}");
+        }
+        let (_, with) = thrown(&|e| insert(e, 0.95));
+        log.is_silent();
+        assert!(
+            (with.position - without.position).length() > 1e-3,
+            "{field}"
+        );
+    }
+}

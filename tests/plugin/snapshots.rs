@@ -78,6 +78,20 @@ fn the_same_future_under_every_integrator() {
     }
 }
 
+/// A floor that moves is where it was.
+#[test]
+fn the_same_future_on_a_moving_floor() {
+    let (mut app, bodies) = scene(Integrator::Split);
+    app.world_mut().resource_mut::<Floor>().velocity = DVec3::new(0.2, -0.1, 0.0);
+    future(&mut app, &bodies, 40);
+    let snapshot = PhysicsSnapshot::take(app.world_mut());
+    let first = future(&mut app, &bodies, 60);
+    let height = app.world().resource::<Floor>().height;
+    assert_eq!(snapshot.restore(app.world_mut()), []);
+    assert_eq!(future(&mut app, &bodies, 60), first);
+    assert_eq!(app.world().resource::<Floor>().height, height);
+}
+
 /// A restore is displayed in the same frame and ends a quarantine. It keeps the user's settings and new
 /// bodies, and reports the bodies that no longer exist.
 #[test]

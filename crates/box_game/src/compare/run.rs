@@ -248,7 +248,7 @@ impl Run {
         self.rule(t, RuleKind::Input);
     }
 
-    /// The main box stands in `state` at `t` \[s\], about to be stepped under `law`. `pushes` (impulse,
+    /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` (impulse,
     /// body point) came since its last step; `pushed` is what they and the scene's own impulses should
     /// have made of it. If it is elsewhere, somebody put it there, and every comparison is put there too.
     pub fn before_step(
@@ -292,7 +292,7 @@ impl Run {
         self.main_box.before = *state;
     }
 
-    /// The main box stands in `state` at `t` \[s\], at the end of a step of `h` \[s\].
+    /// Takes note of the main box after a step of `h` \[s\]: `state` at `t` \[s\].
     pub fn after_step(
         &mut self,
         t: f64,

@@ -3,8 +3,10 @@
 
 use std::collections::VecDeque;
 
-use super::verdict::{VISIBLE_ANGLE, VISIBLE_DISTANCE};
-
+/// Angle to the reference from which a person sees that something is wrong \[°\].
+pub const VISIBLE_ANGLE: f64 = 1.0;
+/// Distance from the reference from which a person sees that something is wrong \[m\].
+pub const VISIBLE_DISTANCE: f64 = 0.01;
 /// Shortest time between two samples kept \[s\]: plots have no more pixels than that.
 const SPACING: f64 = 1.0 / 60.0;
 /// Samples of the last minute, and a few.

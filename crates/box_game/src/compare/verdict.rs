@@ -5,13 +5,10 @@ use std::fmt;
 use box_scenarios::Status;
 
 use super::Quantity;
+use super::series::{VISIBLE_ANGLE, VISIBLE_DISTANCE};
 use super::view::{CompareView, TrajectoryView};
 
-/// Errors from which a person sees that something is wrong: angle \[°\], distance \[m\], lateness \[s\].
-pub const VISIBLE_ANGLE: f64 = 1.0;
-/// See [`VISIBLE_ANGLE`].
-pub const VISIBLE_DISTANCE: f64 = 0.01;
-/// See [`VISIBLE_ANGLE`].
+/// Lateness from which a person sees that something is wrong \[s\].
 pub const VISIBLE_LATENESS: f64 = 0.1;
 /// Energy drift that is worth a word.
 const VISIBLE_ENERGY: f64 = 0.01;

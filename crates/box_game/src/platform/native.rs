@@ -19,7 +19,7 @@ use bevy::prelude::*;
 pub use display::{check, probe};
 pub use synced_file::SyncedFile;
 
-/// Why there is no CPU usage, if there is none.
+/// Reason why the CPU usage is unknown, if it is.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
 /// Name of what [`reproduce`] makes.
 pub const COPIED: &str = "command line";
@@ -41,7 +41,7 @@ pub fn refuse(error: &clap::Error) -> ExitCode {
     error.exit()
 }
 
-/// Prints; that nobody listens any more (`| head`) is no error.
+/// Prints to standard output. A closed pipe (`| head`) is not an error.
 pub fn say(text: &str) -> ExitCode {
     match io::stdout().lock().write_all(text.as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => ExitCode::FAILURE,

@@ -17,7 +17,7 @@ use crate::action::{Action, Actions};
 use crate::scene::library::file_path;
 use crate::scene::session::Session;
 
-/// Why there is no CPU usage, if there is none.
+/// Reason why the CPU usage is unknown, if it is.
 pub const CPU_USAGE: Result<(), &str> = Err("CPU usage is not available in a browser");
 /// Name of what [`reproduce`] makes.
 pub const COPIED: &str = "address";
@@ -303,7 +303,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// The content of a file, up to `most` bytes of it.
 ///
 /// # Errors
-/// Where there is none.
+/// [`io::ErrorKind::NotFound`] if the page has no such file.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let files = files();
     let Some((_, text)) = files.texts.get(path) else {

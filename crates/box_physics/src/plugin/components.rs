@@ -10,6 +10,7 @@ use super::contacts::ReportedContacts;
 use crate::aabb;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
+use crate::floor::{Friction, Restitution};
 use crate::force::{PointForce, Spring};
 use crate::integrators::Integrator;
 use crate::state::BodyState;
@@ -62,6 +63,18 @@ impl Checked for Springs {
             InvalidValue::check_coefficient("spring stiffness", spring.stiffness)?;
             InvalidValue::check_coefficient("spring damping", spring.damping).map(|_| ())
         })
+    }
+}
+
+impl Checked for Friction {
+    fn check(&self) -> Result<(), InvalidValue> {
+        self.validate()
+    }
+}
+
+impl Checked for Restitution {
+    fn check(&self) -> Result<(), InvalidValue> {
+        self.validate()
     }
 }
 

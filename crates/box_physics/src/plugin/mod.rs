@@ -302,6 +302,8 @@ impl Plugin for PhysicsPlugin {
                         faults::report_invalid::<AngularDamping>,
                         faults::report_invalid::<AngularDrag>,
                         faults::report_invalid::<Springs>,
+                        faults::report_invalid::<Friction>,
+                        faults::report_invalid::<Restitution>,
                     ),
                     impulses::collect_impulses,
                 )

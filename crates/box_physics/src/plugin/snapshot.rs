@@ -12,16 +12,17 @@ use super::messages::ApplyImpulse;
 use super::resources::PhysicsClock;
 use super::teleport::show_jump;
 use crate::body::RigidBox;
-use crate::floor::ContactState;
+use crate::floor::{ContactState, Floor};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
 /// A moment of the physics, to come back to: for rewind, rollback and replays. From the same snapshot, with the same
 /// settings and the same inputs, the same future follows bit for bit, under every integrator and with every contact.
 ///
-/// It holds what the physics writes: the clock, impulses that wait for the next step, and of each body its
-/// [`BodySnapshot`], what is left of its [`OneShotForce`], its quarantine and how far its contacts were reported. What
-/// only you write is yours to keep: [`RigidBox`], forces, gravity, the floor, the integrator, pause and substeps.
+/// It holds what the physics writes: the clock, the height of the [`Floor`], impulses that wait for the next step, and of
+/// each body its [`BodySnapshot`], what is left of its [`OneShotForce`], its quarantine and how far its contacts were reported. What
+/// only you write is yours to keep: [`RigidBox`], forces, gravity, the rest of the floor, the integrator, pause and
+/// substeps.
 ///
 /// Take and restore it between ticks (in `Update`, say, or in a command), or in
 /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) by an exclusive system.
@@ -46,6 +47,7 @@ use crate::state::BodyState;
 #[derive(Clone, Debug)]
 pub struct PhysicsSnapshot {
     clock: PhysicsClock,
+    floor_height: Option<f64>,
     pending: Vec<ApplyImpulse>,
     bodies: Vec<(Entity, BodySnapshot, Marks)>,
 }
@@ -105,6 +107,7 @@ impl PhysicsSnapshot {
         let bodies = bodies.collect();
         Self {
             clock: world.get_resource().copied().unwrap_or_default(),
+            floor_height: world.get_resource().map(|floor: &Floor| floor.height),
             pending: PendingImpulses::snapshot(world),
             bodies,
         }
@@ -115,6 +118,12 @@ impl PhysicsSnapshot {
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         if let Some(mut clock) = world.get_resource_mut::<PhysicsClock>() {
             clock.continue_from(&self.clock);
+        }
+        if let (Some(height), Some(mut floor)) =
+            (self.floor_height, world.get_resource_mut::<Floor>())
+            && floor.height != height
+        {
+            floor.height = height;
         }
         PendingImpulses::restore(world, &self.pending);
         let mut missing = Vec::new();

@@ -1,4 +1,4 @@
-//! A file that a thread of its own writes and syncs, so that the disk never holds up the caller.
+//! A file that a background thread writes and syncs, so that the disk never blocks the caller.
 //!
 //! The thread hands what it gets to the operating system at once, so that a program that is killed loses nothing that
 //! reached the thread, and syncs the file a tenth of a second after the first unsynced write: that much a power cut
@@ -112,7 +112,7 @@ fn serve(mut file: File, receiver: &Receiver<Message>) -> io::Result<()> {
             Ok(Message::Sync(done)) => {
                 file.sync_data()?;
                 due = None;
-                // Nobody may be waiting any more.
+                // The caller may have given up waiting.
                 let _ = done.send(());
             }
             Err(RecvTimeoutError::Timeout) => {

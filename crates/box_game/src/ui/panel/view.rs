@@ -153,7 +153,7 @@ pub struct HistoryView {
     pub timing: Vec<Vec<(f64, f64)>>,
     /// (wall time \[s\], process CPU [% of all cores], system CPU \[%\]).
     pub cpu: Vec<(f64, f64, f64)>,
-    /// Why there is no CPU usage, if there is none.
+    /// Reason why the CPU usage is unknown, if it is.
     pub no_cpu: Option<&'static str>,
     /// Grain of a coarse clock \[µs\], and the standard deviation that it leaves in a sample, relative.
     pub grain: Option<(f64, f64)>,
