@@ -9,7 +9,8 @@
 //! ]
 //! ```
 //!
-//! Actions after a picture in a list wait for the next frame. Times are seconds of the program's clock since the
+//! Actions after a picture in a list wait for the next frame. A picture waits until a sweep ends, and so does what
+//! follows it. Times are seconds of the program's clock since the
 //! script began; they go on while the scene is paused. Offscreen, a frame is one step of the physics.
 
 use std::collections::VecDeque;
@@ -20,6 +21,7 @@ use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
 use crate::action::{Action, Actions};
+use crate::compare::Comparison;
 use crate::platform;
 
 /// The longest script that is read \[bytes\].
@@ -113,6 +115,7 @@ pub fn play(
     script: Option<ResMut<Script>>,
     time: Res<Time<Real>>,
     pending: Res<PendingPictures>,
+    comparison: Option<Res<Comparison>>,
     mut actions: ResMut<Actions>,
     mut exit: MessageWriter<AppExit>,
 ) {
@@ -137,11 +140,15 @@ pub fn play(
                 }
                 return;
             }
-            let action = beat.actions.remove(0);
             let picture = matches!(
-                action,
+                beat.actions[0],
                 Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
             );
+            let sweeping = comparison.as_ref().is_some_and(|c| c.sweep.is_running());
+            if picture && sweeping {
+                return;
+            }
+            let action = beat.actions.remove(0);
             actions.0.push(action);
             asking = true;
             // What follows must not be in it: it waits for the next frame.
@@ -155,7 +162,11 @@ pub fn play(
 
 #[cfg(test)]
 mod tests {
+    use box_physics::prelude::Integrator;
+    use box_scenarios::Scenario;
+
     use super::*;
+    use crate::compare::sweep::SweepTask;
 
     #[test]
     fn what_is_written_reads_back() {
@@ -195,6 +206,27 @@ mod tests {
         }
         app.update();
         assert!(app.world().resource::<Script>().is_over());
+    }
+
+    #[test]
+    fn a_picture_waits_for_the_sweep() {
+        let setup = Scenario::find("heavy-top").expect("a scene").setup;
+        let mut comparison = Comparison::default();
+        let task = SweepTask::new(setup, 1, Integrator::ALL.to_vec());
+        comparison.sweep.start(task).expect("a thread");
+        let actions = vec![Action::ScreenshotTo("a.png".into())];
+        let mut app = App::new();
+        app.init_resource::<Time<Real>>()
+            .init_resource::<PendingPictures>()
+            .init_resource::<Actions>()
+            .insert_resource(comparison)
+            .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
+            .add_systems(Update, play);
+        app.update();
+        assert!(app.world().resource::<Actions>().0.is_empty());
+        app.world_mut().resource_mut::<Comparison>().sweep.cancel();
+        app.update();
+        assert_eq!(app.world().resource::<Actions>().0.len(), 1);
     }
 
     #[test]
