@@ -5,9 +5,40 @@
 use glam::DVec3;
 
 use super::FloorContext;
+use super::sustained::Supported;
+use crate::body::RigidBox;
 use crate::force::ForceModel;
-use crate::integrators::{Integrate, IntegratorMemory, StepOutcome};
+use crate::integrators::{Integrate, IntegratorMemory, Order, StepOutcome};
 use crate::state::BodyState;
+
+/// [`Integrate::step`] under the forces `F`.
+type Step<F> = fn(&RigidBox, &mut BodyState, &F, f64, &mut IntegratorMemory) -> StepOutcome;
+
+/// An integrator as the floor uses it: a value instead of a type parameter, so that the floor is compiled once for all.
+pub(super) struct Method<F> {
+    /// A step without the floor.
+    pub(super) step: Step<F>,
+    /// A step with corners held.
+    pub(super) supported: for<'s> fn(
+        &RigidBox,
+        &mut BodyState,
+        &Supported<'s, F>,
+        f64,
+        &mut IntegratorMemory,
+    ) -> StepOutcome,
+    /// Whether it has an error of its own in uniform gravity: first order. Closed forms would hide it.
+    pub(super) errs_in_gravity: bool,
+}
+
+impl<F: ForceModel> Method<F> {
+    pub(super) fn of<S: Integrate>() -> Self {
+        Self {
+            step: S::step::<F>,
+            supported: |body, state, force, h, memory| S::step(body, state, force, h, memory),
+            errs_in_gravity: matches!(S::INFO.orders.gravity, Order::Of(1)),
+        }
+    }
+}
 
 impl<F> FloorContext<'_, F> {
     /// Whether the two frames differ. Where they do not, no bit changes.
@@ -43,18 +74,16 @@ impl<F> FloorContext<'_, F> {
         }
     }
 
-    /// Advances a state of the floor's frame by `tau` \[s\] under `force`, in the world.
-    #[inline(always)]
-    pub(super) fn integrate<S: Integrate>(
+    /// Advances a state of the floor's frame by `tau` \[s\] by `step`, in the world.
+    pub(super) fn in_world(
         &self,
         state: &mut BodyState,
-        force: &impl ForceModel,
         elapsed: f64,
         tau: f64,
-        memory: &mut IntegratorMemory,
+        step: impl FnOnce(&mut BodyState) -> StepOutcome,
     ) -> StepOutcome {
         self.to_world(state, elapsed);
-        let outcome = S::step(self.body, state, force, tau, memory);
+        let outcome = step(state);
         self.to_floor(state, elapsed + tau);
         outcome
     }

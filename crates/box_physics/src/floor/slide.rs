@@ -16,10 +16,10 @@
 use glam::{DVec2, DVec3};
 
 use super::FloorContext;
+use super::frame::Method;
 use super::geometry::{Corners, has, mask};
 use super::projection::recover_penetration;
 use crate::force::ForceModel;
-use crate::integrators::{Integrate, Order};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -41,15 +41,16 @@ const LARGEST_CHANGE: f64 = 0.5;
 /// Slides a box that touches the floor with the four corners `touching` for `h` \[s\], if that is all it does:
 /// under a uniform force, level, without tipping, and, if it spins, without a pull along the floor. `None` leaves
 /// `state` as it was. An integrator of first order in uniform gravity is not taken: it has its own error there.
-pub(super) fn slide<S: Integrate, F: ForceModel>(
+pub(super) fn slide<F: ForceModel>(
     context: &FloorContext<'_, F>,
+    method: &Method<F>,
     state: &mut BodyState,
     h: f64,
     touching: u8,
 ) -> Option<Slide> {
     let (floor, body, force) = (context.floor, context.body, context.force);
     let uniform = !force.has_wrench() && !force.has_dissipation();
-    if !uniform || matches!(S::INFO.orders.gravity, Order::Of(1)) {
+    if !uniform || method.errs_in_gravity {
         return None;
     }
     let pull = force.acceleration();

@@ -3,6 +3,7 @@
 use super::bounds::{acceleration_bound, curvature_bound, normal_velocities, spin_bound};
 use super::event::Search;
 use super::flight::{Flight, Flown, fly};
+use super::frame::Method;
 use super::geometry::{Corners, has};
 use super::impact::{ImpactKind, resolve_impact};
 use super::projection::recover_penetration;
@@ -96,7 +97,8 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
         }
     }
     context.to_floor(state, 0.0);
-    outcome = in_floor_frame::<S, F>(context, state, h, memory, contact, report, flown);
+    let method = Method::of::<S>();
+    outcome = in_floor_frame(context, &method, state, h, memory, contact, report, flown);
     context.to_world(state, h);
     // However many segments and trials it took: one step gave way once.
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
@@ -147,9 +149,13 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
 }
 
 /// The step of a box that touches the floor or may. `flown` is the plain step, if it is known.
-#[inline]
-fn in_floor_frame<S: Integrate, F: ForceModel>(
+#[allow(
+    clippy::too_many_arguments,
+    reason = "the arguments of `step_on_floor`"
+)]
+fn in_floor_frame<F: ForceModel>(
     context: &FloorContext<'_, F>,
+    method: &Method<F>,
     state: &mut BodyState,
     h: f64,
     memory: &mut IntegratorMemory,
@@ -160,7 +166,7 @@ fn in_floor_frame<S: Integrate, F: ForceModel>(
     let touching = contact.touching;
     let mut slid = None;
     if touching.count_ones() == 4 {
-        slid = slide::<S, F>(context, state, h, touching);
+        slid = slide(context, method, state, h, touching);
         if let Some(slide) = &slid
             && slide.time == h
         {
@@ -174,7 +180,9 @@ fn in_floor_frame<S: Integrate, F: ForceModel>(
             };
         }
     }
-    between_events::<S, F>(context, state, h, memory, contact, report, flown, slid)
+    between_events(
+        context, method, state, h, memory, contact, report, flown, slid,
+    )
 }
 
 /// Segment after segment. `slid` is what a slide has made of the step until it stopped.
@@ -183,8 +191,9 @@ fn in_floor_frame<S: Integrate, F: ForceModel>(
     reason = "where a step begins, and how far it has come"
 )]
 #[inline(never)] // its large frame is not for boxes that rest or fly
-fn between_events<S: Integrate, F: ForceModel>(
+fn between_events<F: ForceModel>(
     context: &FloorContext<'_, F>,
+    method: &Method<F>,
     state: &mut BodyState,
     h: f64,
     memory: &mut IntegratorMemory,
@@ -229,7 +238,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             || outcome.impacts_capped > settings.max_impacts;
         if exhausted {
             outcome.solves_capped += 1;
-            remainder_of_step::<S, F>(context, state, h - remaining, remaining, memory);
+            remainder_of_step(context, method, state, h - remaining, remaining, memory);
             corners = Corners::at(floor, body, state);
             break;
         }
@@ -270,6 +279,7 @@ fn between_events<S: Integrate, F: ForceModel>(
         }
         let start = Start {
             context,
+            method,
             state: *state,
             elapsed,
             memory,
@@ -280,7 +290,7 @@ fn between_events<S: Integrate, F: ForceModel>(
             acceleration: pull,
             shortest: SHORTEST_STOP * time,
         };
-        let (tau, segment) = move_until_event::<S, F>(
+        let (tau, segment) = move_until_event(
             &start,
             time,
             flown.take(),
@@ -348,7 +358,7 @@ fn held<F>(
 
 /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
 /// step over `time`, if it is known, with its memory in the first of the segments, which are overwritten.
-fn move_until_event<'a, S: Integrate, F: ForceModel>(
+fn move_until_event<'a, F: ForceModel>(
     start: &Start<F>,
     time: f64,
     flown: Option<Flown>,
@@ -362,7 +372,7 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
             outcome.step += flown.outcome;
             whole.fly_to(start, flown);
         }
-        None => start.spent::<S>(outcome, tau, whole),
+        None => start.spent(outcome, tau, whole),
     }
     if start.candidates != 0 {
         // The part found from the whole segment is exact for a constant deceleration; otherwise the
@@ -377,7 +387,7 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
             };
             before = Some((tau, whole.slips));
             tau = next.clamp(0.1 * start.shortest, time);
-            start.spent::<S>(outcome, tau, whole);
+            start.spent(outcome, tau, whole);
         }
         if whole.still {
             return (tau, whole);
@@ -411,7 +421,7 @@ fn move_until_event<'a, S: Integrate, F: ForceModel>(
     };
     let height = whole.corners.height;
     let reached = search.run(whole, height, other, |t, segment| {
-        start.spent::<S>(outcome, t, segment);
+        start.spent(outcome, t, segment);
         segment.corners.height
     });
     outcome.solves_capped += u32::from(reached.capped);
@@ -430,24 +440,26 @@ impl Segment {
 
 impl<F: ForceModel> Start<'_, F> {
     /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
-    fn spent<S: Integrate>(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment) {
+    fn spent(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment) {
         segment.memory.clone_from(self.memory);
         if self.candidates == 0 {
             let (context, mut state) = (self.context, self.state);
             let memory = &mut segment.memory;
-            let outcome =
-                context.integrate::<S>(&mut state, context.force, self.elapsed, tau, memory);
+            let outcome = context.in_world(&mut state, self.elapsed, tau, |state| {
+                (self.method.step)(context.body, state, context.force, tau, memory)
+            });
             segment.fly_to(self, Flown { state, outcome });
         } else {
-            self.advance::<S>(tau, segment);
+            self.advance(tau, segment);
         }
         outcome.step += segment.outcome;
     }
 }
 
 /// What is left when the caps are reached: one plain step, out of the floor, no approach, no gain.
-fn remainder_of_step<S: Integrate, F: ForceModel>(
+fn remainder_of_step<F: ForceModel>(
     context: &FloorContext<'_, F>,
+    method: &Method<F>,
     state: &mut BodyState,
     elapsed: f64,
     remaining: f64,
@@ -455,7 +467,9 @@ fn remainder_of_step<S: Integrate, F: ForceModel>(
 ) {
     let (floor, body, force) = (context.floor, context.body, context.force);
     let start = *state;
-    context.integrate::<S>(state, force, elapsed, remaining, memory);
+    context.in_world(state, elapsed, remaining, |state| {
+        (method.step)(body, state, force, remaining, memory)
+    });
     recover_penetration(floor, state, &mut Corners::at(floor, body, state));
     state.velocity.y = state.velocity.y.max(0.0);
     limit_energy(body, &start, state, force.acceleration());

@@ -20,17 +20,18 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::FloorContext;
 use super::cone::{Cone, ConeSolution};
+use super::frame::Method;
 use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spans_face};
 use super::projection::{cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel, Wrench};
-use crate::integrators::{Integrate, IntegratorMemory, Order, StepOutcome, impulse_step};
+use crate::integrators::{IntegratorMemory, StepOutcome, impulse_step};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
 /// The law plus the floor's constant force and torque, world axes.
-struct Supported<'a, F> {
+pub(super) struct Supported<'a, F> {
     inner: &'a F,
     /// Contact force over mass [m/s²].
     acceleration: DVec3,
@@ -84,6 +85,7 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
 /// What a segment needs to know besides the floor and the body.
 pub(super) struct Start<'a, F> {
     pub(super) context: &'a FloorContext<'a, F>,
+    pub(super) method: &'a Method<F>,
     pub(super) state: BodyState,
     /// Since the beginning of the step \[s\].
     pub(super) elapsed: f64,
@@ -147,8 +149,8 @@ impl Segment {
 }
 
 impl<F: ForceModel> Start<'_, F> {
-    /// The motion over `tau` \[s\] by integrator `S`, from the memory that `segment` holds.
-    pub(super) fn advance<S: Integrate>(&self, tau: f64, segment: &mut Segment) {
+    /// The motion over `tau` \[s\], from the memory that `segment` holds.
+    pub(super) fn advance(&self, tau: f64, segment: &mut Segment) {
         let &FloorContext {
             floor,
             settings,
@@ -196,7 +198,7 @@ impl<F: ForceModel> Start<'_, F> {
         }
 
         let (force, torque) = operator.resultant(&solution.p);
-        if self.is_uniform() && !matches!(S::INFO.orders.gravity, Order::Of(1)) {
+        if self.is_uniform() && !self.method.errs_in_gravity {
             let (v, omega) = operator.twist(&solution.p);
             let twist = (motion.0 + 0.5 * v, motion.1 + 0.5 * omega);
             self.carry(&mut segment.state, tau, twist, v, torque);
@@ -208,9 +210,9 @@ impl<F: ForceModel> Start<'_, F> {
                 torque: torque * rate,
             };
             let (state, memory) = (&mut segment.state, &mut segment.memory);
-            segment.outcome = self
-                .context
-                .integrate::<S>(state, &law, self.elapsed, tau, memory);
+            segment.outcome = self.context.in_world(state, self.elapsed, tau, |state| {
+                (self.method.supported)(body, state, &law, tau, memory)
+            });
         }
 
         let held = mask(|k| segment.impulse[k].y > 0.0);
