@@ -55,6 +55,33 @@ use crate::state::BodyState;
 ///
 /// A floor with a `velocity` is an elevator or a conveyor belt: impacts, friction and rest are relative to it. The
 /// plugin advances `height` by it in every step. The velocity is constant over a step; to change it wakes all bodies.
+///
+/// The floor is level, and there is only one. For a ramp, use the axes of the ramp and tilt gravity:
+///
+/// ```
+/// use box_physics::floor::{ContactState, FloorContext};
+/// use box_physics::force::Gravity;
+/// use box_physics::prelude::*;
+/// // A ramp of slope 3/4, down along +x. With the plugin this is `WorldGravity`.
+/// let (g, sine, cosine) = (9.81, 0.6, 0.8);
+/// let weight = Gravity(DVec3::new(g * sine, -g * cosine, 0.0));
+/// let settings = ContactSettings::default();
+/// let slide = |friction: f64| {
+///     let (body, floor) = (RigidBox::default(), Floor::new(0.0, 0.0, friction)?);
+///     let context = FloorContext { floor: &floor, settings: &settings, body: &body, force: &weight };
+///     let mut state = BodyState::at(DVec3::Y * 0.5);
+///     let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+///     for _ in 0..60 {
+///         let h = 1.0 / 60.0;
+///         Integrator::Split.step_on_floor(&context, &mut state, h, &mut memory, &mut contact, None);
+///     }
+///     Ok::<f64, InvalidValue>(state.position.x)
+/// };
+/// // It slides with g (sin θ − µ cos θ), and holds where µ exceeds tan θ.
+/// assert!((slide(0.5)? - 0.5 * g * (sine - 0.5 * cosine)).abs() < 1e-12);
+/// assert_eq!(slide(0.76)?, 0.0);
+/// # Ok::<(), InvalidValue>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
