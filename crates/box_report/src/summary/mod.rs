@@ -1,12 +1,13 @@
 //! The summary: which integrator to take, its cost, its error, and when it breaks.
 
+mod verdicts;
+
 use box_physics::integrators::{Integrator, Limit};
 use box_scenarios::Family;
 use serde::Serialize;
 
 use crate::context::{Context, Stop};
 use crate::document::{Section, Table};
-use crate::efficiency::CLEARLY;
 use crate::stability::{StabilityData, shown};
 use crate::timing::Timings;
 use crate::visible::{MINUTE, THROW, Visible};
@@ -20,53 +21,6 @@ pub(crate) struct Results {
     pub(crate) stability: Option<StabilityData>,
     pub(crate) timings: Option<Timings>,
     pub(crate) visible: Option<Visible>,
-}
-
-impl Results {
-    /// The integrator for a game at `rate`: among those that survive every hard case (where these were
-    /// measured) the one that shows nothing for a throw's time in most scenes, of equals for a minute, and of
-    /// equals the cheapest.
-    pub(crate) fn recommended(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
-        let (work, visible) = (self.work_precision.as_ref()?, self.visible.as_ref()?);
-        let survives = |s: &Integrator| {
-            let score = self.stability.as_ref().map(|d| d.score(*s));
-            score.is_none_or(|[_, _, diverged]| diverged == 0)
-        };
-        let rank = |s: Integrator| {
-            let scenes = [THROW, MINUTE].map(|t| visible.invisible(s, rate, t));
-            (scenes, work.cost(s, rate).unwrap_or(f64::INFINITY))
-        };
-        let best = |integrators: &mut dyn Iterator<Item = Integrator>| {
-            integrators.max_by(|&a, &b| {
-                let ((scenes_a, cost_a), (scenes_b, cost_b)) = (rank(a), rank(b));
-                scenes_a.cmp(&scenes_b).then(cost_b.total_cmp(&cost_a))
-            })
-        };
-        // Where none of the integrators compared survives everything, the best of them.
-        best(&mut ctx.integrators.iter().copied().filter(survives))
-            .or_else(|| best(&mut ctx.integrators.iter().copied()))
-    }
-
-    /// The integrators that have both a smaller error than `one` in the median scene and a clearly smaller cost at
-    /// `rate`.
-    fn better_and_cheaper(&self, ctx: &Context, one: Integrator, rate: u32) -> Vec<Integrator> {
-        let Some(work) = self.work_precision.as_ref() else {
-            return Vec::new();
-        };
-        let price = |s| work.cost(s, rate).unwrap_or(f64::INFINITY);
-        let beats = |s: &Integrator| {
-            *s != one && price(*s) < CLEARLY * price(one) && work.median_ratio(*s, one, rate) < 1.0
-        };
-        ctx.integrators.iter().copied().filter(beats).collect()
-    }
-
-    /// The cheapest integrator of all at `rate`.
-    fn cheapest(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
-        let work = self.work_precision.as_ref()?;
-        let cost = |s: Integrator| work.cost(s, rate).unwrap_or(f64::INFINITY);
-        let integrators = ctx.integrators.iter().copied();
-        integrators.min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
-    }
 }
 
 #[derive(Serialize)]
@@ -158,7 +112,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
         rows: rows.iter().map(cells).collect(),
         csv: "summary.csv".to_owned(),
     });
-    section.verdicts = verdicts(ctx, results);
+    section.verdicts = verdicts::verdicts(ctx, results);
     Ok(section)
 }
 
@@ -270,43 +224,6 @@ fn breaks_at(limits: [Limit; 4], rate: f64) -> String {
     }
 }
 
-/// Where `rk4` is the better choice than `split` at 60 Hz: as accurate to the eye, and cheaper.
-fn rk4_wins(results: &Results) -> Option<String> {
-    let (work, visible) = (results.work_precision.as_ref()?, results.visible.as_ref()?);
-    let (ours, theirs) = (Integrator::Split, Integrator::Rk4);
-    let unseen = visible.invisible(theirs, 60, MINUTE);
-    let ratio = |scene: &str| {
-        let cost = |i| results.timings.as_ref()?.of(scene, i);
-        Some(text::significant(cost(theirs)? / cost(ours)?, 2))
-    };
-    let better: Vec<String> = work
-        .families
-        .iter()
-        .filter_map(|f| {
-            let error = |i| f.at(i, 60)?.run.error(f.family.metrics[0]);
-            let (own, other) = (error(ours)?, error(theirs)?);
-            // Rounding is no victory.
-            (other < own && own > 1e-9).then(|| {
-                format!(
-                    "{} ({} against {} {})",
-                    f.family.title.to_lowercase(),
-                    text::error(other),
-                    text::error(own),
-                    f.family.metrics[0].unit()
-                )
-            })
-        })
-        .collect();
-    Some(format!(
-        "**Where `rk4` wins**: its error does not show for a minute in {unseen} of {} scenes, and there it is the cheaper choice where its cost is \
-         below `split`'s: {} of it in flight, {} under a torque. Its error is the smaller one in: {}.",
-        work.families.len(),
-        ratio("free-many")?,
-        ratio("torque")?,
-        text::list(&better)
-    ))
-}
-
 fn cells(r: &Row) -> Vec<String> {
     let or_dash = |n: Option<usize>| n.map_or_else(|| "–".to_owned(), |n| n.to_string());
     let number =
@@ -339,91 +256,4 @@ fn cells(r: &Row) -> Vec<String> {
             or_dash(r.hard_cases_diverged)
         ),
     ]
-}
-
-/// How many hard cases `integrator` survives, in words.
-fn survived(results: &Results, integrator: Integrator) -> String {
-    results.stability.as_ref().map_or_else(
-        || "hard cases that were not measured".to_owned(),
-        |d| {
-            let [ok, degraded, diverged] = d.score(integrator);
-            let all = ok + degraded + diverged;
-            format!("{} of {all} hard cases ({ok} ok)", ok + degraded)
-        },
-    )
-}
-
-/// The integrator to take at `rate`, against the cheapest.
-fn recommendation(ctx: &Context, results: &Results, rate: u32) -> Option<String> {
-    let (work, visible) = (results.work_precision.as_ref()?, results.visible.as_ref()?);
-    let (best, cheapest) = (
-        results.recommended(ctx, rate)?,
-        results.cheapest(ctx, rate)?,
-    );
-    let price = |s| text::significant(work.cost(s, rate).unwrap_or(f64::NAN), 2);
-    let scenes = Family::all().len();
-    let first = visible.first(best, rate).map_or_else(
-        || "never in a minute".to_owned(),
-        |t| format!("{} s at the earliest", text::significant(t, 2)),
-    );
-    Some(format!(
-        "**At {rate} Hz take `{best}`**: nothing shows for a minute in {} of {scenes} scenes (first visible: {first}), at {} µs per box and \
-         simulated second, and it survives {}. The cheapest of all, `{cheapest}`, costs {} µs; with it nothing shows for ten seconds \
-         in {}. {}",
-        visible.invisible(best, rate, MINUTE),
-        price(best),
-        survived(results, best),
-        price(cheapest),
-        visible.invisible(cheapest, rate, THROW),
-        match results.better_and_cheaper(ctx, best, rate).as_slice() {
-            [] => "No integrator has both a smaller error in the median scene and a smaller cost."
-                .to_owned(),
-            better => format!(
-                "Both a smaller error in the median scene and a smaller cost: {}.",
-                text::list(&better.iter().map(text::code).collect::<Vec<_>>())
-            ),
-        }
-    ))
-}
-
-fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
-    let mut said = Vec::new();
-    // The first two are those of the page of one minute.
-    for rate in [60, 30, 120] {
-        said.extend(recommendation(ctx, results, rate));
-        if rate == 60 {
-            said.extend(rk4_wins(results));
-        }
-    }
-    if let Some(stability) = &results.stability {
-        let unlimited = |k: usize| {
-            let free = ctx.integrators.iter().filter(|s| {
-                let limits = stability.limits(**s);
-                limits.is_some_and(|l| l[k] == Limit::None)
-            });
-            text::list(&free.map(text::code).collect::<Vec<_>>())
-        };
-        said.push(format!(
-            "**Springs too stiff for the step**: stable at every step tried are {}.",
-            unlimited(3)
-        ));
-        said.push(format!(
-            "**Drag too stiff for the step**: stable at every step tried are {}.",
-            unlimited(1)
-        ));
-        let growing: Vec<String> = ctx
-            .integrators
-            .iter()
-            .filter(|s| {
-                let limits = stability.limits(**s);
-                limits.is_some_and(|l| l.contains(&Limit::AlwaysGrows))
-            })
-            .map(text::code)
-            .collect();
-        said.push(format!(
-            "**Not for spinning boxes or undamped springs**, whose energy they raise at every step: {}.",
-            text::list(&growing)
-        ));
-    }
-    said
 }

@@ -1,0 +1,139 @@
+//! `peers`: the same boxes in other engines, measured by a program outside the workspace; its last result is
+//! committed.
+
+mod section;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+
+use crate::context::{Context, Stop};
+use crate::files;
+use box_bench::machine::Machine;
+
+pub(crate) use section::section;
+
+/// What `box_peers` measures.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Measured {
+    engines: Vec<Engine>,
+    accuracy: Vec<Accuracy>,
+    cost: Vec<CostRow>,
+    /// What was left out, and why.
+    notes: Vec<String>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Engine {
+    id: String,
+    name: String,
+    version: String,
+    /// Threads that it may use.
+    #[serde(default)]
+    threads: Option<usize>,
+    /// How it was driven.
+    driven: String,
+}
+
+impl Engine {
+    /// With the number of threads, where that is known.
+    fn full_name(&self) -> String {
+        match self.threads {
+            None => self.name.clone(),
+            Some(1) => format!("{}, 1 thread", self.name),
+            Some(n) => format!("{}, {n} threads", self.name),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Accuracy {
+    engine: String,
+    case: String,
+    rate_hz: u32,
+    /// Time \[s\], attitude error \[rad\], relative energy error, signed.
+    points: Vec<(f64, f64, f64)>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct CostRow {
+    engine: String,
+    /// `free`, `landing` or `resting`.
+    place: String,
+    bodies: usize,
+    ns_per_body_step_min: f64,
+    ns_per_body_step_median: f64,
+    ns_per_body_step_p95: f64,
+    /// Of the physics alone, of engines that are part of an app.
+    #[serde(default)]
+    physics_ns_per_body_step_min: Option<f64>,
+    #[serde(default)]
+    physics_ns_per_body_step_median: Option<f64>,
+}
+
+/// A result with its circumstances, as committed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Stored {
+    machine: Machine,
+    measured: Measured,
+}
+
+fn manifest() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../box_peers/Cargo.toml")
+}
+
+/// Where the last result is committed.
+fn committed() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results/peers.json")
+}
+
+/// Runs `box_peers` through cargo and keeps what it measured in the folder of the report and, if asked for,
+/// where it is committed.
+pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
+    let manifest = manifest();
+    if !manifest.is_file() {
+        return Err(Stop::Failed(format!(
+            "{} is not there: the other engines are measured from a checkout of the sources",
+            manifest.display()
+        )));
+    }
+    ctx.progress
+        .say("building and running box_peers (the first build takes a quarter of an hour) …");
+    let mut command = Command::new("cargo");
+    command
+        .args(["run", "--release", "--locked", "--quiet", "--manifest-path"])
+        .arg(&manifest)
+        .arg("--")
+        .arg("--output")
+        .arg(ctx.folder());
+    if ctx.quick {
+        command.arg("--quick");
+    }
+    // Its packages are others: in the workspace's folder they would be built over and over.
+    if let Some(target) = std::env::var_os("CARGO_TARGET_DIR") {
+        command.env("CARGO_TARGET_DIR", Path::new(&target).join("peers"));
+    }
+    let status = command
+        .status()
+        .map_err(|e| Stop::Failed(format!("cannot start cargo: {e}")))?;
+    if !status.success() {
+        return Err(Stop::Failed(format!("box_peers ended with {status}")));
+    }
+    let text = files::read(&ctx.file("peers-measured.json"))?;
+    let measured: Measured = serde_json::from_str(&text)
+        .map_err(|e| Stop::Failed(format!("peers-measured.json: {e}")))?;
+    let stored = Stored {
+        machine: Machine::this(),
+        measured,
+    };
+    let json =
+        serde_json::to_string(&stored).map_err(|e| Stop::Internal(format!("peers.json: {e}")))?;
+    files::write(&ctx.file("peers.json"), &json)?;
+    if let Some(docs) = docs {
+        let folder = docs.join("results");
+        files::create_folder(&folder)?;
+        files::write(&folder.join("peers.json"), &json)?;
+    }
+    Ok(())
+}
