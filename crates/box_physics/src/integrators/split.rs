@@ -477,8 +477,7 @@ mod tests {
                     springs: &springs,
                     ..Default::default()
                 };
-                let energy =
-                    |s: &BodyState| s.kinetic_energy(&body) + 3.0 * gravity * s.position.y;
+                let energy = |s: &BodyState| s.kinetic_energy(&body) + 3.0 * gravity * s.position.y;
                 let mut s = BodyState::at(-half)
                     .with_body_angular_velocity(&body, DVec3::new(2.0, 6.0, 4.0));
                 s.velocity = s.angular_velocity(&body).cross(s.rotation * -half);
