@@ -146,7 +146,7 @@ impl Balance {
             momentum: (l.length() - right.length()) / self.momentum_scale,
             vector: (l - right).length() / self.momentum_scale,
             direction: if l.length().min(right.length()) > 1e-9 * self.momentum_scale {
-                l.cross(right).length().atan2(l.dot(right)).to_degrees()
+                libm::atan2(l.cross(right).length(), l.dot(right)).to_degrees()
             } else {
                 0.0
             },

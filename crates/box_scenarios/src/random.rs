@@ -24,7 +24,7 @@ impl Random {
 
     /// Between `low` and `high`, uniform in the logarithm.
     pub fn magnitude(&mut self, low: f64, high: f64) -> f64 {
-        exp(self.range(low.ln(), high.ln()))
+        exp(self.range(libm::log(low), libm::log(high)))
     }
 
     /// Each component uniform in [−`size`, `size`).

@@ -4,6 +4,7 @@ use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
 use super::translation::phi;
+use super::turn;
 use crate::setup::Setup;
 
 /// ω' = τ/I − (γ + c_ω/I) ω about a body axis that stays where it is.
@@ -52,8 +53,8 @@ impl AxisRotation {
     pub(super) fn write(&self, t: f64, state: &mut BodyState) {
         let (phi1, phi2) = phi(self.rate * t);
         let angle = t * (phi1 * self.spin + t * phi2 * self.acceleration);
-        let spin = (-self.rate * t).exp() * self.spin + t * phi1 * self.acceleration;
-        state.rotation = self.rotation * DQuat::from_axis_angle(self.axis, angle);
+        let spin = libm::exp(-self.rate * t) * self.spin + t * phi1 * self.acceleration;
+        state.rotation = self.rotation * turn(self.axis, angle);
         state.angular_momentum = self.axis * (spin * self.inertia);
     }
 }

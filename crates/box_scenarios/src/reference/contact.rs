@@ -109,11 +109,11 @@ impl FlatContact {
         let left = 1.0 - since * (1.0 - e) / first;
         // How many rises there are before `since`, or before they are too short to count.
         let end = left.max(SHORTEST_RISE / first).max(f64::MIN_POSITIVE);
-        let n = (end.ln() / e.ln()).floor() - 100.0;
+        let n = (libm::log(end) / libm::log(e)).floor() - 100.0;
         if n < 1000.0 {
             return (since, up);
         }
-        let decay = (n * e.ln()).exp();
+        let decay = libm::exp(n * libm::log(e));
         (since - first * (1.0 - decay) / (1.0 - e), up * decay)
     }
 

@@ -5,10 +5,12 @@
 //! kind, in Carlson's form. (The integrator `exact` uses theta functions: another route to the same motion.)
 
 use box_physics::body::RigidBox;
+use box_physics::rotation::exponential_map;
 use box_physics::state::BodyState;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::jacobi::Elliptic;
+use super::turn;
 
 /// The rotation of a body from a start, for all times.
 #[derive(Clone, Debug)]
@@ -53,18 +55,18 @@ impl FreeMotion {
             (t, 1.0)
         } else {
             let z = self.damping * t;
-            (-(-z).exp_m1() / self.damping, (-z).exp())
+            (-libm::expm1(-z) / self.damping, libm::exp(-z))
         };
         let (turn, l) = match &self.branch {
-            Branch::Steady { spin } => (DQuat::from_scaled_axis(*spin * s), self.momentum),
+            Branch::Steady { spin } => (exponential_map(*spin * s), self.momentum),
             Branch::Symmetric {
                 axis,
                 inverse,
                 rate,
             } => {
                 // q(t) = exp(t L/I₁) ∘ exp(t (1/I₃ − 1/I₁) L₃ e₃), both from the start's body axes.
-                let spin = DQuat::from_axis_angle(*axis, rate * s);
-                let precession = DQuat::from_scaled_axis(self.momentum * (inverse * s));
+                let spin = turn(*axis, rate * s);
+                let precession = exponential_map(self.momentum * (inverse * s));
                 (precession * spin, spin.inverse() * self.momentum)
             }
             Branch::General(g) => g.at(s),
@@ -158,7 +160,7 @@ impl General {
         if d == 0.0 {
             let sa = 1.0_f64.copysign(la);
             g.sign = DVec3::new(sa, handed * sa * sc, sc);
-            g.u0 = (g.sign.y * lb / amplitude.y * (amplitude.x / la.abs())).asinh();
+            g.u0 = libm::asinh(g.sign.y * lb / amplitude.y * (amplitude.x / la.abs()));
         } else {
             // 1 − m, by the D that chose the branch: positive whenever D ≠ 0.
             let m1 = d.abs() * ic / ((ic - ib).abs() * amplitude.z * amplitude.z);
@@ -178,7 +180,7 @@ impl General {
                 let (j, _) = e.at(u);
                 DVec3::new(j.cn, j.sn, j.dn)
             }
-            None => DVec3::new(1.0 / u.cosh(), u.tanh(), 1.0 / u.cosh()),
+            None => DVec3::new(1.0 / libm::cosh(u), libm::tanh(u), 1.0 / libm::cosh(u)),
         };
         self.sign * self.amplitude * shape
     }
@@ -203,7 +205,7 @@ impl General {
             // atan(√(p−1) tanh u)/√(p−1).
             None => {
                 let w = (p - 1.0).sqrt();
-                factor * (w * u.tanh()).atan() / w
+                factor * libm::atan(w * libm::tanh(u)) / w
             }
         }
     }
@@ -216,7 +218,7 @@ impl General {
         // R(t) = R(0) Pᵀ B(0)ᵀ R_z(φ) B(t) P
         let before = DQuat::from_mat3(&(self.frame0 * self.to_abc)).inverse();
         let after = DQuat::from_mat3(&(self.frame(l) * self.to_abc));
-        let turn = before * DQuat::from_rotation_z(phi) * after;
+        let turn = before * turn(DVec3::Z, phi) * after;
         (turn, self.to_abc.transpose() * l)
     }
 }

@@ -89,9 +89,9 @@ impl Elliptic {
         }
         let mut phi = a * u * (1u32 << n) as f64;
         for ratio in ratios[..n].iter().rev() {
-            phi = 0.5 * (phi + (ratio * phi.sin()).asin());
+            phi = 0.5 * (phi + libm::asin(ratio * libm::sin(phi)));
         }
-        let (sn, cn) = phi.sin_cos();
+        let (sn, cn) = libm::sincos(phi);
         // dn² = 1 − m sn² = cn² + m₁ sn²
         Jacobi {
             sn,
@@ -103,7 +103,7 @@ impl Elliptic {
     /// F(φ|m) for a point (cos φ, sin φ) ∝ (`x`, `y`) on the circle, −π < φ ≤ π: Carlson's
     /// F = sin φ R_F(cos²φ, 1 − m sin²φ, 1), reflected beyond ±π/2.
     pub fn first_integral(&self, y: f64, x: f64) -> f64 {
-        let norm = x.hypot(y);
+        let norm = libm::hypot(x, y);
         let (s, c) = (y / norm, x / norm);
         let delta = c * c + self.m1 * s * s;
         // R_F fails only for two zero arguments, which m₁ > 0 excludes.

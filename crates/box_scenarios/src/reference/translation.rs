@@ -17,7 +17,7 @@ pub(super) fn phi(z: f64) -> (f64, f64) {
         }
         (1.0 - z * phi2, phi2)
     } else {
-        let phi1 = -(-z).exp_m1() / z;
+        let phi1 = -libm::expm1(-z) / z;
         (phi1, (1.0 - phi1) / z)
     }
 }
@@ -112,7 +112,7 @@ impl Translation {
                 let (phi1, phi2) = phi(rate * t);
                 (
                     x + t * (phi1 * v + t * phi2 * a),
-                    (-rate * t).exp() * v + t * phi1 * a,
+                    libm::exp(-rate * t) * v + t * phi1 * a,
                 )
             }
             Self::Oscillator {
@@ -121,7 +121,7 @@ impl Translation {
                 center,
                 frequency,
             } => {
-                let (s, c) = (frequency * t).sin_cos();
+                let (s, c) = libm::sincos(frequency * t);
                 let r = x - center;
                 (
                     center + c * r + s / frequency * v,
@@ -152,25 +152,28 @@ fn straight(t: f64, v: f64, a: f64, kappa: f64) -> (f64, f64) {
     if a == 0.0 {
         // v ≥ 0 along its own direction.
         let z = kappa * v * t;
-        return (z.ln_1p() / kappa, v / (1.0 + z));
+        return (libm::log1p(z) / kappa, v / (1.0 + z));
     }
     let (u, r) = ((a / kappa).sqrt(), (a * kappa).sqrt());
     if v < 0.0 {
-        let start = (-v / u).atan();
+        let start = libm::atan(-v / u);
         let turn = start / r;
         // cos θ₀ = 1/√(1 + (v/u)²)
-        let height = 0.5 * (v / u).powi(2).ln_1p() / kappa;
+        let height = 0.5 * libm::log1p((v / u) * (v / u)) / kappa;
         if t < turn {
             let angle = start - r * t;
-            return (-(height + angle.cos().ln() / kappa), -u * angle.tan());
+            return (
+                -(height + libm::log(libm::cos(angle)) / kappa),
+                -u * libm::tan(angle),
+            );
         }
         let (s, w) = straight(t - turn, 0.0, a, kappa);
         return (s - height, w);
     }
     let z = r * t;
-    let (w, tanh) = (v / u, z.tanh());
+    let (w, tanh) = (v / u, libm::tanh(z));
     // ln(cosh z + w sinh z) = z + ln((1+w)/2 + (1−w)/2 e^{−2z}) = z + ln1p((1−w)/2 (e^{−2z} − 1))
-    let way = (z + (0.5 * (1.0 - w) * (-2.0 * z).exp_m1()).ln_1p()) / kappa;
+    let way = (z + libm::log1p(0.5 * (1.0 - w) * libm::expm1(-2.0 * z))) / kappa;
     (way, u * (w + tanh) / (1.0 + w * tanh))
 }
 
