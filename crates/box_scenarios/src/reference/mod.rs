@@ -287,7 +287,7 @@ mod tests {
         }
     }
 
-    /// The digest was found on x86-64 and as wasm32 and aarch64.
+    /// The digest was found on x86-64 and as wasm32, aarch64 and i686.
     #[test]
     fn closed_forms_have_the_same_bits_on_every_machine() {
         let closed = Scenario::ALL
