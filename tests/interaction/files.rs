@@ -155,6 +155,22 @@ fn a_script_acts_at_its_times() {
     assert_eq!(app.should_exit(), Some(AppExit::Success));
 }
 
+/// The sweep waits for the scene, whose start ends the sweep of the one before.
+#[test]
+fn a_sweep_asked_for_with_a_scene_is_of_that_scene() {
+    let mut app = game(&[]);
+    run(&mut app, 5);
+    let sweep = Action::Compare(CompareAction::StartSweep);
+    let both = [Action::SelectScene("heavy-top".to_owned()), sweep];
+    app.world_mut().resource_mut::<Actions>().0.extend(both);
+    run(&mut app, 3);
+    assert_eq!(session(&app).scenario.id, "heavy-top");
+    let mut comparison = app.world_mut().resource_mut::<Comparison>();
+    let measured = |line: &SweepLine| !line.points.is_empty();
+    assert!(comparison.is_sweeping() || comparison.sweep.lines().iter().any(measured));
+    comparison.sweep.cancel();
+}
+
 #[test]
 fn the_shipped_scripts_are_scripts() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scripts");

@@ -269,7 +269,7 @@ impl Parameters {
             substeps: 1.0,
             gravity: -setup.forces.gravity.y,
             restitution: setup.floor.map(|f| f.restitution),
-            restitution_law: setup.floor.map(|_| 0.0),
+            restitution_law: setup.floor.map(|f| f64::from(f.restitution_law as u8)),
             friction: setup.floor.map(|f| f.friction),
             linear_drag: setup.forces.linear_drag,
             angular_damping: setup.forces.angular_damping,

@@ -43,7 +43,10 @@ impl Model {
             floor: setup
                 .floor
                 .and_then(|f| Floor::new(f.height, f.restitution, f.friction).ok()),
-            settings: ContactSettings::default(),
+            settings: ContactSettings {
+                restitution: setup.floor.map(|f| f.restitution_law).unwrap_or_default(),
+                ..ContactSettings::default()
+            },
         }
     }
 
@@ -64,6 +67,7 @@ impl Model {
             Some(f) => setup.with_floor(FloorSpec {
                 height: f.height,
                 restitution: f.restitution,
+                restitution_law: self.settings.restitution,
                 friction: f.friction,
             }),
             None => setup,

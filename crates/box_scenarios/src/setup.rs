@@ -2,6 +2,7 @@
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
+use box_physics::floor::RestitutionLaw;
 use box_physics::state::BodyState;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -19,9 +20,16 @@ pub struct FloorSpec {
     /// Newton's restitution e, 0 to 1: speed after over speed before.
     #[serde(deserialize_with = "limits::share")]
     pub restitution: f64,
+    /// How an impact is limited in energy.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub restitution_law: RestitutionLaw,
     /// Coulomb's friction µ, ≥ 0.
     #[serde(deserialize_with = "limits::coefficient")]
     pub friction: f64,
+}
+
+fn is_default(law: &RestitutionLaw) -> bool {
+    *law == RestitutionLaw::default()
 }
 
 impl FloorSpec {
@@ -30,6 +38,7 @@ impl FloorSpec {
         Self {
             height: 0.0,
             restitution,
+            restitution_law: RestitutionLaw::Energetic,
             friction,
         }
     }

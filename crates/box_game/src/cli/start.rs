@@ -8,8 +8,7 @@ use box_scenarios::Scenario;
 
 use super::ending::{Ending, end};
 use super::{Cli, command_line};
-use crate::action::compare::CompareAction;
-use crate::action::{Action, Actions, Plot};
+use crate::action::Plot;
 use crate::compare::Comparison;
 use crate::input::script::{self, Script};
 use crate::preferences::Preferences;
@@ -53,7 +52,7 @@ impl Plugin for CommandLinePlugin {
             app.insert_resource(GlobalIntegrator(integrator));
         }
         if cli.plot == Some(Plot::WorkPrecision) {
-            app.add_systems(Update, sweep_once);
+            comparison.request_sweep();
         }
         app.insert_resource(session)
             .insert_resource(library)
@@ -64,14 +63,6 @@ impl Plugin for CommandLinePlugin {
         set_step(app.world_mut());
         set_speed(app.world_mut(), cli.speed);
         start_scene(app.world_mut());
-    }
-}
-
-/// Requests a sweep as soon as there is something to compare.
-fn sweep_once(comparison: Res<Comparison>, mut actions: ResMut<Actions>, mut done: Local<bool>) {
-    if !*done && comparison.run.is_some() {
-        actions.0.push(Action::Compare(CompareAction::StartSweep));
-        *done = true;
     }
 }
 

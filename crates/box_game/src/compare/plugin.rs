@@ -256,9 +256,13 @@ fn follow(
     scene: Scene,
     samples: Option<Res<IntegratorSamples>>,
     mut comparison: ResMut<Comparison>,
+    mut commands: Commands,
 ) {
     let comparison = &mut *comparison;
     comparison.sweep.tick();
+    if core::mem::take(&mut comparison.sweep_requested) {
+        commands.queue(start_sweep);
+    }
     comparison.comparisons_ms = comparison.spent.as_secs_f64() * 1e3;
     comparison.spent = Duration::ZERO;
     let Some((entity, state, law, integrator)) = scene.main_box() else {
@@ -288,12 +292,6 @@ pub fn apply(world: &mut World, action: CompareAction) {
     if action == CompareAction::Resync {
         return resync(world);
     }
-    let session = world.get_resource::<Session>();
-    let setup = session.map(|s| (s.setup(), s.truth.clone()));
-    let samples = world.get_resource::<IntegratorSamples>();
-    let grain = samples.map(IntegratorSamples::grain).unwrap_or_default();
-    let boxes = world.query::<&RigidBox>().iter(world).count();
-    let mut notice = None;
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
     match action {
@@ -314,28 +312,36 @@ pub fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLogarithmicEnergy => settings.logarithmic_energy ^= true,
         CompareAction::ToggleLocal => settings.local ^= true,
         CompareAction::Select(integrator) => settings.selected = Some(integrator),
-        CompareAction::StartSweep => {
-            let Some(run) = &comparison.run else {
-                return;
-            };
-            let (setup, truth) = setup.unwrap_or_else(|| (run.law.setup(*run.start(), 10.0), None));
-            let main_box = run.main_box.integrator;
-            let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
-            let integrators = [main_box].into_iter().chain(others).collect();
-            let task = SweepTask {
-                truth,
-                grain,
-                ..SweepTask::new(setup, boxes, integrators)
-            };
-            if let Err(error) = comparison.sweep.start(task) {
-                notice = Some(format!("sweep: {error}"));
-            }
-        }
+        CompareAction::StartSweep => comparison.request_sweep(),
         CompareAction::CancelSweep => comparison.sweep.cancel(),
         CompareAction::Resync | CompareAction::Copy => {}
     }
-    if let (Some(text), Some(mut session)) = (notice, world.get_resource_mut::<Session>()) {
-        session.notice(text);
+}
+
+/// Starts the sweep that was asked for, with the main box's integrator and the comparisons.
+fn start_sweep(world: &mut World) {
+    let session = world.get_resource::<Session>();
+    let setup = session.map(|s| (s.setup(), s.truth.clone()));
+    let samples = world.get_resource::<IntegratorSamples>();
+    let grain = samples.map(IntegratorSamples::grain).unwrap_or_default();
+    let boxes = world.query::<&RigidBox>().iter(world).count();
+    let mut comparison = world.resource_mut::<Comparison>();
+    let Some(run) = &comparison.run else {
+        return;
+    };
+    let (setup, truth) = setup.unwrap_or_else(|| (run.law.setup(*run.start(), 10.0), None));
+    let main_box = run.main_box.integrator;
+    let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
+    let integrators = [main_box].into_iter().chain(others).collect();
+    let task = SweepTask {
+        truth,
+        grain,
+        ..SweepTask::new(setup, boxes, integrators)
+    };
+    if let Err(error) = comparison.sweep.start(task)
+        && let Some(mut session) = world.get_resource_mut::<Session>()
+    {
+        session.notice(format!("sweep: {error}"));
     }
 }
 

@@ -20,6 +20,7 @@ use bevy::prelude::*;
 use ron::extensions::Extensions;
 use serde::{Deserialize, Serialize};
 
+use crate::action::compare::CompareAction;
 use crate::action::{Action, Actions};
 use crate::compare::Comparison;
 use crate::platform;
@@ -144,15 +145,16 @@ pub fn play(
                 beat.actions[0],
                 Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
             );
-            let sweeping = comparison.as_ref().is_some_and(|c| c.sweep.is_running());
+            let sweeping = comparison.as_ref().is_some_and(|c| c.is_sweeping());
             if picture && sweeping {
                 return;
             }
             let action = beat.actions.remove(0);
+            let sweep = action == Action::Compare(CompareAction::StartSweep);
             actions.0.push(action);
             asking = true;
-            // What follows must not be in it: it waits for the next frame.
-            if picture {
+            // What follows must not be in the picture, or must see that the sweep has begun: it waits for the next frame.
+            if picture || sweep {
                 return;
             }
         }

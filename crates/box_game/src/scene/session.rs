@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use bevy::prelude::*;
-use box_physics::prelude::{DVec3, RigidBox};
+use box_physics::prelude::{DVec3, RestitutionLaw, RigidBox};
 use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
 
 use crate::action::Plot;
@@ -130,6 +130,10 @@ impl Session {
         setup.forces = self.forces();
         if let Some(floor) = &mut setup.floor {
             floor.restitution = p.restitution.unwrap_or(floor.restitution);
+            floor.restitution_law = match p.restitution_law {
+                Some(1.0) => RestitutionLaw::Newton,
+                _ => RestitutionLaw::Energetic,
+            };
             floor.friction = p.friction.unwrap_or(floor.friction);
         }
         setup

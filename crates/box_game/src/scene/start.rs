@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use box_physics::prelude::{
     AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, DVec3, ExternalForce,
     Floor, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
-    ReportPersisting, RestitutionLaw, RigidBox, Springs, WorldGravity,
+    ReportPersisting, RigidBox, Springs, WorldGravity,
 };
 use box_scenarios::{ForceSet, PlotPreset, ReferenceSolution, Scenario, Setup};
 
@@ -188,12 +188,9 @@ fn apply_world(world: &mut World, setup: &Setup) {
             world.remove_resource::<Floor>();
         }
     }
-    let law = world.resource::<Session>().parameters.restitution_law;
+    let law = setup.floor.map(|f| f.restitution_law).unwrap_or_default();
     world.init_resource::<ContactSettings>();
-    world.resource_mut::<ContactSettings>().restitution = match law {
-        Some(1.0) => RestitutionLaw::Newton,
-        _ => RestitutionLaw::Energetic,
-    };
+    world.resource_mut::<ContactSettings>().restitution = law;
 }
 
 /// Replaces the force components of a body; an absent force has none.

@@ -25,7 +25,8 @@ use crate::state::BodyState;
 /// has order 1, because it turns by the velocity at the end of the step.
 ///
 /// The rest is as in `engine-newton`: velocities first, damping by implicit factors, drag with its
-/// coefficient at the start of the step.
+/// coefficient at the start of the step. A torque acts first, and k and Ω use the velocity after it, as Avian
+/// orders its systems. The text keeps the velocity before it in k and Ω.
 pub struct Avian993;
 
 impl Integrate for Avian993 {

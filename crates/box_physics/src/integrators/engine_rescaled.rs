@@ -34,7 +34,7 @@ impl Integrate for EngineRescaled {
         name: "Engine: rescaled",
         group: MenuGroup::Engines,
         summary: "The step of Jolt, Avian and Rapier with gyroscopic forces: never diverges and conserves |L|, but energy and axis drift.",
-        source: "Jolt MotionProperties::ApplyGyroscopicForceInternal; avian PR #738, #745, #993",
+        source: "Jolt MotionProperties::ApplyGyroscopicForceInternal; avian PR #738, #745",
         orders: Orders::all(1),
         evaluations: Evaluations::fixed(1, 1),
         stability: Stability {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::run::{Plan, run_plan};
+use box_physics::floor::RestitutionLaw;
 use box_physics::integrators::Integrator;
 use proptest::prelude::*;
 
@@ -52,7 +53,10 @@ fn the_example_shows_every_field() {
             .setup
             .forces
             .with_spring(glam::DVec3::ZERO, glam::DVec3::ONE, 1.0, 1.0);
-    scene.setup.floor = Some(crate::FloorSpec::at_zero(0.5, 0.5));
+    scene.setup.floor = Some(crate::FloorSpec {
+        restitution_law: RestitutionLaw::Newton,
+        ..crate::FloorSpec::at_zero(0.5, 0.5)
+    });
     scene.setup.impulses = vec![crate::TimedImpulse {
         t: 1.0,
         impulse: glam::DVec3::X,
@@ -67,6 +71,29 @@ fn the_example_shows_every_field() {
             assert!(EXAMPLE.contains(&format!("{name}:")), "{name}");
         }
     }
+}
+
+/// The law of restitution is optional, is written only where it is not the default, and is the driver's.
+#[test]
+fn the_law_of_restitution() {
+    let law = |text: &str| {
+        let scene = read(text).expect("valid");
+        let again = read(&to_ron(&scene)).expect("valid");
+        assert_eq!(again.setup.floor, scene.setup.floor);
+        (
+            crate::Model::of(&scene.setup).settings.restitution,
+            to_ron(&scene).contains("restitution_law"),
+        )
+    };
+    let line = "restitution_law: Energetic,";
+    assert!(EXAMPLE.contains(line));
+    assert_eq!(law(EXAMPLE), (RestitutionLaw::Energetic, false));
+    assert_eq!(
+        law(&EXAMPLE.replace(line, "")),
+        (RestitutionLaw::Energetic, false)
+    );
+    let newton = EXAMPLE.replace(line, "restitution_law: Newton,");
+    assert_eq!(law(&newton), (RestitutionLaw::Newton, true));
 }
 
 /// The spin in world axes, as the API has it, or in body axes, under a name each; the older name is that in body axes.

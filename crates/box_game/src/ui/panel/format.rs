@@ -1,6 +1,7 @@
 //! Numbers as text: four significant digits, the same everywhere; and text as numbers.
 
-/// Four significant digits without trailing zeros: `9.81`, `0.01667`, `1.2e-5`.
+/// Four significant digits without trailing zeros: `9.81`, `0.01667`, `1.2e-5`; thousands apart, scientific where that
+/// is shorter.
 ///
 /// ```
 /// use box_game::ui::panel::number;
@@ -10,13 +11,20 @@
 /// assert_eq!(number(f64::NAN), "not a number");
 /// ```
 pub fn number(value: f64) -> String {
-    let text = quantity(value);
+    let plain = quantity(value);
     if !value.is_finite() {
-        return text;
+        return plain;
     }
+    let scientific = trimmed(&format!("{value:.3e}"));
+    let shorter = value.abs() >= 99_999.5 && scientific.len() < plain.chars().count();
+    if shorter { scientific } else { trimmed(&plain) }
+}
+
+/// Without the zeros at the end of the fraction.
+fn trimmed(text: &str) -> String {
     let (mantissa, exponent) = text
         .split_once('e')
-        .map_or((&*text, None), |(m, e)| (m, Some(e)));
+        .map_or((text, None), |(m, e)| (m, Some(e)));
     let mantissa = if mantissa.contains('.') {
         mantissa.trim_end_matches('0').trim_end_matches('.')
     } else {
@@ -37,10 +45,14 @@ pub(super) fn quantity(value: f64) -> String {
     if size == 0.0 {
         return "0.000".into();
     }
-    if !(1e-3..1e5).contains(&size) {
+    if !(1e-3..999_999.5).contains(&size) {
         return format!("{value:.3e}");
     }
-    // log10 of 1e-3…1e5 is −3…5: decimals 0…6.
+    if size >= 9999.5 {
+        let sign = if value < 0.0 { "-" } else { "" };
+        return format!("{sign}{}", grouped(size.round() as u64));
+    }
+    // log10 of 1e-3…1e4 is −3…4: decimals 0…6.
     let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.decimals$}")
 }
@@ -60,6 +72,7 @@ pub(super) fn step_size(dt: f64) -> String {
 /// `None` for anything else, and for infinities and NaN.
 pub(super) fn parse(text: &str) -> Option<f64> {
     let text = text.trim().replace(',', ".").replace('−', "-");
+    let text = text.replace('\u{a0}', "");
     let lower = text.to_ascii_lowercase();
     let plain = |t: &str| {
         let t = t.trim();
@@ -126,9 +139,12 @@ mod tests {
             (9.81, "9.810", "9.81"),
             (-9.81, "-9.810", "-9.81"),
             (1.0, "1.000", "1"),
-            (10_000.0, "10000", "10000"),
-            (99_999.0, "99999", "99999"),
-            (123_456.0, "1.235e5", "1.235e5"),
+            (10_000.0, "10\u{a0}000", "10\u{a0}000"),
+            (9_999.7, "10\u{a0}000", "10\u{a0}000"),
+            (-99_999.0, "-99\u{a0}999", "-99\u{a0}999"),
+            (123_456.0, "123\u{a0}456", "123\u{a0}456"),
+            (100_000.0, "100\u{a0}000", "1e5"),
+            (1_234_567.0, "1.235e6", "1.235e6"),
             (0.001, "0.001000", "0.001"),
             (2e-5, "2.000e-5", "2e-5"),
             (f64::INFINITY, "∞", "∞"),
@@ -157,6 +173,7 @@ mod tests {
             ("1e-3", Some(1e-3)),
             ("−2", Some(-2.0)),
             ("9.81 m/s²", Some(9.81)),
+            ("12\u{a0}345", Some(12_345.0)),
             ("3 N s", Some(3.0)),
             ("1/64", Some(1.0 / 64.0)),
             ("1/64 s", Some(1.0 / 64.0)),
