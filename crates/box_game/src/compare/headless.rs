@@ -10,6 +10,7 @@ use box_physics::prelude::Integrator;
 use box_scenarios::{ComparisonResult, Scenario};
 
 use super::sampling::{measure_grain, shortest_sample};
+use super::view::times;
 use crate::record::csv_log::{CsvLog, Row};
 
 /// Rows of the CSV per integrator at most; a longer run is thinned to every `every`-th step.
@@ -188,9 +189,9 @@ fn verdict(table: &Table) -> String {
     let least = table.result.uncertainty.attitude;
     match (ours.attitude, usual.attitude) {
         (Some(a), Some(b)) if a > least && b > least => format!(
-            "\nsplit: {:.0}× smaller attitude error than semi-implicit-euler at {:.1}× its cost.\n",
-            b / a,
-            cost.min / usual_cost.min
+            "\nsplit: {} smaller attitude error than semi-implicit-euler at {} its cost.\n",
+            times(b / a),
+            times(cost.min / usual_cost.min)
         ),
         _ => String::new(),
     }

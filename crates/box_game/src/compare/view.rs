@@ -178,7 +178,7 @@ pub fn verdict(view: &CompareView) -> String {
 }
 
 /// `310×`, `3.4×`, `1.6e6×`.
-fn times(ratio: f64) -> String {
+pub(super) fn times(ratio: f64) -> String {
     if ratio >= 1e5 {
         format!("{ratio:.1e}×")
     } else if ratio >= 10.0 {
