@@ -26,7 +26,7 @@ pub(super) struct Method<F> {
         f64,
         &mut IntegratorMemory,
     ) -> StepOutcome,
-    /// Whether it has an error of its own in uniform gravity: first order. Closed forms would hide it.
+    /// Whether it is of first order in uniform gravity. A closed form would hide that error.
     pub(super) errs_in_gravity: bool,
 }
 

@@ -30,7 +30,7 @@ use crate::integrators::{IntegratorMemory, StepOutcome, impulse_step};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// The law plus the floor's constant force and torque, world axes.
+/// The force model plus the floor's constant force and torque, world axes.
 pub(super) struct Supported<'a, F> {
     inner: &'a F,
     /// Contact force over mass [m/s²].
