@@ -1,4 +1,4 @@
-//! Rigid boxes over a floor for [Bevy](https://bevyengine.org). The numerical integrator is a resource, and the default is
+//! Rigid boxes over a floor, among walls and on ramps, for [Bevy](https://bevyengine.org). The numerical integrator is a resource, and the default is
 //! exact in free flight. The state is f64; `Transform` stays f32.
 //!
 //! ```
@@ -33,7 +33,7 @@
 //! | to | see |
 //! |---|---|
 //! | push, pull and brake bodies; systems in a step; faults | the module [`plugin`] |
-//! | set up a floor, react to landings and rest | [`Floor`](floor::Floor), [`Landed`](plugin::Landed), [`Settled`](plugin::Settled) |
+//! | set up a floor, walls and ramps, react to landings and rest | [`Floor`](floor::Floor), [`StaticPlane`](floor::StaticPlane), [`Landed`](plugin::Landed), [`Settled`](plugin::Settled) |
 //! | move a body by hand | [`Teleport`](plugin::Teleport), [`BodyMut`](plugin::BodyMut) |
 //! | pause, step once, slow down | [`PhysicsClock`](plugin::PhysicsClock), [`StepPhysics`](plugin::StepPhysics) |
 //! | rewind, roll back, save | [`PhysicsSnapshot`](plugin::PhysicsSnapshot) |
@@ -46,7 +46,7 @@
 //! Features: `bevy` (default) is the plugin; without it the crate needs `glam` and `libm` alone. `gizmos` draws bounding
 //! boxes, axes and contacts. `serde` saves bodies that continue bit for bit.
 //!
-//! Limits: boxes and a floor; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m, masses from
+//! Limits: boxes, a floor and planes; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m, masses from
 //! 1e-12 to 1e12 kg, positions, velocities and momenta within 1e38.
 
 pub mod aabb;
@@ -73,7 +73,7 @@ pub mod prelude {
     pub use crate::error::InvalidValue;
     pub use crate::floor::{
         CoefficientCombine, ContactReport, ContactSettings, ContactState, Floor, Friction,
-        Restitution, RestitutionLaw,
+        Restitution, RestitutionLaw, StaticPlane,
     };
     pub use crate::force::{Dissipation, ForceModel, Frame, PointForce, Spring, Wrench};
     pub use crate::integrators::{Integrator, IntegratorMemory, StepOutcome};

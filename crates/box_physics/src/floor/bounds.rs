@@ -1,5 +1,7 @@
 //! Bounds of how fast corners may move and how strongly they are accelerated.
 
+use glam::DVec3;
+
 use super::geometry::Corners;
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -47,7 +49,7 @@ const SWING: f64 = 1.26;
 /// Largest acceleration of a corner of a free body, now or later, over the present |ω|²|r|: |ω|² at most doubles.
 pub(super) const SWING_AHEAD: f64 = 2.0 * SWING;
 
-/// A bound of the upward acceleration of every corner: that of the rotation at the largest |ω|² that its
+/// A bound of every corner's acceleration along `normal`, upwards: that of the rotation at the largest |ω|² that its
 /// energy allows (and at most twice the present one), and whatever the force model
 /// adds. Plain gravity downwards adds nothing when nothing is held: free fall is concave.
 pub(super) fn curvature_bound<F: ForceModel>(
@@ -55,11 +57,13 @@ pub(super) fn curvature_bound<F: ForceModel>(
     state: &BodyState,
     acceleration: f64,
     force: &F,
+    normal: DVec3,
 ) -> f64 {
     let omega = state.body_angular_velocity(body);
     let energy = 2.0 * state.rotational_energy(body) * body.inverse_inertia().max_element();
     let spin = (2.0 * omega.length_squared()).min(energy);
-    let up = acceleration - force.acceleration().length() + force.acceleration().y.max(0.0);
+    let pull = force.acceleration();
+    let up = acceleration - pull.length() + pull.dot(normal).max(0.0);
     SWING * spin * body.radius() + up.max(0.0)
 }
 
@@ -76,7 +80,7 @@ mod tests {
     fn tightness(body: &RigidBox, omega: DVec3) -> f64 {
         let start = BodyState::default().with_body_angular_velocity(body, omega);
         let weightless = Gravity(DVec3::ZERO);
-        let bound = curvature_bound(body, &start, 0.0, &weightless);
+        let bound = curvature_bound(body, &start, 0.0, &weightless, DVec3::Y);
         let (mut state, mut memory) = (start, IntegratorMemory::default());
         let mut worst = 0.0_f64;
         for _ in 0..1000 {

@@ -15,7 +15,7 @@
 //! symmetry.
 
 mod edge;
-mod newton;
+pub(super) mod newton;
 mod single;
 
 use edge::Edge;

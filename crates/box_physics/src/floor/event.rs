@@ -6,8 +6,6 @@
 //! last segments tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three segments
 //! bring it to 1e-12 of the scene; a bracket guards it.
 
-use super::geometry::has;
-
 /// The end of a segment of motion: either all the time there was, or a touch.
 pub(super) struct Reached<'a, T> {
     /// How long \[s\].
@@ -18,16 +16,16 @@ pub(super) struct Reached<'a, T> {
     pub(super) capped: bool,
 }
 
-/// What the search needs to know.
-pub(super) struct Search {
+/// What the search needs to know, of `N` heights: those of the corners over one plane or several.
+pub(super) struct Search<const N: usize> {
     /// The corners to watch.
-    pub(super) watch: u8,
+    pub(super) watch: u64,
     /// Their heights at the start \[m\].
-    pub(super) start: [f64; 8],
+    pub(super) start: [f64; N],
     /// Their velocities upwards at the start [m/s].
-    pub(super) rate: [f64; 8],
+    pub(super) rate: [f64; N],
     /// The same at the end of the motion over the whole time; NaN if it is not known.
-    pub(super) end_rate: [f64; 8],
+    pub(super) end_rate: [f64; N],
     /// The time there is \[s\].
     pub(super) time: f64,
     /// A bound of every corner's upward acceleration [m/s²].
@@ -44,9 +42,9 @@ pub(super) struct Search {
 
 /// A segment that was tried: how long, and the heights there.
 #[derive(Clone, Copy)]
-struct Sample {
+struct Sample<const N: usize> {
     tau: f64,
-    height: [f64; 8],
+    height: [f64; N],
 }
 
 /// Samples that the polynomial goes through, besides the start.
@@ -61,7 +59,7 @@ const LONGEST: usize = 64 + 4 * PATIENCE;
 
 /// The motion as the search sees it: every sample is remembered for the polynomial, and the best so far is kept
 /// while the next is tried.
-struct Track<'a, T, M> {
+struct Track<'a, T, M, const N: usize> {
     motion: M,
     /// The motion to the earliest touch found so far, or else over the whole time.
     best: &'a mut T,
@@ -69,16 +67,16 @@ struct Track<'a, T, M> {
     last: &'a mut T,
     used: u32,
     /// The last samples, the newest first.
-    known: [Sample; NODES],
+    known: [Sample<N>; NODES],
 }
 
-impl<T, M: FnMut(f64, &mut T) -> [f64; 8]> Track<'_, T, M> {
-    fn sample(&mut self, tau: f64) -> Sample {
+impl<T, M: FnMut(f64, &mut T) -> [f64; N], const N: usize> Track<'_, T, M, N> {
+    fn sample(&mut self, tau: f64) -> Sample<N> {
         let height = (self.motion)(tau, self.last);
         self.add(Sample { tau, height })
     }
 
-    fn add(&mut self, sample: Sample) -> Sample {
+    fn add(&mut self, sample: Sample<N>) -> Sample<N> {
         self.used += 1;
         self.known.copy_within(0..NODES - 1, 1);
         self.known[0] = sample;
@@ -91,28 +89,31 @@ impl<T, M: FnMut(f64, &mut T) -> [f64; 8]> Track<'_, T, M> {
     }
 
     /// Those of `known` that are, at different times.
-    fn nodes(&self) -> &[Sample] {
+    fn nodes(&self) -> &[Sample<N>] {
         &self.known[..NODES.min(self.used as usize)]
     }
 }
 
-impl Search {
-    fn lowest(&self, height: &[f64; 8]) -> f64 {
-        (0..8)
-            .filter(|&k| has(self.watch, k))
-            .fold(f64::INFINITY, |a, k| a.min(height[k]))
+impl<const N: usize> Search<N> {
+    /// The places that are watched.
+    fn watched(&self) -> impl Iterator<Item = usize> + use<N> {
+        let watch = self.watch;
+        (0..N).filter(move |k| watch >> k & 1 == 1)
+    }
+
+    fn lowest(&self, height: &[f64; N]) -> f64 {
+        self.watched().fold(f64::INFINITY, |a, k| a.min(height[k]))
     }
 
     /// No watched corner can have been below the floor between two samples: a dip between heights
     /// c₀ and c₁ needs an upward acceleration; the parabola of curvature M that just touches zero
     /// has √c₀ + √c₁ = τ√(M/2). The deepest there can be has Mτ²/8.
-    fn clear(&self, from: &[f64; 8], to: &[f64; 8], tau: f64) -> bool {
+    fn clear(&self, from: &[f64; N], to: &[f64; N], tau: f64) -> bool {
         if self.curvature * tau * tau <= 8.0 * self.dip {
             return true;
         }
         let needed = tau * (0.5 * self.curvature).sqrt();
-        (0..8)
-            .filter(|&k| has(self.watch, k))
+        self.watched()
             .all(|k| from[k].max(0.0).sqrt() + to[k].max(0.0).sqrt() >= needed)
     }
 
@@ -129,9 +130,9 @@ impl Search {
     pub(super) fn run<'a, T>(
         &self,
         whole: &'a mut T,
-        height: [f64; 8],
+        height: [f64; N],
         other: &'a mut T,
-        motion: impl FnMut(f64, &mut T) -> [f64; 8],
+        motion: impl FnMut(f64, &mut T) -> [f64; N],
     ) -> Reached<'a, T> {
         let mut low = Sample {
             tau: 0.0,
@@ -180,9 +181,9 @@ impl Search {
     fn locate<T>(
         &self,
         mut low: f64,
-        mut high: Sample,
-        track: &mut Track<T, impl FnMut(f64, &mut T) -> [f64; 8]>,
-    ) -> Sample {
+        mut high: Sample<N>,
+        track: &mut Track<T, impl FnMut(f64, &mut T) -> [f64; N], N>,
+    ) -> Sample<N> {
         let mut widths = [f64::INFINITY; PATIENCE];
         let mut slow = 0;
         for i in 0..LONGEST {
@@ -221,9 +222,9 @@ impl Search {
 
     /// The earliest root, between `low` and `high`, of the polynomials of the corners that are below the
     /// floor at `high`; infinity if there is none.
-    fn first_root(&self, low: f64, high: &Sample, nodes: &[Sample]) -> f64 {
+    fn first_root(&self, low: f64, high: &Sample<N>, nodes: &[Sample<N>]) -> f64 {
         let mut first = f64::INFINITY;
-        for k in (0..8).filter(|&k| has(self.watch, k) && high.height[k] < 0.0) {
+        for k in self.watched().filter(|&k| high.height[k] < 0.0) {
             let polynomial = self.polynomial(k, nodes);
             if first == f64::INFINITY {
                 first = polynomial.root(low, high.tau);
@@ -234,7 +235,7 @@ impl Search {
         first
     }
 
-    fn polynomial(&self, k: usize, nodes: &[Sample]) -> Polynomial {
+    fn polynomial(&self, k: usize, nodes: &[Sample<N>]) -> Polynomial {
         let (mut tau, mut value) = ([0.0; NODES], [0.0; NODES]);
         for (i, node) in nodes.iter().enumerate() {
             tau[i] = node.tau;

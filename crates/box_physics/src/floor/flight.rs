@@ -1,5 +1,7 @@
 //! The commonest step of a box near the floor: it flies by.
 
+use glam::DVec3;
+
 use super::FloorContext;
 use super::bounds::{SWING_AHEAD, acceleration_bound, curvature_bound};
 use crate::aabb::world_half_extents;
@@ -75,6 +77,6 @@ fn clears<F: ForceModel>(
         }
     }
     let pull = acceleration_bound(body, state, force);
-    let curvature = curvature_bound(body, state, pull, force);
+    let curvature = curvature_bound(body, state, pull, force, DVec3::Y);
     before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt()
 }

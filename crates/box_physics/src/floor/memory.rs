@@ -72,6 +72,10 @@ pub(super) struct Rest {
     dissipation: Dissipation,
     wrench: Wrench,
     floor: Floor,
+    /// A fingerprint of all planes, and the normal for the report, where it rests among several or on one that is not
+    /// the floor.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) planes: Option<(u64, DVec3)>,
     /// Height of the center over the floor \[m\].
     above: f64,
     /// The floor's force at each corner \[N\], for the report.
@@ -105,6 +109,7 @@ impl ContactState {
     pub(super) fn still_rests<F: ForceModel>(
         &self,
         context: &FloorContext<'_, F>,
+        planes: Option<u64>,
         state: &BodyState,
     ) -> bool {
         let (body, force) = (context.body, context.force);
@@ -115,6 +120,7 @@ impl ContactState {
             && rest.acceleration == force.acceleration()
             && rest.dissipation == force.dissipation()
             && rest.floor == *context.floor
+            && rest.planes.map(|(fingerprint, _)| fingerprint) == planes
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
             && rest.wrench == wrench(body, state, force)
@@ -137,6 +143,7 @@ impl ContactState {
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
         context: &FloorContext<'_, F>,
+        planes: Option<(u64, DVec3)>,
         state: &BodyState,
         h: f64,
         reaction: [f64; 8],
@@ -154,6 +161,7 @@ impl ContactState {
             dissipation: force.dissipation(),
             wrench: wrench(body, &state, force),
             floor,
+            planes,
             above: state.position.y - floor.height,
             reaction,
         });
@@ -170,8 +178,8 @@ fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrenc
     }
 }
 
-/// What the floor did to a body in one step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What the floor, or the planes, did to a body in one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct ContactReport {
     /// The corners on which the floor acted, or which touch it at the end; bit k is corner k, as in
@@ -179,14 +187,30 @@ pub struct ContactReport {
     pub corners: u8,
     /// Where the floor last acted on each of these corners, in the world \[m\].
     pub points: [DVec3; 8],
-    /// Impulse along the normal at each corner \[N s\], ≥ 0.
+    /// Impulse along the normal at each corner \[N s\], ≥ 0; of a corner that touches several planes the sum.
     pub normal_impulses: [f64; 8],
+    /// The unit normal: +y at the floor. Among several planes the direction of the sum of their impulses.
+    pub normal: DVec3,
     /// Impulse of friction on the body \[N s\], world axes.
     pub tangential_impulse: DVec3,
     /// Largest speed along the normal with which a corner struck [m/s]; 0 without an impact.
     pub approach_speed: f64,
     /// Time of the first impact after the beginning of the step \[s\]; 0 without an impact.
     pub impact_time: f64,
+}
+
+impl Default for ContactReport {
+    fn default() -> Self {
+        Self {
+            corners: 0,
+            points: [DVec3::ZERO; 8],
+            normal_impulses: [0.0; 8],
+            normal: DVec3::Y,
+            tangential_impulse: DVec3::ZERO,
+            approach_speed: 0.0,
+            impact_time: 0.0,
+        }
+    }
 }
 
 impl ContactReport {

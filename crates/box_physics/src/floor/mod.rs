@@ -27,6 +27,7 @@ mod geometry;
 mod impact;
 mod material;
 mod memory;
+mod planes;
 mod projection;
 mod slide;
 mod slips;
@@ -38,6 +39,7 @@ mod tests;
 
 pub use material::{CoefficientCombine, Friction, Restitution};
 pub use memory::{ContactReport, ContactState};
+pub use planes::{Plane, PlanesContext, StaticPlane, may_touch_planes, step_on_planes};
 pub use step::step_on_floor;
 
 use glam::DVec3;
@@ -56,32 +58,7 @@ use crate::state::BodyState;
 /// A floor with a `velocity` is an elevator or a conveyor belt: impacts, friction and rest are relative to it. The
 /// plugin advances `height` by it in every step. The velocity is constant over a step; to change it wakes all bodies.
 ///
-/// The floor is level, and there is only one. For a ramp, use the axes of the ramp and tilt gravity:
-///
-/// ```
-/// use box_physics::floor::{ContactState, FloorContext};
-/// use box_physics::force::Gravity;
-/// use box_physics::prelude::*;
-/// // A ramp of slope 3/4, down along +x. With the plugin this is `WorldGravity`.
-/// let (g, sine, cosine) = (9.81, 0.6, 0.8);
-/// let weight = Gravity(DVec3::new(g * sine, -g * cosine, 0.0));
-/// let settings = ContactSettings::default();
-/// let slide = |friction: f64| {
-///     let (body, floor) = (RigidBox::default(), Floor::new(0.0, 0.0, friction)?);
-///     let context = FloorContext { floor: &floor, settings: &settings, body: &body, force: &weight };
-///     let mut state = BodyState::at(DVec3::Y * 0.5);
-///     let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
-///     for _ in 0..60 {
-///         let h = 1.0 / 60.0;
-///         Integrator::Split.step_on_floor(&context, &mut state, h, &mut memory, &mut contact, None);
-///     }
-///     Ok::<f64, InvalidValue>(state.position.x)
-/// };
-/// // It slides with g (sin θ − µ cos θ), and holds where µ exceeds tan θ.
-/// assert!((slide(0.5)? - 0.5 * g * (sine - 0.5 * cosine)).abs() < 1e-12);
-/// assert_eq!(slide(0.76)?, 0.0);
-/// # Ok::<(), InvalidValue>(())
-/// ```
+/// It is level, and there is only one; walls and ramps are [`StaticPlane`]s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -343,9 +320,24 @@ pub fn may_touch<F: ForceModel>(
     force: &F,
     h: f64,
 ) -> bool {
-    let clearance = state.position.y - floor.height;
-    let mut drop = h * (floor.velocity.y - state.velocity.y).max(0.0);
-    let mut pull = (-force.acceleration().y).max(0.0);
+    let plane = (DVec3::Y, state.position.y - floor.height, floor.velocity.y);
+    let reach = || world_half_extents(state.rotation, body.half_extents()).y;
+    may_touch_plane(plane, reach, body, state, force, h)
+}
+
+/// The same for a plane with this normal, height of the body's center over it \[m\] and velocity along the normal [m/s];
+/// `reach` is how far the box goes from its center against the normal \[m\].
+#[inline(always)]
+fn may_touch_plane<F: ForceModel>(
+    (normal, clearance, rise): (DVec3, f64, f64),
+    reach: impl FnOnce() -> f64,
+    body: &RigidBox,
+    state: &BodyState,
+    force: &F,
+    h: f64,
+) -> bool {
+    let mut drop = h * (rise - state.velocity.dot(normal)).max(0.0);
+    let mut pull = (-force.acceleration().dot(normal)).max(0.0);
     let wrench = force.has_wrench();
     if wrench {
         // Springs pull harder on the way: the larger of the force here and where the center will be, twice.
@@ -374,8 +366,7 @@ pub fn may_touch<F: ForceModel>(
     }
     // |ω| ≤ |L| max(1/I): the corners move by at most that times the radius.
     let turn = h * state.angular_momentum.length() * body.inverse_inertia().max_element();
-    let reach = world_half_extents(state.rotation, body.half_extents()).y + turn * radius;
-    !(turn < 0.5 && clearance - reach > drop)
+    !(turn < 0.5 && clearance - (reach() + turn * radius) > drop)
 }
 
 /// c₁ + k₂ |v − w| [N s/m].

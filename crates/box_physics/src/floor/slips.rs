@@ -9,17 +9,17 @@ const TURNING: f64 = 10.0;
 
 /// What becomes of the slips of a segment, by corner index; NaN where it is not so.
 #[derive(Clone, Copy)]
-pub(super) struct Slips {
+pub(super) struct Slips<const N: usize = 8> {
     /// Of a corner that slips on: its slip at the end along its slip at the start, in parts of that.
-    left: [f64; 8],
+    left: [f64; N],
     /// Of one that slips at the start and has no mean slip: the part of its friction that this takes.
-    used: [f64; 8],
+    used: [f64; N],
 }
 
-impl Slips {
+impl<const N: usize> Slips<N> {
     pub(super) const NONE: Self = Self {
-        left: [f64::NAN; 8],
-        used: [f64::NAN; 8],
+        left: [f64::NAN; N],
+        used: [f64::NAN; N],
     };
 
     /// Corner `k` has no mean slip, by this part of its friction.
@@ -50,7 +50,7 @@ impl Slips {
     pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, Self)>) -> Option<f64> {
         let mut first: Option<f64> = None;
         let mut found = |time: f64| first = Some(first.map_or(time, |t| t.min(time)));
-        for k in 0..8 {
+        for k in 0..N {
             let (left, used) = (self.left[k], self.used[k]);
             if used.is_finite() {
                 let last = before.filter(|(_, b)| b.used[k] < used);

@@ -1,5 +1,7 @@
 //! One step over the floor: segments of motion between events.
 
+use glam::DVec3;
+
 use super::bounds::{acceleration_bound, curvature_bound, normal_velocities, spin_bound};
 use super::event::Search;
 use super::flight::{Flight, Flown, fly};
@@ -15,25 +17,25 @@ use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisi
 use crate::state::BodyState;
 
 /// Segments of sustained motion in a step; a body that needs more gets longer ones.
-const MAX_SEGMENTS: u32 = 256;
+pub(super) const MAX_SEGMENTS: u32 = 256;
 /// Evaluations that the search for one event may take, in flight and with corners held.
-const SEARCH_BUDGET: u32 = 4096;
-const SEARCH_BUDGET_HELD: u32 = 128;
+pub(super) const SEARCH_BUDGET: u32 = 4096;
+pub(super) const SEARCH_BUDGET_HELD: u32 = 128;
 /// Dips that are looked for, over the tolerance: in flight as deep as a corner may ever be below the floor
 /// (1e-9 of the scale); with corners held, where the motion itself is of second order, 1e-6.
-const DIP_FREE: f64 = 1e3;
-const DIP_HELD: f64 = 1e6;
+pub(super) const DIP_FREE: f64 = 1e3;
+pub(super) const DIP_HELD: f64 = 1e6;
 /// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
-const STOP_TRIES: u32 = 8;
+pub(super) const STOP_TRIES: u32 = 8;
 /// Part of a segment in which such a moment need not be found any better: at a constant deceleration, whose
 /// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the segment.
-const SHORTEST_STOP: f64 = 1e-2;
+pub(super) const SHORTEST_STOP: f64 = 1e-2;
 /// Rounds of the loop in one step.
-const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
+pub(super) const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
 /// Force evaluations in one step.
-const MAX_EVALUATIONS: u64 = 40_000;
+pub(super) const MAX_EVALUATIONS: u64 = 40_000;
 /// Solver iterations in one step, over all events: what bounds the work when nothing converges.
-const MAX_TOTAL_ITERATIONS: u32 = 100_000;
+pub(super) const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 
 /// Advances `state` by `h` \[s\] over the floor, free flight included: event by event,
 ///
@@ -70,7 +72,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     report: Option<&mut ContactReport>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
-    if contact.still_rests(context, state) {
+    if contact.still_rests(context, None, state) {
         outcome.resting = true;
         contact.ride(state, h);
         if let (Some(report), Some(rest)) = (report, &contact.rest) {
@@ -153,7 +155,7 @@ impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
     clippy::too_many_arguments,
     reason = "the arguments of `step_on_floor`"
 )]
-fn in_floor_frame<F: ForceModel>(
+pub(super) fn in_floor_frame<F: ForceModel>(
     context: &FloorContext<'_, F>,
     method: &Method<F>,
     state: &mut BodyState,
@@ -332,7 +334,7 @@ fn between_events<F: ForceModel>(
     }
     contact.touching = now;
     if let Some(reaction) = still {
-        contact.establish_rest(context, state, h, reaction);
+        contact.establish_rest(context, None, state, h, reaction);
         outcome.resting = true;
     }
     outcome
@@ -393,7 +395,7 @@ fn move_until_event<'a, F: ForceModel>(
             return (tau, whole);
         }
     }
-    let watch = !start.candidates;
+    let watch = u64::from(!start.candidates);
     let held = start.candidates != 0;
     let context = start.context;
     let (floor, body) = (context.floor, context.body);
@@ -409,7 +411,13 @@ fn move_until_event<'a, F: ForceModel>(
             normal_velocities(body, &whole.state, &whole.corners)
         },
         time: tau,
-        curvature: curvature_bound(body, &start.state, start.acceleration, context.force),
+        curvature: curvature_bound(
+            body,
+            &start.state,
+            start.acceleration,
+            context.force,
+            DVec3::Y,
+        ),
         tolerance: context.tolerated_height(),
         dip: context.tolerated_height() * if held { DIP_HELD } else { DIP_FREE },
         highest: center + body.radius() + tau * start.state.velocity.length(),

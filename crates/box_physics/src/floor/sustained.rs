@@ -32,11 +32,11 @@ use crate::state::BodyState;
 
 /// The force model plus the floor's constant force and torque, world axes.
 pub(super) struct Supported<'a, F> {
-    inner: &'a F,
+    pub(super) inner: &'a F,
     /// Contact force over mass [m/s²].
-    acceleration: DVec3,
+    pub(super) acceleration: DVec3,
     /// Contact torque about the center \[N m\], world axes.
-    torque: DVec3,
+    pub(super) torque: DVec3,
 }
 
 impl<F: ForceModel> Supported<'_, F> {
@@ -158,7 +158,7 @@ impl<F: ForceModel> Start<'_, F> {
             ..
         } = self.context;
         let start = &self.state;
-        let (middle, motion) = self.free_motion(tau);
+        let (middle, motion) = self.context.free_motion(start, self.elapsed, tau);
         let levers = levers(body, middle, self.candidates);
         let operator = DelassusOperator::new(body, middle, &levers, self.candidates);
 
@@ -198,10 +198,11 @@ impl<F: ForceModel> Start<'_, F> {
         }
 
         let (force, torque) = operator.resultant(&solution.p);
-        if self.is_uniform() && !self.method.errs_in_gravity {
+        if self.context.is_uniform() && !self.method.errs_in_gravity {
             let (v, omega) = operator.twist(&solution.p);
             let twist = (motion.0 + 0.5 * v, motion.1 + 0.5 * omega);
-            self.carry(&mut segment.state, tau, twist, v, torque);
+            self.context
+                .carry(&mut segment.state, tau, twist, v, torque);
             segment.outcome = StepOutcome::plain(1);
         } else {
             let law = Supported {
@@ -225,33 +226,6 @@ impl<F: ForceModel> Start<'_, F> {
         }
     }
 
-    /// Whether nothing but a uniform acceleration acts besides the floor.
-    fn is_uniform(&self) -> bool {
-        let force = self.context.force;
-        !force.has_wrench() && !force.has_dissipation()
-    }
-
-    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`Start::free_motion`], with the contact's changes of
-    /// the velocity and of the angular momentum (world axes): the midpoint rule, of which the turn has the sine τω̄/2.
-    fn carry(
-        &self,
-        state: &mut BodyState,
-        tau: f64,
-        mean: (DVec3, DVec3),
-        velocity: DVec3,
-        torque: DVec3,
-    ) {
-        let momentum = state.rotation * state.angular_momentum + torque;
-        let sine = 0.5 * tau * mean.1;
-        let cosine = (1.0 - sine.length_squared()).max(0.0).sqrt();
-        let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
-        state.position += tau * mean.0;
-        state.velocity += tau * self.context.force.acceleration() + velocity;
-        state.rotation = compose(turn, state.rotation);
-        state.renormalize();
-        state.angular_momentum = state.rotation.inverse() * momentum;
-    }
-
     /// Whether a corner that may be held slips.
     fn slips(&self) -> bool {
         let state = &self.state;
@@ -260,55 +234,6 @@ impl<F: ForceModel> Start<'_, F> {
             let u = state.velocity + omega.cross(self.corners.lever[k]);
             has(self.candidates, k) && u.with_y(0.0).length() > self.still_speed
         })
-    }
-
-    /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
-    /// turning there, such that a corner moves by τ(v̄ + ω̄ × r): from velocities where that is as good as it gets, since
-    /// displacements over a short time, or far from the origin, are mostly rounding.
-    fn free_motion(&self, tau: f64) -> (DMat3, (DVec3, DVec3)) {
-        let start = &self.state;
-        let (body, force) = (self.context.body, self.context.force);
-        if self.is_uniform() {
-            // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
-            let l = start.angular_momentum;
-            let first = l * body.inverse_inertia();
-            let omega = (l + (0.5 * tau) * l.cross(first)) * body.inverse_inertia();
-            let half = exponential_map((0.25 * tau) * (first + omega));
-            let middle = DMat3::from_quat(compose(start.rotation, half));
-            let square = 0.25 * tau * tau * omega.length_squared();
-            let chord = 1.0 - square / 6.0 * (1.0 - square / 20.0);
-            let center = start.velocity + 0.5 * tau * force.acceleration();
-            return (middle, (center, middle * (omega * chord)));
-        }
-        let mut free = *start;
-        self.context.to_world(&mut free, self.elapsed);
-        if force.dissipation() == Dissipation::NONE {
-            impulse_step(body, &mut free, force, tau);
-        } else {
-            // The air resists what moves already. What the floor is going to prevent it does not resist.
-            let pull = force.acceleration();
-            let law = Supported {
-                inner: force,
-                acceleration: -pull,
-                torque: DVec3::ZERO,
-            };
-            impulse_step(body, &mut free, &law, tau);
-            free.velocity += pull * tau;
-            free.position += pull * (0.5 * tau * tau);
-        }
-        self.context.to_floor(&mut free, self.elapsed + tau);
-        let rate = 1.0 / tau;
-        let mut center = 0.5 * (start.velocity + free.velocity);
-        let path = (free.position - start.position) * rate;
-        if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
-            center = path;
-        }
-        let mut omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
-        if omega.length() * tau >= 0.01 {
-            let turn = compose(free.rotation, start.rotation.inverse());
-            omega = turn.xyz() * (2.0 * rate * turn.w.signum());
-        }
-        (middle_attitude(start, &free), (center, omega))
     }
 
     /// Projects the end of a segment onto what the held corners allow; those in `stuck` have no mean slip.
@@ -383,6 +308,88 @@ impl<F: ForceModel> Start<'_, F> {
                 segment.corners = *self.corners; // it was put back to where it was
             }
         }
+    }
+}
+
+impl<F: ForceModel> FloorContext<'_, F> {
+    /// Whether nothing but a uniform acceleration acts besides the floor.
+    pub(super) fn is_uniform(&self) -> bool {
+        !self.force.has_wrench() && !self.force.has_dissipation()
+    }
+
+    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`FloorContext::free_motion`], with the contact's changes of
+    /// the velocity and of the angular momentum (world axes): the midpoint rule, of which the turn has the sine τω̄/2.
+    pub(super) fn carry(
+        &self,
+        state: &mut BodyState,
+        tau: f64,
+        mean: (DVec3, DVec3),
+        velocity: DVec3,
+        torque: DVec3,
+    ) {
+        let momentum = state.rotation * state.angular_momentum + torque;
+        let sine = 0.5 * tau * mean.1;
+        let cosine = (1.0 - sine.length_squared()).max(0.0).sqrt();
+        let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
+        state.position += tau * mean.0;
+        state.velocity += tau * self.force.acceleration() + velocity;
+        state.rotation = compose(turn, state.rotation);
+        state.renormalize();
+        state.angular_momentum = state.rotation.inverse() * momentum;
+    }
+
+    /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
+    /// turning there, such that a corner moves by τ(v̄ + ω̄ × r): from velocities where that is as good as it gets, since
+    /// displacements over a short time, or far from the origin, are mostly rounding.
+    /// `start` is in the frame of the floor `elapsed` \[s\] after the two coincided.
+    pub(super) fn free_motion(
+        &self,
+        start: &BodyState,
+        elapsed: f64,
+        tau: f64,
+    ) -> (DMat3, (DVec3, DVec3)) {
+        let (body, force) = (self.body, self.force);
+        if self.is_uniform() {
+            // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
+            let l = start.angular_momentum;
+            let first = l * body.inverse_inertia();
+            let omega = (l + (0.5 * tau) * l.cross(first)) * body.inverse_inertia();
+            let half = exponential_map((0.25 * tau) * (first + omega));
+            let middle = DMat3::from_quat(compose(start.rotation, half));
+            let square = 0.25 * tau * tau * omega.length_squared();
+            let chord = 1.0 - square / 6.0 * (1.0 - square / 20.0);
+            let center = start.velocity + 0.5 * tau * force.acceleration();
+            return (middle, (center, middle * (omega * chord)));
+        }
+        let mut free = *start;
+        self.to_world(&mut free, elapsed);
+        if force.dissipation() == Dissipation::NONE {
+            impulse_step(body, &mut free, force, tau);
+        } else {
+            // The air resists what moves already. What the floor is going to prevent it does not resist.
+            let pull = force.acceleration();
+            let law = Supported {
+                inner: force,
+                acceleration: -pull,
+                torque: DVec3::ZERO,
+            };
+            impulse_step(body, &mut free, &law, tau);
+            free.velocity += pull * tau;
+            free.position += pull * (0.5 * tau * tau);
+        }
+        self.to_floor(&mut free, elapsed + tau);
+        let rate = 1.0 / tau;
+        let mut center = 0.5 * (start.velocity + free.velocity);
+        let path = (free.position - start.position) * rate;
+        if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
+            center = path;
+        }
+        let mut omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
+        if omega.length() * tau >= 0.01 {
+            let turn = compose(free.rotation, start.rotation.inverse());
+            omega = turn.xyz() * (2.0 * rate * turn.w.signum());
+        }
+        (middle_attitude(start, &free), (center, omega))
     }
 }
 

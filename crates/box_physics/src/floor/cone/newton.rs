@@ -220,7 +220,7 @@ impl Problem<'_> {
 }
 
 /// Solves six equations, the right side in the last column, by Gauss's elimination with pivots by rows.
-fn eliminate(mut m: [[f64; 7]; 6]) -> [f64; 6] {
+pub(in crate::floor) fn eliminate(mut m: [[f64; 7]; 6]) -> [f64; 6] {
     for k in 0..6 {
         for i in k + 1..6 {
             if m[i][k].abs() > m[k][k].abs() {

@@ -1,6 +1,6 @@
 use super::*;
 
-fn search(start: f64, rate: f64, time: f64, curvature: f64) -> Search {
+fn search(start: f64, rate: f64, time: f64, curvature: f64) -> Search<8> {
     Search {
         watch: 1,
         start: [start; 8],
@@ -16,7 +16,7 @@ fn search(start: f64, rate: f64, time: f64, curvature: f64) -> Search {
 }
 
 /// The time of the first touch, how many segments it took, and whether the search gave up.
-fn touch(search: &Search, height: impl Fn(f64) -> f64) -> (f64, u32, bool) {
+fn touch(search: &Search<8>, height: impl Fn(f64) -> f64) -> (f64, u32, bool) {
     let (mut whole, mut other) = (search.time, f64::NAN);
     let mut segments = 1;
     let reached = search.run(
