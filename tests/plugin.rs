@@ -4,6 +4,8 @@
 mod clock;
 #[path = "plugin/contacts.rs"]
 mod contacts;
+#[path = "plugin/planes.rs"]
+mod planes;
 #[path = "plugin/pushes.rs"]
 mod pushes;
 #[path = "plugin/shown.rs"]

@@ -16,7 +16,10 @@ use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
-use crate::floor::{ContactState, Floor, FloorContext, Friction, Restitution, step_on_floor};
+use crate::floor::{
+    ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, step_on_floor,
+    step_on_planes,
+};
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
@@ -47,10 +50,10 @@ impl MaterialContiguousItem<'_, '_> {
         self.friction.is_none() && self.restitution.is_none()
     }
 
-    /// The floor as body `i` meets it.
-    fn meets(&self, floor: &Floor, i: usize) -> Floor {
+    /// The surfaces of body `i`.
+    fn of(&self, i: usize) -> (Option<&Friction>, Option<&Restitution>) {
         let friction = self.friction.map(|c| &c[i]);
-        floor.against(friction, self.restitution.map(|c| &c[i]))
+        (friction, self.restitution.map(|c| &c[i]))
     }
 }
 
@@ -64,10 +67,10 @@ pub(crate) fn contact(
     mut commands: Commands,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    clock.begin_run(step.gravity, step.floor);
-    let Some(floor) = &step.floor else {
+    clock.begin_run(&step);
+    if !step.has_contact() {
         return Ok(());
-    };
+    }
     let mut watch = Stopwatch::start(timings.is_some());
     for (mut table, at_floor) in bodies.contiguous_iter_mut()? {
         let (bodies, forces) = (&*table.body, &table.forces);
@@ -112,7 +115,6 @@ pub(crate) fn contact(
                 |(first, (bodies, states, memories, near, contacts, sleep, reported, resting))| {
                     integrator.dispatch(AtFloor {
                         step: &step,
-                        floor,
                         forces,
                         material: &at_floor.material,
                         sleepers: &sleepers,
@@ -158,7 +160,7 @@ pub(crate) fn contact(
             }
         }
     }
-    if floor.velocity.y != 0.0
+    if step.floor.is_some_and(|floor| floor.velocity.y != 0.0)
         && let Some(moving) = &mut moving
     {
         moving.advance(step.h);
@@ -169,7 +171,6 @@ pub(crate) fn contact(
 /// Steps those bodies of a chunk that were left for the floor.
 struct AtFloor<'a, 'w, 's> {
     step: &'a Step,
-    floor: &'a Floor,
     /// Of the whole table.
     forces: &'a ForceColumnsContiguousItem<'w, 's>,
     material: &'a MaterialContiguousItem<'w, 's>,
@@ -205,7 +206,7 @@ impl AtFloor<'_, '_, '_> {
         let mut tally = Tally::default();
         let rows = self.first..self.first + self.bodies.len();
         let untouched = self.sleepers.untouched(rows.clone());
-        let same_floor = self.material.is_none();
+        let (same, mut planes) = (self.material.is_none(), Vec::new());
         for (i, row) in rows.enumerate() {
             if !self.near[i].pending {
                 continue;
@@ -218,21 +219,34 @@ impl AtFloor<'_, '_, '_> {
             let (state, contact) = (&mut self.states[i], &mut self.contacts[i]);
             let before = *state;
             let lay_still = contact.is_resting(state);
-            let own = (!same_floor).then(|| self.material.meets(self.floor, row));
             let mut reported = self.reported.as_mut().map(|r| &mut r[i]);
-            let outcome = step_on_floor::<S, F>(
-                &FloorContext {
-                    floor: own.as_ref().unwrap_or(self.floor),
-                    settings: &self.step.settings,
-                    body: &self.bodies[i],
-                    force: &model(i),
-                },
-                state,
-                self.step.h,
-                &mut self.memories[i],
-                contact,
-                reported.as_mut().map(|reported| reported.begin()),
-            );
+            let report = reported.as_mut().map(|reported| reported.begin());
+            let (step, body, memory) = (self.step, &self.bodies[i], &mut self.memories[i]);
+            let (settings, force, h) = (&step.settings, &model(i), step.h);
+            let (friction, restitution) = self.material.of(row);
+            let outcome = if let ([], Some(floor)) = (&step.planes[..], &step.floor) {
+                let own = (!same).then(|| floor.against(friction, restitution));
+                let context = FloorContext {
+                    floor: own.as_ref().unwrap_or(floor),
+                    settings,
+                    body,
+                    force,
+                };
+                step_on_floor::<S, F>(&context, state, h, memory, contact, report)
+            } else {
+                if !same {
+                    planes.clear();
+                    let all = step.planes.iter();
+                    planes.extend(all.map(|plane| plane.against(friction, restitution)));
+                }
+                let context = PlanesContext {
+                    planes: if same { &step.planes } else { &planes },
+                    settings,
+                    body,
+                    force,
+                };
+                step_on_planes::<S, F>(&context, state, h, memory, contact, report)
+            };
             tally.outcome += outcome.step;
             tally.floor += outcome;
             self.near[i].touched = contact.touching() != 0;

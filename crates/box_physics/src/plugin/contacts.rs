@@ -5,7 +5,7 @@ use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::ecs::lifecycle::{Add, Remove};
+use bevy::ecs::lifecycle::{Add, Remove, RemovedComponents};
 use bevy::ecs::message::MessageWriter;
 use bevy::ecs::observer::On;
 use bevy::ecs::query::{Allow, Has, With, Without};
@@ -19,7 +19,7 @@ use super::forces::Step;
 use super::messages::{ContactPhase, FloorContact, Landed, Woken};
 use crate::aabb;
 use crate::body::RigidBox;
-use crate::floor::{ContactReport, ContactState};
+use crate::floor::{ContactReport, ContactState, Floor, StaticPlane};
 use crate::state::BodyState;
 
 /// Impacts that follow each other within this time \[s\] are one landing.
@@ -70,6 +70,7 @@ impl ReportedContacts {
                 entity,
                 time: at,
                 point: DVec3::ZERO,
+                normal: report.normal,
                 normal_impulse: 0.0,
                 tangential_impulse: DVec3::ZERO,
                 approach_speed: 0.0,
@@ -207,6 +208,15 @@ pub(crate) fn end_all_contacts(world: &mut World) {
     for entity in touching {
         end_contacts(&mut DeferredWorld::from(&mut *world), entity);
     }
+}
+
+/// The last static plane is gone, and there is no floor.
+pub(crate) fn last_plane_removed(
+    mut removed: RemovedComponents<StaticPlane>,
+    left: Query<(), With<StaticPlane>>,
+    floor: Option<Res<Floor>>,
+) -> bool {
+    removed.read().count() > 0 && left.is_empty() && floor.is_none()
 }
 
 /// Adds the observers of what ends the contacts of a body.

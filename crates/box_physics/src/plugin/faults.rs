@@ -18,12 +18,13 @@ use log::{info, warn};
 
 use super::components::Checked;
 use super::contacts::ContactEnabled;
+use super::forces::Step;
 use super::parallel::PhysicsThreads;
 use super::resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
 use super::sleeping::any_newer;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
-use crate::floor::{ContactSettings, Floor};
+use crate::floor::{ContactSettings, Floor, StaticPlane};
 
 /// Says at startup what would keep everything still.
 pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
@@ -87,12 +88,14 @@ fn validate_settings(world: &World) -> Result<(), InvalidValue> {
         substeps.into(),
         "at most 1024",
     )?;
-    if let (Some(floor), Some(settings)) = (
-        world.get_resource::<Floor>(),
-        world.get_resource::<ContactSettings>(),
-    ) {
-        floor.validate().map_err(named)?;
-        settings.validate().map_err(named)?;
+    let floor = world.get_resource::<Floor>();
+    if let Some(settings) = world.get_resource::<ContactSettings>() {
+        if let Some(floor) = floor {
+            floor.validate().map_err(named)?;
+        }
+        if floor.is_some() || world.resource::<Step>().has_contact() {
+            settings.validate().map_err(named)?;
+        }
     }
     Ok(())
 }
@@ -181,6 +184,15 @@ pub(crate) fn report_invalid<C: Checked>(
                 "box_physics: {entity}: {error}; the body is stepped without its {}",
                 ShortName::of::<C>()
             );
+        }
+    }
+}
+
+/// Logs planes that are not valid, where they are new. Their surfaces are checked as those of bodies.
+pub(crate) fn report_invalid_planes(planes: Query<(Entity, &StaticPlane), Changed<StaticPlane>>) {
+    for (entity, plane) in &planes {
+        if let Err(error) = plane.validate() {
+            warn!("box_physics: {entity}: {error}; this StaticPlane is left out");
         }
     }
 }

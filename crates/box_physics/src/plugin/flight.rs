@@ -74,8 +74,12 @@ impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
             return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], step));
         }
         let mut tally = Tally::default();
-        let floor = self.step.floor.as_ref();
-        match floor.map_or(0, |floor| self.leave_to_contact(floor)) {
+        let left = match (&step.planes[..], &step.floor) {
+            ([], None) => 0,
+            ([], Some(floor)) => self.leave_to_contact(floor),
+            _ => self.leave_to_planes(),
+        };
+        match left {
             0 => self.run::<S>(0..bodies.len(), &mut tally),
             left if left < bodies.len() => self.runs::<S>(&mut tally),
             _ => {}
@@ -121,6 +125,17 @@ impl FreeFlight<'_, '_, '_> {
                     high == 0.0 && floor::may_touch(floor, body, state, &model, h)
                 }));
             }
+        }
+        left
+    }
+
+    /// The same among several planes.
+    fn leave_to_planes(&mut self) -> usize {
+        let mut left = 0;
+        for (i, near) in self.near.iter_mut().enumerate() {
+            let model = Gravity(self.forces.gravity(self.first + i, self.step.gravity));
+            let (body, state) = (&self.bodies[i], &self.states[i]);
+            left += usize::from(near.leave(|| self.step.may_touch(body, state, &model)));
         }
         left
     }
@@ -233,8 +248,8 @@ impl FreeFlight<'_, '_, '_> {
         for i in 0..self.bodies.len() {
             let (body, state) = (&self.bodies[i], &mut self.states[i]);
             let model = model(i);
-            if let Some(floor) = &self.step.floor
-                && self.near[i].leave(|| floor::may_touch(floor, body, state, &model, self.step.h))
+            if self.step.has_contact()
+                && self.near[i].leave(|| self.step.may_touch(body, state, &model))
             {
                 continue;
             }

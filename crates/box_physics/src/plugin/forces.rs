@@ -2,7 +2,8 @@
 //! integrators.
 
 use bevy::ecs::change_detection::DetectChangesMut;
-use bevy::ecs::query::QueryData;
+use bevy::ecs::entity::Entity;
+use bevy::ecs::query::{QueryData, Without};
 use bevy::ecs::resource::Resource;
 use bevy::ecs::system::{Query, Res, ResMut};
 use glam::DVec3;
@@ -14,12 +15,13 @@ use super::components::{
 use super::contacts::ContactEnabled;
 use super::resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
 use crate::body::RigidBox;
-use crate::floor::{ContactSettings, Floor};
-use crate::force::{Dissipation, Forces};
+use crate::floor::{self, ContactSettings, Floor, Friction, Plane, Restitution, StaticPlane};
+use crate::force::{Dissipation, ForceModel, Forces};
 use crate::integrators::Integrator;
+use crate::state::BodyState;
 
 /// What is the same for every body of a step.
-#[derive(Resource, Clone, Copy, Default)]
+#[derive(Resource, Default)]
 pub(crate) struct Step {
     /// Size \[s\].
     pub(crate) h: f64,
@@ -32,7 +34,40 @@ pub(crate) struct Step {
     /// Of bodies without one of their own.
     pub(crate) integrator: Integrator,
     pub(crate) floor: Option<Floor>,
+    /// The floor and the static planes; empty without static planes.
+    pub(crate) planes: Vec<Plane>,
     pub(crate) settings: ContactSettings,
+}
+
+/// A static plane and its surface.
+type PlaneEntity = (
+    Entity,
+    &'static StaticPlane,
+    Option<&'static Friction>,
+    Option<&'static Restitution>,
+);
+
+impl Step {
+    /// Whether there is anything to touch.
+    pub(crate) fn has_contact(&self) -> bool {
+        self.floor.is_some() || !self.planes.is_empty()
+    }
+
+    /// Whether a body may touch the floor or another plane in this step.
+    #[inline]
+    pub(crate) fn may_touch(
+        &self,
+        body: &RigidBox,
+        state: &BodyState,
+        force: &impl ForceModel,
+    ) -> bool {
+        if self.planes.is_empty() {
+            let floor = self.floor.as_ref();
+            floor.is_some_and(|floor| floor::may_touch(floor, body, state, force, self.h))
+        } else {
+            floor::may_touch_planes(&self.planes, body, state, force, self.h)
+        }
+    }
 }
 
 /// Gathers what is the same for every body.
@@ -44,15 +79,31 @@ pub(crate) fn gather_forces(
     floor: Option<Res<Floor>>,
     settings: Option<Res<ContactSettings>>,
     contact: Option<Res<ContactEnabled>>,
+    statics: Query<PlaneEntity, Without<RigidBox>>,
 ) {
+    // Without its plugin a floor is nothing.
+    let floor = floor.filter(|_| contact.is_some()).map(|floor| *floor);
+    let mut planes = core::mem::take(&mut step.planes);
+    planes.clear();
+    if contact.is_some() && !statics.is_empty() {
+        let mut shapes: Vec<_> = statics.iter().collect();
+        // In an order that does not depend on which components they have.
+        shapes.sort_unstable_by_key(|(entity, ..)| *entity);
+        let shapes = shapes
+            .iter()
+            .filter_map(|(_, shape, friction, restitution)| {
+                Plane::of(**shape, *friction, *restitution).ok()
+            });
+        planes.extend(floor.map(Plane::from).into_iter().chain(shapes));
+    }
     *step = Step {
         h: clock.step(),
         time: clock.time(),
         gravity: gravity.0,
         wind: wind.map_or(DVec3::ZERO, |wind| wind.0),
         integrator: integrator.0,
-        // Without its plugin a floor is nothing.
-        floor: floor.filter(|_| contact.is_some()).map(|floor| *floor),
+        floor,
+        planes,
         settings: settings.map_or(ContactSettings::DEFAULT, |settings| *settings),
     };
 }

@@ -126,6 +126,7 @@ struct Shown {
     entity: Entity,
     corner: usize,
     at: Vec3,
+    normal: Vec3,
     /// Along the normal \[N s\].
     impulse: f64,
     /// \[s\]
@@ -157,6 +158,7 @@ fn draw_contacts(
             entity,
             corner,
             at: report.points[corner].as_vec3(),
+            normal: report.normal.as_vec3(),
             impulse: report.normal_impulses[corner],
             age: 0.0,
         }));
@@ -177,7 +179,7 @@ fn draw_contacts(
         // The root of it: an impact is a hundred times what holds a resting box.
         let weight = body.mass() * 9.81 * step;
         let length = (contact.impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
-        gizmos.arrow(at, at + Vec3::Y * length.max(size), CONTACT);
+        gizmos.arrow(at, at + contact.normal * length.max(size), CONTACT);
     }
 }
 

@@ -247,6 +247,8 @@ pub struct Landed {
     pub time: f64,
     /// Where, in the world \[m\]: the mean of the points, weighted by their impulses.
     pub point: DVec3,
+    /// The unit normal of what it struck: +y for the floor.
+    pub normal: DVec3,
     /// Impulse along the normal \[N s\], > 0.
     pub normal_impulse: f64,
     /// Impulse of friction on the body \[N s\], world axes.

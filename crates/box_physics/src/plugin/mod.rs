@@ -11,7 +11,7 @@
 //! | at points of the body, evaluated at every stage of the integrator | [`PointForces`], [`Springs`] |
 //! | drag and damping, relative to the [`Wind`] | [`LinearDrag`], [`QuadraticDrag`], [`AngularDamping`], [`AngularDrag`] |
 //! | anything else that depends on the state | the core, with a [`ForceModel`](crate::force::ForceModel) of your own |
-//! | the floor | the resource [`Floor`]; [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
+//! | the floor, walls and ramps | the resource [`Floor`], entities with [`StaticPlane`]; [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
 //!
 //! A force that no body has costs nothing.
 //!
@@ -113,7 +113,7 @@ use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-    common_conditions,
+    SystemCondition, common_conditions,
 };
 use bevy::transform::components::Transform;
 
@@ -121,7 +121,9 @@ use self::components::NearFloor;
 use self::sleeping::Sleep;
 use self::transforms::PublishedPose;
 use crate::body::RigidBox;
-use crate::floor::{ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution};
+use crate::floor::{
+    ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
+};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
@@ -354,7 +356,7 @@ fn register_types(app: &mut App) {
         .register_type::<BodyQuarantined>();
 }
 
-/// Contact with a [`Floor`]. Leave it out and a `Floor` is nothing, and bodies carry no contact memory.
+/// Contact with a [`Floor`] and with [`StaticPlane`]s. Leave it out and they are nothing, and bodies carry no contact memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FloorPlugin;
 
@@ -371,6 +373,7 @@ impl Plugin for FloorPlugin {
             .add_message::<FloorContact>()
             .add_message::<Landed>()
             .register_type::<Floor>()
+            .register_type::<StaticPlane>()
             .register_type::<ContactSettings>()
             .register_type::<Friction>()
             .register_type::<Restitution>()
@@ -394,7 +397,13 @@ impl Plugin for FloorPlugin {
         )
         .add_systems(
             run::BeforeSteps,
-            contacts::end_all_contacts.run_if(common_conditions::resource_removed::<Floor>),
+            (
+                contacts::end_all_contacts.run_if(
+                    common_conditions::resource_removed::<Floor>
+                        .or_else(contacts::last_plane_removed),
+                ),
+                faults::report_invalid_planes,
+            ),
         );
         contacts::build(app);
     }

@@ -9,7 +9,7 @@
 //! | its `BodyState` is written: by hand, an impulse, a teleport | change detection |
 //! | its `RigidBox` or `ContactState` is written | change detection |
 //! | it gets a force component, `GravityScale`, `Friction`, `Restitution` or `ReportPersisting` | its table |
-//! | `WorldGravity` or the `Floor` changes, or it moves | comparison with the last step |
+//! | `WorldGravity`, the `Floor` or a `StaticPlane` changes, or the floor moves | comparison with the last step |
 //! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
 //!
 //! The physics itself moves bodies without marking them as changed. A `Transform` that is overwritten by others is
@@ -23,7 +23,8 @@ use bevy::ecs::resource::Resource;
 use glam::DVec3;
 
 use super::chunks::runs_of;
-use crate::floor::Floor;
+use super::forces::Step;
+use crate::floor::{Floor, Plane};
 
 /// The last run of *Contact* through which the body slept; 0 if it is awake.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,7 +34,8 @@ pub(crate) struct Sleep(u32);
 #[derive(Resource)]
 pub(crate) struct SleepClock {
     run: u32,
-    surroundings: Option<(DVec3, Floor)>,
+    surroundings: Option<(DVec3, Option<Floor>)>,
+    planes: Vec<Plane>,
     unchanged: bool,
 }
 
@@ -42,6 +44,7 @@ impl Default for SleepClock {
         Self {
             run: 1,
             surroundings: None,
+            planes: Vec::new(),
             unchanged: false,
         }
     }
@@ -49,12 +52,14 @@ impl Default for SleepClock {
 
 impl SleepClock {
     /// Begins a run of *Contact*. Runs without a floor count: whoever slept before them may have moved.
-    pub(crate) fn begin_run(&mut self, gravity: DVec3, floor: Option<Floor>) {
+    pub(crate) fn begin_run(&mut self, step: &Step) {
         self.run = self.run.checked_add(1).unwrap_or(2);
-        let now = floor.map(|floor| (gravity, floor));
-        let still = floor.is_some_and(|floor| floor.velocity == DVec3::ZERO);
-        self.unchanged = still && self.surroundings == now;
+        let now = step.has_contact().then_some((step.gravity, step.floor));
+        let velocity = step.floor.map_or(DVec3::ZERO, |floor| floor.velocity);
+        let still = now.is_some() && velocity == DVec3::ZERO;
+        self.unchanged = still && self.surroundings == now && self.planes == step.planes;
         self.surroundings = now;
+        self.planes.clone_from(&step.planes);
     }
 
     /// Does `work` on the rows of a chunk that a pass after *Contact* must not skip: those that are awake, and sleeping

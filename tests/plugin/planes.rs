@@ -1,0 +1,163 @@
+//! Planes as entities: walls, ramps, trays.
+
+use std::sync::{Arc, Mutex};
+
+use super::*;
+use box_physics::floor::{ContactState, Plane, PlanesContext};
+
+fn plane(point: DVec3, normal: DVec3) -> StaticPlane {
+    StaticPlane::new(point, normal).expect("valid")
+}
+
+/// Four walls, `half` \[m\] from the middle.
+fn walls(half: f64) -> [StaticPlane; 4] {
+    [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z].map(|n| plane(-half * n, n))
+}
+
+fn die() -> RigidBox {
+    RigidBox::cube(0.016, 0.004).expect("valid")
+}
+
+fn thrown(k: u32) -> BodyState {
+    let k = f64::from(k);
+    BodyState::at(DVec3::new(0.01 * k - 0.03, 0.05, 0.01))
+        .with_velocity(DVec3::new(1.0 - 0.3 * k, -0.5, 0.7))
+        .with_angular_velocity(&die(), DVec3::new(20.0, 7.0 * k, -11.0))
+}
+
+/// Dice stay in the tray and settle, and the steps are those of the core.
+#[test]
+fn dice_settle_in_a_tray() {
+    let mut app = app();
+    let floor = Floor::new(0.0, 0.3, 0.4).expect("valid");
+    app.insert_resource(floor);
+    let surface = (
+        Friction::new(0.2).expect("valid"),
+        Restitution::new(0.5).expect("valid"),
+    );
+    app.world_mut()
+        .spawn_batch(walls(0.06).map(|wall| (wall, surface.0, surface.1)));
+    let settled = Arc::new(Mutex::new(Vec::new()));
+    let heard = settled.clone();
+    app.add_observer(move |on: On<Settled>| heard.lock().expect("one thread").push(on.entity));
+    let mut dice: Vec<_> = (0..6)
+        .map(|k| app.world_mut().spawn((die(), thrown(k))).id())
+        .collect();
+
+    let mut planes = vec![Plane::from(floor)];
+    planes.extend(walls(0.06).map(|wall| Plane::new(wall, 0.5, 0.2).expect("valid")));
+    let (body, settings) = (die(), ContactSettings::default());
+    let weight = Gravity(DVec3::NEG_Y * 9.81);
+    let context = PlanesContext {
+        planes: &planes,
+        settings: &settings,
+        body: &body,
+        force: &weight,
+    };
+    let mut alone = thrown(1);
+    let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+    for _ in 0..240 {
+        app.update();
+        let h = tick().as_secs_f64();
+        Integrator::Split.step_on_planes(&context, &mut alone, h, &mut memory, &mut contact, None);
+        assert_eq!(state(&app, dice[1]), alone);
+        for &die in &dice {
+            let place = state(&app, die).position;
+            assert!(place.x.abs().max(place.z.abs()) < 0.0521 && place.y > 0.0079);
+        }
+    }
+    let mut settled = settled.lock().expect("one thread").clone();
+    settled.sort_unstable();
+    dice.sort_unstable();
+    settled.dedup();
+    assert_eq!(settled, dice);
+}
+
+/// A box lies on a ramp, without a floor, and on a wall that gravity presses it to. Either may go away.
+#[test]
+fn what_rests_falls_when_the_plane_goes() {
+    let mut app = app();
+    let ramp = plane(DVec3::ZERO, DVec3::new(0.6, 0.8, 0.0));
+    let rough = Friction::new(0.8).expect("valid");
+    let ramp = app.world_mut().spawn((ramp, rough)).id();
+    let turn = DQuat::from_rotation_z(-libm::atan(0.75));
+    let lying = BodyState::at_pose(turn * DVec3::Y * 0.25, turn);
+    let body = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
+    for _ in 0..30 {
+        app.update();
+    }
+    let rest = state(&app, body);
+    assert!((rest.position - lying.position).length() < 1e-15);
+    let resting = |app: &App| app.world().get::<RestingSince>(body).expect("a body").0;
+    assert!(resting(&app).is_some());
+    // A smoother one does not hold it, and none lets it fall.
+    app.world_mut()
+        .entity_mut(ramp)
+        .insert(Friction::new(0.7).expect("valid"));
+    app.update();
+    assert!(resting(&app).is_none());
+    app.world_mut().entity_mut(ramp).despawn();
+    let before = state(&app, body).velocity;
+    for _ in 0..60 {
+        app.update();
+    }
+    let fallen = state(&app, body).velocity - before;
+    assert!((fallen - DVec3::NEG_Y * 9.81).length() < 1e-6, "{fallen}");
+    let touches = app.world().get::<ContactState>(body).expect("a body");
+    assert_eq!(touches.touching(), 0);
+}
+
+/// An invalid plane is left out, and one that is moved to a body wakes it.
+#[test]
+fn planes_may_be_invalid_and_may_move() {
+    let mut app = app();
+    app.insert_resource(Floor::default());
+    let body = app
+        .world_mut()
+        .spawn((brick(), BodyState::at(DVec3::Y * 0.25)))
+        .id();
+    let mut wall = plane(DVec3::X * 4.0, DVec3::NEG_X);
+    wall.normal = DVec3::ZERO;
+    let wall = app.world_mut().spawn(wall).id();
+    for _ in 0..30 {
+        app.update();
+    }
+    assert_eq!(state(&app, body), BodyState::at(DVec3::Y * 0.25));
+    assert!(app.world().resource::<PhysicsClock>().fault().is_none());
+    let pushing = plane(DVec3::X * 0.4, DVec3::NEG_X);
+    *app.world_mut()
+        .get_mut::<StaticPlane>(wall)
+        .expect("a wall") = pushing;
+    app.update();
+    let pushed = state(&app, body).position;
+    assert!(
+        (pushed - DVec3::new(-0.1, 0.25, 0.0)).length() < 1e-12,
+        "{pushed}"
+    );
+}
+
+/// A landing on a wall tells its normal.
+#[test]
+fn a_landing_tells_the_normal() {
+    let mut app = app();
+    app.insert_resource(WorldGravity(DVec3::ZERO));
+    let normal = DVec3::new(-0.6, 0.0, 0.8);
+    app.world_mut().spawn(plane(-normal, normal));
+    let state = BodyState::at(DVec3::ZERO).with_velocity(-4.0 * normal);
+    app.world_mut().spawn((brick(), state, ReportContacts));
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let landings = heard.clone();
+    app.add_observer(move |on: On<Landed>| landings.lock().expect("one thread").push(*on.event()));
+    for _ in 0..30 {
+        app.update();
+    }
+    let heard = heard.lock().expect("one thread");
+    // Its edge strikes first, and then the other one.
+    assert_eq!(heard.len(), 2);
+    assert!(
+        heard
+            .iter()
+            .all(|landed| (landed.normal - normal).length() < 1e-15)
+    );
+    assert!(heard[0].approach_speed > 3.0 && heard[0].normal_impulse > 0.0);
+}
