@@ -1,4 +1,4 @@
-//! Five dice: throw them, wait until they settle, read their faces. Space throws.
+//! Five dice in a tray: throw them, wait until they settle, read their faces. Space throws.
 //! `cargo run --release --example dice`
 
 use bevy::prelude::*;
@@ -8,7 +8,9 @@ use box_physics::prelude::*;
 const EDGE: f32 = 0.016;
 const MASS: f64 = 0.004;
 /// Throws scatter around these [m/s], [rad/s].
-const THROW: (f64, f64) = (0.15, 25.0);
+const THROW: (f64, f64) = (0.8, 25.0);
+/// From the middle of the tray to its walls, and their height [m].
+const TRAY: (f32, f32) = (0.1, 0.03);
 
 /// The pips of the face with this normal; opposite faces add up to seven.
 fn pips(normal: DVec3) -> usize {
@@ -31,10 +33,8 @@ struct Luck(u64);
 impl Luck {
     fn vector(&mut self) -> DVec3 {
         DVec3::from_array([(); 3].map(|()| {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            let next = self.0.wrapping_mul(6_364_136_223_846_793_005);
+            self.0 = next.wrapping_add(1);
             (self.0 >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
         }))
     }
@@ -62,8 +62,9 @@ fn setup(
     gizmos.config_mut::<DefaultGizmoConfigGroup>().0.line.width = 3.0;
     let cube = meshes.add(Cuboid::from_length(EDGE));
     let pip = meshes.add(Sphere::new(0.09 * EDGE));
-    let [ivory, black] = [Color::srgb(0.95, 0.9, 0.8), Color::srgb(0.05, 0.05, 0.05)];
-    let [ivory, black] = [ivory, black].map(|color| materials.add(color));
+    let mut paint = |r, g, b| materials.add(Color::srgb(r, g, b));
+    let (ivory, black) = (paint(0.95, 0.9, 0.8), paint(0.05, 0.05, 0.05));
+    let (felt, wood) = (paint(0.05, 0.3, 0.15), paint(0.35, 0.2, 0.1));
     for k in 0_u8..5 {
         let die = RigidBox::cube(f64::from(EDGE), MASS)?;
         let place = Transform::from_xyz(0.03 * (f32::from(k) - 2.0), EDGE, 0.0);
@@ -84,9 +85,14 @@ fn setup(
     let looking = |x, y, z| Transform::from_xyz(x, y, z).looking_at(Vec3::ZERO, Vec3::Y);
     commands.spawn((Camera3d::default(), looking(0.0, 0.24, 0.25)));
     commands.spawn((DirectionalLight::default(), looking(0.2, 1.0, 0.4)));
-    let felt = materials.add(Color::srgb(0.05, 0.3, 0.15));
-    let table = meshes.add(Plane3d::default().mesh().size(2.0, 2.0));
+    let table = meshes.add(Plane3d::default().mesh().size(2.0 * TRAY.0, 2.0 * TRAY.0));
     commands.spawn((Mesh3d(table), MeshMaterial3d(felt)));
+    let board = meshes.add(Cuboid::new(2.1 * TRAY.0, 2.0 * TRAY.1, 0.1 * TRAY.0));
+    for side in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
+        commands.spawn(StaticPlane::new(side * TRAY.0, -side)?);
+        let place = Transform::from_translation(1.05 * TRAY.0 * side).looking_to(side, Vec3::Y);
+        commands.spawn((Mesh3d(board.clone()), MeshMaterial3d(wood.clone()), place));
+    }
     Ok(())
 }
 
@@ -123,11 +129,8 @@ fn read(settled: On<Settled>, mut dice: Query<(&BodyState, &mut Die)>) {
         return;
     };
     die.0 = Some(pips(state.axis_towards(DVec3::Y)));
-    if let Some(faces) = dice
-        .iter()
-        .map(|(_, die)| die.0)
-        .collect::<Option<Vec<_>>>()
-    {
+    let faces: Option<Vec<_>> = dice.iter().map(|(_, die)| die.0).collect();
+    if let Some(faces) = faces {
         info!("{faces:?}: {}", faces.iter().sum::<usize>());
     }
 }
@@ -141,7 +144,7 @@ fn show(dice: Query<(&Transform, &Die)>, mut gizmos: Gizmos) {
         gizmos.text(above, &face.to_string(), 0.012, Vec2::ZERO, Color::WHITE);
         sum += face;
     }
+    let behind = Isometry3d::new(Vec3::new(0.0, 0.05, -0.11), facing);
     let text = format!("{sum}    Space throws");
-    let behind = Isometry3d::new(Vec3::new(0.0, 0.01, -0.14), facing);
     gizmos.text(behind, &text, 0.014, Vec2::ZERO, Color::WHITE);
 }

@@ -6,11 +6,13 @@
 //! - gravity alone runs through a loop compiled for it;
 //! - a box that cannot reach the floor in a step takes the integrator's plain step;
 //! - a box that may reach it, or that touched it, takes [`step_on_floor`];
+//! - in a tray it takes [`step_on_planes`];
 //! - an invalid state is not kept: the box stays where it was.
 
 use box_physics::body::RigidBox;
 use box_physics::floor::{
-    ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, may_touch, step_on_floor,
+    ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, Plane, PlanesContext,
+    may_touch, may_touch_planes, step_on_floor, step_on_planes,
 };
 use box_physics::force::{Dissipation, ForceModel, Gravity};
 use box_physics::integrators::{
@@ -30,6 +32,8 @@ pub struct Model {
     pub forces: ForceSet,
     /// The floor, if there is one.
     pub floor: Option<Floor>,
+    /// From the middle of a tray to its walls \[m\]; 0 without walls.
+    pub tray: f64,
     /// Limits of the contact solver.
     pub settings: ContactSettings,
 }
@@ -43,6 +47,7 @@ impl Model {
             floor: setup
                 .floor
                 .and_then(|f| Floor::new(f.height, f.restitution, f.friction).ok()),
+            tray: setup.floor.map_or(0.0, |f| f.tray),
             settings: ContactSettings {
                 restitution: setup.floor.map(|f| f.restitution_law).unwrap_or_default(),
                 ..ContactSettings::default()
@@ -56,6 +61,7 @@ impl Model {
             body,
             forces,
             floor: None,
+            tray: 0.0,
             settings: ContactSettings::default(),
         }
     }
@@ -64,14 +70,30 @@ impl Model {
     pub fn setup(&self, state: BodyState, duration: f64) -> Setup {
         let setup = Setup::new(self.body, state, self.forces.clone(), duration);
         match &self.floor {
-            Some(f) => setup.with_floor(FloorSpec {
-                height: f.height,
-                restitution: f.restitution,
-                restitution_law: self.settings.restitution,
-                friction: f.friction,
-            }),
+            Some(f) => setup.with_floor(self.floor_spec(f)),
             None => setup,
         }
+    }
+
+    fn floor_spec(&self, floor: &Floor) -> FloorSpec {
+        FloorSpec {
+            height: floor.height,
+            restitution: floor.restitution,
+            restitution_law: self.settings.restitution,
+            friction: floor.friction,
+            tray: self.tray,
+        }
+    }
+
+    /// Floor and walls of a tray; empty without walls.
+    fn planes(&self) -> Vec<Plane> {
+        let Some(floor) = self.floor.filter(|_| self.tray > 0.0) else {
+            return Vec::new();
+        };
+        let walls = self.floor_spec(&floor).walls().into_iter();
+        let walls =
+            walls.filter_map(|wall| Plane::new(wall, floor.restitution, floor.friction).ok());
+        [Plane::from(floor)].into_iter().chain(walls).collect()
     }
 
     /// Kinetic and potential energy \[J\].
@@ -87,8 +109,10 @@ impl Model {
     /// Whether a box in this state may reach the floor within `h` \[s\].
     pub fn may_touch(&self, state: &BodyState, h: f64) -> bool {
         let forces = self.forces.forces(&self.body);
-        self.floor
-            .is_some_and(|floor| may_touch(&floor, &self.body, state, &forces, h))
+        may_touch_planes(&self.planes(), &self.body, state, &forces, h)
+            || self
+                .floor
+                .is_some_and(|floor| may_touch(&floor, &self.body, state, &forces, h))
     }
 
     /// Whether gravity is all that acts in flight.
@@ -260,13 +284,27 @@ impl<F: ForceModel> IntegratorVisitor for Steps<'_, F> {
             ..
         } = self.driver;
         let (body, force, h) = (&self.model.body, self.force, self.h);
+        let (planes, settings) = (self.model.planes(), &self.model.settings);
         for _ in 0..self.n {
             let before = *state;
             let outcome = match &self.model.floor {
-                Some(floor)
-                    if contact.touching() != 0 || may_touch(floor, body, state, force, h) =>
+                Some(_)
+                    if !planes.is_empty()
+                        && (contact.touching() != 0
+                            || may_touch_planes(&planes, body, state, force, h)) =>
                 {
-                    let settings = &self.model.settings;
+                    let context = PlanesContext {
+                        planes: &planes,
+                        settings,
+                        body,
+                        force,
+                    };
+                    step_on_planes::<S, _>(&context, state, h, memory, contact, None)
+                }
+                Some(floor)
+                    if planes.is_empty()
+                        && (contact.touching() != 0 || may_touch(floor, body, state, force, h)) =>
+                {
                     let context = FloorContext {
                         floor,
                         settings,
@@ -301,7 +339,7 @@ mod tests {
 
     #[test]
     fn a_block_of_steps_is_the_same_as_single_steps() {
-        for id in ["contact", "heavy-top", "throw"] {
+        for id in ["contact", "heavy-top", "throw", "dice-tray"] {
             let setup = Scenario::find(id).expect("a scene").setup;
             let model = Model::of(&setup);
             for &i in Integrator::ALL {
@@ -333,6 +371,23 @@ mod tests {
         assert_eq!(driver.totals.steps, 40);
         assert!(driver.state.is_valid() && driver.state.velocity.length() > 1e37);
         assert!(driver.step(&model, 1.0).is_none());
+    }
+
+    /// A die stays between the walls, never gains energy, and rests before the end.
+    #[test]
+    fn a_die_stays_in_its_tray() {
+        let setup = Scenario::find("dice-tray").expect("a scene").setup;
+        let (model, tray) = (Model::of(&setup), setup.floor.expect("a floor").tray);
+        let mut driver = Driver::new(setup.initial, Integrator::Split);
+        let mut before = model.energy(&driver.state);
+        while driver.time < setup.duration {
+            driver.step(&model, 1.0 / 60.0).expect("valid");
+            let (x, after) = (driver.state.position, model.energy(&driver.state));
+            assert!(x.x.abs().max(x.z.abs()) < tray - 0.249 && x.y > 0.249);
+            assert!(after <= before + 1e-12 * before.abs());
+            before = after;
+        }
+        assert!(driver.contact.is_resting(&driver.state) && driver.totals.impacts > 5);
     }
 
     #[test]

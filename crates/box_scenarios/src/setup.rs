@@ -2,7 +2,7 @@
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
-use box_physics::floor::RestitutionLaw;
+use box_physics::floor::{RestitutionLaw, StaticPlane};
 use box_physics::state::BodyState;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::forces::{ForceSet, coefficient};
 use crate::limits;
 
-/// The floor of a scene: the plane y = `height`.
+/// The floor of a scene: the plane y = `height`, and perhaps walls around it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FloorSpec {
@@ -26,6 +26,17 @@ pub struct FloorSpec {
     /// Coulomb's friction µ, ≥ 0.
     #[serde(deserialize_with = "limits::coefficient")]
     pub friction: f64,
+    /// A tray: four walls of the same surface, at x and z = ± this \[m\], 0 without.
+    #[serde(
+        default,
+        skip_serializing_if = "is_zero",
+        deserialize_with = "limits::coefficient"
+    )]
+    pub tray: f64,
+}
+
+fn is_zero(tray: &f64) -> bool {
+    *tray == 0.0
 }
 
 fn is_default(law: &RestitutionLaw) -> bool {
@@ -40,7 +51,24 @@ impl FloorSpec {
             restitution,
             restitution_law: RestitutionLaw::Energetic,
             friction,
+            tray: 0.0,
         }
+    }
+
+    /// The same in a tray with walls `tray` \[m\] from its middle.
+    pub const fn in_tray(self, tray: f64) -> Self {
+        Self { tray, ..self }
+    }
+
+    /// The walls.
+    pub fn walls(&self) -> Vec<StaticPlane> {
+        let sides = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z];
+        let wall = |normal: DVec3| {
+            let foot = DVec3::Y * self.height - self.tray * normal;
+            StaticPlane::new(foot, normal).ok()
+        };
+        let sides = sides.into_iter().filter(|_| self.tray > 0.0);
+        sides.filter_map(wall).collect()
     }
 
     /// Checks the ranges.
@@ -70,6 +98,7 @@ impl FloorSpec {
                 });
             }
         }
+        coefficient("floor.tray", self.tray)?;
         coefficient("floor.friction", self.friction)
     }
 }

@@ -130,10 +130,18 @@ impl Scene<'_, '_> {
             body: *body,
             forces: forces.set(self.gravity.0),
             floor: self.floor.as_deref().copied(),
+            tray: self.tray(),
             settings: self.settings.as_deref().cloned().unwrap_or_default(),
         };
         let integrator = own.map_or(self.integrator.0, |own| own.0);
         Some((entity, *state, law, integrator))
+    }
+
+    /// From the middle of the scene's tray to its walls \[m\]; 0 without.
+    fn tray(&self) -> f64 {
+        let session = self.session.as_deref();
+        let floor = session.and_then(|session| session.scenario.setup.floor);
+        floor.map_or(0.0, |floor| floor.tray)
     }
 
     /// Corners of the first main box at the floor.

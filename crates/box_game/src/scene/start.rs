@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use box_physics::prelude::{
     AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, DVec3, ExternalForce,
-    Floor, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
-    ReportPersisting, RigidBox, Springs, WorldGravity,
+    Floor, Friction, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
+    ReportPersisting, Restitution, RigidBox, Springs, StaticPlane, WorldGravity,
 };
 use box_scenarios::{ForceSet, PlotPreset, ReferenceSolution, Scenario, Setup};
 
@@ -174,9 +174,10 @@ pub fn apply_timed_impulses(
     }
 }
 
-/// Sets gravity and floor.
+/// Sets gravity, floor and walls.
 fn apply_world(world: &mut World, setup: &Setup) {
     world.insert_resource(WorldGravity(setup.forces.gravity));
+    apply_walls(world, setup);
     match setup.floor {
         Some(f) => match Floor::new(f.height, f.restitution, f.friction) {
             Ok(floor) => world.insert_resource(floor),
@@ -191,6 +192,38 @@ fn apply_world(world: &mut World, setup: &Setup) {
     let law = setup.floor.map(|f| f.restitution_law).unwrap_or_default();
     world.init_resource::<ContactSettings>();
     world.resource_mut::<ContactSettings>().restitution = law;
+}
+
+/// A wall of the scene.
+#[derive(Component)]
+pub struct Wall;
+
+/// Replaces the walls, unless they are the same.
+fn apply_walls(world: &mut World, setup: &Setup) {
+    let surface = setup.floor.and_then(|f| {
+        let friction = Friction::new(f.friction).ok()?;
+        Some((friction, Restitution::new(f.restitution).ok()?))
+    });
+    let shapes = setup.floor.map(|f| f.walls()).unwrap_or_default();
+    let walls: Vec<_> = shapes
+        .into_iter()
+        .zip(surface.into_iter().cycle())
+        .collect();
+    let mut old =
+        world.query_filtered::<(Entity, &StaticPlane, &Friction, &Restitution), With<Wall>>();
+    let there: Vec<_> = old
+        .iter(world)
+        .map(|(entity, &plane, &mu, &e)| (entity, (plane, (mu, e))))
+        .collect();
+    if there.iter().map(|(_, wall)| wall).eq(&walls) {
+        return;
+    }
+    for (entity, _) in there {
+        world.despawn(entity);
+    }
+    for wall in walls {
+        world.spawn((Wall, Name::new("wall"), wall.0, wall.1));
+    }
 }
 
 /// Replaces the force components of a body; an absent force has none.

@@ -7,6 +7,7 @@ mod marks;
 pub mod renderer;
 pub mod style;
 mod visuals;
+mod walls;
 
 use bevy::prelude::*;
 use box_physics::plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
@@ -26,6 +27,7 @@ impl Plugin for ViewPlugin {
                 Update,
                 (
                     lattice::draw_lattice.after(move_camera),
+                    walls::draw_walls,
                     backdrop::place_backdrop.after(move_camera),
                     visuals::dress_boxes,
                     visuals::tint_main_box,

@@ -45,7 +45,7 @@ impl FlatContact {
         let level = up.to_array().iter().filter(|c| **c == 0.0).count() == 2;
         let w = start.angular_velocity(&setup.body);
         let upright = w.x == 0.0 && w.z == 0.0;
-        if !(only_gravity && down && level && upright) {
+        if !(only_gravity && down && level && upright && floor.tray == 0.0) {
             return None;
         }
         let half = setup.body.half_extents();

@@ -55,7 +55,7 @@ fn the_example_shows_every_field() {
             .with_spring(glam::DVec3::ZERO, glam::DVec3::ONE, 1.0, 1.0);
     scene.setup.floor = Some(crate::FloorSpec {
         restitution_law: RestitutionLaw::Newton,
-        ..crate::FloorSpec::at_zero(0.5, 0.5)
+        ..crate::FloorSpec::at_zero(0.5, 0.5).in_tray(2.0)
     });
     scene.setup.impulses = vec![crate::TimedImpulse {
         t: 1.0,

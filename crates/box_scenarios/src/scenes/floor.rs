@@ -160,6 +160,27 @@ pub fn contact() -> Scenario {
     }
 }
 
+/// Dice between walls.
+pub fn dice_tray() -> Scenario {
+    let body = solid([0.25; 3], 1.0);
+    let start =
+        spinning(&body, [0.0, 2.0, 0.0], [5.0, 3.0, -8.0]).with_velocity(DVec3::new(7.0, 1.0, 4.0));
+    let setup = Setup::new(body, start, ForceSet::gravity(GRAVITY), 8.0);
+    Scenario {
+        id: "dice-tray",
+        title: "Dice tray",
+        lesson: "Dice are thrown against the walls of a tray. In an edge or a corner all contacts are solved together; energy never grows there either, and what lies still does not move by a bit.",
+        hints: [
+            "Move [Boxes] to 25 and press [Restart].",
+            "Set [Restitution] to 1 and [Friction] to 0: they never stop.",
+        ],
+        setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.3).in_tray(3.0)),
+        recommended: &["split", "exact", "rk4"],
+        boxes: 9,
+        view: SceneView::from(25.0, 40.0).at([0.0, 0.3, 0.0], 11.0),
+    }
+}
+
 /// The demo of 2012: one cube over a ground plane.
 pub fn dissertation_2012() -> Scenario {
     let body = solid([0.5; 3], 10.0);

@@ -33,6 +33,7 @@ impl Scenario {
         floor::tumble_storm,
         floor::load,
         floor::contact,
+        floor::dice_tray,
         floor::dissertation_2012,
         free::thin_plate,
         free::needle,
