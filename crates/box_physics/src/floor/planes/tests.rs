@@ -160,6 +160,16 @@ fn random_throws_in_a_tray_gain_nothing_and_stay_inside() {
     storm::<Fine>(2, 1000, 100, false);
 }
 
+/// By hand: `cargo test --release --lib -- --ignored storm_in_a_tray_by_hand --nocapture`.
+#[test]
+#[ignore = "many throws; a part of them runs with every test"]
+fn storm_in_a_tray_by_hand() {
+    for seed in 10..30 {
+        storm::<Split>(seed, 2000, 100, true);
+        storm::<Fine>(seed, 1000, 100, false);
+    }
+}
+
 /// Dice of 16 mm, thrown into a tray of 30 cm, lie still at last, each on a face.
 #[test]
 fn dice_come_to_rest() {
