@@ -3,6 +3,8 @@
 mod ramp;
 mod rest;
 
+use glam::DQuat;
+
 use super::contacts::Gaps;
 use super::*;
 use crate::floor::tests::{Fine, G, Random, SIXTIETH, about};

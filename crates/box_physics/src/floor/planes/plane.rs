@@ -1,0 +1,270 @@
+//! A plane: where it is, and its surface.
+
+use glam::{DQuat, DVec3};
+
+#[cfg(feature = "bevy")]
+use crate::ecs::*;
+use crate::error::InvalidValue;
+use crate::floor::{Floor, Friction, Restitution};
+use crate::state::BodyState;
+
+/// A plane that bodies stay on one side of: a wall, a ramp, a ceiling. It is infinite and does not move.
+///
+/// With the plugin it is a component of an entity of its own, which may have a [`Friction`] and a [`Restitution`]
+/// (otherwise those of the default [`Floor`] count; the rule of a body decides how they combine). `point` is best near the place where bodies touch it:
+/// heights over the plane are as sharp as coordinates relative to it.
+///
+/// ```
+/// use box_physics::prelude::*;
+/// // A wall at x = 2 m that faces −x, and a ramp of slope 3/4, down along +x.
+/// let wall = StaticPlane::new(DVec3::X * 2.0, DVec3::NEG_X)?;
+/// let ramp = StaticPlane::new(DVec3::ZERO, DVec3::new(0.6, 0.8, 0.0))?;
+/// assert_eq!(wall.distance(DVec3::ZERO), 2.0);
+/// # Ok::<(), InvalidValue>(())
+/// ```
+///
+/// On a ramp a box slides with g (sin θ − µ cos θ), and it holds where µ exceeds tan θ:
+///
+/// ```
+/// use bevy::prelude::*;
+/// use bevy::time::TimeUpdateStrategy;
+/// use box_physics::prelude::*;
+/// fn slide(friction: f64) -> Result<DVec3, BevyError> {
+///     let mut app = App::new();
+///     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
+///         .insert_resource(Time::<Fixed>::from_hz(50.0))
+///         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+///     app.update();
+///     let ramp = StaticPlane::new(DVec3::ZERO, DVec3::new(0.6, 0.8, 0.0))?;
+///     app.world_mut().spawn((ramp, Friction::new(friction)?));
+///     // A box of 1 m that lies on it.
+///     let attitude = DQuat::from_rotation_z(-f64::atan2(0.6, 0.8));
+///     let start = BodyState::at_pose(0.5 * ramp.normal, attitude);
+///     let body = app.world_mut().spawn((RigidBox::default(), start)).id();
+///     for _ in 0..50 {
+///         app.update();
+///     }
+///     let state = app.world().get::<BodyState>(body).ok_or("no body")?;
+///     Ok(state.position - start.position)
+/// }
+/// let way = 0.5 * 9.81 * (0.6 - 0.5 * 0.8);
+/// assert!((slide(0.5)? - way * DVec3::new(0.8, -0.6, 0.0)).length() < 1e-12);
+/// assert!(slide(0.76)?.length() < 1e-15);
+/// # Ok::<(), BevyError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(Component, Reflect),
+    reflect(Component, Default, Clone, PartialEq)
+)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[doc(alias("half-shape", "wall", "ramp"))]
+pub struct StaticPlane {
+    /// A point of the plane \[m\].
+    pub point: DVec3,
+    /// The unit normal: on this side bodies are.
+    pub normal: DVec3,
+}
+
+impl Default for StaticPlane {
+    /// y = 0, with the bodies above.
+    fn default() -> Self {
+        Self {
+            point: DVec3::ZERO,
+            normal: DVec3::Y,
+        }
+    }
+}
+
+impl StaticPlane {
+    /// The plane through `point` \[m\] with this `normal`, of any length but zero.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if the point is not finite, or the normal has no direction.
+    pub fn new(point: impl Into<DVec3>, normal: impl Into<DVec3>) -> Result<Self, InvalidValue> {
+        let (point, normal) = (point.into(), normal.into());
+        let normal = normal.try_normalize().unwrap_or(DVec3::ZERO);
+        let plane = Self { point, normal };
+        plane.validate().map(|()| plane)
+    }
+
+    /// Whether the fields are in their ranges, however they were set.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if the point is not finite, or the normal's length is not 1 within 1e-6.
+    pub fn validate(&self) -> Result<(), InvalidValue> {
+        let (point, length) = (self.point.element_sum(), self.normal.length());
+        InvalidValue::check(self.point.is_finite(), "point", point, "finite")?;
+        let unit = (length - 1.0).abs() <= 1e-6;
+        InvalidValue::check(unit, "normal", length, "of length 1").map(|_| ())
+    }
+
+    /// How far `point` is from the plane, along the normal \[m\].
+    pub fn distance(&self, point: DVec3) -> f64 {
+        self.normal.dot(point - self.point)
+    }
+}
+
+/// A plane and how it answers: the [`Floor`], or a [`StaticPlane`] with a surface. What the core takes.
+///
+/// ```
+/// use box_physics::floor::{ContactState, Plane, PlanesContext};
+/// use box_physics::force::Gravity;
+/// use box_physics::prelude::*;
+/// // A die slides along the floor into a wall and comes to rest there.
+/// let wall = Plane::new(StaticPlane::new(DVec3::X * 0.1, DVec3::NEG_X)?, 0.0, 0.2)?;
+/// let planes = [Plane::from(Floor::new(0.0, 0.0, 0.2)?), wall];
+/// let (die, settings) = (RigidBox::cube(0.016, 0.004)?, ContactSettings::default());
+/// let weight = Gravity(DVec3::new(0.0, -9.81, 0.0));
+/// let context = PlanesContext { planes: &planes, settings: &settings, body: &die, force: &weight };
+/// let mut state = BodyState::at(DVec3::Y * 0.008).with_velocity(DVec3::X);
+/// let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+/// for _ in 0..60 {
+///     let h = 1.0 / 60.0;
+///     Integrator::Split.step_on_planes(&context, &mut state, h, &mut memory, &mut contact, None);
+/// }
+/// assert!(contact.is_resting(&state) && (state.position.x - 0.092).abs() < 1e-12);
+/// # Ok::<(), InvalidValue>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    pub(super) shape: StaticPlane,
+    /// Its surface and velocity; of a level floor its height as well.
+    pub(super) surface: Floor,
+    /// From axes in which the plane is level to the world; `None` for the floor.
+    pub(super) axes: Option<DQuat>,
+}
+
+impl From<Floor> for Plane {
+    fn from(floor: Floor) -> Self {
+        Self {
+            shape: StaticPlane {
+                point: DVec3::Y * floor.height,
+                normal: DVec3::Y,
+            },
+            surface: floor,
+            axes: None,
+        }
+    }
+}
+
+impl Plane {
+    /// A plane with restitution 0 to 1 and friction ≥ 0.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] names the first field out of range.
+    pub fn new(shape: StaticPlane, restitution: f64, friction: f64) -> Result<Self, InvalidValue> {
+        shape.validate()?;
+        let surface = Floor::new(0.0, restitution, friction)?;
+        let normal = shape.normal.normalize();
+        let shape = StaticPlane { normal, ..shape };
+        // The shortest turn from the vertical; half a turn about x first where the plane faces down.
+        let (from, first) = if normal.y < 0.0 {
+            (DVec3::NEG_Y, DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0))
+        } else {
+            (DVec3::Y, DQuat::IDENTITY)
+        };
+        let axis = from.cross(normal);
+        let turn = DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0 + from.dot(normal));
+        Ok(Self {
+            shape,
+            surface,
+            axes: Some(turn.normalize() * first),
+        })
+    }
+
+    /// A plane with these surfaces; one that is missing or out of range is the default [`Floor`]'s.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if `shape` is not valid.
+    pub fn of(
+        shape: StaticPlane,
+        friction: Option<&Friction>,
+        restitution: Option<&Restitution>,
+    ) -> Result<Self, InvalidValue> {
+        let friction = friction.copied().filter(|own| own.validate().is_ok());
+        let friction = friction.unwrap_or_default();
+        let restitution = restitution.copied().filter(|own| own.validate().is_ok());
+        let e = restitution.unwrap_or_default().coefficient;
+        let mut plane = Self::new(shape, e, friction.dynamic_coefficient)?;
+        let holds = friction.static_coefficient;
+        plane.surface.static_friction = (holds > friction.dynamic_coefficient).then_some(holds);
+        Ok(plane)
+    }
+
+    /// The same plane with the coefficient of static friction, at least that of kinetic friction.
+    ///
+    /// # Errors
+    /// [`InvalidValue`] if it is smaller or not finite.
+    pub fn with_static_friction(mut self, coefficient: f64) -> Result<Self, InvalidValue> {
+        self.surface.static_friction = Some(coefficient);
+        self.surface.validate().map(|()| self)
+    }
+
+    /// The plane as a body with these surfaces meets it ([`Floor::against`]).
+    pub fn against(self, friction: Option<&Friction>, restitution: Option<&Restitution>) -> Self {
+        Self {
+            surface: self.surface.against(friction, restitution),
+            ..self
+        }
+    }
+
+    /// Where it is.
+    pub fn shape(&self) -> StaticPlane {
+        self.shape
+    }
+
+    /// Height of a point over the plane \[m\], in the order of operations of the floor's.
+    pub(super) fn height(&self, point: DVec3) -> f64 {
+        match self.axes {
+            None => point.y - self.surface.height,
+            Some(_) => self.shape.distance(point),
+        }
+    }
+
+    /// The coefficient of friction that holds.
+    pub(super) fn grip(&self) -> f64 {
+        self.surface
+            .static_friction
+            .unwrap_or(self.surface.friction)
+    }
+
+    /// Its velocity along the normal [m/s].
+    pub(super) fn rise(&self) -> f64 {
+        self.surface.velocity.dot(self.shape.normal)
+    }
+
+    /// Of everything that a body at rest on it depends on.
+    pub(super) fn numbers(&self) -> [f64; 14] {
+        let (StaticPlane { point, normal }, s) = (&self.shape, &self.surface);
+        let ([px, py, pz], [nx, ny, nz], [vx, vy, vz]) =
+            (point.to_array(), normal.to_array(), s.velocity.to_array());
+        let holds = s.static_friction.unwrap_or(-1.0);
+        let level = f64::from(u8::from(self.axes.is_none()));
+        [
+            px,
+            py,
+            pz,
+            nx,
+            ny,
+            nz,
+            vx,
+            vy,
+            vz,
+            s.restitution,
+            s.friction,
+            holds,
+            s.height,
+            level,
+        ]
+    }
+
+    /// How large the numbers are that heights over it come from \[m\].
+    pub(super) fn scale(&self, state: &BodyState) -> f64 {
+        match self.axes {
+            None => self.surface.height.abs(),
+            Some(_) => self.shape.point.length() + (state.position - self.shape.point).length(),
+        }
+    }
+}
