@@ -24,11 +24,11 @@ struct Axes {
 }
 
 impl Axes {
-    fn point_to_world(&self, point: DVec3) -> DVec3 {
+    fn point_to_world(self, point: DVec3) -> DVec3 {
         self.origin + self.turn * (point - DVec3::Y * self.height)
     }
 
-    fn to_world(&self, state: &BodyState) -> BodyState {
+    fn to_world(self, state: &BodyState) -> BodyState {
         BodyState {
             position: self.point_to_world(state.position),
             rotation: self.turn * state.rotation,
@@ -37,7 +37,7 @@ impl Axes {
         }
     }
 
-    fn to_plane(&self, state: &BodyState) -> BodyState {
+    fn to_plane(self, state: &BodyState) -> BodyState {
         let back = self.turn.inverse();
         BodyState {
             position: back * (state.position - self.origin) + DVec3::Y * self.height,

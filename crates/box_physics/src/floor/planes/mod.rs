@@ -34,7 +34,7 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, fingerprint};
-use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
+use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
 use contacts::PLANES;
 
@@ -187,6 +187,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         return step_on_floor::<S, F>(&at_one, state, h, memory, contact, report);
     }
     contact.rest = None;
+    let mut tried = StepOutcome::default();
     if contact.touching == 0 || near.count == 0 {
         let (mut end, spare) = (*state, &mut contact.spare.0[0]);
         spare.clone_from(memory);
@@ -197,7 +198,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
             contact.touching = 0;
             return outcome;
         }
-        outcome.step = Default::default();
+        tried = outcome.step;
     }
     let method = Method::of::<S>();
     let reaction = match near.planes() {
@@ -213,6 +214,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
             reaction
         }
     };
+    outcome.step += tried;
     outcome.step.fallbacks = outcome.step.fallbacks.min(1);
     outcome.step.unconverged = outcome.step.unconverged.min(1);
     if let Some((reaction, normal)) = reaction {
