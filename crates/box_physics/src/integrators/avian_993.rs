@@ -2,14 +2,13 @@
 
 use glam::DVec3;
 
-use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
-};
+use super::engine_newton::velocities_first;
+use super::slope::turn;
+use super::{EngineRescaled, Integrate, IntegratorInfo, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::force::ForceModel;
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
+use crate::rotation::exponential_map_by;
 use crate::state::BodyState;
 
 /// Turns L about an axis that is chosen for the energy, then turns the box by the new angular velocity
@@ -33,23 +32,9 @@ impl Integrate for Avian993 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "avian-993",
         name: "Engine: Avian 993",
-        group: MenuGroup::Engines,
         summary: "The step proposed for Avian: exact energy for bodies with two or three equal moments, first-order attitude.",
         source: "B. Spiers, A better way to spin (2026), \"Modified Jolt Method\"; avian PR #993",
-        orders: Orders::all(1),
-        evaluations: Evaluations::fixed(1, 1),
-        stability: Stability {
-            rotation: Limit::None,
-            drag: Limit::None,
-            damper: Limit::Below(2.0),
-            oscillator: Limit::Below(2.0),
-        },
-        keeps: Keeps {
-            energy: EnergyBehavior::Drifts,
-            momentum_magnitude: true,
-            momentum: false,
-            reversible: false,
-        },
+        ..EngineRescaled::INFO
     };
 
     type Memory = ();
@@ -63,26 +48,9 @@ impl Integrate for Avian993 {
         _memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let d = force.dissipation();
-        let speed = (state.velocity - d.wind).length();
-        let w = if force.has_wrench() {
-            force.wrench(body, state)
-        } else {
-            Wrench::ZERO
-        };
-        if d != Dissipation::NONE {
-            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-            state.velocity = d.in_air(state.velocity, |v| v / (1.0 + h * c));
-            state.angular_momentum /= 1.0 + h * gamma;
-        }
-        state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
-        state.position += h * state.velocity;
-        state.angular_momentum += h * w.torque;
+        velocities_first(body, state, force, h);
         turn_momentum(body, state, h, trigonometry);
-        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-        state.rotation = compose(state.rotation, turn);
-        state.renormalize();
+        turn(body, state, h, trigonometry);
         StepOutcome::plain(1)
     }
 }
@@ -113,30 +81,25 @@ fn turn_momentum(
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Case, drag, run};
+    use super::super::testing::{Case, expect_damping, expect_new_velocities, run};
     use super::*;
-    use crate::force::{Forces, Gravity};
+    use crate::force::Gravity;
     use crate::rotation::exponential_map;
 
     /// As `engine-newton`: v ← v/(1 + ch/m) + hg, x by the new velocity, L likewise, at any step.
     #[test]
     fn implicit_damping() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let g = DVec3::NEG_Y * 9.81;
         for h in [0.1, 10.0, 1000.0 / 0.7] {
-            let law = Forces {
-                acceleration: g,
-                ..drag(1.4, 0.7)
-            };
-            let start = BodyState::default()
-                .with_velocity(DVec3::X)
-                .with_body_angular_velocity(&body, DVec3::Y);
-            let s = run::<Avian993>(&body, start, &law, h, 1);
-            let v = DVec3::X / (1.0 + 0.7 * h) + h * g;
-            assert!((s.velocity - v).length() < 1e-12 * (1.0 + v.length()));
-            assert!((s.position - h * v).length() < 1e-12 * (1.0 + h * v.length()));
-            assert!((s.body_angular_velocity(&body).y - 1.0 / (1.0 + 0.7 * h)).abs() < 1e-12);
+            expect_damping::<Avian993>(h, DVec3::NEG_Y * 9.81, |v, g| {
+                let v = v / (1.0 + 0.7 * h) + h * g;
+                (v, h * v)
+            });
         }
+    }
+
+    #[test]
+    fn closed_forms() {
+        expect_new_velocities::<Avian993>();
     }
 
     /// If two moments are equal, L moves exactly in the body at any step: by (J₃ − J₁)L₃h about the axis.

@@ -84,53 +84,28 @@ impl BackwardEuler {
 #[cfg(test)]
 mod tests {
     use super::super::IntegratorMemory;
-    use super::super::testing::{Case, brick, drag, run, run_counted};
+    use super::super::testing::{
+        Case, expect_damping, expect_new_velocities, on, run, run_counted, spring,
+    };
     use super::*;
     use crate::energy::total_energy;
-    use crate::force::{Dissipation, Forces, Gravity, Spring};
+    use crate::force::{Dissipation, Forces, Gravity};
     use glam::DVec3;
 
-    /// `v_n = v₀/(1 − z)ⁿ` and L likewise, x by the new velocity, at any z.
+    /// v/(1 − z), z = −ch/m, and L likewise; x by the new velocity, at any z.
     #[test]
     fn amplification_factor() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
         for h in [0.1, 10.0, 1000.0 / 0.7] {
-            let mut s = BodyState::default()
-                .with_velocity(DVec3::X)
-                .with_body_angular_velocity(&body, DVec3::Y);
-            let (mut v, mut x) = (1.0, 0.0);
-            for _ in 0..50 {
-                BackwardEuler::step(
-                    &body,
-                    &mut s,
-                    &drag(1.4, 0.7),
-                    h,
-                    &mut IntegratorMemory::default(),
-                );
-                v /= 1.0 + 0.7 * h;
-                x += h * v;
-                assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);
-                assert!((s.body_angular_velocity(&body).y - v).abs() < 1e-12);
-            }
+            expect_damping::<BackwardEuler>(h, DVec3::NEG_Y * 9.81, |v, g| {
+                let v = (v + h * g) / (1.0 + 0.7 * h);
+                (v, h * v)
+            });
         }
     }
 
-    /// The parabola plus exactly ½ght; a principal spin is exact; a constant torque leads by half a step.
     #[test]
     fn closed_forms() {
-        let body = brick();
-        let (t, h) = (4.0, 1.0 / 60.0);
-        let (g, alpha, spin) = (DVec3::NEG_Y * 9.81, DVec3::Z * 3.0, DVec3::Z * 2.0);
-        let law = Forces {
-            acceleration: g,
-            body_torque: body.inertia() * alpha,
-            ..Default::default()
-        };
-        let start = BodyState::default().with_body_angular_velocity(&body, spin);
-        let s = run::<BackwardEuler>(&body, start, &law, t, 240);
-        assert!((s.position - 0.5 * g * t * (t + h)).length() < 1e-12);
-        let turned = exponential_map(spin * t + 0.5 * alpha * t * (t + h));
-        assert!((s.rotation.dot(turned).abs() - 1.0).abs() < 1e-12);
+        expect_new_velocities::<BackwardEuler>();
     }
 
     /// Quadratic drag settles at the terminal speed at any step: k v² = m g.
@@ -185,20 +160,9 @@ mod tests {
     #[test]
     fn springs_lose_energy_at_any_stiffness() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let on = |body_point, stiffness| {
-            [Spring {
-                body_point,
-                anchor: DVec3::ZERO,
-                stiffness,
-                damping: 0.0,
-            }]
-        };
         for wh in [0.1, 1.0, 1000.0] {
-            let springs = on(DVec3::ZERO, 2.0 * wh * wh);
-            let law = Forces {
-                springs: &springs,
-                ..Default::default()
-            };
+            let springs = spring(DVec3::ZERO, 2.0 * wh * wh);
+            let law = on(&springs);
             let mut s = BodyState::at(DVec3::X);
             for n in 1..=6 {
                 let e = total_energy(&body, &s, &law);
@@ -211,18 +175,12 @@ mod tests {
             }
         }
         for stiffness in [1e2, 1e4, 1e6] {
-            let springs = on(body.half_extents(), stiffness);
-            let law = Forces {
-                springs: &springs,
-                ..Default::default()
-            };
-            let (s, outcome) =
-                run_counted::<BackwardEuler>(&body, BodyState::at(DVec3::ONE), &law, 5.0, 300);
+            let springs = spring(body.half_extents(), stiffness);
+            let (law, start) = (on(&springs), BodyState::at(DVec3::ONE));
+            let (s, outcome) = run_counted::<BackwardEuler>(&body, start, &law, 5.0, 300);
             assert_eq!(outcome.fallbacks, 0);
-            assert!(
-                total_energy(&body, &s, &law)
-                    < 0.1 * total_energy(&body, &BodyState::at(DVec3::ONE), &law)
-            );
+            let left = total_energy(&body, &s, &law) / total_energy(&body, &start, &law);
+            assert!(left < 0.1, "{left} of the energy");
         }
     }
 }

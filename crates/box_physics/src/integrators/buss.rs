@@ -2,11 +2,8 @@
 
 use glam::DVec3;
 
-use super::velocity_verlet::half_kick;
-use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
-};
+use super::velocity_verlet::{VelocityVerlet, half_kick};
+use super::{EnergyBehavior, Integrate, IntegratorInfo, Keeps, MemorySlot, MenuGroup, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
@@ -31,27 +28,13 @@ impl Integrate for Buss {
         group: MenuGroup::Engines,
         summary: "A turn by the mean angular velocity: conserves angular momentum, but the energy drifts and flips happen at the wrong time.",
         source: "S. Buss, Accurate and efficient simulation of rigid-body rotations, J. Comput. Phys. 164 (2000) 377",
-        orders: Orders {
-            gravity: Order::Exact,
-            linear_drag: Order::Of(1),
-            quadratic_drag: Order::Of(1),
-            angular_damping: Order::Of(1),
-            angular_drag: Order::Of(1),
-            ..Orders::all(2)
-        },
-        evaluations: Evaluations::fixed(2, 2),
-        stability: Stability {
-            rotation: Limit::None,
-            drag: Limit::Below(4.0),
-            damper: Limit::Below(4.0),
-            oscillator: Limit::Below(2.0),
-        },
         keeps: Keeps {
             energy: EnergyBehavior::Drifts,
             momentum_magnitude: true,
             momentum: true,
             reversible: false,
         },
+        ..VelocityVerlet::INFO
     };
 
     type Memory = ();

@@ -1,10 +1,7 @@
 //! `buss-augmented`: the augmented second-order method of Buss.
 
-use super::buss::kick_drift_kick;
-use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
-};
+use super::buss::{Buss, kick_drift_kick};
+use super::{Integrate, IntegratorInfo, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
@@ -24,30 +21,8 @@ impl Integrate for BussAugmented {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "buss-augmented",
         name: "Buss, augmented",
-        group: MenuGroup::Engines,
         summary: "Buss's second-order turn with one more term: better for a fast needle, worse for slow tumbling; the energy also drifts.",
-        source: "S. Buss, Accurate and efficient simulation of rigid-body rotations, J. Comput. Phys. 164 (2000) 377",
-        orders: Orders {
-            gravity: Order::Exact,
-            linear_drag: Order::Of(1),
-            quadratic_drag: Order::Of(1),
-            angular_damping: Order::Of(1),
-            angular_drag: Order::Of(1),
-            ..Orders::all(2)
-        },
-        evaluations: Evaluations::fixed(2, 2),
-        stability: Stability {
-            rotation: Limit::None,
-            drag: Limit::Below(4.0),
-            damper: Limit::Below(4.0),
-            oscillator: Limit::Below(2.0),
-        },
-        keeps: Keeps {
-            energy: EnergyBehavior::Drifts,
-            momentum_magnitude: true,
-            momentum: true,
-            reversible: false,
-        },
+        ..Buss::INFO
     };
 
     type Memory = ();

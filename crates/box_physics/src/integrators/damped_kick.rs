@@ -162,16 +162,15 @@ fn over(x: Complex, (c, d): Complex) -> Complex {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::brick;
+    use super::super::testing::{brick, on};
     use super::*;
     use crate::force::{Forces, Spring};
 
     fn springs(damping: f64) -> [Spring; 2] {
         let spring = |body_point, damping| Spring {
             body_point,
-            anchor: DVec3::ZERO,
-            stiffness: 0.0,
             damping,
+            ..Spring::default()
         };
         [
             spring(DVec3::new(0.5, 0.25, 0.125), damping),
@@ -195,9 +194,8 @@ mod tests {
                 ..Spring::default()
             }];
             let law = Forces {
-                springs: &springs,
                 acceleration: DVec3::NEG_Y,
-                ..Default::default()
+                ..on(&springs)
             };
             let mut state = BodyState::default().with_velocity(DVec3::X);
             damped_kick(&body, &mut state, &law, 1.0);
@@ -222,9 +220,8 @@ mod tests {
         for d in [1e-3, 1.0, 1e3, 1e6] {
             let springs = springs(d);
             let law = Forces {
-                springs: &springs,
                 dissipation,
-                ..Default::default()
+                ..on(&springs)
             };
             let mut state = start;
             let mut energy = start.kinetic_energy(&body);
@@ -251,10 +248,7 @@ mod tests {
     fn undamped_rotation_is_unchanged() {
         let (body, start) = (brick(), moving());
         let springs = [springs(1e9)[0]];
-        let law = Forces {
-            springs: &springs,
-            ..Default::default()
-        };
+        let law = on(&springs);
         let (mut once, h) = (start, 1e-3);
         damped_kick(&body, &mut once, &law, h);
         // At rest except for half of the curvature of its path until the next kick.

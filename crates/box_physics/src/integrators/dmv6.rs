@@ -219,8 +219,9 @@ fn newton_correction(b: DVec3, e: DVec3, c: DVec3, f: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::super::IntegratorMemory;
+    use super::super::testing::{drag, expect_turn, run_counted};
     use super::*;
-    use crate::force::{Dissipation, Forces, Gravity};
+    use crate::force::Gravity;
     use crate::free_motion::{FreeRotation, free_rotation};
     use proptest::prelude::*;
 
@@ -235,52 +236,32 @@ mod tests {
         )
     }
 
-    fn ordinary() -> (RigidBox, BodyState) {
-        spinning([0.5, 0.25, 0.125], [1.5, 2.5, 1.0])
-    }
-
-    fn run(body: &RigidBox, start: &BodyState, h: f64, n: usize) -> BodyState {
-        let mut state = *start;
-        for _ in 0..n {
-            let outcome = Dmv6::step(body, &mut state, &FREE, h, &mut IntegratorMemory::default());
-            assert_eq!(outcome, StepOutcome::plain(1));
-        }
-        state
-    }
-
-    /// Attitude error after n steps \[rad\], by the closed form.
-    fn error(body: &RigidBox, start: &BodyState, h: f64, n: usize) -> f64 {
+    /// Attitude error after n steps at 60 Hz \[rad\], by the closed form.
+    fn error(half: [f64; 3], omega: [f64; 3], n: u32) -> f64 {
+        let (body, start) = spinning(half, omega);
+        let t = f64::from(n) / 60.0;
+        let (end, outcome) = run_counted::<Dmv6>(&body, start, &FREE, t, n);
+        assert_eq!(outcome, StepOutcome::plain(n));
         let free = FreeRotation::new(body.inertia(), start.rotation, start.angular_momentum);
-        let (rotation, _) = free.at(h * n as f64);
-        run(body, start, h, n).attitude_difference(&BodyState { rotation, ..*start })
+        let (rotation, _) = free.at(t);
+        end.attitude_difference(&BodyState { rotation, ..start })
     }
 
     /// The discrete solution: a spin about a fixed axis turns by asin(x − x³/6 + x⁵/120), x = ωh, per step.
     /// This follows because c/(1 + c²) = ½ sin(turn) and the modified moment is the sine's series.
     #[test]
     fn phase_of_a_fixed_axis_spin() {
-        for half in [[0.5, 0.5, 0.5], [0.5, 0.25, 0.125]] {
-            let (body, start) = spinning(half, [0.0, 0.0, 30.0]);
-            let state = run(&body, &start, 1.0 / 60.0, 1000);
-            let x: f64 = 0.5;
-            let turn = libm::asin(x - x.powi(3) / 6.0 + x.powi(5) / 120.0);
-            let (sin, cos) = libm::sincos(500.0 * turn);
-            assert!(
-                (state.rotation.z - sin).abs() < 1e-12 && (state.rotation.w - cos).abs() < 1e-12
-            );
-        }
+        let x: f64 = 0.5;
+        expect_turn::<Dmv6>(x, libm::asin(x - x.powi(3) / 6.0 + x.powi(5) / 120.0));
     }
 
     /// The bodies of the reference trajectories pub01, pub02, pub05 at 60 Hz.
     #[test]
     fn accuracy() {
-        let h = 1.0 / 60.0;
-        let (body, start) = ordinary();
-        assert!(error(&body, &start, h, 600) < 4e-10);
-        let (body, start) = spinning([0.5, 0.25, 0.125], [0.0078125, 8.0, -0.00390625]);
-        assert!(error(&body, &start, h, 600) < 2e-7);
-        let (body, start) = spinning([1.0, 0.03125, 0.015625], [20.0, 1.0, 0.5]);
-        assert!(error(&body, &start, h, 300) < 5e-5);
+        let half = [0.5, 0.25, 0.125];
+        assert!(error(half, [1.5, 2.5, 1.0], 600) < 4e-10);
+        assert!(error(half, [0.0078125, 8.0, -0.00390625], 600) < 2e-7);
+        assert!(error([1.0, 0.03125, 0.015625], [20.0, 1.0, 0.5], 300) < 5e-5);
     }
 
     #[test]
@@ -303,24 +284,8 @@ mod tests {
     /// Damping rescales time exactly: the energy falls by e^{−2γt}, as in the closed form.
     #[test]
     fn angular_damping() {
-        let (body, start) = ordinary();
-        let law = Forces {
-            dissipation: Dissipation {
-                angular_damping: 0.25,
-                ..Dissipation::NONE
-            },
-            ..Default::default()
-        };
-        let mut state = start;
-        for _ in 0..600 {
-            Dmv6::step(
-                &body,
-                &mut state,
-                &law,
-                1.0 / 60.0,
-                &mut IntegratorMemory::default(),
-            );
-        }
+        let (body, start) = spinning([0.5, 0.25, 0.125], [1.5, 2.5, 1.0]);
+        let (state, _) = run_counted::<Dmv6>(&body, start, &drag(0.0, 0.25), 10.0, 600);
         let ratio = state.rotational_energy(&body) / start.rotational_energy(&body);
         assert!((ratio * libm::exp(5.0) - 1.0).abs() < 1e-12);
     }

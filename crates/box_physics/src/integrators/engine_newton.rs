@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::slope::turn;
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Orders, Stability, StepOutcome,
@@ -9,7 +10,6 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// Velocities first, as in those engines:
@@ -60,28 +60,37 @@ impl Integrate for EngineNewton {
         _memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let d = force.dissipation();
-        let speed = (state.velocity - d.wind).length();
-        let w = if force.has_wrench() {
-            force.wrench(body, state)
-        } else {
-            Wrench::ZERO
-        };
-        if d != Dissipation::NONE {
-            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
-            state.velocity = d.in_air(state.velocity, |v| v / (1.0 + h * c));
-            state.angular_momentum /= 1.0 + h * gamma;
-        }
-        state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
-        state.position += h * state.velocity;
-        state.angular_momentum += h * w.torque;
+        velocities_first(body, state, force, h);
         state.angular_momentum -= newton_correction(body, state, h);
-        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-        state.rotation = compose(state.rotation, turn);
-        state.renormalize();
+        turn(body, state, h, trigonometry);
         StepOutcome::plain(1)
     }
+}
+
+/// All but the gyroscopic term and the attitude: the damping by implicit factors, then forces and torques.
+#[inline(always)]
+pub(super) fn velocities_first<F: ForceModel>(
+    body: &RigidBox,
+    state: &mut BodyState,
+    force: &F,
+    h: f64,
+) {
+    let d = force.dissipation();
+    let speed = (state.velocity - d.wind).length();
+    let w = if force.has_wrench() {
+        force.wrench(body, state)
+    } else {
+        Wrench::ZERO
+    };
+    if d != Dissipation::NONE {
+        let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+        let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
+        state.velocity = d.in_air(state.velocity, |v| v / (1.0 + h * c));
+        state.angular_momentum /= 1.0 + h * gamma;
+    }
+    state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
+    state.position += h * state.velocity;
+    state.angular_momentum += h * w.torque;
 }
 
 /// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for any
@@ -106,54 +115,24 @@ fn newton_correction(body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
-    use super::super::testing::{Case, brick, drag, run};
+    use super::super::testing::{Case, expect_damping, expect_new_velocities, run};
     use super::*;
-    use crate::force::{Forces, Gravity};
-    use crate::rotation::exponential_map;
+    use crate::force::Gravity;
 
     /// v ← v/(1 + ch/m) + hg, x by the new velocity, L likewise, at any step.
     #[test]
     fn implicit_damping() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let g = DVec3::NEG_Y * 9.81;
         for h in [0.1, 10.0, 1000.0 / 0.7] {
-            let law = Forces {
-                acceleration: g,
-                ..drag(1.4, 0.7)
-            };
-            let mut s = BodyState::default()
-                .with_velocity(DVec3::X)
-                .with_body_angular_velocity(&body, DVec3::Y);
-            let (mut v, mut x, mut w) = (DVec3::X, DVec3::ZERO, 1.0);
-            for _ in 0..50 {
-                EngineNewton::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
-                v = v / (1.0 + 0.7 * h) + h * g;
-                x += h * v;
-                w /= 1.0 + 0.7 * h;
-                assert!((s.velocity - v).length() < 1e-12 * (1.0 + v.length()));
-                assert!((s.position - x).length() < 1e-12 * (1.0 + x.length()));
-                assert!((s.body_angular_velocity(&body).y - w).abs() < 1e-12);
-            }
+            expect_damping::<EngineNewton>(h, DVec3::NEG_Y * 9.81, |v, g| {
+                let v = v / (1.0 + 0.7 * h) + h * g;
+                (v, h * v)
+            });
         }
     }
 
-    /// A principal spin is exact, free fall is ahead by ½ght, a constant torque by half a step.
     #[test]
     fn closed_forms() {
-        let body = brick();
-        let (t, h) = (4.0, 1.0 / 60.0);
-        let (g, alpha, spin) = (DVec3::NEG_Y * 9.81, DVec3::Z * 3.0, DVec3::Z * 2.0);
-        let law = Forces {
-            acceleration: g,
-            body_torque: body.inertia() * alpha,
-            ..Default::default()
-        };
-        let start = BodyState::default().with_body_angular_velocity(&body, spin);
-        let s = run::<EngineNewton>(&body, start, &law, t, 240);
-        assert!((s.position - 0.5 * g * t * (t + h)).length() < 1e-12);
-        let turned = exponential_map(spin * t + 0.5 * alpha * t * (t + h));
-        assert!((s.rotation.dot(turned).abs() - 1.0).abs() < 1e-12);
+        expect_new_velocities::<EngineNewton>();
     }
 
     /// The step solves the equation linearized about ω: I(ω₁ − ω) + h(ω₁×Iω + ω×Iω₁ − ω×Iω) = 0.

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::slope::turn;
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Orders, Stability, StepOutcome,
@@ -9,7 +10,6 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// Velocities first, as in those engines:
@@ -78,9 +78,7 @@ impl Integrate for EngineRescaled {
             state.angular_momentum *= (1.0 - h * gamma).max(DVec3::ZERO);
         }
         state.position += h * state.velocity;
-        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-        state.rotation = compose(state.rotation, turn);
-        state.renormalize();
+        turn(body, state, h, trigonometry);
         StepOutcome::plain(1)
     }
 }
@@ -100,55 +98,24 @@ fn rescaled_gyroscopic_step(body: &RigidBox, state: &BodyState, h: f64) -> DVec3
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
-    use super::super::testing::{Case, brick, drag, run};
+    use super::super::testing::{Case, expect_damping, expect_new_velocities, run};
     use super::*;
-    use crate::force::{Forces, Gravity};
-    use crate::rotation::exponential_map;
+    use crate::force::Gravity;
 
-    /// `v_n = R(z)ⁿ` with R = max(0, 1 − ch/m), and L likewise; x by the new velocity.
+    /// R = max(0, 1 − ch/m) on v and L; x by the new velocity.
     #[test]
     fn clamped_damping() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        for (h, r) in [(0.1, 0.93), (1.0, 0.3), (10.0, 0.0), (1000.0, 0.0_f64)] {
-            let mut s = BodyState::default()
-                .with_velocity(DVec3::X)
-                .with_body_angular_velocity(&body, DVec3::Y);
-            let (mut v, mut x) = (1.0, 0.0);
-            for _ in 0..50 {
-                EngineRescaled::step(
-                    &body,
-                    &mut s,
-                    &drag(1.4, 0.7),
-                    h,
-                    &mut IntegratorMemory::default(),
-                );
-                v *= r;
-                x += h * v;
-                assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);
-                assert!((s.body_angular_velocity(&body).y - v).abs() < 1e-12);
-            }
+        for (h, r) in [(0.1, 0.93), (1.0, 0.3), (10.0, 0.0), (1000.0, 0.0)] {
+            expect_damping::<EngineRescaled>(h, DVec3::NEG_Y * 9.81, |v, g| {
+                let v = (v + h * g) * r;
+                (v, h * v)
+            });
         }
     }
 
-    /// Free fall is ahead by ½ght, a principal spin is exact, a constant torque leads by half a step.
     #[test]
     fn closed_forms() {
-        let body = brick();
-        let (g, h, n) = (DVec3::NEG_Y * 9.81, 1.0 / 60.0, 240_u32);
-        let (t, alpha) = (h * f64::from(n), DVec3::Z * 3.0);
-        let law = Forces {
-            acceleration: g,
-            body_torque: body.inertia() * alpha,
-            ..Default::default()
-        };
-        let spin = DVec3::Z * 2.0;
-        let start = BodyState::default().with_body_angular_velocity(&body, spin);
-        let s = run::<EngineRescaled>(&body, start, &law, t, n);
-        assert!((s.position - 0.5 * g * t * (t + h)).length() < 1e-12);
-        let turned = exponential_map(spin * t + 0.5 * alpha * t * (t + h));
-        assert!((s.rotation.dot(turned).abs() - 1.0).abs() < 1e-12);
-        assert!((s.body_angular_velocity(&body) - (spin + alpha * t)).length() < 1e-12);
+        expect_new_velocities::<EngineRescaled>();
     }
 
     /// |L| is conserved to rounding, the motion is bounded at any step, and the energy tends to L²/2I of the

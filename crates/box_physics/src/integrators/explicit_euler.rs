@@ -50,7 +50,7 @@ impl Integrate for ExplicitEuler {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::run;
+    use super::super::testing::{expect_turn, run};
     use super::*;
     use crate::force::Gravity;
     use glam::DVec3;
@@ -68,11 +68,7 @@ mod tests {
     /// A principal spin turns by 2 atan(ωh/2) per step instead of ωh.
     #[test]
     fn principal_spin_closed_form() {
-        let body = RigidBox::default();
-        let start = BodyState::default().with_body_angular_velocity(&body, DVec3::X * 8.0);
-        let s = run::<ExplicitEuler>(&body, start, &Gravity(DVec3::ZERO), 5.0, 300);
-        let half = libm::atan(4.0 / 60.0) * 300.0;
-        assert!((s.rotation.x - libm::sin(half)).abs() < 1e-12);
-        assert!((s.rotation.w - libm::cos(half)).abs() < 1e-12);
+        let turn = 8.0 / 60.0;
+        expect_turn::<ExplicitEuler>(turn, 2.0 * libm::atan(0.5 * turn));
     }
 }

@@ -1,5 +1,6 @@
 //! `heun-2012`: the method that the 2012 dissertation called "implicit Euler".
 
+use super::slope::turn;
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Orders, Stability, StepOutcome,
@@ -7,7 +8,6 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new. The angular momentum uses the same formula,
@@ -54,35 +54,29 @@ impl Integrate for Heun2012 {
         state.velocity += (0.5 * h) * (v1 + v2);
         state.position += h * state.velocity;
         state.angular_momentum += (0.5 * h) * (l1 + l2);
-        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-        state.rotation = compose(state.rotation, turn);
-        state.renormalize();
+        turn(body, state, h, trigonometry);
         StepOutcome::plain(2)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{drag, run};
+    use super::super::testing::{expect_damping, expect_new_velocities};
     use super::*;
     use glam::DVec3;
 
-    /// v_n = R(z)ⁿ v₀ with R = 1 + z + z²/2, the position by the new velocity, and the same factor of the angular
-    /// damping on the L of a principal spin.
+    /// R(z) = 1 + z + z²/2 on v and L; x by the new velocity.
     #[test]
     fn amplification_factor_and_position() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let start = BodyState::default()
-            .with_velocity(DVec3::X)
-            .with_body_angular_velocity(&body, DVec3::Z * 3.0);
-        let (h, n) = (0.1, 100);
-        let factor = |z: f64| 1.0 + z + 0.5 * z * z;
-        let (r, spin) = (factor(-0.07), factor(-0.05));
-        let s = run::<Heun2012>(&body, start, &drag(1.4, 0.5), h * f64::from(n), n as u32);
-        assert!((s.velocity.x - r.powi(n)).abs() < 1e-12);
-        // Σ h rᵏ, k = 1 … n.
-        let x = h * r * (1.0 - r.powi(n)) / (1.0 - r);
-        assert!((s.position.x - x).abs() < 1e-12);
-        assert!((s.body_angular_velocity(&body).z - 3.0 * spin.powi(n)).abs() < 1e-12);
+        let (h, z) = (0.1, -0.07);
+        expect_damping::<Heun2012>(h, DVec3::ZERO, |v, _| {
+            let v = v * (1.0 + z + 0.5 * z * z);
+            (v, h * v)
+        });
+    }
+
+    #[test]
+    fn closed_forms() {
+        expect_new_velocities::<Heun2012>();
     }
 }

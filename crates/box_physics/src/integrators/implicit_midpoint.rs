@@ -112,43 +112,24 @@ impl ImplicitMidpoint {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
-    use super::super::testing::{Case, brick, drag, run, run_counted};
+    use super::super::testing::{
+        Case, brick, drag, expect_damping, expect_turn, on, run, run_counted, spring,
+    };
     use super::*;
     use crate::energy::total_energy;
-    use crate::force::{Dissipation, Forces, Gravity, Spring};
+    use crate::force::{Dissipation, Forces, Gravity};
     use glam::DVec3;
 
-    fn spring(body_point: DVec3, stiffness: f64) -> [Spring; 1] {
-        [Spring {
-            body_point,
-            anchor: DVec3::ZERO,
-            stiffness,
-            damping: 0.0,
-        }]
-    }
-
-    /// `v_n = R(z)ⁿ v₀` and L likewise, R = (1 + z/2)/(1 − z/2), at any z; the parabola to rounding.
+    /// R = (1 + z/2)/(1 − z/2) on v and L, the position by the mean velocity, at any z; the parabola to rounding.
     #[test]
     fn amplification_factor_and_parabola() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        for (h, z) in [(0.1, -0.07_f64), (10.0, -7.0), (1000.0 / 0.7, -1000.0)] {
-            let r = (1.0 + 0.5 * z) / (1.0 - 0.5 * z);
-            let mut s = BodyState::default()
-                .with_velocity(DVec3::X)
-                .with_body_angular_velocity(&body, DVec3::Y);
-            for n in 1..=50 {
-                ImplicitMidpoint::step(
-                    &body,
-                    &mut s,
-                    &drag(1.4, 0.7),
-                    h,
-                    &mut IntegratorMemory::default(),
-                );
-                assert!((s.velocity.x - r.powi(n)).abs() < 1e-12);
-                assert!((s.body_angular_velocity(&body).y - r.powi(n)).abs() < 1e-12);
-            }
+        for (h, z) in [(0.1, -0.07), (10.0, -7.0), (1000.0 / 0.7, -1000.0)] {
+            expect_damping::<ImplicitMidpoint>(h, DVec3::ZERO, |v, _| {
+                let middle = v / (1.0 - 0.5 * z);
+                ((1.0 + 0.5 * z) * middle, h * middle)
+            });
         }
+        let body = RigidBox::default();
         let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);
         let start = BodyState::default().with_velocity(v);
         let s = run::<ImplicitMidpoint>(&body, start, &Gravity(g), 4.0, 240);
@@ -188,13 +169,8 @@ mod tests {
     /// A principal spin turns by 2 atan(ωh/2) per step, at any step.
     #[test]
     fn principal_spin_closed_form() {
-        let body = brick();
         for wh in [0.1, 2.0, 1000.0] {
-            let start = BodyState::default().with_body_angular_velocity(&body, DVec3::Y * wh);
-            let s = run::<ImplicitMidpoint>(&body, start, &Gravity(DVec3::ZERO), 100.0, 100);
-            let half = 100.0 * libm::atan(0.5 * wh);
-            assert!((s.rotation.y - libm::sin(half)).abs() < 1e-12);
-            assert!((s.rotation.w - libm::cos(half)).abs() < 1e-12);
+            expect_turn::<ImplicitMidpoint>(wh, 2.0 * libm::atan(0.5 * wh));
         }
     }
 
@@ -204,11 +180,8 @@ mod tests {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
         for wh in [0.1, 3.0, 1000.0] {
             let springs = spring(DVec3::ZERO, 2.0 * wh * wh);
-            let law = Forces {
-                springs: &springs,
-                ..Default::default()
-            };
-            let s = run::<ImplicitMidpoint>(&body, BodyState::at(DVec3::X), &law, 100.0, 100);
+            let start = BodyState::at(DVec3::X);
+            let s = run::<ImplicitMidpoint>(&body, start, &on(&springs), 100.0, 100);
             let phase = 200.0 * libm::atan(0.5 * wh);
             assert!((s.position.x - libm::cos(phase)).abs() < 1e-11, "{wh}");
             assert!((s.velocity.x / wh + libm::sin(phase)).abs() < 1e-11, "{wh}");
@@ -242,8 +215,7 @@ mod tests {
             let springs = spring(body.half_extents(), stiffness);
             let law = Forces {
                 acceleration: DVec3::NEG_Y * 9.81,
-                springs: &springs,
-                ..Default::default()
+                ..on(&springs)
             };
             let start = BodyState::at(DVec3::new(-0.4, -0.3, -0.1))
                 .with_body_angular_velocity(&body, DVec3::new(1.0, 2.0, 3.0));

@@ -58,44 +58,28 @@ impl Integrate for Midpoint {
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
-    use super::super::testing::{drag, run};
+    use super::super::testing::{expect_damping, expect_turn, run};
     use super::*;
     use crate::force::Gravity;
     use glam::DVec3;
 
-    /// R(z) = 1 + z + z²/2 on the velocity; the parabola to rounding.
+    /// R(z) = 1 + z + z²/2 on v and L, the position by the velocity in the middle; the parabola to rounding.
     #[test]
     fn amplification_factor_and_parabola() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let (h, z) = (0.1, -0.07_f64);
-        let law = drag(1.4, 0.0);
-        let mut s = BodyState::default().with_velocity(DVec3::X);
-        for n in 1..=50 {
-            Midpoint::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
-            assert!((s.velocity.x - (1.0 + z + 0.5 * z * z).powi(n)).abs() < 1e-12);
-        }
+        let (h, z) = (0.1, -0.07);
+        expect_damping::<Midpoint>(h, DVec3::ZERO, |v, _| {
+            (v * (1.0 + z + 0.5 * z * z), h * (1.0 + 0.5 * z) * v)
+        });
         let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);
-        let s = run::<Midpoint>(
-            &body,
-            BodyState::default().with_velocity(v),
-            &Gravity(g),
-            4.0,
-            240,
-        );
+        let start = BodyState::default().with_velocity(v);
+        let s = run::<Midpoint>(&RigidBox::default(), start, &Gravity(g), 4.0, 240);
         assert!((s.position - (4.0 * v + 8.0 * g)).length() < 1e-12);
     }
 
     /// Spin about a principal axis: the quaternion turns by arg(1 + iy − y²/2), y = ωh/2.
     #[test]
     fn phase_of_a_fixed_axis_spin() {
-        let body = RigidBox::default();
-        let (w, h, n) = (5.0, 1.0 / 60.0, 600);
-        let start = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * w);
-        let s = run::<Midpoint>(&body, start, &Gravity(DVec3::ZERO), h * f64::from(n), n);
-        let y: f64 = 0.5 * w * h;
-        let half = libm::atan2(y, 1.0 - 0.5 * y * y) * f64::from(n);
-        assert!((s.rotation.z - libm::sin(half)).abs() < 1e-12);
-        assert!((s.rotation.w - libm::cos(half)).abs() < 1e-12);
+        let y: f64 = 2.5 / 60.0;
+        expect_turn::<Midpoint>(2.0 * y, 2.0 * libm::atan2(y, 1.0 - 0.5 * y * y));
     }
 }

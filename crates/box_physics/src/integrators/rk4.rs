@@ -69,32 +69,24 @@ impl Integrate for Rk4 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{drag, run};
+    use super::super::testing::{expect_damping, expect_turn};
     use super::*;
-    use crate::force::Gravity;
     use glam::DVec3;
 
-    /// Its own discrete answer: with linear drag a step multiplies v by R(z) = Σ zᵏ/k!, k ≤ 4.
+    /// Its own discrete answer: a step multiplies v and L by R(z) = Σ zᵏ/k!, k ≤ 4, and x follows v by
+    /// h (R − 1)/z.
     #[test]
     fn amplification_factor() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let start = BodyState::default().with_velocity(DVec3::X);
-        let z = -0.07_f64;
+        let (h, z) = (0.1, -0.07);
         let r = 1.0 + z * (1.0 + z / 2.0 * (1.0 + z / 3.0 * (1.0 + z / 4.0)));
-        let s = run::<Rk4>(&body, start, &drag(1.4, 0.0), 5.0, 50);
-        assert!((s.velocity.x - r.powi(50)).abs() < 1e-12);
+        expect_damping::<Rk4>(h, DVec3::ZERO, |v, _| (v * r, h * (r - 1.0) / z * v));
     }
 
     /// Spin about a principal axis: the quaternion turns by arg R(iωh/2) per step.
     #[test]
     fn phase_of_a_fixed_axis_spin() {
-        let body = RigidBox::default();
-        let start = BodyState::default().with_body_angular_velocity(&body, DVec3::Z * 5.0);
-        let s = run::<Rk4>(&body, start, &Gravity(DVec3::ZERO), 10.0, 600);
         let y: f64 = 2.5 / 60.0;
-        let per_step = libm::atan2(y - y * y * y / 6.0, 1.0 - y * y / 2.0 + y.powi(4) / 24.0);
-        let half = per_step * 600.0;
-        assert!((s.rotation.z - libm::sin(half)).abs() < 1e-12);
-        assert!((s.rotation.w - libm::cos(half)).abs() < 1e-12);
+        let half = libm::atan2(y - y * y * y / 6.0, 1.0 - y * y / 2.0 + y.powi(4) / 24.0);
+        expect_turn::<Rk4>(2.0 * y, 2.0 * half);
     }
 }

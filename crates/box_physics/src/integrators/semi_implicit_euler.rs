@@ -1,5 +1,6 @@
 //! `semi-implicit-euler`: velocities first, then the pose by the new velocities; explicit gyroscopic term.
 
+use super::slope::turn;
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Orders, Stability, StepOutcome,
@@ -7,7 +8,6 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
 /// v += h f(x, v), x += h v; L += h(L×ω + τ), q ← q∘exp(h ω_new).
@@ -49,32 +49,18 @@ impl Integrate for SemiImplicitEuler {
         state.velocity += h * dv;
         state.position += h * state.velocity;
         state.angular_momentum += h * dl;
-        let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-        state.rotation = compose(state.rotation, turn);
-        state.renormalize();
+        turn(body, state, h, trigonometry);
         StepOutcome::plain(1)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{brick, run};
+    use super::super::testing::expect_new_velocities;
     use super::*;
-    use crate::force::Gravity;
-    use crate::rotation::exponential_map;
-    use glam::DVec3;
 
-    /// x_n = x₀ + n h v₀ + ½ g h² n(n+1), the parabola plus exactly ½ g h t; a spin about a principal axis is exact.
     #[test]
     fn closed_forms() {
-        let (body, w) = (brick(), DVec3::Y * 7.0);
-        let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);
-        let (t, h) = (4.0, 1.0 / 60.0);
-        let start = BodyState::default()
-            .with_velocity(v)
-            .with_body_angular_velocity(&body, w);
-        let s = run::<SemiImplicitEuler>(&body, start, &Gravity(g), t, 240);
-        assert!((s.position - (v * t + 0.5 * g * t * (t + h))).length() < 1e-12);
-        assert!((s.rotation.dot(exponential_map(w * t)).abs() - 1.0).abs() < 1e-12);
+        expect_new_velocities::<SemiImplicitEuler>();
     }
 }

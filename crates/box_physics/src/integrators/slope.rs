@@ -1,10 +1,12 @@
-//! The time derivative of a whole state, for integrators that apply one formula to all variables.
+//! The time derivative of a whole state, for integrators that apply one formula to all variables, and the turn by a
+//! given angular velocity.
 
 use glam::{DQuat, DVec3};
 
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
-use crate::rotation::quaternion_rate;
+use crate::math::Trigonometry;
+use crate::rotation::{compose, exponential_map_by, quaternion_rate};
 use crate::state::BodyState;
 
 /// The time derivative of the whole state: (x', q', v', L').
@@ -41,4 +43,17 @@ impl Slope {
             angular_momentum: state.angular_momentum + h * self.momentum,
         }
     }
+}
+
+/// q ← q∘exp(hω) with the angular velocity ω of `state`.
+#[inline(always)]
+pub(super) fn turn(
+    body: &RigidBox,
+    state: &mut BodyState,
+    h: f64,
+    trigonometry: &mut impl Trigonometry,
+) {
+    let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
+    state.rotation = compose(state.rotation, turn);
+    state.renormalize();
 }

@@ -119,9 +119,9 @@ fn stiffness(body: &RigidBox, d: &Dissipation) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Case, drag, run, run_counted};
+    use super::super::testing::{Case, drag, on, run, run_counted, spring};
     use super::*;
-    use crate::force::{Forces, Spring};
+    use crate::force::Forces;
     use glam::DVec3;
 
     /// pub08 and pub13: linear drag is exact, angular damping is as accurate as the rotation.
@@ -159,18 +159,9 @@ mod tests {
     fn oscillator_closed_form() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
         for w in [1.0, 20.0, 3.15 * 60.0_f64] {
-            let springs = [Spring {
-                body_point: DVec3::ZERO,
-                anchor: DVec3::ZERO,
-                stiffness: 2.0 * w * w,
-                damping: 0.0,
-            }];
-            let law = Forces {
-                springs: &springs,
-                ..Default::default()
-            };
+            let springs = spring(DVec3::ZERO, 2.0 * w * w);
             let h = 1.0 / 60.0;
-            let s = run::<Split4>(&body, BodyState::at(DVec3::X), &law, 10.0, 600);
+            let s = run::<Split4>(&body, BodyState::at(DVec3::X), &on(&springs), 10.0, 600);
             let ([k1, k2, k3], [d1, d2]) = (KICKS, DRIFTS);
             let (k4, d3) = (1.0 - 2.0 * (k1 + k2 + k3), 0.5 - d1 - d2);
             let (mut x, mut v) = (1.0, 0.0);

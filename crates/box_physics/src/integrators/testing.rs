@@ -1,12 +1,13 @@
-//! Shared helpers of the integrators' tests: tumbling cases with known solutions, and the measured order of
-//! an integrator.
+//! Shared helpers of the integrators' tests: discrete solutions that several integrators have in common, tumbling
+//! cases with known solutions, and the measured order of an integrator.
 
 use glam::{DQuat, DVec3};
 
 use super::{Integrate, IntegratorMemory, Rk4, StepOutcome};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, Forces, Frame, PointForce};
+use crate::force::{Dissipation, Forces, Frame, Gravity, PointForce, Spring};
 use crate::free_motion::FreeRotation;
+use crate::rotation::exponential_map;
 use crate::state::BodyState;
 
 /// Runs `n` steps of `S` over the time `t` \[s\].
@@ -45,6 +46,89 @@ pub(crate) fn drag(linear_drag: f64, angular_damping: f64) -> Forces<'static> {
             ..Dissipation::NONE
         },
         ..Default::default()
+    }
+}
+
+/// An undamped spring of `stiffness` [N/m] from `body_point` to the origin.
+pub(crate) fn spring(body_point: DVec3, stiffness: f64) -> [Spring; 1] {
+    [Spring {
+        body_point,
+        stiffness,
+        ..Spring::default()
+    }]
+}
+
+/// Only `springs`.
+pub(crate) fn on(springs: &[Spring]) -> Forces<'_> {
+    Forces {
+        springs,
+        ..Default::default()
+    }
+}
+
+/// Asserts that steps of `h` under gravity `g`, drag and damping with the rate 0.7 1/s multiply the velocity and
+/// the angular velocity as `step` does: (v, g) to (v after the step, displacement).
+pub(crate) fn expect_damping<S: Integrate>(
+    h: f64,
+    g: DVec3,
+    step: impl Fn(DVec3, DVec3) -> (DVec3, DVec3),
+) {
+    let body = RigidBox::cube(1.0, 2.0).expect("valid");
+    let law = Forces {
+        acceleration: g,
+        ..drag(1.4, 0.7)
+    };
+    let (mut v, mut x, mut w) = (DVec3::X, DVec3::ZERO, DVec3::Y);
+    let mut s = BodyState::default()
+        .with_velocity(v)
+        .with_body_angular_velocity(&body, w);
+    for n in 1..=100 {
+        S::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
+        let (after, displacement) = step(v, g);
+        (v, x, w) = (after, x + displacement, step(w, DVec3::ZERO).0);
+        let omega = s.body_angular_velocity(&body);
+        for (what, is, must) in [("v", s.velocity, v), ("x", s.position, x), ("ω", omega, w)] {
+            let near = (is - must).length() < 1e-12 * (1.0 + must.length());
+            assert!(near, "{what} after {n} steps of {h} s: {is}, not {must}");
+        }
+    }
+}
+
+/// Asserts that a spin about each axis of `turn` \[rad\] a step turns the box by `turned` \[rad\] a step.
+pub(crate) fn expect_turn<S: Integrate>(turn: f64, turned: f64) {
+    let body = brick();
+    for axis in DVec3::AXES {
+        let start = BodyState::default().with_body_angular_velocity(&body, axis * turn);
+        let s = run::<S>(&body, start, &Gravity(DVec3::ZERO), 600.0, 600);
+        let (sin, cos) = libm::sincos(300.0 * turned);
+        assert!((s.rotation.xyz() - axis * sin).length() < 1e-12);
+        assert!((s.rotation.w - cos).abs() < 1e-12);
+    }
+}
+
+/// Asserts the solution of first-order integrators that move the pose by the new velocities: ahead by ½ght of a
+/// parabola and by half a step of a constant torque, exact for a principal spin.
+pub(crate) fn expect_new_velocities<S: Integrate>() {
+    let body = brick();
+    let (t, h) = (4.0, 1.0 / 60.0);
+    let (v, g) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81);
+    for (alpha, spin) in [
+        (DVec3::Z * 3.0, DVec3::Z * 2.0),
+        (DVec3::ZERO, DVec3::Y * 7.0),
+    ] {
+        let law = Forces {
+            acceleration: g,
+            body_torque: body.inertia() * alpha,
+            ..Default::default()
+        };
+        let start = BodyState::default()
+            .with_velocity(v)
+            .with_body_angular_velocity(&body, spin);
+        let s = run::<S>(&body, start, &law, t, 240);
+        assert!((s.position - (v * t + 0.5 * g * t * (t + h))).length() < 1e-12);
+        let turned = exponential_map(spin * t + 0.5 * alpha * t * (t + h));
+        assert!((s.rotation.dot(turned).abs() - 1.0).abs() < 1e-12);
+        assert!((s.body_angular_velocity(&body) - (spin + alpha * t)).length() < 1e-12);
     }
 }
 

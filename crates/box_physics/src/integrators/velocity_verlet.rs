@@ -79,30 +79,19 @@ pub(super) fn half_kick<F: ForceModel>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::IntegratorMemory;
-    use super::super::testing::{drag, run};
+    use super::super::testing::{drag, expect_damping, on, run, spring};
     use super::*;
-    use crate::force::{Forces, Spring};
     use glam::DVec3;
 
-    /// R(z) = 1 + z + z²/4 on v and, with angular damping, on L; x moves by the half-step velocity.
+    /// R(z) = 1 + z + z²/4 on v and L; x moves by the half-step velocity.
     #[test]
     fn amplification_factor_and_position() {
-        let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let (h, z) = (0.1, -0.07_f64);
-        let law = drag(1.4, 0.7);
-        let mut s = BodyState::default()
-            .with_velocity(DVec3::X)
-            .with_body_angular_velocity(&body, DVec3::Y);
-        let (mut v, mut x) = (1.0, 0.0);
-        for _ in 0..100 {
-            VelocityVerlet::step(&body, &mut s, &law, h, &mut IntegratorMemory::default());
-            x += h * (1.0 + 0.5 * z) * v;
-            v *= 1.0 + z + 0.25 * z * z;
-            assert!((s.velocity.x - v).abs() < 1e-12 && (s.position.x - x).abs() < 1e-12);
-            assert!((s.body_angular_velocity(&body).y - v).abs() < 1e-12);
-        }
+        let (h, z) = (0.1, -0.07);
+        expect_damping::<VelocityVerlet>(h, DVec3::ZERO, |v, _| {
+            (v * (1.0 + z + 0.25 * z * z), h * (1.0 + 0.5 * z) * v)
+        });
         // Bounded down to z = −4, not beyond.
+        let body = RigidBox::cube(1.0, 2.0).expect("valid");
         let end = |c| {
             let start = BodyState::default().with_velocity(DVec3::X);
             run::<VelocityVerlet>(&body, start, &drag(2.0 * c, 0.0), 400.0, 400)
@@ -116,18 +105,10 @@ mod tests {
     #[test]
     fn oscillator_phase() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");
-        let springs = [Spring {
-            body_point: DVec3::ZERO,
-            anchor: DVec3::ZERO,
-            stiffness: 8.0,
-            damping: 0.0,
-        }];
-        let law = Forces {
-            springs: &springs,
-            ..Default::default()
-        };
+        let springs = spring(DVec3::ZERO, 8.0);
         let (w, h, n) = (2.0, 0.05_f64, 300);
-        let s = run::<VelocityVerlet>(&body, BodyState::at(DVec3::X), &law, h * f64::from(n), n);
+        let (start, t) = (BodyState::at(DVec3::X), h * f64::from(n));
+        let s = run::<VelocityVerlet>(&body, start, &on(&springs), t, n);
         let theta = libm::acos(1.0 - 0.5 * (w * h) * (w * h));
         assert!((s.position.x - libm::cos(f64::from(n) * theta)).abs() < 1e-12);
     }
