@@ -8,16 +8,20 @@
 //! [`AGREEMENT`] the motion is chaotic and the reference ends: that moment is its
 //! [`horizon`](LiveReference::horizon).
 
+mod fine;
+
+pub use fine::best_integrator;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use box_physics::prelude::{BodyState, DVec3, Integrator};
+use box_physics::prelude::{BodyState, DVec3};
 
-use crate::driver::Driver;
 use crate::driver::Model;
 use crate::metrics::StateError;
 use crate::reference::{ReferenceKind, ReferenceSolution};
 use crate::setup::{Setup, TimedImpulse};
+use fine::Fine;
 
 /// How much finer the reference steps than the clock.
 pub const FINER: f64 = 64.0;
@@ -33,18 +37,6 @@ const PIECES: usize = 256;
 const STORED: f64 = 120.0;
 /// For how long a closed form is asked \[s\].
 const LONG: f64 = 3600.0;
-
-/// The integrator that is closest to the truth under `model`, in fine steps.
-pub fn best_integrator(model: &Model) -> Integrator {
-    let d = model.forces.dissipation();
-    if d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
-        Integrator::Rk4
-    } else if model.forces.has_wrench() {
-        Integrator::Split4
-    } else {
-        Integrator::Exact
-    }
-}
 
 /// Something done to the box.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,61 +88,6 @@ enum Source {
     Trusted(Arc<ReferenceSolution>),
     /// The simulation, and the same in half its steps while they agree.
     Fine(Box<Fine>, Option<Box<Fine>>),
-}
-
-/// A simulation that only goes forward.
-#[derive(Clone, Debug)]
-struct Fine {
-    driver: Driver,
-    model: Arc<Model>,
-    /// The scene's impulses that are still to come.
-    waiting: VecDeque<TimedImpulse>,
-    lost: bool,
-}
-
-impl Fine {
-    fn new(
-        state: BodyState,
-        from: f64,
-        model: &Arc<Model>,
-        waiting: VecDeque<TimedImpulse>,
-    ) -> Self {
-        Self {
-            driver: Driver::new(state, best_integrator(model)).at_time(from),
-            model: model.clone(),
-            waiting,
-            lost: false,
-        }
-    }
-
-    fn at(&mut self, t: f64, h: f64) -> Option<BodyState> {
-        while let Some(i) = self.waiting.front().filter(|i| i.t < t) {
-            let i = *i;
-            self.run(i.t, h);
-            self.waiting.pop_front();
-            self.driver.state.apply_impulse_at_body_point(
-                &self.model.body,
-                i.impulse,
-                i.body_point,
-            );
-        }
-        self.run(t, h);
-        let here = (self.driver.time - t).abs() <= 1e-9 * h;
-        (here && !self.lost).then_some(self.driver.state)
-    }
-
-    /// On to exactly `t` in equal steps of at most `h`.
-    fn run(&mut self, t: f64, h: f64) {
-        let way = t - self.driver.time;
-        if way <= 1e-9 * h || self.lost {
-            return;
-        }
-        let n = (way / h - 1e-6).ceil().max(1.0);
-        for _ in 0..n as u64 {
-            self.lost |= self.driver.step(&self.model, way / n).is_none();
-        }
-        self.driver.time = t;
-    }
 }
 
 impl LiveReference {
@@ -363,84 +300,4 @@ impl LiveReference {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Scenario, StateError};
-
-    fn of(id: &str) -> (LiveReference, Arc<Model>) {
-        let s = Scenario::find(id).expect("a scene");
-        let law = Arc::new(Model::of(&s.setup));
-        let truth = s.reference();
-        (
-            LiveReference::new(&law, s.setup.initial, &[], Some(truth), 1.0 / 60.0),
-            law,
-        )
-    }
-
-    /// After pushes in flight the closed form goes on; the answer is that of a setup which knew of the
-    /// pushes from the start.
-    #[test]
-    fn a_push_starts_a_new_closed_form() {
-        let s = Scenario::find("throw").expect("a scene");
-        let (mut reference, _) = of("throw");
-        let kick = |t: f64| TimedImpulse {
-            t,
-            impulse: DVec3::new(0.5, 1.0, -0.25),
-            body_point: DVec3::new(0.1, 0.0, 0.2),
-        };
-        for t in [0.4, 0.7] {
-            let k = kick(t);
-            reference.push(
-                t,
-                &Change::Impulse {
-                    impulse: k.impulse,
-                    body_point: k.body_point,
-                },
-            );
-            assert!(reference.is_trusted());
-        }
-        let truth = s.setup.clone().with_impulses(vec![kick(0.4), kick(0.7)]);
-        let truth = truth.reference();
-        for t in [0.2, 0.55, 1.3] {
-            let (a, b) = (reference.at(t), truth.at(t));
-            let e = StateError::between(&a.expect("kept"), &b.expect("closed"));
-            assert!(e.position < 1e-12 && e.attitude < 1e-9, "{t}: {e:?}");
-        }
-    }
-
-    /// Where there is no closed form: the simulation is as fine as it says, and close to a finer one.
-    #[test]
-    fn a_fine_simulation_where_there_is_no_formula() {
-        let (mut reference, law) = of("heavy-top");
-        assert!(reference.is_trusted());
-        reference.push(
-            0.5,
-            &Change::Impulse {
-                impulse: DVec3::X,
-                body_point: DVec3::Y * 0.3,
-            },
-        );
-        assert!(!reference.is_trusted());
-        assert!(reference.description().contains("1/3840 s"));
-        let start = reference.at(0.5).expect("here");
-        let mut finer = Driver::new(start, Integrator::Split4);
-        (0..20_000).for_each(|_| {
-            finer.step(&law, 2.0 / 20_000.0);
-        });
-        let end = reference.at(2.5).expect("ahead");
-        let e = StateError::between(&end, &finer.state);
-        assert!(e.position < 1e-9 && e.attitude < 1e-8, "{e:?}");
-        assert!(reference.at(1.0).is_none(), "its past is gone");
-    }
-
-    #[test]
-    fn it_outlives_a_numerical_answer() {
-        let s = Scenario::find("heavy-top").expect("a scene");
-        let (mut reference, _) = of("heavy-top");
-        let end = s.setup.duration;
-        let before = reference.at(end - 0.01).expect("inside");
-        let after = reference.at(end + 0.01).expect("goes on");
-        assert!((after.position - before.position).length() < 0.1);
-        assert!(!reference.is_trusted());
-    }
-}
+mod tests;

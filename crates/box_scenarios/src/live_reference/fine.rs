@@ -1,0 +1,76 @@
+//! The fine simulation where there is no closed form.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use box_physics::prelude::{BodyState, Integrator};
+
+use crate::driver::{Driver, Model};
+use crate::setup::TimedImpulse;
+
+/// The integrator that is closest to the truth under `model`, in fine steps.
+pub fn best_integrator(model: &Model) -> Integrator {
+    let d = model.forces.dissipation();
+    if d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
+        Integrator::Rk4
+    } else if model.forces.has_wrench() {
+        Integrator::Split4
+    } else {
+        Integrator::Exact
+    }
+}
+
+/// A simulation that only goes forward.
+#[derive(Clone, Debug)]
+pub(super) struct Fine {
+    pub(super) driver: Driver,
+    model: Arc<Model>,
+    /// The scene's impulses that are still to come.
+    waiting: VecDeque<TimedImpulse>,
+    lost: bool,
+}
+
+impl Fine {
+    pub(super) fn new(
+        state: BodyState,
+        from: f64,
+        model: &Arc<Model>,
+        waiting: VecDeque<TimedImpulse>,
+    ) -> Self {
+        Self {
+            driver: Driver::new(state, best_integrator(model)).at_time(from),
+            model: model.clone(),
+            waiting,
+            lost: false,
+        }
+    }
+
+    pub(super) fn at(&mut self, t: f64, h: f64) -> Option<BodyState> {
+        while let Some(i) = self.waiting.front().filter(|i| i.t < t) {
+            let i = *i;
+            self.run(i.t, h);
+            self.waiting.pop_front();
+            self.driver.state.apply_impulse_at_body_point(
+                &self.model.body,
+                i.impulse,
+                i.body_point,
+            );
+        }
+        self.run(t, h);
+        let here = (self.driver.time - t).abs() <= 1e-9 * h;
+        (here && !self.lost).then_some(self.driver.state)
+    }
+
+    /// On to exactly `t` in equal steps of at most `h`.
+    fn run(&mut self, t: f64, h: f64) {
+        let way = t - self.driver.time;
+        if way <= 1e-9 * h || self.lost {
+            return;
+        }
+        let n = (way / h - 1e-6).ceil().max(1.0);
+        for _ in 0..n as u64 {
+            self.lost |= self.driver.step(&self.model, way / n).is_none();
+        }
+        self.driver.time = t;
+    }
+}
