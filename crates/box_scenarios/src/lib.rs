@@ -76,4 +76,4 @@ pub use simulate::{Compared, Comparison, Expected, compare, simulate};
 pub use status::{Divergence, Reason, Status};
 pub use step_size::parse_step;
 pub use style::{Style, style};
-pub use view::{PlotPreset, SceneView};
+pub use view::{Plot, SceneView};

@@ -23,7 +23,7 @@ pub struct SceneView {
     #[serde(deserialize_with = "limits::optional_vector")]
     pub target: Option<DVec3>,
     /// The plot worth watching.
-    pub plot: PlotPreset,
+    pub plot: Plot,
 }
 
 fn yaw<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
@@ -50,7 +50,7 @@ impl Default for SceneView {
             pitch: 20.0,
             distance: None,
             target: None,
-            plot: PlotPreset::Energy,
+            plot: Plot::Energy,
         }
     }
 }
@@ -63,7 +63,7 @@ impl SceneView {
             pitch,
             distance: None,
             target: None,
-            plot: PlotPreset::Energy,
+            plot: Plot::Energy,
         }
     }
 
@@ -77,27 +77,40 @@ impl SceneView {
 
     /// The same with another plot.
     #[must_use]
-    pub const fn with_plot(mut self, plot: PlotPreset) -> Self {
+    pub const fn with_plot(mut self, plot: Plot) -> Self {
         self.plot = plot;
         self
     }
 }
 
-/// The plots there are.
+/// Tab of the drawer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PlotPreset {
-    /// Position and attitude error against the reference.
+#[serde(rename_all = "snake_case")]
+pub enum Plot {
+    /// Distance and angle to the reference over time.
     Error,
-    /// Energy and angular momentum.
+    /// Drift of energy and angular momentum over time.
     #[default]
     Energy,
-    /// What a step costs.
+    /// ns per body-step of every integrator over time.
     Timing,
-    /// Use of the processor.
+    /// CPU use of the process and the system over time.
     Cpu,
     /// Error against cost.
+    #[serde(alias = "work-precision")]
     WorkPrecision,
-    /// The figures of every integrator.
+    /// Figures of every integrator.
     Table,
+}
+
+impl Plot {
+    /// Every tab with its name on the command line.
+    pub const ALL: [(Self, &str); 6] = [
+        (Self::Error, "error"),
+        (Self::Energy, "energy"),
+        (Self::Timing, "timing"),
+        (Self::Cpu, "cpu"),
+        (Self::WorkPrecision, "work-precision"),
+        (Self::Table, "table"),
+    ];
 }

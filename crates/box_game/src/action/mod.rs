@@ -12,6 +12,8 @@ use box_scenarios::SceneView;
 use box_scenarios::dissertation::Stepper;
 use serde::{Deserialize, Serialize};
 
+pub use box_scenarios::Plot;
+
 use crate::parameters::Parameter;
 use compare::{CompareAction, integrator_id};
 
@@ -194,36 +196,6 @@ pub struct Film {
     pub pictures: u32,
     /// Pictures per second of the program's clock.
     pub rate: f64,
-}
-
-impl Plot {
-    /// Every tab with its name on the command line.
-    pub const ALL: [(Self, &str); 6] = [
-        (Self::Error, "error"),
-        (Self::Energy, "energy"),
-        (Self::Timing, "timing"),
-        (Self::Cpu, "cpu"),
-        (Self::WorkPrecision, "work-precision"),
-        (Self::Table, "table"),
-    ];
-}
-
-/// Tab of the drawer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Plot {
-    /// Distance and angle to the reference over time.
-    Error,
-    /// Drift of energy and angular momentum over time.
-    #[default]
-    Energy,
-    /// ns per body-step of every integrator over time.
-    Timing,
-    /// CPU use of the process and the system over time.
-    Cpu,
-    /// Error against cost.
-    WorkPrecision,
-    /// Figures of every integrator.
-    Table,
 }
 
 /// A stepper of the dissertation's in a file: by its id.

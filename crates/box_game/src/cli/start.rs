@@ -16,7 +16,7 @@ use crate::record::csv_log::CsvLog;
 use crate::scene::clock::{set_speed, set_step};
 use crate::scene::library::{self, SceneLibrary};
 use crate::scene::session::Session;
-use crate::scene::start::{plot_of, start_scene};
+use crate::scene::start::start_scene;
 
 /// Starts the scene of the command line, and ends the program as it says. Add it last.
 pub struct CommandLinePlugin {
@@ -32,9 +32,7 @@ impl Plugin for CommandLinePlugin {
         // The command line has checked it.
         let scenario = library.find(id).unwrap_or_default();
         let mut session = Session::new(scenario, cli.seed);
-        session.plot = cli
-            .plot
-            .unwrap_or_else(|| plot_of(session.scenario.view.plot));
+        session.plot = cli.plot.unwrap_or(session.scenario.view.plot);
         for (parameter, value) in cli.parameters() {
             if let Err(error) = session.parameters.set(parameter, value) {
                 session.notice(error);

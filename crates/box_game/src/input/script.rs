@@ -178,7 +178,7 @@ mod tests {
                 Push((direction: (0, 1, 0))),
                 Poke((body_point: (0.5, 0, 0), normal: (1, 0, 0), strength: 2)),
                 SetCamera((yaw: 10, pitch: 20, distance: 6)),
-                SelectPlot(Timing), SetDemo("2012-rk4"), SetDemo(None), Grab(None), Restart, Quit,
+                SelectPlot(timing), SetDemo("2012-rk4"), SetDemo(None), Grab(None), Restart, Quit,
             ]),
         ]"#;
         let beats = parse(text).expect("a script");

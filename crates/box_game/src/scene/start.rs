@@ -6,12 +6,12 @@ use box_physics::prelude::{
     Floor, Friction, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
     ReportPersisting, Restitution, RigidBox, Springs, StaticPlane, WorldGravity,
 };
-use box_scenarios::{ForceSet, PlotPreset, ReferenceSolution, Scenario, Setup};
+use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
 
 use super::boxes::place;
 use super::clock::{set_speed, set_step};
 use super::session::{BoxNumber, MainBox, SceneEntity, Session};
-use crate::action::{Action, Plot};
+use crate::action::Action;
 use crate::parameters::{Effect, Parameter, Parameters};
 
 /// A scene was opened, or read again from its file.
@@ -49,24 +49,12 @@ pub fn open_scene(world: &mut World, scenario: Scenario, new: bool) {
     session.defaults = Parameters::of(&scenario);
     session.parameters = session.own_parameters();
     if new {
-        session.plot = plot_of(scenario.view.plot);
+        session.plot = scenario.view.plot;
         session.show_picker = false;
     }
     session.scenario = scenario;
     world.trigger(SceneOpened { new });
     start_scene(world);
-}
-
-/// The plot that a scene asks for.
-pub fn plot_of(preset: PlotPreset) -> Plot {
-    match preset {
-        PlotPreset::Error => Plot::Error,
-        PlotPreset::Energy => Plot::Energy,
-        PlotPreset::Timing => Plot::Timing,
-        PlotPreset::WorkPrecision => Plot::WorkPrecision,
-        PlotPreset::Cpu => Plot::Cpu,
-        PlotPreset::Table => Plot::Table,
-    }
 }
 
 /// Starts the scene with the session's parameters: new boxes, clock at zero.

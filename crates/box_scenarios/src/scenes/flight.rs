@@ -6,7 +6,7 @@ use super::bodies::{GRAVITY, brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
-use crate::view::{PlotPreset, SceneView};
+use crate::view::{Plot, SceneView};
 
 /// A ball's throw: the parabola.
 pub fn ballistic() -> Scenario {
@@ -30,7 +30,7 @@ pub fn ballistic() -> Scenario {
         ],
         boxes: 1,
         // Next to the box: what the integrators differ by is less than its size.
-        view: SceneView::from(20.0, 10.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(20.0, 10.0).with_plot(Plot::Error),
     }
 }
 
@@ -54,7 +54,7 @@ pub fn stiff_drag() -> Scenario {
         setup: Setup::new(body, start, forces, 3.0),
         recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],
         boxes: 1,
-        view: SceneView::from(8.0, 15.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(8.0, 15.0).with_plot(Plot::Error),
     }
 }
 
@@ -78,7 +78,7 @@ pub fn quadratic_drag() -> Scenario {
         setup: Setup::new(body, start, forces, 8.0),
         recommended: &["split", "rk4", "velocity-verlet", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(8.0, 10.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(8.0, 10.0).with_plot(Plot::Error),
     }
 }
 
@@ -98,6 +98,6 @@ pub fn throw() -> Scenario {
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
         boxes: 1,
-        view: SceneView::from(15.0, 8.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(15.0, 8.0).with_plot(Plot::Error),
     }
 }

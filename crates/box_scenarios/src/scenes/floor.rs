@@ -7,7 +7,7 @@ use super::bodies::{GRAVITY, brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup};
-use crate::view::{PlotPreset, SceneView};
+use crate::view::{Plot, SceneView};
 
 /// A box at rest, to be pushed about.
 pub fn playground() -> Scenario {
@@ -93,7 +93,7 @@ pub fn slide() -> Scenario {
         boxes: 1,
         view: SceneView::from(8.0, 14.0)
             .at([-2.0, 0.4, 0.0], 6.5)
-            .with_plot(PlotPreset::Error),
+            .with_plot(Plot::Error),
     }
 }
 
@@ -135,7 +135,7 @@ pub fn load() -> Scenario {
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
         boxes: 1000,
-        view: SceneView::from(30.0, 28.0).with_plot(PlotPreset::Timing),
+        view: SceneView::from(30.0, 28.0).with_plot(Plot::Timing),
     }
 }
 
@@ -199,6 +199,6 @@ pub fn dissertation_2012() -> Scenario {
         boxes: 1,
         view: SceneView::from(30.0, 16.0)
             .at([0.0, 1.6, 0.0], 9.0)
-            .with_plot(PlotPreset::Cpu),
+            .with_plot(Plot::Cpu),
     }
 }

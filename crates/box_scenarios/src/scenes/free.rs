@@ -4,7 +4,7 @@ use super::bodies::{brick, solid, spinning};
 use crate::forces::ForceSet;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
-use crate::view::{PlotPreset, SceneView};
+use crate::view::{Plot, SceneView};
 
 /// Where freely spinning boxes float: 2 m up.
 const AT: [f64; 3] = [0.0, 2.0, 0.0];
@@ -105,7 +105,7 @@ pub fn symmetric_top() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "backward-euler", "semi-implicit-euler", "rk4"],
         boxes: 1,
-        view: SceneView::from(30.0, 25.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(30.0, 25.0).with_plot(Plot::Error),
     }
 }
 
@@ -147,6 +147,6 @@ pub fn separatrix() -> Scenario {
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "exact", "implicit-midpoint", "rk4"],
         boxes: 1,
-        view: SceneView::from(30.0, 22.0).with_plot(PlotPreset::Error),
+        view: SceneView::from(30.0, 22.0).with_plot(Plot::Error),
     }
 }
