@@ -23,7 +23,6 @@ mod work_precision;
 
 use std::process::ExitCode;
 
-use box_physics::integrators::{Integrator, UnknownIntegrator};
 use clap::{CommandFactory, Parser, Subcommand};
 
 use context::Stop;
@@ -148,11 +147,6 @@ fn end(result: Result<(), Stop>) -> ExitCode {
     };
     eprintln!("error: {stop}");
     ExitCode::from(code)
-}
-
-/// An integrator by its name, for the command line.
-fn integrator(text: &str) -> Result<Integrator, UnknownIntegrator> {
-    text.parse()
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ pub(crate) struct Options {
     #[arg(value_name = "SCENE|FILE")]
     scene: String,
     /// The integrator
-    #[arg(long, value_name = "INTEGRATOR", default_value = "split", value_parser = crate::integrator)]
+    #[arg(long, value_name = "INTEGRATOR", default_value = "split")]
     integrator: Integrator,
     /// The step: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]

@@ -2,6 +2,7 @@
 
 pub mod command_line;
 mod ending;
+mod parse;
 pub mod start;
 
 use std::path::PathBuf;
@@ -13,9 +14,8 @@ use clap::Parser;
 
 use crate::action::Plot;
 use crate::action::compare::Layout;
-use crate::parameters::{Parameter, SPEEDS, UI_SCALES};
+use crate::parameters::Parameter;
 use crate::platform::Need;
-use crate::scene::library;
 
 /// Push a box around and compare numerical integrators live: speed against error.
 ///
@@ -26,16 +26,16 @@ use crate::scene::library;
 pub struct Cli {
     /// The scene to open with (see --list-scenes), or a scene file (assets/scenes/example.ron explains
     /// the format); throw for --headless.
-    #[arg(value_parser = parse_scene)]
+    #[arg(value_parser = parse::scene)]
     pub scene: Option<String>,
 
     /// Integrators, separated by commas: the first moves the box, the others run beside it; all are compared
     /// by --headless (default there: every integrator). See --list-integrators.
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_integrator)]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub integrator: Vec<Integrator>,
 
     /// Step size, as a rate (60hz), a fraction (1/60) or seconds (0.0166); 0.00052 to 0.5 s.
-    #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
+    #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse::step)]
     pub dt: f64,
 
     /// Substeps per step.
@@ -43,12 +43,12 @@ pub struct Cli {
     pub substeps: u32,
 
     /// How the integrators are shown together: solo, overlaid (all in one place), side-by-side or views.
-    #[arg(long, value_name = "LAYOUT", default_value = "overlaid", value_parser = parse_layout)]
+    #[arg(long, value_name = "LAYOUT", default_value = "overlaid", value_parser = parse::layout)]
     pub layout: Layout,
 
     /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
     /// sweep over step sizes) or table [default: the scene's].
-    #[arg(long, value_name = "TAB", value_parser = parse_plot)]
+    #[arg(long, value_name = "TAB", value_parser = parse::plot)]
     pub plot: Option<Plot>,
 
     /// Number of boxes [default: the scene's].
@@ -60,7 +60,7 @@ pub struct Cli {
     pub seed: u64,
 
     /// Simulated seconds, then quit [default: no end; headless: the scene's own].
-    #[arg(long, value_name = "S", value_parser = parse_duration)]
+    #[arg(long, value_name = "S", value_parser = parse::duration)]
     pub duration: Option<f64>,
 
     /// Log to this CSV file from the start.
@@ -81,20 +81,20 @@ pub struct Cli {
     pub frames: Option<u32>,
 
     /// Save a picture of the last frame to this PNG, then quit (after --frames, by default 60).
-    #[arg(long, value_name = "FILE", value_parser = parse_png)]
+    #[arg(long, value_name = "FILE", value_parser = parse::png)]
     pub screenshot: Option<PathBuf>,
 
     /// Size of the window, or of the picture with --offscreen, in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
     pub size: (u32, u32),
 
     /// Target speed: simulated seconds per second, 0.01 to 4.
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse_speed)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::speed)]
     pub speed: f64,
 
     /// A parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
     /// restitution-law (energetic or newton), friction, linear-drag, angular-damping, half-x, half-y, half-z (or half-extents=X,Y,Z), mass, impulse.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = parse_setting)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = parse::setting)]
     pub set: Vec<Setting>,
 
     /// Play this script of actions (assets/scripts/tour.ron is one).
@@ -106,7 +106,7 @@ pub struct Cli {
     pub no_settings: bool,
 
     /// Scale of the panel, 0.75 to 2 [default: as set last].
-    #[arg(long, value_name = "X", value_parser = parse_scale)]
+    #[arg(long, value_name = "X", value_parser = parse::scale)]
     pub ui_scale: Option<f32>,
 
     /// Exit with code 3 if an integrator diverges.
@@ -152,124 +152,6 @@ pub fn no_display() -> ExitCode {
 /// Exit code 3: an integrator diverged, and --fail-on-divergence was given.
 pub fn diverged() -> ExitCode {
     ExitCode::from(3)
-}
-
-/// Reads a step size and checks its range.
-fn parse_step(text: &str) -> Result<f64, String> {
-    let (low, high) = Parameter::Step.info().range;
-    let step = box_scenarios::parse_step(text)?;
-    if (low..=high).contains(&step) {
-        Ok(step)
-    } else {
-        Err(format!(
-            "allowed: {low:.5} to {high} s, but this is {step} s"
-        ))
-    }
-}
-
-fn parse_scene(text: &str) -> Result<String, String> {
-    let scene = library::open(text)?;
-    Ok(match library::file_path(text) {
-        Some(_) => text.to_owned(),
-        None => scene.id.to_owned(),
-    })
-}
-
-fn parse_integrator(text: &str) -> Result<Integrator, String> {
-    text.parse()
-        .map_err(|e: box_physics::integrators::UnknownIntegrator| e.to_string())
-}
-
-fn parse_plot(text: &str) -> Result<Plot, String> {
-    Plot::ALL
-        .into_iter()
-        .find(|(_, name)| name.eq_ignore_ascii_case(text.trim()))
-        .map(|(plot, _)| plot)
-        .ok_or_else(|| format!("allowed: {}", Plot::ALL.map(|(_, name)| name).join(", ")))
-}
-
-fn parse_layout(text: &str) -> Result<Layout, String> {
-    Layout::ALL
-        .into_iter()
-        .find(|layout| {
-            layout
-                .name()
-                .replace(' ', "-")
-                .eq_ignore_ascii_case(text.trim())
-        })
-        .ok_or_else(|| "allowed: solo, overlaid, side-by-side, views".to_owned())
-}
-
-fn parse_duration(text: &str) -> Result<f64, String> {
-    match text.trim().trim_end_matches('s').parse::<f64>() {
-        Ok(s) if s > 0.0 && s <= 1e6 => Ok(s),
-        _ => Err("allowed: seconds, above 0 and up to 1e6".to_owned()),
-    }
-}
-
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let pixels = |t: &str| t.parse().ok().filter(|n| (320..=7680).contains(n));
-    text.split_once(['x', 'X', '×'])
-        .and_then(|(w, h)| pixels(w).zip(pixels(h)))
-        .ok_or_else(|| "allowed: width x height, each 320 to 7680, as in 1920x1080".to_owned())
-}
-
-fn parse_speed(text: &str) -> Result<f64, String> {
-    let (low, high) = (SPEEDS[0], SPEEDS[SPEEDS.len() - 1]);
-    match text.trim().parse::<f64>() {
-        Ok(speed) if (low..=high).contains(&speed) => Ok(speed),
-        _ => Err(format!("allowed: {low} to {high}")),
-    }
-}
-
-fn parse_scale(text: &str) -> Result<f32, String> {
-    let (low, high) = UI_SCALES;
-    match text.trim().parse::<f32>() {
-        Ok(scale) if (low..=high).contains(&scale) => Ok(scale),
-        _ => Err(format!("allowed: {low} to {high}")),
-    }
-}
-
-fn parse_setting(text: &str) -> Result<Setting, String> {
-    let (name, value) = text
-        .split_once('=')
-        .ok_or("allowed: NAME=VALUE, as in gravity=1.62")?;
-    let number = |t: &str| {
-        let number = t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        number.ok_or_else(|| format!("'{t}' is not a number"))
-    };
-    if name.trim() == "half-extents" {
-        let sizes: Vec<f64> = value.split(',').map(number).collect::<Result<_, _>>()?;
-        if sizes.len() != 3 {
-            return Err("half-extents: three numbers, as in 0.5,0.25,0.125".to_owned());
-        }
-        let axes = [Parameter::HalfX, Parameter::HalfY, Parameter::HalfZ];
-        return Ok(Setting(axes.into_iter().zip(sizes).collect()));
-    }
-    let ids = || Parameter::ALL.map(|p| p.info().id);
-    let parameter = Parameter::ALL
-        .into_iter()
-        .find(|p| p.info().id == name.trim())
-        .ok_or_else(|| format!("unknown parameter '{name}'; allowed: {}", ids().join(", ")))?;
-    let value = parameter
-        .parse(value)
-        .ok_or_else(|| match parameter.info().choices {
-            [] => format!("'{value}' is not a number"),
-            choices => format!("{name} {value}: allowed: {}", choices.join(", ")),
-        })?;
-    Ok(Setting(vec![(parameter, value)]))
-}
-
-fn parse_png(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        Ok(path)
-    } else {
-        Err("allowed: a file name that ends in .png".to_owned())
-    }
 }
 
 /// The table of `--list-scenes`.
@@ -325,27 +207,6 @@ mod tests {
             for markup in ["\\", "`", "[[", "]("] {
                 assert!(!page.contains(markup), "{markup} in:\n{page}");
             }
-        }
-    }
-
-    #[test]
-    fn steps_in_three_notations() {
-        for (text, step) in [
-            ("60hz", 1.0 / 60.0),
-            ("1/60", 1.0 / 60.0),
-            ("0.0166", 0.0166),
-            ("1920 Hz", 1.0 / 1920.0),
-        ] {
-            assert_eq!(parse_step(text), Ok(step), "{text}");
-        }
-        for bad in [
-            "0", "-60hz", "1/0", "nan", "inf", "fast", "0.6", "5000hz", "",
-        ] {
-            let said = parse_step(bad).unwrap_err();
-            assert!(
-                said.contains("allowed") || said.contains("finite and positive"),
-                "{bad}: {said}"
-            );
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use box_physics::integrators::{Integrator, UnknownIntegrator};
+use box_physics::integrators::Integrator;
 use box_scenarios::parse_step;
 use clap::{Args, ValueEnum};
 
@@ -13,7 +13,7 @@ pub(crate) struct Options {
     #[arg(value_name = "DIR")]
     pub(super) folder: PathBuf,
     /// Integrators, separated by commas [default: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = integrator)]
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
     integrator: Vec<Integrator>,
     /// Steps, separated by commas: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_step, default_value = "60hz,120hz,240hz")]
@@ -49,8 +49,4 @@ impl Options {
     pub(super) fn steps(&self) -> &[f64] {
         &self.dt
     }
-}
-
-fn integrator(text: &str) -> Result<Integrator, UnknownIntegrator> {
-    text.parse()
 }
