@@ -1,14 +1,27 @@
 //! What the open tab shows, as text for the clipboard.
 
 use std::fmt::Write as _;
+use std::iter;
 
 use bevy::clipboard::Clipboard;
 use bevy::prelude::*;
+use box_physics::prelude::Integrator;
+use box_scenarios::Divergence;
 
 use super::Comparison;
 use super::series::Quantity;
+use super::track::Track;
 use crate::action::Plot;
 use crate::scene::session::Session;
+
+/// A number, or nothing where it is not known.
+fn figure(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:e}")
+    } else {
+        String::new()
+    }
+}
 
 /// The visible window of every trajectory: one row per moment and integrator.
 pub fn window_csv(comparison: &Comparison) -> String {
@@ -22,22 +35,14 @@ pub fn window_csv(comparison: &Comparison) -> String {
         return text;
     };
     let window = comparison.settings.window.seconds();
-    let comparisons = run
-        .comparisons
-        .iter()
-        .map(|r| (r.simulation.driver.integrator, &r.track));
-    for (integrator, track) in [(run.main_box.integrator, &run.main_box.track)]
-        .into_iter()
-        .chain(comparisons)
-    {
+    let comparisons = run.comparisons.iter().map(|r| (r.integrator(), &r.track));
+    let main_box = (run.main_box.integrator, &run.main_box.track);
+    for (integrator, track) in iter::once(main_box).chain(comparisons) {
         for sample in track.series.recent(window) {
             // Writing to a string cannot fail.
             let _ = write!(text, "{:.9},{integrator}", sample.t);
             for value in sample.values {
-                text.push(',');
-                if value.is_finite() {
-                    let _ = write!(text, "{value:e}");
-                }
+                let _ = write!(text, ",{}", figure(value));
             }
             text.push('\n');
         }
@@ -50,13 +55,6 @@ pub fn sweep_csv(comparison: &Comparison) -> String {
     let mut text = String::from("integrator,dt_s,pos_err_m,rot_err_deg,cost_ns_per_s\n");
     for line in comparison.sweep.lines() {
         for p in &line.points {
-            let figure = |v: f64| {
-                if v.is_finite() {
-                    format!("{v:e}")
-                } else {
-                    String::new()
-                }
-            };
             let _ = writeln!(
                 text,
                 "{},{:e},{},{},{}",
@@ -79,27 +77,11 @@ pub fn table_csv(comparison: &Comparison) -> String {
     let Some(run) = &comparison.run else {
         return text;
     };
-    let comparisons = run.comparisons.iter().map(|r| {
-        let integrator = r.simulation.driver.integrator;
-        (
-            integrator,
-            false,
-            r.factor * run.step,
-            &r.track,
-            r.simulation.diverged,
-        )
-    });
-    let main_box = &run.main_box;
-    for (integrator, main_box, dt, track, diverged) in [(
-        main_box.integrator,
-        true,
-        run.step,
-        &main_box.track,
-        main_box.diverged,
-    )]
-    .into_iter()
-    .chain(comparisons)
-    {
+    let mut row = |integrator: Integrator,
+                   main_box: bool,
+                   dt: f64,
+                   track: &Track,
+                   diverged: Option<Divergence>| {
         let sample = &track.now.sample;
         let _ = writeln!(
             text,
@@ -111,6 +93,13 @@ pub fn table_csv(comparison: &Comparison) -> String {
             sample.get(Quantity::Momentum),
             diverged.map_or_else(String::new, |d| d.t.to_string())
         );
+    };
+    let main_box = &run.main_box;
+    let (own, track) = (main_box.integrator, &main_box.track);
+    row(own, true, run.step, track, main_box.diverged);
+    for r in &run.comparisons {
+        let (dt, diverged) = (r.factor * run.step, r.simulation.diverged);
+        row(r.integrator(), false, dt, &r.track, diverged);
     }
     text
 }

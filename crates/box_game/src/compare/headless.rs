@@ -206,22 +206,27 @@ pub fn default_log() -> &'static Path {
 mod tests {
     use super::*;
 
-    fn headless(folder: &Path) -> Headless {
-        Headless {
-            scenario: Scenario::find("throw").expect("a scene"),
+    /// The table of a scene, with what `change` makes of the comparison; its text; and its CSV.
+    fn table(scene: &str, change: impl FnOnce(&mut Headless)) -> (Table, String, String) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut headless = Headless {
+            scenario: Scenario::find(scene).expect("a scene"),
             integrators: Integrator::ALL.to_vec(),
             dt: 1.0 / 60.0,
             substeps: 1,
-            log: folder.join("a.csv"),
+            log: folder.path().join("a.csv"),
             seed: 1,
-        }
+        };
+        change(&mut headless);
+        let table = headless.run().expect("writable");
+        let csv = std::fs::read_to_string(&headless.log).expect("readable");
+        let text = headless.report(&table);
+        (table, text, csv)
     }
 
     #[test]
     fn split_is_a_hundred_times_better_than_semi_implicit_euler() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let headless = headless(folder.path());
-        let table = headless.run().expect("writable");
+        let (table, text, _) = table("throw", |_| ());
         let of = |i: Integrator| &table.result.integrators[i.index()];
         let (ours, usual) = (of(Integrator::Split), of(Integrator::SemiImplicitEuler));
         for (a, b) in [
@@ -232,7 +237,6 @@ mod tests {
             let (a, b) = (a.expect("known"), b.expect("known"));
             assert!(a * 100.0 <= b, "{a:e} against {b:e}");
         }
-        let text = headless.report(&table);
         for i in Integrator::ALL {
             assert!(text.contains(i.id()));
         }
@@ -241,55 +245,37 @@ mod tests {
 
     #[test]
     fn two_runs_differ_in_timing_alone() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let read = |name: &str| {
-            let mut c = headless(folder.path());
-            c.scenario.setup.duration = 0.5;
-            c.log = folder.path().join(name);
-            c.run().expect("writable");
-            let mut reader = csv::ReaderBuilder::new()
-                .comment(Some(b'#'))
-                .from_path(&c.log)
-                .expect("readable");
-            reader
-                .records()
-                .map(|r| {
-                    let r = r.expect("a row");
-                    // Columns 9 and 10 are times.
-                    r.iter()
-                        .enumerate()
-                        .filter(|(k, _)| ![9, 10].contains(k))
-                        .map(|(_, f)| f.to_owned())
-                        .collect::<Vec<_>>()
-                })
-                .collect::<Vec<_>>()
+        // Columns 9 and 10 are times.
+        let rows = || -> Vec<Vec<String>> {
+            let (.., csv) = table("throw", |c| c.scenario.setup.duration = 0.5);
+            let rows = csv.lines().filter(|l| l.starts_with("throw-1,"));
+            let kept = |row: &str| {
+                let cells = row.split(',').enumerate();
+                let kept = cells.filter(|(k, _)| ![9, 10].contains(k));
+                kept.map(|(_, cell)| cell.to_owned()).collect()
+            };
+            rows.map(kept).collect()
         };
-        let (a, b) = (read("1.csv"), read("2.csv"));
+        let (a, b) = (rows(), rows());
         assert_eq!(a, b);
         assert_eq!(a.len(), 31 * Integrator::ALL.len());
     }
 
     #[test]
     fn a_diverging_integrator_is_said_and_the_others_go_on() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut c = headless(folder.path());
-        c.scenario = Scenario::find("stiff-drag").expect("a scene");
-        c.dt = 0.1;
-        c.scenario.setup.duration = 60.0;
-        let table = c.run().expect("writable");
+        let (table, text, _) = table("stiff-drag", |c| {
+            c.dt = 0.1;
+            c.scenario.setup.duration = 60.0;
+        });
         let diverged = |i: Integrator| table.result.integrators[i.index()].status.is_diverged();
         assert!(diverged(Integrator::ExplicitEuler) && !diverged(Integrator::Split));
-        assert!(c.report(&table).contains("DIVERGED @ t = 0."));
+        assert!(text.contains("DIVERGED @ t = 0."));
     }
 
     /// A table without a closed form: every figure is there, and what the reference is good for is said.
     #[test]
     fn a_tumbling_contact_has_a_table() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut c = headless(folder.path());
-        c.scenario = Scenario::find("contact").expect("a scene");
-        let table = c.run().expect("writable");
-        let text = c.report(&table);
+        let (_, text, _) = table("contact", |_| ());
         assert!(
             text.contains("against exact in steps of 1/3840 s"),
             "{text}"
@@ -307,30 +293,24 @@ mod tests {
     /// energy goes on.
     #[test]
     fn chaos_is_named_and_its_moment() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut c = headless(folder.path());
-        c.scenario = Scenario::find("load").expect("a scene");
-        let floor = c.scenario.setup.floor.as_mut().expect("a floor");
-        (floor.restitution, floor.friction) = (1.0, 0.0);
-        c.scenario.setup.duration = 60.0;
-        c.integrators = vec![Integrator::Split, Integrator::Exact];
-        let table = c.run().expect("writable");
+        let (table, text, csv) = table("load", |c| {
+            let floor = c.scenario.setup.floor.as_mut().expect("a floor");
+            (floor.restitution, floor.friction) = (1.0, 0.0);
+            c.scenario.setup.duration = 60.0;
+            c.integrators = vec![Integrator::Split, Integrator::Exact];
+        });
         let end = table.result.horizon.expect("chaos");
-        let text = c.report(&table);
-        assert!(
-            text.contains(&format!("errors until {end:.2} s; chaotic afterwards")),
-            "{text}"
-        );
+        let said = format!("errors until {end:.2} s; chaotic afterwards");
+        assert!(text.contains(&said), "{text}");
         let exact = &table.result.integrators[1];
         assert!(exact.attitude.expect("until then") < 0.1, "{exact:?}");
         assert!(exact.energy.expect("to the end") < 1e-3, "{exact:?}");
-        let csv = std::fs::read_to_string(&c.log).expect("readable");
         let last = csv.lines().last().expect("rows");
         let cells: Vec<_> = last.split(',').collect();
         assert_eq!(
             (cells[2], cells[11]),
             ("60.0", ""),
-            "no error after the reference ended"
+            "no error after its end"
         );
         assert!(cells[15].parse::<f64>().is_ok());
     }
@@ -338,24 +318,15 @@ mod tests {
     /// The file of a long run is thinned, and has the last step.
     #[test]
     fn a_long_run_has_a_short_file() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut c = headless(folder.path());
-        c.integrators = vec![Integrator::Exact];
-        c.scenario.setup.duration = 2.5 * MOST_ROWS as f64 / 60.0;
-        let table = c.run().expect("writable");
+        let (table, _, csv) = table("throw", |c| {
+            c.integrators = vec![Integrator::Exact];
+            c.scenario.setup.duration = 2.5 * MOST_ROWS as f64 / 60.0;
+        });
         assert_eq!(table.every, 3);
-        let csv = std::fs::read_to_string(&c.log).expect("readable");
         let rows: Vec<_> = csv.lines().filter(|l| l.starts_with("throw-1,")).collect();
-        assert!(
-            (80_000..=MOST_ROWS as usize).contains(&rows.len()),
-            "{}",
-            rows.len()
-        );
-        assert!(
-            rows[1].starts_with("throw-1,3,")
-                && rows
-                    .last()
-                    .is_some_and(|r| r.starts_with("throw-1,250000,"))
-        );
+        let count = rows.len();
+        assert!((80_000..=MOST_ROWS as usize).contains(&count), "{count}");
+        assert!(rows[1].starts_with("throw-1,3,"));
+        assert!(rows[count - 1].starts_with("throw-1,250000,"));
     }
 }

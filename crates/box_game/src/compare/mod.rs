@@ -26,6 +26,7 @@ pub mod plugin;
 pub mod run;
 pub mod runner;
 pub mod sampling;
+mod scene;
 pub mod series;
 pub mod sweep;
 pub mod track;
@@ -159,11 +160,7 @@ impl Comparison {
                 .copied()
                 .filter(|&i| i != run.main_box.integrator)
         };
-        if !wanted().eq(run
-            .comparisons
-            .iter()
-            .map(|r| r.simulation.driver.integrator))
-        {
+        if !wanted().eq(run.integrators()) {
             let wanted: Vec<_> = wanted().collect();
             run.choose(wanted);
         }
@@ -185,11 +182,7 @@ impl Comparison {
         let Some(run) = &mut self.run else {
             return;
         };
-        let comparisons: Vec<_> = run
-            .comparisons
-            .iter()
-            .map(|r| r.simulation.driver.integrator)
-            .collect();
+        let comparisons = run.integrators().collect();
         let key = (self.settings.fairness, comparisons, run.main_box.integrator);
         if self.fair.as_ref() == Some(&key) {
             return;

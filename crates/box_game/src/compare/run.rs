@@ -1,7 +1,10 @@
 //! One run of a scene: the main box, the comparisons, and the reference, all from the same start through
 //! the same inputs.
 
+mod main_track;
 mod past;
+
+pub use main_track::{MainTrack, Rule, RuleKind};
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -11,7 +14,7 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{
     Balance, Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup,
-    StateError, Status, TimedImpulse, local_error,
+    StateError, TimedImpulse, local_error,
 };
 
 use super::flips::{Flips, lateness};
@@ -26,52 +29,6 @@ const RULES: usize = 512;
 const RULE_SPACING: f64 = 0.02;
 /// Simulation steps between two looks at the clock.
 const BATCH: u32 = 16;
-
-/// What a vertical line in the plots stands for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RuleKind {
-    /// The main box met the floor.
-    Contact,
-    /// A push, a changed parameter, a placing by hand.
-    Input,
-    /// Another step size.
-    Step,
-    /// The main box got another integrator.
-    Integrator,
-    /// The comparisons were put into the reference's state.
-    Resync,
-}
-
-/// A vertical line in the plots.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rule {
-    /// Simulated time \[s\].
-    pub t: f64,
-    /// What happened.
-    pub kind: RuleKind,
-}
-
-/// The main box as the comparison sees it: a body of the plugin, looked at before and after each step.
-#[derive(Clone, Debug)]
-pub struct MainTrack {
-    /// Its integrator.
-    pub integrator: Integrator,
-    /// What its energy and angular momentum should be.
-    pub balance: Balance,
-    /// When and why it diverged, although the plugin goes on with it.
-    pub diverged: Option<Divergence>,
-    /// Past and present.
-    pub track: Track,
-    /// At the end of its last step.
-    pub state: BodyState,
-    /// Corners at the floor, then.
-    pub contacts: u32,
-    before: BodyState,
-    reference: Option<BodyState>,
-    next_impulse: usize,
-    /// The step began with one of the scene's impulses.
-    kicked: bool,
-}
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -98,13 +55,6 @@ pub struct Run {
     checkpoints: VecDeque<Checkpoint>,
 }
 
-impl MainTrack {
-    /// What can be said of it.
-    pub fn status(&self) -> Status {
-        Status::of(&self.state, self.contacts, self.diverged)
-    }
-}
-
 impl Run {
     /// From the start of `setup`, whose trusted answer is `truth` if that is known.
     pub fn new(
@@ -116,22 +66,10 @@ impl Run {
         let law = Arc::new(Model::of(setup));
         let state = setup.initial;
         let impulses: Arc<[TimedImpulse]> = setup.impulses.as_slice().into();
-        let balance = Balance::new(&law, &state);
         Self {
             clock: 0.0,
             step,
-            main_box: MainTrack {
-                integrator: main_box,
-                track: Track::new(&law, &balance, &state, 0.0),
-                balance,
-                diverged: None,
-                state,
-                contacts: 0,
-                before: state,
-                reference: Some(state),
-                next_impulse: 0,
-                kicked: false,
-            },
+            main_box: MainTrack::new(main_box, &law, state),
             comparisons: Vec::new(),
             reference: LiveReference::new(&law, state, &impulses, truth, step),
             reference_flips: Flips::new(&law, &state, 0.0),
@@ -154,36 +92,29 @@ impl Run {
     pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
         let mut old = core::mem::take(&mut self.comparisons);
         for integrator in integrators {
-            let kept = old
-                .iter()
-                .position(|r| r.simulation.driver.integrator == integrator);
+            let kept = old.iter().position(|r| r.integrator() == integrator);
+            let impulses = &self.impulses;
             let runner = match kept {
                 Some(k) => old.swap_remove(k),
-                None if self.inputs.is_whole() => Runner::new(
-                    integrator,
-                    &self.start.0,
-                    self.start.1,
-                    0.0,
-                    0,
-                    &self.impulses,
-                ),
+                None if self.inputs.is_whole() => {
+                    let (law, state) = &self.start;
+                    Runner::new(integrator, law, *state, 0.0, 0, impulses)
+                }
                 // The beginning is forgotten: begin at the reference.
                 None => {
                     let known = self.reference.follow(self.clock);
                     let state = known.unwrap_or(self.main_box.state);
-                    let next = self.inputs.end();
-                    Runner::new(
-                        integrator,
-                        &self.law,
-                        state,
-                        self.clock,
-                        next,
-                        &self.impulses,
-                    )
+                    let (t, next) = (self.clock, self.inputs.end());
+                    Runner::new(integrator, &self.law, state, t, next, impulses)
                 }
             };
             self.comparisons.push(runner);
         }
+    }
+
+    /// The integrators of the comparisons.
+    pub fn integrators(&self) -> impl Iterator<Item = Integrator> + '_ {
+        self.comparisons.iter().map(Runner::integrator)
     }
 
     /// The reference at the clock's time, if it is known.
@@ -347,11 +278,10 @@ impl Run {
             clock: *clock,
         };
         for n in 1_u32.. {
-            let due = |r: &&mut Runner| {
-                let end = r.simulation.driver.time + r.factor * *step;
-                r.simulation.diverged.is_none() && end <= *clock + SAME * *step
-            };
             let end = |r: &&mut Runner| r.simulation.driver.time + r.factor * *step;
+            let due = |r: &&mut Runner| {
+                r.simulation.diverged.is_none() && end(r) <= *clock + SAME * *step
+            };
             let next = comparisons
                 .iter_mut()
                 .filter(due)
@@ -395,7 +325,7 @@ impl Run {
         (state, memory, contact): (&mut BodyState, &mut IntegratorMemory, &mut ContactState),
     ) -> bool {
         let here = |r: &&mut Runner| {
-            r.simulation.driver.integrator == integrator
+            r.integrator() == integrator
                 && r.simulation.diverged.is_none()
                 && (r.simulation.driver.time - self.clock).abs() <= SAME * self.step
         };

@@ -70,6 +70,11 @@ impl Runner {
         }
     }
 
+    /// The integrator of the comparison.
+    pub fn integrator(&self) -> Integrator {
+        self.simulation.driver.integrator
+    }
+
     /// One step of `h` \[s\], unless it has diverged.
     pub(crate) fn step(&mut self, h: f64, shared: &mut Shared<'_>) {
         if self.simulation.diverged.is_some() {

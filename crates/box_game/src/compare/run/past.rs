@@ -57,11 +57,7 @@ impl Run {
         while self.rules.back().is_some_and(|r| r.t > t + margin) {
             self.rules.pop_back();
         }
-        let integrators: Vec<Integrator> = self
-            .comparisons
-            .iter()
-            .map(|r| r.simulation.driver.integrator)
-            .collect();
+        let integrators: Vec<Integrator> = self.integrators().collect();
         let Some(c) = self.checkpoints.back().cloned() else {
             // Before the first: again from the start.
             self.reference = LiveReference::new(
@@ -88,10 +84,8 @@ impl Run {
         self.law = c.law.clone();
         let mut comparisons = core::mem::take(&mut self.comparisons);
         comparisons.retain_mut(|r| {
-            let saved = c
-                .comparisons
-                .iter()
-                .find(|s| s.integrator() == r.simulation.driver.integrator);
+            let mut saved = c.comparisons.iter();
+            let saved = saved.find(|s| s.integrator() == r.integrator());
             saved.map(|s| r.restore(s)).is_some()
         });
         self.comparisons = comparisons;

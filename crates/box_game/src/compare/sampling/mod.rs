@@ -1,0 +1,298 @@
+//! Live timing, two figures: what a step of this scene costs in the plugin, by its own clock, and what it would cost
+//! under **every** integrator, on one snapshot of the scene's bodies in turns ([`Snapshot`]). Both begin again where
+//! scene, step or load change. Neither is older than two seconds, unless the clock is so coarse that a round of all
+//! integrators takes longer. The mean over the run, for the work–precision plot, covers what its sweep covers.
+//!
+//! A sample lasts at least [`GRAINS`] grains of the clock. In a browser, where a grain may be 100 µs, it is made of
+//! parts in several frames; [`IntegratorSamples::uncertainty`] says what the grain leaves of it.
+
+mod turn;
+
+pub use turn::{GRAINS, Turn, measure_grain, shortest_sample};
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use box_bench::measure::{Cost, Stopwatch, wall_clock};
+use box_bench::snapshot::{LONGEST_SCENE, Sample, Snapshot};
+use box_physics::floor::{ContactSettings, ContactState, Floor};
+use box_physics::plugin::Stage;
+use box_physics::prelude::{BodyState, Integrator, PhysicsClock, PhysicsTimings, RigidBox};
+
+use crate::compare::Comparison;
+use crate::scene::session::Session;
+
+/// Figures come from the last two seconds \[s\].
+const WINDOW: f64 = 2.0;
+/// Steps of the plugin that are kept: a step in each of 120 frames a second, or the last of many in a frame.
+const STEPS: usize = 240;
+/// Time for samples in a frame.
+const BUDGET: Duration = Duration::from_micros(300);
+/// Share of a frame's time for samples, where that is more and the clock is coarse.
+const SHARE: f64 = 0.1;
+/// The most time for samples in a frame.
+const MOST: Duration = Duration::from_millis(8);
+/// Points of the plotted past per integrator: five minutes at least.
+const HISTORY: usize = 3600;
+
+/// Times every integrator live.
+pub struct SamplingPlugin;
+
+impl Plugin for SamplingPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<IntegratorSamples>()
+            .add_systems(Update, sample_integrators);
+    }
+}
+
+/// The recent samples of every integrator and of the plugin.
+#[derive(Resource)]
+pub struct IntegratorSamples {
+    recent: Vec<VecDeque<(f64, f64)>>,
+    evaluations: Vec<f64>,
+    /// Sum and number of the samples of this run.
+    run: Vec<(f64, u32)>,
+    /// Steps of the plugin at this round's snapshot, and whether the round belongs to the run's mean.
+    round: (u64, bool),
+    /// Medians over time: (time since start \[s\], ns), per integrator.
+    history: Vec<VecDeque<(f64, f64)>>,
+    /// Time since start \[s\], and each stage of one step \[µs\].
+    plugin: VecDeque<(f64, [f64; Stage::ALL.len()])>,
+    /// Steps of the plugin at its last sample.
+    steps: u64,
+    turn: Turn,
+    snapshot: Option<Snapshot>,
+    load: Option<Load>,
+    /// Of the clock.
+    grain: Duration,
+    /// Standard deviation that the grain leaves in the last sample, relative.
+    uncertainty: f64,
+    /// What tells the time of a sample.
+    pub stopwatch: Stopwatch,
+    /// Time for samples in a frame: at least one part of a sample is taken, at most each integrator has its turn.
+    pub budget: Duration,
+}
+
+/// What the samples belong to.
+#[derive(Clone, Debug, PartialEq)]
+struct Load {
+    scene: Option<String>,
+    h: f64,
+    boxes: usize,
+    floor: bool,
+    /// Whether the forces are more than gravity.
+    forced: bool,
+}
+
+impl Default for IntegratorSamples {
+    fn default() -> Self {
+        let n = Integrator::ALL.len();
+        Self {
+            recent: vec![VecDeque::new(); n],
+            evaluations: vec![0.0; n],
+            run: vec![(0.0, 0); n],
+            round: (0, false),
+            history: vec![VecDeque::new(); n],
+            plugin: VecDeque::new(),
+            steps: 0,
+            turn: Turn::default(),
+            snapshot: None,
+            load: None,
+            grain: measure_grain(),
+            uncertainty: 0.0,
+            stopwatch: wall_clock,
+            budget: BUDGET,
+        }
+    }
+}
+
+impl IntegratorSamples {
+    /// Minimum, median and 95th percentile [ns per body-step] of the last two seconds.
+    pub fn statistics(&self, integrator: Integrator) -> Option<(f64, f64, f64)> {
+        let recent = &self.recent[integrator.index()];
+        let recent: Vec<f64> = recent.iter().map(|s| s.1).collect();
+        let cost = (!recent.is_empty()).then(|| Cost::of(&recent))?;
+        Some((cost.min, cost.median, cost.p95))
+    }
+
+    /// Mean of this run's samples [ns per body-step], each of another moment of the scene: what the sweep measures.
+    pub fn mean_of_run(&self, integrator: Integrator) -> Option<f64> {
+        let (sum, count) = self.run[integrator.index()];
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// The smallest difference that the clock shows.
+    pub fn grain(&self) -> Duration {
+        self.grain
+    }
+
+    /// Standard deviation of a sample, relative, that comes from the grain of the clock.
+    pub fn uncertainty(&self) -> f64 {
+        self.uncertainty
+    }
+
+    /// A grain so long that a sample does not fit into a frame's budget.
+    pub fn is_coarse(&self) -> bool {
+        self.grain * GRAINS > BUDGET
+    }
+
+    /// Force evaluations per body-step, measured.
+    pub fn evaluations(&self, integrator: Integrator) -> f64 {
+        self.evaluations[integrator.index()]
+    }
+
+    /// (time \[s\], median ns per body-step), oldest first.
+    pub fn history(&self, integrator: Integrator) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.history[integrator.index()].iter().copied()
+    }
+
+    /// What each stage of a step took in the plugin \[µs\], the median of the last two seconds; with a coarse clock,
+    /// which shows 0 or a grain, the mean.
+    pub fn plugin(&self) -> Option<[f64; Stage::ALL.len()]> {
+        let stage = |k: usize| {
+            let recent: Vec<f64> = self.plugin.iter().map(|s| s.1[k]).collect();
+            if self.is_coarse() {
+                recent.iter().sum::<f64>() / recent.len() as f64
+            } else {
+                Cost::of(&recent).median
+            }
+        };
+        (!self.plugin.is_empty()).then(|| core::array::from_fn(stage))
+    }
+
+    /// The stages of each step of the last two seconds \[µs\], oldest first.
+    pub fn plugin_steps(&self) -> impl Iterator<Item = [f64; Stage::ALL.len()]> + '_ {
+        self.plugin.iter().map(|step| step.1)
+    }
+
+    /// Age \[s\] at `time` \[s\] of the oldest sample that a figure is made from.
+    pub fn oldest(&self, time: f64) -> f64 {
+        let first = self.recent.iter().filter_map(|r| r.front().map(|s| s.0));
+        first
+            .chain(self.plugin.front().map(|s| s.0))
+            .fold(0.0, |age: f64, t| age.max(time - t))
+    }
+
+    /// Drops what is too old, or everything if the load is another.
+    fn begin(&mut self, time: f64, load: Load) {
+        if self.load.as_ref() != Some(&load) {
+            self.recent.iter_mut().for_each(VecDeque::clear);
+            self.run.fill((0.0, 0));
+            self.plugin.clear();
+            self.snapshot = None;
+            self.turn = Turn::of(self.turn.integrator);
+            self.load = Some(load);
+        }
+        let old = |t: f64| time - t > WINDOW;
+        let least = usize::from(self.is_coarse());
+        for recent in &mut self.recent {
+            while recent.len() > least && recent.front().is_some_and(|s| old(s.0)) {
+                recent.pop_front();
+            }
+        }
+        while self.plugin.front().is_some_and(|s| old(s.0)) || self.plugin.len() >= STEPS {
+            self.plugin.pop_front();
+        }
+    }
+
+    fn record(&mut self, integrator: Integrator, time: f64, sample: Sample) {
+        let k = integrator.index();
+        self.recent[k].push_back((time, sample.nanoseconds));
+        self.evaluations[k] = sample.evaluations;
+        if self.round.1 {
+            self.run[k].0 += sample.nanoseconds;
+            self.run[k].1 += 1;
+        }
+        if let Some((_, median, _)) = self.statistics(integrator) {
+            let history = &mut self.history[k];
+            history.push_back((time, median));
+            if history.len() > HISTORY {
+                history.pop_front();
+            }
+        }
+    }
+
+    fn record_plugin(&mut self, time: f64, steps: u64, timings: &PhysicsTimings) {
+        // A paused clock takes no step that could be measured.
+        if steps != self.steps {
+            self.steps = steps;
+            let stages = Stage::ALL.map(|s| timings.stage(s) as f64 * 1e-3);
+            self.plugin.push_back((time, stages));
+        }
+    }
+}
+
+/// The next integrators' turns; a snapshot is taken before the first of them.
+pub fn sample_integrators(
+    mut samples: ResMut<IntegratorSamples>,
+    boxes: Query<(&RigidBox, &BodyState, Option<&ContactState>)>,
+    comparison: Res<Comparison>,
+    (clock, fixed): (Res<PhysicsClock>, Res<Time<Fixed>>),
+    (floor, settings): (Option<Res<Floor>>, Res<ContactSettings>),
+    (timings, session): (Option<Res<PhysicsTimings>>, Option<Res<Session>>),
+    time: Res<Time<Real>>,
+) {
+    let Some(run) = &comparison.run else {
+        return;
+    };
+    let samples = &mut *samples;
+    let now = time.elapsed_secs_f64();
+    let h = fixed.timestep().as_secs_f64() / f64::from(clock.substeps.max(1));
+    let duration = session
+        .as_ref()
+        .map_or(LONGEST_SCENE, |s| s.scenario.setup.duration);
+    samples.begin(
+        now,
+        Load {
+            scene: session.map(|s| s.run_id()),
+            h,
+            boxes: boxes.iter().len(),
+            floor: floor.is_some(),
+            forced: !run.law.forces.is_gravity_alone(),
+        },
+    );
+    if let Some(timings) = &timings {
+        samples.record_plugin(now, clock.steps(), timings);
+    }
+    let shortest = shortest_sample(samples.grain);
+    let budget = if samples.is_coarse() {
+        time.delta().mul_f64(SHARE).clamp(BUDGET, MOST)
+    } else {
+        BUDGET
+    };
+    let started = Instant::now();
+    loop {
+        let first = samples.turn.integrator == 0 && samples.turn.calls == 0;
+        if first || samples.snapshot.is_none() {
+            let within = run.clock < duration.min(LONGEST_SCENE);
+            samples.round = (clock.steps(), within && clock.steps() != samples.round.0);
+            let floor = floor.as_deref().map(|f| (*f, *settings));
+            let boxes = boxes.iter();
+            let boxes = boxes
+                .map(|(body, state, contact)| (body, state, contact.cloned().unwrap_or_default()));
+            samples.snapshot = Snapshot::new(boxes, &run.law.forces, floor, h);
+        }
+        let Some(snapshot) = &mut samples.snapshot else {
+            return;
+        };
+        let part = budget.min(shortest);
+        let sample = samples
+            .turn
+            .take(snapshot, (part, shortest), samples.stopwatch);
+        let complete = sample.is_some();
+        if let Some(sample) = sample {
+            samples.uncertainty = samples.turn.uncertainty(samples.grain);
+            samples.record(Integrator::ALL[samples.turn.integrator], now, sample);
+            samples.turn = samples.turn.next();
+        }
+        let round_is_over = complete && samples.turn.integrator == 0;
+        if round_is_over || started.elapsed() >= samples.budget {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! A sample of one integrator's cost, taken in one go or, with a coarse clock, in parts.
+
+use std::time::Duration;
+
+use bevy::platform::time::Instant;
+use box_bench::measure::Stopwatch;
+use box_bench::snapshot::{Sample, Snapshot};
+use box_physics::prelude::Integrator;
+
+/// A sample lasts at least this long.
+const SHORTEST: Duration = Duration::from_micros(100);
+/// And at least this many grains of the clock.
+pub const GRAINS: u32 = 50;
+
+/// A sample in the making.
+#[derive(Clone, Debug, Default)]
+pub struct Turn {
+    /// Number of the integrator.
+    pub integrator: usize,
+    /// Calls timed so far, in this number of parts.
+    pub(super) calls: u32,
+    parts: u32,
+    elapsed: Duration,
+    /// Force evaluations of a call; none before the first.
+    evaluations: Option<u64>,
+}
+
+impl Turn {
+    /// A new sample of the integrator with this number.
+    pub(super) fn of(integrator: usize) -> Self {
+        Self {
+            integrator,
+            ..Self::default()
+        }
+    }
+
+    /// One part of at least `part`, for a sample of at least `shortest`; returns that once it is complete.
+    pub fn take(
+        &mut self,
+        snapshot: &mut Snapshot,
+        (part, shortest): (Duration, Duration),
+        stopwatch: Stopwatch,
+    ) -> Option<Sample> {
+        let integrator = Integrator::ALL[self.integrator];
+        let evaluations = match self.evaluations {
+            Some(evaluations) => evaluations,
+            // Not timed: it pays for what the one before it has left in the caches.
+            None => snapshot.call(integrator).evaluations,
+        };
+        self.evaluations = Some(evaluations);
+        let part = part.min(shortest.saturating_sub(self.elapsed));
+        let mut calls = 1;
+        if self.calls > 0 {
+            let each = self.elapsed.as_secs_f64() / f64::from(self.calls);
+            calls = (part.as_secs_f64() / each.max(1e-9)).clamp(1.0, 1e6) as u32;
+        }
+        // The last stretch alone counts, so that the clock is read twice for a part.
+        let elapsed = loop {
+            let elapsed = stopwatch(&mut || (0..calls).map(|_| snapshot.work(integrator)).sum());
+            if elapsed >= part {
+                break elapsed;
+            }
+            let wanted = 1.2 * part.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
+            calls = (f64::from(calls) * wanted.clamp(1.2, 10.0)).ceil() as u32;
+        };
+        self.calls += calls;
+        self.elapsed += elapsed;
+        self.parts += 1;
+        let units = f64::from(self.calls) * snapshot.units();
+        (self.elapsed >= shortest).then(|| Sample {
+            nanoseconds: self.elapsed.as_nanos() as f64 / units,
+            evaluations: evaluations as f64 / snapshot.units(),
+        })
+    }
+
+    /// The next integrator's.
+    pub(super) fn next(&self) -> Self {
+        Self::of((self.integrator + 1) % Integrator::ALL.len())
+    }
+
+    /// Standard deviation, relative, that a clock of this grain leaves. Both ends of a part are rounded down by up to a
+    /// grain: their difference has a variance of a sixth of the grain's square.
+    pub(super) fn uncertainty(&self, grain: Duration) -> f64 {
+        let sigma = grain.as_secs_f64() * (f64::from(self.parts) / 6.0).sqrt();
+        sigma / self.elapsed.as_secs_f64().max(1e-12)
+    }
+}
+
+/// The shortest sample with a clock of this grain.
+pub fn shortest_sample(grain: Duration) -> Duration {
+    SHORTEST.max(grain * GRAINS)
+}
+
+/// The smallest difference that the clock shows: the median of a few.
+pub fn measure_grain() -> Duration {
+    let mut last = Instant::now();
+    let mut steps: Vec<Duration> = (0..9)
+        .map(|_| {
+            loop {
+                let now = Instant::now();
+                let step = now - last;
+                if step > Duration::ZERO {
+                    last = now;
+                    return step;
+                }
+            }
+        })
+        .collect();
+    steps.sort();
+    steps[steps.len() / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use box_bench::measure::wall_clock;
+    use box_physics::floor::ContactState;
+    use box_physics::prelude::{BodyState, RigidBox};
+
+    /// A sample of fifty grains of 100 µs, taken over several frames, agrees with one taken in one go.
+    #[test]
+    fn a_sample_in_parts_measures_the_same() {
+        let bodies = [(RigidBox::default(), BodyState::default())];
+        let forces = box_scenarios::ForceSet::none();
+        let all = || bodies.iter().map(|(b, s)| (b, s, ContactState::default()));
+        let mut snapshot = Snapshot::new(all(), &forces, None, 1.0 / 60.0).expect("a body");
+        let grain = Duration::from_micros(100);
+        let mut measure = |part: Duration| {
+            let mut best = f64::INFINITY;
+            let mut parts = 0;
+            for _ in 0..5 {
+                let mut turn = Turn::default();
+                let sample = loop {
+                    if let Some(sample) =
+                        turn.take(&mut snapshot, (part, GRAINS * grain), wall_clock)
+                    {
+                        break sample;
+                    }
+                };
+                assert!(turn.elapsed >= GRAINS * grain);
+                best = best.min(sample.nanoseconds);
+                parts = turn.parts.max(parts);
+            }
+            (best, parts)
+        };
+        let (whole, parts) = measure(GRAINS * grain);
+        assert_eq!(parts, 1);
+        let (pieces, parts) = measure(10 * grain);
+        assert!((2..=6).contains(&parts), "{parts} parts");
+        assert!(
+            (0.6..1.6).contains(&(pieces / whole)),
+            "{pieces} ns, {whole} ns"
+        );
+        // A grain over √6 in fifty; of six parts √6 times as much.
+        for (parts, expected) in [(1, 0.02 / 6.0_f64.sqrt()), (6, 0.02)] {
+            let turn = Turn {
+                parts,
+                elapsed: GRAINS * grain,
+                ..Turn::default()
+            };
+            assert!((turn.uncertainty(grain) - expected).abs() < 1e-12);
+        }
+        assert!(measure_grain() < Duration::from_millis(1));
+    }
+}
