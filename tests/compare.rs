@@ -3,16 +3,22 @@
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_game::action::{Action, Actions, Push};
+use box_game::action::{Action, Plot};
+use box_game::compare::runner::Runner;
 use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
 use box_game::parameters::Parameter;
 use box_game::record::csv_log::CsvLog;
 use box_game::scene::session::MainBox;
 use box_physics::prelude::*;
 
+#[path = "compare/back.rs"]
+mod back;
 mod playing;
 
-use playing::{ask, game, log_rows, main_box};
+use playing::{
+    SHIFT, ask, clock, game, logged_game, main_box, of_main_box, play, press, push, request,
+    session,
+};
 
 fn compare(app: &mut App, action: CompareAction) {
     ask(app, Action::Compare(action));
@@ -23,53 +29,41 @@ fn run(app: &App) -> &Run {
     comparison.run.as_ref().expect("a main box")
 }
 
-fn push(direction: DVec3, off_center: bool) -> Action {
-    Action::Push(Push {
-        direction,
-        world: true,
-        off_center,
-    })
-}
-
-fn updates(app: &mut App, n: usize) {
-    for _ in 0..n {
-        app.update();
-    }
-}
-
 /// The comparison that runs `integrator`.
-fn comparison(app: &App, integrator: Integrator) -> &box_game::compare::runner::Runner {
-    run(app)
-        .comparisons
-        .iter()
-        .find(|r| r.simulation.driver.integrator == integrator)
-        .expect("a comparison")
+fn comparison(app: &App, integrator: Integrator) -> &Runner {
+    let mut comparisons = run(app).comparisons.iter();
+    let found = comparisons.find(|r| r.integrator() == integrator);
+    found.expect("a comparison")
+}
+
+/// The state of the comparison that runs `integrator`.
+fn compared(app: &App, integrator: Integrator) -> BodyState {
+    comparison(app, integrator).simulation.driver.state
 }
 
 /// The main box (a body of the plugin) and a comparison under the same integrator agree bit for bit, through
 /// pushes, changed parameters and contact.
 #[test]
 fn the_main_box_is_its_own_comparison_bit_for_bit() {
-    for scene in [
+    let scenes = [
         "dzhanibekov",
         "bounce",
         "contact",
         "heavy-top",
         "quadratic-drag",
-    ] {
+    ];
+    for scene in scenes {
         for integrator in [
             Integrator::Split,
             Integrator::Rk4,
             Integrator::SemiImplicitEuler,
         ] {
-            let other = Integrator::Midpoint;
-            let list = format!("{other},{integrator}");
-            let mut app = game(&[scene, "--integrator", &list]);
+            let mut app = game(&format!("{scene} --integrator midpoint,{integrator}"));
             // A comparison of `integrator` from the start, and a main box that restarts with the same
             // integrator.
-            let mut twin = game(&[scene, "--integrator", integrator.id()]);
+            let mut twin = game(&format!("{scene} --integrator {integrator}"));
             for app in [&mut app, &mut twin] {
-                updates(app, 30);
+                play(app, 30);
             }
             for k in 0..60 {
                 if k == 10 {
@@ -89,24 +83,18 @@ fn the_main_box_is_its_own_comparison_bit_for_bit() {
                 }
                 if k == 20 {
                     for app in [&mut app, &mut twin] {
-                        app.world_mut()
-                            .resource_mut::<Actions>()
-                            .0
-                            .push(Action::Set(Parameter::Gravity, 3.0));
+                        request(app, Action::Set(Parameter::Gravity, 3.0));
                     }
                 }
                 app.update();
                 twin.update();
-                let state = main_box(&mut twin);
+                let driver = &comparison(&app, integrator).simulation.driver;
                 assert_eq!(
-                    comparison(&app, integrator).simulation.driver.state,
-                    state,
+                    driver.state,
+                    main_box(&mut twin),
                     "{scene} {integrator} {k}"
                 );
-                assert_eq!(
-                    comparison(&app, integrator).simulation.driver.time,
-                    run(&app).clock
-                );
+                assert_eq!(driver.time, run(&app).clock);
             }
         }
     }
@@ -115,10 +103,10 @@ fn the_main_box_is_its_own_comparison_bit_for_bit() {
 /// A pushed run is still measured: the reference receives the same push at the same time.
 #[test]
 fn the_reference_takes_every_push() {
-    let mut app = game(&["throw", "--integrator", "exact,split,explicit-euler"]);
-    updates(&mut app, 20);
+    let mut app = game("throw --integrator exact,split,explicit-euler");
+    play(&mut app, 20);
     ask(&mut app, push(DVec3::Y, true));
-    updates(&mut app, 60);
+    play(&mut app, 60);
     let now = |app: &App| run(app).main_box.track.now.sample;
     assert!(now(&app).get(Quantity::Position) < 1e-9);
     assert!(now(&app).get(Quantity::Attitude) < 1e-6);
@@ -131,7 +119,7 @@ fn the_reference_takes_every_push() {
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Input));
     // A changed parameter, too.
     ask(&mut app, Action::Set(Parameter::Gravity, 1.5));
-    updates(&mut app, 30);
+    play(&mut app, 30);
     assert!(now(&app).get(Quantity::Position) < 1e-9);
     assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
 }
@@ -139,8 +127,8 @@ fn the_reference_takes_every_push() {
 /// A teleport of the main box moves every comparison.
 #[test]
 fn a_teleport_takes_the_comparisons_along() {
-    let mut app = game(&["throw", "--integrator", "split,explicit-euler"]);
-    updates(&mut app, 20);
+    let mut app = game("throw --integrator split,explicit-euler");
+    play(&mut app, 20);
     let mut query = app
         .world_mut()
         .query_filtered::<&mut Transform, With<MainBox>>();
@@ -148,10 +136,7 @@ fn a_teleport_takes_the_comparisons_along() {
         transform.translation.y = 30.0;
     }
     app.update();
-    let euler = comparison(&app, Integrator::ExplicitEuler)
-        .simulation
-        .driver
-        .state;
+    let euler = compared(&app, Integrator::ExplicitEuler);
     assert!((euler.position.y - 30.0).abs() < 0.5, "{}", euler.position);
     assert!(run(&app).main_box.track.now.sample.get(Quantity::Position) < 1e-9);
 }
@@ -159,17 +144,17 @@ fn a_teleport_takes_the_comparisons_along() {
 /// A comparison that is added in flight is simulated from the start with all inputs so far.
 #[test]
 fn a_late_comparison_catches_up_with_all_inputs() {
-    let mut early = game(&["throw", "--integrator", "split,rk4"]);
-    let mut late = game(&["throw", "--integrator", "split"]);
+    let mut early = game("throw --integrator split,rk4");
+    let mut late = game("throw --integrator split");
     for app in [&mut early, &mut late] {
-        updates(app, 15);
+        play(app, 15);
         ask(app, push(DVec3::X, true));
-        updates(app, 15);
+        play(app, 15);
     }
     compare(&mut late, CompareAction::ToggleComparison(Integrator::Rk4));
     early.update();
-    updates(&mut early, 20);
-    updates(&mut late, 20);
+    play(&mut early, 20);
+    play(&mut late, 20);
     let (a, b) = (
         comparison(&early, Integrator::Rk4),
         comparison(&late, Integrator::Rk4),
@@ -188,8 +173,8 @@ fn a_late_comparison_catches_up_with_all_inputs() {
 /// 5.7 no. 6: a comparison that diverges stops and reports it; nothing else is affected.
 #[test]
 fn a_diverged_comparison_stops_at_its_last_good_state() {
-    let mut app = game(&["needle", "--integrator", "split,semi-implicit-euler"]);
-    updates(&mut app, 200);
+    let mut app = game("needle --integrator split,semi-implicit-euler");
+    play(&mut app, 200);
     let lost = comparison(&app, Integrator::SemiImplicitEuler);
     let t = lost
         .simulation
@@ -208,10 +193,10 @@ fn a_diverged_comparison_stops_at_its_last_good_state() {
 /// Making a comparison's integrator the main one swaps the two. Each trajectory stays that of one integrator.
 #[test]
 fn main_box_and_comparison_change_places() {
-    let mut app = game(&["dzhanibekov", "--integrator", "split,explicit-euler"]);
-    let mut euler = game(&["dzhanibekov", "--integrator", "explicit-euler"]);
+    let mut app = game("dzhanibekov --integrator split,explicit-euler");
+    let mut euler = game("dzhanibekov --integrator explicit-euler");
     for app in [&mut app, &mut euler] {
-        updates(app, 40);
+        play(app, 40);
     }
     let before = main_box(&mut app);
     ask(&mut app, Action::SetIntegrator(Integrator::ExplicitEuler));
@@ -221,18 +206,14 @@ fn main_box_and_comparison_change_places() {
     assert!((split.simulation.driver.state.position - before.position).length() < 1e-12);
     assert!(split.track.now.sample.get(Quantity::Attitude) < 0.1);
     assert!(run(&app).main_box.track.now.sample.get(Quantity::Attitude) > 0.1);
-    updates(&mut app, 10);
-    updates(&mut euler, 10);
+    play(&mut app, 10);
+    play(&mut euler, 10);
     assert_eq!(main_box(&mut app), main_box(&mut euler));
     // While the clock is paused, the displayed pose follows at once and does not count as a teleport.
     ask(&mut app, Action::TogglePause);
     ask(&mut app, Action::SetIntegrator(Integrator::Split));
     let state = main_box(&mut app);
-    let pose = *app
-        .world_mut()
-        .query_filtered::<&Transform, With<MainBox>>()
-        .single(app.world())
-        .expect("one main box");
+    let pose = of_main_box::<Transform>(&mut app);
     assert_eq!(pose.translation, state.position.as_vec3());
     assert_eq!(pose.rotation, state.rotation.as_quat());
     let rules = run(&app).rules.len();
@@ -245,30 +226,22 @@ fn main_box_and_comparison_change_places() {
 /// effect at its next step boundary, less than one step late, and the log records the delay.
 #[test]
 fn equal_evaluations_and_late_inputs() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("log.csv");
-    let mut app = game(&[
-        "throw",
-        "--integrator",
-        "split,rk4",
-        "--log",
-        path.to_str().expect("utf-8"),
-    ]);
+    let (mut app, log) = logged_game("throw --integrator split,rk4");
     // Long enough to sample every integrator.
-    updates(&mut app, 30);
+    play(&mut app, 30);
     compare(&mut app, CompareAction::SetFairness(Fairness::Evaluations));
-    updates(&mut app, 3);
+    play(&mut app, 3);
     assert_eq!(comparison(&app, Integrator::Rk4).factor, 4.0);
     let mut late = Vec::new();
     for _ in 0..4 {
         ask(&mut app, push(DVec3::Y, false));
-        updates(&mut app, 6);
+        play(&mut app, 6);
         let r = comparison(&app, Integrator::Rk4);
         assert!(run(&app).clock - r.simulation.driver.time < 4.0 / 60.0 + 1e-9);
         assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
     }
     let mut comparisons = [0, 0];
-    for row in log_rows(&mut app, &path) {
+    for row in log.rows(&mut app) {
         let number = |name| row[name].parse::<f64>();
         comparisons[row["trajectory"].parse::<usize>().expect("0 or 1")] += 1;
         if row["event"].contains(" s late") {
@@ -288,24 +261,16 @@ fn equal_evaluations_and_late_inputs() {
     app.update();
     assert_eq!(comparison(&app, Integrator::Rk4).factor, 1.0);
     compare(&mut app, CompareAction::SetFairness(Fairness::Cost));
-    updates(&mut app, 2);
+    play(&mut app, 2);
     assert!(comparison(&app, Integrator::Rk4).factor > 0.5);
 }
 
 /// The log has the local error of every comparison, which stays meaningful after chaos.
 #[test]
 fn the_log_has_a_row_for_every_comparison() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("log.csv");
-    let mut app = game(&[
-        "contact",
-        "--integrator",
-        "split,rk4,explicit-euler",
-        "--log",
-        path.to_str().expect("utf-8"),
-    ]);
-    updates(&mut app, 120);
-    let rows = log_rows(&mut app, &path);
+    let (mut app, log) = logged_game("contact --integrator split,rk4,explicit-euler");
+    play(&mut app, 120);
+    let rows = log.rows(&mut app);
     assert_eq!(rows.len(), 3 * 120);
     for (k, row) in rows.iter().enumerate() {
         assert_eq!(row["trajectory"], (k % 3).to_string());
@@ -319,16 +284,14 @@ fn the_log_has_a_row_for_every_comparison() {
 /// 5.7 no. 9: ten minutes at 60 Hz with five comparisons stay within a fixed budget of memory and points.
 #[test]
 fn ten_minutes_keep_memory_flat() {
-    let mut app = game(&[
-        "tumble-storm",
-        "--integrator",
-        "split,rk4,engine-newton,semi-implicit-euler,explicit-euler",
-    ]);
+    let mut app = game(
+        "tumble-storm --integrator split,rk4,engine-newton,semi-implicit-euler,explicit-euler",
+    );
     // Ten steps per frame.
     app.insert_resource(TimeUpdateStrategy::FixedTimesteps(10));
     let mut kept = Vec::new();
     for minute in 0..10 {
-        updates(&mut app, 360);
+        play(&mut app, 360);
         if minute % 3 == 0 {
             ask(&mut app, push(DVec3::Y, true));
         }
@@ -346,129 +309,24 @@ fn ten_minutes_keep_memory_flat() {
     assert!(kept.iter().all(|k| *k <= most), "{kept:?}");
 }
 
-/// After a step back, the comparisons have the states of the earlier time.
-#[test]
-fn comparisons_follow_the_clock_back() {
-    let setup = box_scenarios::Scenario::find("throw")
-        .expect("a scene")
-        .setup;
-    let h = 1.0 / 60.0;
-    let mut run = Run::new(&setup, Some(setup.reference()), Integrator::Split, h);
-    run.choose([Integrator::Rk4, Integrator::ExplicitEuler]);
-    let law = box_scenarios::Model::of(&setup);
-    let mut body = box_scenarios::Driver::new(setup.initial, Integrator::Split);
-    let mut past = Vec::new();
-    for n in 0..300 {
-        let t = f64::from(n) * h;
-        run.before_step(t, law.clone(), &body.state, |_| Vec::new());
-        body.step(&law, h);
-        run.after_step(t + h, h, (&body.state, 0), Integrator::Split);
-        assert!(run.advance(None));
-        let comparisons: Vec<_> = run
-            .comparisons
-            .iter()
-            .map(|r| r.simulation.driver.state)
-            .collect();
-        past.push((
-            t + h,
-            body.state,
-            comparisons,
-            run.main_box.track.now.sample,
-        ));
-    }
-    for n in [250, 249, 100, 3] {
-        let (t, state, comparisons, sample) = &past[n];
-        run.rewind(*t, state);
-        assert!(run.advance(None));
-        for (r, state) in run.comparisons.iter().zip(comparisons) {
-            let apart = (r.simulation.driver.state.position - state.position).length();
-            assert!(
-                apart < 1e-9,
-                "{} at step {n}: {apart:e}",
-                r.simulation.driver.integrator
-            );
-        }
-        let energy = run.main_box.balance.residual(&law, state).energy;
-        assert!((energy - sample.get(Quantity::Energy)).abs() < 1e-9);
-    }
-}
-
-/// The same with the keys of the game. Back and forward again, with a push in between, main box and
-/// comparisons have their earlier state at every step.
-#[test]
-fn stepping_back_takes_the_comparisons_along() {
-    let mut app = game(&["contact", "--integrator", "split,rk4,semi-implicit-euler"]);
-    let mut past = Vec::new();
-    let note = |app: &mut App| {
-        let comparisons: Vec<_> = run(app)
-            .comparisons
-            .iter()
-            .map(|r| r.simulation.driver.state)
-            .collect();
-        (run(app).clock, main_box(app), comparisons)
-    };
-    for k in 0..150 {
-        if k == 100 {
-            ask(&mut app, push(DVec3::new(0.0, 0.0, 1.0), true));
-        } else {
-            app.update();
-        }
-        past.push(note(&mut app));
-    }
-    ask(&mut app, Action::TogglePause);
-    let last = past.len() - 1;
-    for back in [1, 30, 60] {
-        ask(&mut app, Action::StepBack(back));
-        app.update();
-        let now = note(&mut app);
-        let then = past
-            .iter()
-            .find(|p| (p.0 - now.0).abs() < 1e-9)
-            .expect("a step that was taken");
-        assert_eq!(now.1, then.1, "the main box, {back} back");
-        assert_eq!(now.2, then.2, "the comparisons, {back} back");
-    }
-    // After the push: going back does not repeat it, because the future is new.
-    let again = past
-        .iter()
-        .position(|p| (p.0 - run(&app).clock).abs() < 1e-9);
-    let again = again.expect("a step that was taken");
-    assert!(again < 100 && last > 100);
-    for expected in &past[again + 1..100] {
-        ask(&mut app, Action::Step(1));
-        assert_eq!(&note(&mut app), expected);
-    }
-}
-
 /// In the scene of 2012 its integrator moves the main box alone. The comparisons are independent of it and
 /// receive the same pushes. Its error appears only in the main box.
 #[test]
 fn the_integrator_of_2012_moves_only_the_main_box() {
-    let mut app = game(&["dissertation-2012", "--integrator", "split,rk4,exact"]);
-    updates(&mut app, 20);
+    let mut app = game("dissertation-2012 --integrator split,rk4,exact");
+    play(&mut app, 20);
     ask(&mut app, push(DVec3::X, false));
-    updates(&mut app, 20);
-    let law = box_scenarios::Model::of(&box_game::scene::session::Session::setup(
-        app.world().resource::<box_game::scene::session::Session>(),
-    ));
-    let [rk4, exact] =
-        [Integrator::Rk4, Integrator::Exact].map(|i| comparison(&app, i).simulation.driver.state);
+    play(&mut app, 20);
+    let mass = session(&app).setup().body.mass();
+    let [rk4, exact] = [Integrator::Rk4, Integrator::Exact].map(|i| compared(&app, i));
     // A parabola with the push, as the closed form has it.
     assert!((rk4.position - exact.position).length() < 1e-9);
-    let strength = app
-        .world()
-        .resource::<box_game::scene::session::Session>()
-        .parameters
-        .impulse;
-    assert!((rk4.velocity.x - strength / law.body.mass()).abs() < 1e-9);
+    let strength = session(&app).parameters.impulse;
+    assert!((rk4.velocity.x - strength / mass).abs() < 1e-9);
     let fallen = -9.81 * run(&app).clock;
     assert!((rk4.velocity.y - fallen).abs() < 1e-6, "{}", rk4.velocity.y);
     for r in &run(&app).comparisons {
-        assert!(
-            r.track.now.worst.0 < 1e-9,
-            "{}",
-            r.simulation.driver.integrator
-        );
+        assert!(r.track.now.worst.0 < 1e-9, "{}", r.integrator());
     }
     // It falls at 9.81 m/s from the start, so the difference is three meters by now.
     assert!(run(&app).main_box.track.now.worst.0 > 1.0);
@@ -476,40 +334,29 @@ fn the_integrator_of_2012_moves_only_the_main_box() {
     // values are correct again.
     ask(&mut app, Action::SetDemo(None));
     compare(&mut app, CompareAction::Resync);
-    updates(&mut app, 10);
-    let apart = (main_box(&mut app).position
-        - comparison(&app, Integrator::Rk4)
-            .simulation
-            .driver
-            .state
-            .position)
-        .length();
-    assert!(apart < 1e-9, "{apart:e}");
+    play(&mut app, 10);
+    let apart = main_box(&mut app).position - compared(&app, Integrator::Rk4).position;
+    assert!(apart.length() < 1e-9, "{apart}");
 }
 
 /// The first run: `dzhanibekov`, the main box, two comparisons and the drawer on Energy. Within five seconds
 /// at 60 Hz a visible error appears.
 #[test]
 fn the_first_run_shows_something_in_five_seconds() {
-    let mut app = game(&[]);
+    let mut app = game("");
     app.update();
     assert_eq!(run(&app).comparisons.len(), 2);
-    let session = app.world().resource::<box_game::scene::session::Session>();
-    assert_eq!(session.scenario.id, "dzhanibekov");
-    assert_eq!(session.plot, box_game::action::Plot::Energy);
+    assert_eq!(session(&app).scenario.id, "dzhanibekov");
+    assert_eq!(session(&app).plot, Plot::Energy);
     let comparison = app.world().resource::<Comparison>();
     assert_eq!(comparison.settings.layout, Layout::Overlaid);
-    updates(&mut app, 300);
+    play(&mut app, 300);
     assert!(
         run(&app).main_box.track.now.worst.1 < 1.0,
         "the main box is right"
     );
     for r in &run(&app).comparisons {
-        assert!(
-            r.track.now.worst.1 > 45.0,
-            "{}",
-            r.simulation.driver.integrator
-        );
+        assert!(r.track.now.worst.1 > 45.0, "{}", r.integrator());
     }
     assert!(
         run(&app)
@@ -522,28 +369,12 @@ fn the_first_run_shows_something_in_five_seconds() {
 /// Keys: Shift + digit toggles a comparison; V and G cycle through the layouts.
 #[test]
 fn keys_of_the_comparison() {
-    use bevy::input::ButtonState;
-    use bevy::input::keyboard::{Key, KeyboardInput};
-    let mut app = game(&["throw", "--integrator", "split"]);
-    let key = |app: &mut App, key_code, typed: &str, state| {
-        app.world_mut().write_message(KeyboardInput {
-            key_code,
-            logical_key: Key::Character(typed.into()),
-            state,
-            text: None,
-            repeat: false,
-            window: Entity::PLACEHOLDER,
-        });
-        app.update();
-    };
-    let (down, up) = (ButtonState::Pressed, ButtonState::Released);
-    key(&mut app, KeyCode::ShiftLeft, "", down);
+    let mut app = game("throw --integrator split");
+    press(&mut app, &[SHIFT]);
     // A key that types nothing triggers nothing.
     assert!(!app.world().contains_resource::<CsvLog>());
-    assert!(!app.world().resource::<PhysicsClock>().paused);
-    key(&mut app, KeyCode::Digit5, "%", down);
-    key(&mut app, KeyCode::Digit5, "%", up);
-    key(&mut app, KeyCode::ShiftLeft, "", up);
+    assert!(!clock(&app).paused);
+    press(&mut app, &[SHIFT, (KeyCode::Digit5, "%")]);
     let chosen = |app: &App| app.world().resource::<Comparison>().chosen().to_vec();
     assert!(chosen(&app).contains(&Integrator::Rk4));
     let layout = |app: &App| app.world().resource::<Comparison>().settings.layout;
@@ -553,8 +384,7 @@ fn keys_of_the_comparison() {
         (KeyCode::KeyG, "g", Layout::Solo),
         (KeyCode::KeyG, "g", Layout::Overlaid),
     ] {
-        key(&mut app, code, typed, down);
-        key(&mut app, code, typed, up);
+        press(&mut app, &[(code, typed)]);
         assert_eq!(layout(&app), expected);
     }
 }

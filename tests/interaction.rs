@@ -4,11 +4,9 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use bevy::input::ButtonState;
-use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::prelude::*;
 use box_game::action::compare::CompareAction;
-use box_game::action::{Action, Actions, Hold, Plot, Poke, Push};
+use box_game::action::{Action, Hold, Plot, Poke};
 use box_game::cli::command_line;
 use box_game::compare::Comparison;
 use box_game::compare::sweep::SweepLine;
@@ -19,7 +17,7 @@ use box_game::interaction::undo::UndoStack;
 use box_game::parameters::Parameter;
 use box_game::preferences::{Preferences, PreferencesPlugin};
 use box_game::scene::library::SceneLibrary;
-use box_game::scene::session::{MainBox, Session};
+use box_game::scene::session::MainBox;
 use box_physics::force::Gravity;
 use box_physics::prelude::*;
 use box_scenarios::Scenario;
@@ -35,47 +33,15 @@ mod playing;
 #[path = "interaction/settings.rs"]
 mod settings;
 
-use playing::{ask, cli, game, main_box};
-
-fn session(app: &App) -> &Session {
-    app.world().resource::<Session>()
-}
-
-fn clock(app: &App) -> PhysicsClock {
-    *app.world().resource::<PhysicsClock>()
-}
-
-fn run(app: &mut App, updates: u32) {
-    (0..updates).for_each(|_| app.update());
-}
-
-fn press(app: &mut App, codes: &[(KeyCode, &str)]) {
-    for state in [ButtonState::Pressed, ButtonState::Released] {
-        for &(key_code, text) in codes {
-            app.world_mut().write_message(KeyboardInput {
-                key_code,
-                logical_key: if text.is_empty() {
-                    Key::Control
-                } else {
-                    Key::Character(text.into())
-                },
-                state,
-                text: None,
-                repeat: false,
-                window: Entity::PLACEHOLDER,
-            });
-        }
-        app.update();
-    }
-}
-
-const CONTROL: (KeyCode, &str) = (KeyCode::ControlLeft, "");
-const SHIFT: (KeyCode, &str) = (KeyCode::ShiftLeft, "");
+use playing::{
+    CONTROL, SHIFT, ask, cli, clock, game, game_with_file, integrator, main_box, notice,
+    of_main_box, play, play_to_the_end, press, push, request, session,
+};
 
 #[test]
 fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
-    let mut app = game(&["dzhanibekov"]);
-    run(&mut app, 20);
+    let mut app = game("dzhanibekov");
+    play(&mut app, 20);
     ask(&mut app, Action::TogglePause);
     let before = main_box(&mut app);
     let poke = Poke {
@@ -88,15 +54,8 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
     let (body, mut expected) = (session(&app).setup().body, before);
     let impulse = before.rotation * DVec3::NEG_Z * (2.0 * session(&app).parameters.impulse);
     expected.apply_impulse_at_body_point(&body, impulse, poke.body_point);
-    let h = clock(&app).step();
-    let law = Gravity(DVec3::ZERO);
-    Integrator::Split.step(
-        &body,
-        &mut expected,
-        &law,
-        h,
-        &mut IntegratorMemory::default(),
-    );
+    let (h, mut memory) = (clock(&app).step(), IntegratorMemory::default());
+    Integrator::Split.step(&body, &mut expected, &Gravity(DVec3::ZERO), h, &mut memory);
     assert_eq!(main_box(&mut app), expected);
     assert!(
         session(&app).truth.is_none(),
@@ -108,8 +67,7 @@ fn a_poke_is_an_impulse_at_the_point_against_the_normal() {
         ..poke
     };
     ask(&mut app, Action::Poke(nowhere));
-    let said = session(&app).notices.back().cloned().unwrap_or_default();
-    assert!(said.contains("must be finite"), "{said}");
+    assert!(notice(&app).contains("must be finite"));
 }
 
 #[test]
@@ -119,14 +77,14 @@ fn a_grabbed_box_follows_the_pointer_until_released() {
         ("dzhanibekov", Integrator::Rk4),
         ("playground", Integrator::BackwardEuler),
     ] {
-        let mut app = game(&[scene, "--integrator", integrator.id()]);
+        let mut app = game(&format!("{scene} --integrator {integrator}"));
         let anchor = DVec3::new(0.5, 2.5, -0.5);
         let hold = Hold {
             body_point: DVec3::ZERO,
             anchor,
         };
         ask(&mut app, Action::Grab(Some(hold)));
-        run(&mut app, 90);
+        play(&mut app, 90);
         let state = main_box(&mut app);
         assert!(
             (state.position - anchor).length() < 0.02,
@@ -136,7 +94,7 @@ fn a_grabbed_box_follows_the_pointer_until_released() {
         ask(&mut app, Action::Grab(None));
         assert_eq!(app.world().resource::<Grip>().0, None);
         if scene == "playground" {
-            run(&mut app, 120);
+            play(&mut app, 120);
             assert!(main_box(&mut app).position.y < 0.8, "it falls again");
         }
         // A restart releases the grab.
@@ -154,7 +112,7 @@ fn stepping_back_returns_every_state_and_the_future_repeats() {
         ("tumble-storm", "rk4"),
         ("dissertation-2012", "split"),
     ] {
-        let mut app = game(&[scene, "--integrator", integrator]);
+        let mut app = game(&format!("{scene} --integrator {integrator}"));
         let mut past = vec![main_box(&mut app)];
         for _ in 0..80 {
             app.update();
@@ -175,38 +133,33 @@ fn stepping_back_returns_every_state_and_the_future_repeats() {
         }
         assert_eq!((clock(&app).steps(), clock(&app).elapsed()), (steps, time));
         // The displayed transform shows the state without a teleport.
-        let transform = *app
-            .world_mut()
-            .query_filtered::<&Transform, With<MainBox>>()
-            .single(app.world())
-            .expect("one main box");
-        assert_eq!(transform.translation, past[80].position.as_vec3());
+        let shown = of_main_box::<Transform>(&mut app).translation;
+        assert_eq!(shown, past[80].position.as_vec3());
     }
 }
 
 #[test]
 fn the_past_is_bounded_and_ends_at_the_start() {
-    let mut app = game(&["dzhanibekov"]);
-    run(&mut app, LONGEST as u32 + 50);
+    let mut app = game("dzhanibekov");
+    play(&mut app, LONGEST + 50);
     assert_eq!(app.world().resource::<Rewind>().len(), LONGEST);
     ask(&mut app, Action::Restart);
-    run(&mut app, 5);
+    play(&mut app, 5);
     let start = session(&app).scenario.setup.initial;
     ask(&mut app, Action::StepBack(1000));
     assert_eq!(main_box(&mut app), start);
     assert_eq!(clock(&app).steps(), 0);
     ask(&mut app, Action::StepBack(1));
-    let said = session(&app).notices.back().cloned().unwrap_or_default();
-    assert!(said.contains("No earlier step is stored"), "{said}");
+    assert!(notice(&app).contains("No earlier step is stored"));
     // Too many boxes to store: reported, not slow.
-    let mut app = game(&["load", "--boxes", "1500"]);
-    run(&mut app, 3);
+    let mut app = game("load --boxes 1500");
+    play(&mut app, 3);
     assert!(app.world().resource::<Rewind>().is_empty());
 }
 
 #[test]
 fn parameters_and_resets_are_undone_and_redone() {
-    let mut app = game(&["playground"]);
+    let mut app = game("playground");
     let gravity = |app: &App| session(app).parameters.gravity;
     ask(&mut app, Action::Set(Parameter::Gravity, 1.0));
     ask(&mut app, Action::Set(Parameter::Friction, 0.25));
@@ -256,8 +209,8 @@ fn parameters_and_resets_are_undone_and_redone() {
 
 #[test]
 fn an_undone_restart_continues() {
-    let mut app = game(&["throw"]);
-    run(&mut app, 40);
+    let mut app = game("throw");
+    play(&mut app, 40);
     ask(&mut app, Action::TogglePause);
     let (before, steps) = (main_box(&mut app), clock(&app).steps());
     ask(&mut app, Action::Restart);
@@ -270,8 +223,8 @@ fn an_undone_restart_continues() {
 /// Switching to the integrator of a comparison swaps the two trajectories; undo swaps them back.
 #[test]
 fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
-    let mut app = game(&["throw", "--integrator", "split,rk4"]);
-    run(&mut app, 20);
+    let mut app = game("throw --integrator split,rk4");
+    play(&mut app, 20);
     ask(&mut app, Action::TogglePause);
     let before = main_box(&mut app);
     let compared = |app: &App| {
@@ -292,8 +245,7 @@ fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
 /// character.
 #[test]
 fn digits_and_symbols_do_not_collide_on_other_keyboards() {
-    let mut app = game(&["throw", "--integrator", "split"]);
-    let integrator = |app: &App| app.world().resource::<GlobalIntegrator>().0;
+    let mut app = game("throw --integrator split");
     let scene = session(&app).scenario.id;
     // AZERTY: the 6 key types a minus sign.
     press(&mut app, &[(KeyCode::Digit6, "-")]);
@@ -308,15 +260,7 @@ fn digits_and_symbols_do_not_collide_on_other_keyboards() {
 
 #[test]
 fn the_reset_ladder_ends_with_everything() {
-    let mut app = game(&[
-        "bounce",
-        "--dt",
-        "1/120",
-        "--substeps",
-        "3",
-        "--integrator",
-        "rk4",
-    ]);
+    let mut app = game("bounce --dt 1/120 --substeps 3 --integrator rk4");
     ask(&mut app, Action::Set(Parameter::Gravity, 1.0));
     ask(&mut app, Action::SetSpeed(0.25));
     ask(&mut app, Action::ToggleAabb);
@@ -326,10 +270,7 @@ fn the_reset_ladder_ends_with_everything() {
     assert_eq!(now.scenario.id, Scenario::default().id);
     assert_eq!(now.parameters, now.defaults);
     assert_eq!(now.speed, 1.0);
-    assert_eq!(
-        app.world().resource::<GlobalIntegrator>().0,
-        Integrator::default()
-    );
+    assert_eq!(integrator(&app), Integrator::default());
     assert_eq!(clock(&app).substeps, 1);
     assert_eq!(
         *app.world().resource::<Preferences>(),
@@ -341,7 +282,7 @@ fn the_reset_ladder_ends_with_everything() {
 
 #[test]
 fn slow_motion_is_a_ladder_with_ends() {
-    let mut app = game(&["throw", "--speed", "0.5"]);
+    let mut app = game("throw --speed 0.5");
     assert_eq!(
         app.world().resource::<Time<Virtual>>().relative_speed_f64(),
         0.5

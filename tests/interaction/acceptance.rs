@@ -44,8 +44,8 @@ fn acceptance_2_headless_runs_repeat_but_for_times() {
 /// Check 3: a step while paused is exactly one, in the frame of the click, from any state of the clock.
 #[test]
 fn acceptance_3_a_step_while_paused_is_one_dt_in_the_same_frame() {
-    let mut app = game(&["throw", "--dt", "1/120"]);
-    run(&mut app, 7);
+    let mut app = game("throw --dt 1/120");
+    play(&mut app, 7);
     for _ in 0..5 {
         ask(&mut app, Action::Step(1));
         let (steps, time) = (clock(&app).steps(), clock(&app).elapsed());
@@ -94,11 +94,11 @@ fn acceptance_10_every_scene_starts_on_its_reference() {
         if scene.id == "dissertation-2012" {
             continue;
         }
-        let mut app = game(&[scene.id, "--boxes", "1"]);
+        let mut app = game(&format!("{} --boxes 1", scene.id));
         let Some(truth) = session(&app).truth.clone() else {
             panic!("{}: no truth", scene.id);
         };
-        run(&mut app, 60);
+        play(&mut app, 60);
         let Some(reference) = truth.at(clock(&app).time()) else {
             continue;
         };
@@ -117,34 +117,26 @@ fn acceptance_10_every_scene_starts_on_its_reference() {
 
 #[test]
 fn a_diverging_box_is_frozen_and_the_game_goes_on() {
-    let mut app = game(&[
-        "stiff-drag",
-        "--integrator",
-        "explicit-euler",
-        "--dt",
-        "0.5",
-    ]);
-    let mut updates = 0;
+    let mut app = game("stiff-drag --integrator explicit-euler --dt 0.5");
     let frozen = |app: &mut App| {
-        app.world_mut()
-            .query_filtered::<(), (With<MainBox>, With<Quarantined>)>()
-            .iter(app.world())
-            .next()
-            .is_some()
+        let mut frozen = app
+            .world_mut()
+            .query_filtered::<(), (With<MainBox>, With<Quarantined>)>();
+        frozen.iter(app.world()).next().is_some()
     };
-    while !frozen(&mut app) && updates < 5000 {
+    let mut updates = 0..5000;
+    while !frozen(&mut app) && updates.next().is_some() {
         app.update();
-        updates += 1;
     }
     assert!(frozen(&mut app), "explicit Euler at c·dt/m far above 2");
     let state = main_box(&mut app);
     assert!(state.is_finite());
-    run(&mut app, 10);
+    play(&mut app, 10);
     assert_eq!(main_box(&mut app), state);
     assert_eq!(app.should_exit(), None);
     ask(&mut app, Action::SetIntegrator(Integrator::Split));
     ask(&mut app, Action::Restart);
-    run(&mut app, 10);
+    play(&mut app, 10);
     assert!(!frozen(&mut app) && main_box(&mut app).is_valid());
 }
 
@@ -153,7 +145,7 @@ fn the_use_of_the_processor_is_kept() {
     use bevy::diagnostic::{
         Diagnostic, DiagnosticMeasurement, DiagnosticsStore, SystemInformationDiagnosticsPlugin,
     };
-    let mut app = game(&["throw"]);
+    let mut app = game("throw");
     let mut store = DiagnosticsStore::default();
     for (path, value) in [
         (SystemInformationDiagnosticsPlugin::PROCESS_CPU_USAGE, 12.5),
@@ -167,7 +159,7 @@ fn the_use_of_the_processor_is_kept() {
         store.add(diagnostic);
     }
     app.insert_resource(store);
-    run(&mut app, 61);
+    play(&mut app, 61);
     let history = app.world().resource::<box_game::record::history::History>();
     assert!((4..=5).contains(&history.cpu.len()), "four a second");
     assert!(

@@ -5,7 +5,7 @@ use super::*;
 #[test]
 fn the_2012_scene_moves_by_its_own_integrators() {
     for stepper in Stepper::ALL {
-        let mut app = game(&["dissertation-2012"]);
+        let mut app = game("dissertation-2012");
         ask(&mut app, Action::SetDemo(Some(stepper)));
         ask(&mut app, Action::Restart);
         let setup = session(&app).setup();
@@ -17,15 +17,7 @@ fn the_2012_scene_moves_by_its_own_integrators() {
         demo.cycle(stepper, &mut expected, h);
         for k in 0..120 {
             if k == 70 {
-                let push = Push {
-                    direction: DVec3::X,
-                    world: true,
-                    off_center: false,
-                };
-                app.world_mut()
-                    .resource_mut::<Actions>()
-                    .0
-                    .push(Action::Push(push));
+                request(&mut app, push(DVec3::X, false));
                 let force = Demo::force_for(DVec3::X * session(&app).parameters.impulse);
                 demo.push(&mut expected, force, DVec3::ZERO);
             }
@@ -42,8 +34,8 @@ fn the_2012_scene_moves_by_its_own_integrators() {
 
 #[test]
 fn a_button_switches_to_ours_and_back_in_flight() {
-    let mut app = game(&["dissertation-2012"]);
-    run(&mut app, 10);
+    let mut app = game("dissertation-2012");
+    play(&mut app, 10);
     let fall = main_box(&mut app);
     assert_eq!(fall.velocity.y, 0.0, "it falls without a speed");
     assert!((fall.position.y - (4.5 - 9.81 * clock(&app).time())).abs() < 1e-6);
@@ -53,7 +45,7 @@ fn a_button_switches_to_ours_and_back_in_flight() {
         (ours.velocity.y + 9.81 / 60.0).abs() < 1e-3,
         "now it has one"
     );
-    run(&mut app, 5);
+    play(&mut app, 5);
     let before = main_box(&mut app);
     ask(&mut app, Action::SetDemo(Some(Stepper::Rk4)));
     let after = main_box(&mut app);

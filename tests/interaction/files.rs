@@ -18,10 +18,8 @@ const MINE: &str = r#"(
 
 #[test]
 fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let (mut app, folder) = game_with_file("", "mine.ron", MINE);
     let path = folder.path().join("mine.ron");
-    std::fs::write(&path, MINE).expect("writable");
-    let mut app = game(&[path.to_str().expect("utf-8")]);
     assert_eq!(session(&app).scenario.id, "mine");
     assert_eq!(session(&app).plot, Plot::Timing);
     assert_eq!(
@@ -31,11 +29,11 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     assert!(session(&app).truth.is_some());
     // A change of the file is read within a second, and the scene restarts.
     std::fs::write(&path, MINE.replace("mass: 4", "mass: 5.5")).expect("writable");
-    run(&mut app, 60);
+    play(&mut app, 60);
     assert_eq!(session(&app).parameters.mass, 5.5);
     // An invalid file is reported with its location, and the last valid scene continues.
     std::fs::write(&path, MINE.replace("mass: 4", "mass: -4")).expect("writable");
-    run(&mut app, 60);
+    play(&mut app, 60);
     let errors = app.world().resource::<SceneLibrary>().errors();
     assert!(
         errors[0].contains("mine.ron:6:") && errors[0].contains("body.mass"),
@@ -44,7 +42,7 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     assert_eq!(session(&app).parameters.mass, 5.5);
     assert!(main_box(&mut app).is_valid());
     std::fs::write(&path, MINE).expect("writable");
-    run(&mut app, 60);
+    play(&mut app, 60);
     assert!(app.world().resource::<SceneLibrary>().errors().is_empty());
     assert_eq!(session(&app).parameters.mass, 4.0);
     // The scene is in the menu, and cycling through the list includes it.
@@ -56,20 +54,20 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     assert_eq!(session(&app).scenario.id, "mine");
     // The file is deleted; the running scene continues.
     std::fs::remove_file(&path).expect("there");
-    run(&mut app, 60);
+    play(&mut app, 60);
     assert!(main_box(&mut app).is_valid());
 }
 
 #[test]
 fn the_shipped_scene_files_are_in_the_menu_and_play() {
-    let mut app = game(&[]);
+    let mut app = game("");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
     app.insert_resource(SceneLibrary::new(root, None));
     let scenes = app.world().resource::<SceneLibrary>().scenes().to_vec();
     assert!(scenes.len() >= Scenario::ALL.len() + 3);
     for (id, _) in scenes.into_iter().skip(Scenario::ALL.len()) {
         ask(&mut app, Action::SelectScene(id.clone()));
-        run(&mut app, 30);
+        play(&mut app, 30);
         assert_eq!(session(&app).scenario.id, id);
         assert!(main_box(&mut app).is_valid(), "{id}");
     }
@@ -91,7 +89,7 @@ fn a_bad_scene_file_on_the_command_line_is_an_error_with_its_place() {
 
 #[test]
 fn the_command_line_reproduces_the_setup() {
-    let mut app = game(&["bounce"]);
+    let mut app = game("bounce");
     for action in [
         Action::SetIntegrator(Integrator::Dmv6),
         Action::Set(Parameter::Step, 1.0 / 240.0),
@@ -109,15 +107,11 @@ fn the_command_line_reproduces_the_setup() {
         ask(&mut app, action);
     }
     let line = command_line::of(app.world());
-    let words: Vec<&str> = line.split(' ').skip(1).collect();
-    let again = game(&words);
+    let again = game(line.strip_prefix("box_game").expect("the program"));
     assert_eq!(session(&again).parameters, session(&app).parameters);
     assert_eq!(session(&again).scenario.id, "bounce");
     assert_eq!(session(&again).speed, 0.25);
-    assert_eq!(
-        again.world().resource::<GlobalIntegrator>().0,
-        Integrator::Dmv6
-    );
+    assert_eq!(integrator(&again), Integrator::Dmv6);
     assert_eq!(clock(&again).substeps, 2);
     let step = |app: &App| app.world().resource::<Time<Fixed>>().timestep();
     assert_eq!(step(&again), step(&app));
@@ -126,44 +120,33 @@ fn the_command_line_reproduces_the_setup() {
 
 #[test]
 fn a_script_acts_at_its_times() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("a.ron");
     let script = r#"[
         (at: 0.1, actions: [SelectScene("playground"), SetIntegrator("rk4")]),
         (at: 0.5, actions: [Push((direction: (1, 0, 0))), ToggleAabb]),
         (at: 1.0, actions: [Quit]),
     ]"#;
-    std::fs::write(&path, script).expect("writable");
-    let mut app = game(&["--script", path.to_str().expect("utf-8")]);
-    run(&mut app, 5);
+    let (mut app, _folder) = game_with_file("--script", "a.ron", script);
+    play(&mut app, 5);
     assert_eq!(session(&app).scenario.id, "dzhanibekov", "not yet");
-    run(&mut app, 5);
+    play(&mut app, 5);
     assert_eq!(session(&app).scenario.id, "playground");
-    assert_eq!(
-        app.world().resource::<GlobalIntegrator>().0,
-        Integrator::Rk4
-    );
+    assert_eq!(integrator(&app), Integrator::Rk4);
     assert_eq!(main_box(&mut app).velocity, DVec3::ZERO);
-    run(&mut app, 24);
+    play(&mut app, 24);
     assert!(main_box(&mut app).velocity.x > 0.0 && app.world().resource::<Preferences>().show_aabb);
     assert_eq!(app.should_exit(), None);
-    let mut updates = 0;
-    while app.should_exit().is_none() && updates < 60 {
-        app.update();
-        updates += 1;
-    }
-    assert_eq!(app.should_exit(), Some(AppExit::Success));
+    assert_eq!(play_to_the_end(&mut app, 60), Some(AppExit::Success));
 }
 
 /// The sweep waits for the scene, whose start ends the sweep of the one before.
 #[test]
 fn a_sweep_asked_for_with_a_scene_is_of_that_scene() {
-    let mut app = game(&[]);
-    run(&mut app, 5);
+    let mut app = game("");
+    play(&mut app, 5);
     let sweep = Action::Compare(CompareAction::StartSweep);
-    let both = [Action::SelectScene("heavy-top".to_owned()), sweep];
-    app.world_mut().resource_mut::<Actions>().0.extend(both);
-    run(&mut app, 3);
+    request(&mut app, Action::SelectScene("heavy-top".to_owned()));
+    request(&mut app, sweep);
+    play(&mut app, 3);
     assert_eq!(session(&app).scenario.id, "heavy-top");
     let mut comparison = app.world_mut().resource_mut::<Comparison>();
     let measured = |line: &SweepLine| !line.points.is_empty();

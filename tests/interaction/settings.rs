@@ -10,9 +10,7 @@ use box_game::app::GamePlugin;
 fn settings_child() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, InputPlugin, PreferencesPlugin));
-    app.add_plugins(GamePlugin {
-        cli: cli(&["throw"]),
-    });
+    app.add_plugins(GamePlugin { cli: cli("throw") });
     app.update();
     let kept = *app.world().resource::<Preferences>();
     println!(
