@@ -3,24 +3,21 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use box_physics::digest::fingerprint;
 use box_physics::integrators::{Integrator, Limit};
 
-fn box_report(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_box_report"));
-    command.args(arguments);
-    command
-}
+mod program;
+#[path = "report/stored.rs"]
+mod stored;
 
-fn run(arguments: &[&str]) -> Output {
-    box_report(arguments).output().expect("the program starts")
-}
+use program::{command, run};
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("text")
+/// The repository.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 fn read(path: &Path) -> String {
@@ -48,14 +45,11 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     files
 }
 
-/// A quick run of one part into a new folder.
-fn quick(part: &str, more: &[&str]) -> tempfile::TempDir {
+/// A quick run of one part under these integrators into a new folder.
+fn quick(part: &str, integrators: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().to_str().expect("text");
-    let mut arguments = vec![part, "--quick", "--output", path];
-    arguments.extend(more);
-    let o = run(&arguments);
-    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+    let line = format!("{part} --quick --integrators {integrators} --output {{}}");
+    run(&line, &[folder.path()]).ok();
     folder
 }
 
@@ -74,14 +68,7 @@ fn a_quick_run_writes_every_page_table_and_figure() {
         let text = format!("before\n<!-- {name} -->\nold\n<!-- /{name} -->\nafter\n");
         std::fs::write(file, text).expect("written");
     }
-    let o = run(&[
-        "--quick",
-        "--output",
-        report.to_str().expect("text"),
-        "--docs",
-        docs.to_str().expect("text"),
-    ]);
-    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
+    run("--quick --output {} --docs {}", &[&report, &docs]).ok();
     for table in [
         "summary",
         "work-precision",
@@ -95,10 +82,8 @@ fn a_quick_run_writes_every_page_table_and_figure() {
         "dissertation-answer",
         "determinism",
     ] {
-        assert!(
-            !rows(&report.join(format!("{table}.csv"))).is_empty(),
-            "{table}"
-        );
+        let rows = rows(&report.join(format!("{table}.csv")));
+        assert!(!rows.is_empty(), "{table}");
     }
     // Every family by time and by evaluations, plus the additional errors.
     let figures = files(&report, "svg");
@@ -116,12 +101,8 @@ fn a_quick_run_writes_every_page_table_and_figure() {
         );
     }
     for integrator in Integrator::ALL {
-        assert!(
-            html.contains(&format!("<code>{integrator}</code>")),
-            "{integrator}"
-        );
-    }
-    for integrator in Integrator::ALL {
+        let code = format!("<code>{integrator}</code>");
+        assert!(html.contains(&code), "{integrator}");
         let row = format!("| `{integrator}` | `{:016x}` |", fingerprint(*integrator));
         assert!(page.contains(&row), "{row}");
     }
@@ -178,13 +159,8 @@ fn a_quick_run_writes_every_page_table_and_figure() {
 
 #[test]
 fn orders_in_the_legend_are_those_the_integrators_claim() {
-    let folder = quick(
-        "work-precision",
-        &[
-            "--integrators",
-            "split,symmetric-top,split4,rk4,explicit-euler,exact",
-        ],
-    );
+    let integrators = "split,symmetric-top,split4,rk4,explicit-euler,exact";
+    let folder = quick("work-precision", integrators);
     let svg = |id: &str| read(&folder.path().join(format!("work-precision-{id}.svg")));
     let order = |svg: &str, integrator: &str| -> f64 {
         let from = svg
@@ -212,10 +188,7 @@ fn orders_in_the_legend_are_those_the_integrators_claim() {
 
 #[test]
 fn a_failed_run_leaves_a_gap_and_no_cost() {
-    let folder = quick(
-        "work-precision",
-        &["--integrators", "semi-implicit-euler,split"],
-    );
+    let folder = quick("work-precision", "semi-implicit-euler,split");
     let rows = rows(&folder.path().join("work-precision.csv"));
     // At 30 and 60 Hz the explicit gyroscopic term diverges on the needle.
     let needle = |integrator: &str| -> Vec<_> {
@@ -247,10 +220,7 @@ fn a_failed_run_leaves_a_gap_and_no_cost() {
 
 #[test]
 fn limits_found_are_those_the_integrators_claim() {
-    let folder = quick(
-        "stability",
-        &["--integrators", "split,rk4,backward-euler,heun-2012"],
-    );
+    let folder = quick("stability", "split,rk4,backward-euler,heun-2012");
     for row in rows(&folder.path().join("limits.csv")) {
         assert_eq!(row["agrees"], "true", "{row:?}");
     }
@@ -275,47 +245,29 @@ fn invalid_usage_exits_with_2_and_lists_what_is_allowed() {
     let file = folder.path().join("file");
     std::fs::write(&file, "").expect("written");
     let below_a_file = file.join("report");
-    let below_a_file = below_a_file.to_str().expect("text");
-    for (arguments, words) in [
+    let shown = below_a_file.to_str().expect("text");
+    for (line, words) in [
         (
-            &["timing", "--integrators", "split,leapfrog"][..],
+            "timing --integrators split,leapfrog",
             &["leapfrog", "heun-2012"][..],
         ),
+        ("simulate moon", &["moon", "dzhanibekov", "corner-drop"]),
         (
-            &["simulate", "moon"],
-            &["moon", "dzhanibekov", "corner-drop"],
-        ),
-        (
-            &["simulate", "bounce", "--integrator", "leapfrog"],
+            "simulate bounce --integrator leapfrog",
             &["leapfrog", "split"],
         ),
-        (&["simulate", "bounce", "--dt", "fast"], &["fast", "60hz"]),
-        (&["simulate", "bounce", "--duration", "-1"], &["-1"]),
-        (&["simulate", "bounce", "-o", below_a_file], &[below_a_file]),
-        (&["--quick", "--output", below_a_file], &[below_a_file]),
-        (
-            &["timing", "--quick", "--output", below_a_file],
-            &[below_a_file],
-        ),
-        (&["check", "--root", below_a_file], &[below_a_file]),
-        (
-            &["everything"],
-            &["everything", "work-precision", "stability"],
-        ),
+        ("simulate bounce --dt fast", &["fast", "60hz"]),
+        ("simulate bounce --duration -1", &["-1"]),
+        ("simulate bounce -o {}", &[shown]),
+        ("--quick --output {}", &[shown]),
+        ("timing --quick --output {}", &[shown]),
+        ("check --root {}", &[shown]),
+        ("everything", &["everything", "work-precision", "stability"]),
     ] {
-        let o = run(arguments);
-        assert_eq!(
-            o.status.code(),
-            Some(2),
-            "{arguments:?}: {}",
-            text(&o.stderr)
-        );
+        let ran = run(line, &[&below_a_file]);
+        assert_eq!(ran.code, Some(2), "{line}: {}", ran.err);
         for word in words {
-            assert!(
-                text(&o.stderr).contains(word),
-                "{arguments:?}: {}",
-                text(&o.stderr)
-            );
+            assert!(ran.err.contains(word), "{line}: {}", ran.err);
         }
     }
 }
@@ -324,130 +276,27 @@ fn invalid_usage_exits_with_2_and_lists_what_is_allowed() {
 fn a_trajectory_as_csv() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("orbit.csv");
-    let oracle =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracle/pub01_free_asymmetric.json");
-    for (scene, steps) in [
-        ("dzhanibekov", 120),
-        (oracle.to_str().expect("text"), 120),
-        ("free-tumble", 120),
-    ] {
-        let o = run(&[
-            "simulate",
-            scene,
-            "--integrator",
-            "exact",
-            "--dt",
-            "60hz",
-            "--duration",
-            "2",
-            "-o",
-            file.to_str().expect("text"),
-        ]);
-        assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
-        assert!(o.stdout.is_empty());
+    let oracle = root().join("tests/oracle/pub01_free_asymmetric.json");
+    for scene in [Path::new("dzhanibekov"), &oracle, Path::new("free-tumble")] {
+        let line = "simulate {} --integrator exact --dt 60hz --duration 2 -o {}";
+        let ran = run(line, &[scene, &file]).ok();
+        assert!(ran.out.is_empty());
         let rows = rows(&file);
-        assert_eq!(rows.len(), steps + 1, "{scene}");
+        assert_eq!(rows.len(), 121, "{scene:?}");
         for (k, row) in rows.iter().enumerate() {
             let t = number(row, "t_s").expect("a time");
             assert!((t - k as f64 / 60.0).abs() < 1e-12);
             let error = number(row, "attitude_error_rad").expect("free motion is known");
-            assert!(error < 1e-9, "{scene} at {t}: {error:e}");
+            assert!(error < 1e-9, "{scene:?} at {t}: {error:e}");
         }
     }
-    let o = run(&["simulate", "contact", "--duration", "0.5"]);
-    let table = text(&o.stdout);
+    let table = run("simulate contact --duration 0.5", &[]).ok().out;
     assert_eq!(table.lines().count(), 32);
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes/example.ron");
-    let o = run(&[
-        "simulate",
-        scene.to_str().expect("text"),
-        "--duration",
-        "0.5",
-    ]);
-    assert_eq!(text(&o.stdout).lines().count(), 32, "{}", text(&o.stderr));
+    let scene = root().join("assets/scenes/example.ron");
+    let own = run("simulate {} --duration 0.5", &[&scene]).ok().out;
+    assert_eq!(own.lines().count(), 32);
     // A corner drop with friction has no reference.
     assert!(table.lines().nth(1).is_some_and(|l| l.ends_with(",,")));
-}
-
-/// A repository with only the stored files.
-fn stored_files() -> tempfile::TempDir {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let copy = tempfile::tempdir().expect("a folder");
-    for file in [
-        "tests/expected/digests.csv",
-        "tests/expected/report.csv",
-        "docs/integrators.md",
-        "docs/contact.md",
-    ] {
-        let to = copy.path().join(file);
-        std::fs::create_dir_all(to.parent().expect("a folder")).expect("created");
-        std::fs::copy(own.join(file), to).expect(file);
-    }
-    copy
-}
-
-#[test]
-fn stored_files_match_the_program() {
-    let o = run(&["check"]);
-    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
-}
-
-#[test]
-fn check_names_a_changed_number_and_bless_stores_it() {
-    let copy = stored_files();
-    let root = copy.path().to_str().expect("text");
-    // The values that bless would have stored for an integrator that is a hundred times less accurate and
-    // more expensive, with different digests.
-    let errors = copy.path().join("tests/expected/report.csv");
-    let before = read(&errors);
-    let exact = before
-        .lines()
-        .find(|l| l.starts_with("free-tumble,exact,60,"))
-        .expect("a row");
-    let mut cells: Vec<String> = exact.split(',').map(str::to_owned).collect();
-    let error: f64 = cells[4].parse().expect("an attitude error");
-    assert!(error < 1e-12, "exact is exact: {error:e}");
-    cells[4] = (100.0 * error).to_string();
-    cells[6] += "0";
-    std::fs::write(&errors, before.replace(exact, &cells.join(","))).expect("written");
-    let digests = copy.path().join("tests/expected/digests.csv");
-    let right = read(&digests);
-    let line = right.lines().nth(1).expect("a digest");
-    let (id, _) = line.split_once(',').expect("two cells");
-    std::fs::write(
-        &digests,
-        right.replace(line, &format!("{id},0123456789abcdef")),
-    )
-    .expect("written");
-    let o = run(&["check", "--root", root]);
-    assert_eq!(o.status.code(), Some(1));
-    let message = text(&o.stderr);
-    for words in [
-        "report.csv: 2 differences",
-        "free-tumble exact 60 Hz: attitude_error_rad was",
-        "free-tumble exact 60 Hz: evaluations were",
-        "digests.csv: 1 differences",
-        "was 0123456789abcdef, is",
-        "box_report bless",
-    ] {
-        assert!(message.contains(words), "{words}: {message}");
-    }
-    let o = run(&["bless", "--without-game", "--root", root]);
-    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
-    let printed = text(&o.stdout);
-    assert!(
-        printed.contains("was 0123456789abcdef, is")
-            && printed.contains("docs/integrators.md: unchanged"),
-        "{printed}"
-    );
-    let sorted = |text: &str| {
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        lines.sort();
-        lines
-    };
-    assert_eq!(sorted(&read(&digests)), sorted(&right));
-    let o = run(&["check", "--root", root]);
-    assert_eq!(o.status.code(), Some(0), "{}", text(&o.stderr));
 }
 
 /// Ctrl-C during the run: the first part is written and shown, the others are listed as not reached.
@@ -456,7 +305,7 @@ fn check_names_a_changed_number_and_bless_stores_it() {
 fn an_interruption_leaves_finished_parts() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let mut child = box_report(&["--quick", "--output", path.to_str().expect("text")])
+    let mut child = command("--quick --output {}", &[path])
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
         .spawn()
@@ -465,10 +314,8 @@ fn an_interruption_leaves_finished_parts() {
     let first = path.join("efficiency.csv");
     let patience = Instant::now();
     while !first.is_file() && patience.elapsed() < Duration::from_secs(240) {
-        assert!(
-            child.try_wait().expect("a child").is_none(),
-            "it ended too early"
-        );
+        let running = child.try_wait().expect("a child").is_none();
+        assert!(running, "it ended too early");
         std::thread::sleep(Duration::from_millis(2));
     }
     let kill = Command::new("kill")
@@ -476,8 +323,9 @@ fn an_interruption_leaves_finished_parts() {
         .status();
     assert!(kill.expect("kill is there").success());
     let o = child.wait_with_output().expect("it ends");
-    assert_eq!(o.status.code(), Some(130), "{}", text(&o.stderr));
-    assert!(text(&o.stderr).contains("interrupted"));
+    let said = String::from_utf8_lossy(&o.stderr);
+    assert_eq!(o.status.code(), Some(130), "{said}");
+    assert!(said.contains("interrupted"));
     let page = read(&path.join("report.md"));
     assert!(
         page.contains("**Not reached**: ") && page.contains("dissertation"),

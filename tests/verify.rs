@@ -1,38 +1,26 @@
 //! The command `box_report verify` from a user's view.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use box_physics::integrators::Integrator;
+
+mod program;
+
+use program::{Ran, run};
 
 fn oracle() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracle")
 }
 
-fn verify(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_box_report"))
-        .arg("verify")
-        .arg(folder)
-        .args(arguments)
-        .output()
-        .expect("the program starts")
-}
-
-fn out(o: &Output) -> String {
-    String::from_utf8(o.stdout.clone()).expect("text")
-}
-
-fn err(o: &Output) -> String {
-    String::from_utf8(o.stderr.clone()).expect("text")
+fn verify(folder: &Path, line: &str) -> Ran {
+    run(&format!("verify {{}} {line}"), &[folder])
 }
 
 const HEADER: &str = "case,kind,integrator,dt_s,position_error_m,velocity_error_m_s,attitude_error_rad,angular_momentum_error_rel,energy_error_rel,steps,evaluations,fallbacks,ns_per_step,status";
 
 #[test]
 fn csv_has_exactly_these_columns_and_all_rows() {
-    let o = verify(&oracle(), &["--format", "csv", "--case", "pub0*"]);
-    assert_eq!(o.status.code(), Some(0), "{}", err(&o));
-    let text = out(&o);
+    let text = verify(&oracle(), "--format csv --case pub0*").ok().out;
     assert_eq!(text.lines().next(), Some(HEADER));
     // Nine cases, every integrator, three steps.
     assert_eq!(text.lines().count(), 1 + 9 * Integrator::ALL.len() * 3);
@@ -55,21 +43,8 @@ fn csv_has_exactly_these_columns_and_all_rows() {
 #[test]
 fn one_case_one_integrator_one_step_in_every_spelling() {
     for dt in ["60hz", "1/60", "0.016666666666666666"] {
-        let o = verify(
-            &oracle(),
-            &[
-                "--integrator",
-                "split",
-                "--dt",
-                dt,
-                "--case",
-                "pub01*",
-                "--format",
-                "csv",
-            ],
-        );
-        assert_eq!(o.status.code(), Some(0), "{}", err(&o));
-        let text = out(&o);
+        let line = format!("--integrator split --dt {dt} --case pub01* --format csv");
+        let text = verify(&oracle(), &line).ok().out;
         let row: Vec<&str> = text.lines().nth(1).expect("one row").split(',').collect();
         assert_eq!(
             row[..4],
@@ -88,19 +63,8 @@ fn one_case_one_integrator_one_step_in_every_spelling() {
 
 #[test]
 fn the_table_is_aligned() {
-    let o = verify(
-        &oracle(),
-        &[
-            "--integrator",
-            "split,rk4",
-            "--dt",
-            "60hz,240hz",
-            "--case",
-            "pub01*",
-        ],
-    );
-    assert_eq!(o.status.code(), Some(0));
-    let text = out(&o);
+    let line = "--integrator split,rk4 --dt 60hz,240hz --case pub01*";
+    let text = verify(&oracle(), line).ok().out;
     let lines: Vec<&str> = text.lines().filter(|l| l.starts_with("  ")).collect();
     assert_eq!(lines.len(), 5);
     let column = lines[0].find("status").expect("a heading");
@@ -112,32 +76,26 @@ fn the_table_is_aligned() {
 
 #[test]
 fn wrong_usage_exits_with_2_and_lists_what_is_allowed() {
-    for (arguments, words) in [
+    for (line, words) in [
         (
-            &["--integrator", "split,leapfrog"][..],
+            "--integrator split,leapfrog",
             &["leapfrog", "split", "explicit-euler"][..],
         ),
-        (&["--dt", "fast"], &["fast", "60hz", "1/60"]),
-        (&["--dt", "0"], &["positive"]),
-        (
-            &["--case", "nothing*"],
-            &["nothing*", "pub01_free_asymmetric"],
-        ),
-        (&["--format", "xml"], &["xml", "table", "csv"]),
+        ("--dt fast", &["fast", "60hz", "1/60"]),
+        ("--dt 0", &["positive"]),
+        ("--case nothing*", &["nothing*", "pub01_free_asymmetric"]),
+        ("--format xml", &["xml", "table", "csv"]),
     ] {
-        let o = verify(&oracle(), arguments);
-        assert_eq!(o.status.code(), Some(2), "{arguments:?}");
+        let ran = verify(&oracle(), line);
+        assert_eq!(ran.code, Some(2), "{line}");
         for word in words {
-            assert!(err(&o).contains(word), "{arguments:?}: {}", err(&o));
+            assert!(ran.err.contains(word), "{line}: {}", ran.err);
         }
-        assert!(out(&o).is_empty());
+        assert!(ran.out.is_empty());
     }
     let empty = tempfile::tempdir().expect("a folder");
-    assert_eq!(verify(empty.path(), &[]).status.code(), Some(2));
-    assert_eq!(
-        verify(&empty.path().join("none"), &[]).status.code(),
-        Some(2)
-    );
+    assert_eq!(verify(empty.path(), "").code, Some(2));
+    assert_eq!(verify(&empty.path().join("none"), "").code, Some(2));
 }
 
 #[test]
@@ -154,23 +112,17 @@ fn a_bad_file_exits_with_1_and_the_others_still_run() {
     );
     write("broken.json", "{");
     write("mass.json", &good.replacen("\"mass\":", "\"mass\":-", 1));
-    let o = verify(
-        folder.path(),
-        &["--integrator", "split", "--dt", "60hz", "--format", "csv"],
-    );
-    assert_eq!(o.status.code(), Some(1));
-    assert_eq!(out(&o).lines().count(), 2, "{}", out(&o));
+    let Ran { code, out, err } = verify(folder.path(), "--integrator split --dt 60hz --format csv");
+    assert_eq!(code, Some(1));
+    assert_eq!(out.lines().count(), 2, "{out}");
     for words in [
         ["unknown.json", "forces.wind"],
         ["broken.json", "JSON"],
         ["mass.json", "body.mass"],
     ] {
-        let message = err(&o);
-        let line = message
-            .lines()
-            .find(|l| l.contains(words[0]))
-            .expect(words[0]);
+        let line = err.lines().find(|l| l.contains(words[0]));
+        let line = line.expect(words[0]);
         assert!(line.contains(words[1]), "{line}");
     }
-    assert!(!err(&o).contains("notes"));
+    assert!(!err.contains("notes"));
 }
