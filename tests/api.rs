@@ -12,18 +12,9 @@ use box_physics::floor::{ContactReport, ContactState, FloorOutcome};
 use box_physics::plugin::Stage;
 use box_physics::prelude::*;
 
-fn app_with<M>(physics: impl bevy::app::Plugins<M>) -> App {
-    let mut app = App::new();
-    app.add_plugins(MinimalPlugins)
-        .add_plugins(physics)
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    app.update();
-    app
-}
+mod world;
 
-fn brick() -> RigidBox {
-    RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
-}
+use world::{Play, app_with, brick};
 
 /// A scene function: a brick that users patch further.
 fn thrown_brick(height: f64) -> impl Scene {
@@ -93,7 +84,7 @@ fn bodies_in_scenes() {
         Some(&GravityScale(0.5))
     );
     app.update();
-    let fell = app.world().get::<BodyState>(plain).expect("required");
+    let fell = app.get::<BodyState>(plain);
     assert!(fell.position.y < 3.0 && fell.position.y > 2.9);
 }
 
@@ -177,12 +168,10 @@ fn the_floor_can_be_left_out() {
     // A Floor inserted by other code must have no effect either.
     app.insert_resource(Floor::default());
     let lying = BodyState::at(DVec3::Y * 0.25);
-    let entity = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
-    for _ in 0..64 {
-        app.update();
-    }
+    let entity = app.spawn((brick(), lying, ReportContacts));
+    app.play(64);
     assert!(app.world().get::<ContactState>(entity).is_none());
-    let state = app.world().get::<BodyState>(entity).expect("a body");
+    let state = app.get::<BodyState>(entity);
     assert!(
         (state.position.y - (0.25 - 0.5 * 9.81)).abs() < 1e-9,
         "free fall"
@@ -203,10 +192,8 @@ fn plugins_in_any_order_and_in_any_schedule() {
     .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     app.update();
     let start = BodyState::at(DVec3::Y * 1.25);
-    let entity = app.world_mut().spawn((brick(), start)).id();
-    for _ in 0..200 {
-        app.update();
-    }
+    let entity = app.spawn((brick(), start));
+    app.play(200);
     let world = app.world();
     let state = world.get::<BodyState>(entity).expect("a body");
     assert!((state.position.y - 0.25).abs() < 1e-9, "on the floor");
@@ -245,11 +232,9 @@ fn saved_bodies_continue_bit_for_bit_under_every_integrator() {
         for k in 0_u8..6 {
             let state = BodyState::at(DVec3::new(0.0, 0.25 + 0.4 * f64::from(k), 0.0))
                 .with_angular_velocity(&brick(), DVec3::new(1.0, 2.0, 0.5) * f64::from(k));
-            first.world_mut().spawn((brick(), state));
+            first.spawn((brick(), state));
         }
-        for _ in 0..40 {
-            first.update();
-        }
+        first.play(40);
         let mut all = first
             .world_mut()
             .query::<(&RigidBox, &BodyState, &IntegratorMemory, &ContactState)>();

@@ -9,12 +9,14 @@ mod nonsense;
 mod settings;
 #[path = "faults/time.rs"]
 mod time;
+mod world;
 
 use std::sync::{Mutex, MutexGuard};
 
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
+
+use world::{Play, app, brick, tumbling};
 
 /// Collects the library's log messages from now on. Tests that use it run one at a time.
 struct Log(MutexGuard<'static, ()>);
@@ -74,35 +76,6 @@ impl Log {
     fn is_silent(&self) {
         let lines = self.take();
         assert!(lines.is_empty(), "{lines:#?}");
-    }
-}
-
-fn app() -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-        .insert_resource(Time::<Fixed>::from_hz(60.0))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    app.update();
-    app
-}
-
-fn brick() -> RigidBox {
-    RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
-}
-
-fn tumbling() -> BodyState {
-    BodyState::at(DVec3::new(0.1, 50.0, 0.2))
-        .with_velocity(DVec3::new(1.0, 2.0, 3.0))
-        .with_angular_velocity(&brick(), DVec3::new(1.5, 2.5, 1.0))
-}
-
-fn state(app: &App, entity: Entity) -> BodyState {
-    *app.world().get::<BodyState>(entity).expect("a body")
-}
-
-fn run(app: &mut App, updates: u32) {
-    for _ in 0..updates {
-        app.update();
     }
 }
 

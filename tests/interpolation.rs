@@ -8,6 +8,10 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_transform_interpolation::prelude::*;
 use box_physics::prelude::*;
 
+mod world;
+
+use world::{Play, brick};
+
 fn app(physics_hz: f64, frames_hz: f64) -> App {
     let mut app = App::new();
     app.add_plugins((
@@ -26,10 +30,6 @@ fn app(physics_hz: f64, frames_hz: f64) -> App {
     app
 }
 
-fn brick() -> RigidBox {
-    RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
-}
-
 fn moving() -> BodyState {
     BodyState::at(DVec3::new(0.1, 0.2, 0.3))
         .with_velocity(DVec3::X * 3.0)
@@ -37,19 +37,12 @@ fn moving() -> BodyState {
 }
 
 fn spawn(app: &mut App) -> [Entity; 2] {
-    let world = app.world_mut();
-    let smooth = world
-        .spawn((brick(), moving(), TransformInterpolation))
-        .id();
-    [smooth, world.spawn((brick(), moving())).id()]
+    let smooth = app.spawn((brick(), moving(), TransformInterpolation));
+    [smooth, app.spawn((brick(), moving()))]
 }
 
 fn transform(app: &App, entity: Entity) -> Transform {
     *app.world().get(entity).expect("required")
-}
-
-fn state(app: &App, entity: Entity) -> BodyState {
-    *app.world().get(entity).expect("a body")
 }
 
 #[test]
@@ -77,8 +70,8 @@ fn every_frame_moves_and_turns_by_the_same() {
             before = now;
         }
         assert_eq!(
-            state(&app, smooth),
-            state(&app, plain),
+            app.state(smooth),
+            app.state(plain),
             "the motion itself is the same"
         );
     }
@@ -89,9 +82,7 @@ fn single_steps_between_two_frames_are_no_teleports() {
     for pause_virtual_time in [false, true] {
         let mut app = app(20.0, 144.0);
         let [smooth, plain] = spawn(&mut app);
-        for _ in 0..30 {
-            app.update();
-        }
+        app.play(30);
         assert_ne!(
             transform(&app, smooth),
             transform(&app, plain),
@@ -100,13 +91,12 @@ fn single_steps_between_two_frames_are_no_teleports() {
         if pause_virtual_time {
             app.world_mut().resource_mut::<Time<Virtual>>().pause();
         } else {
-            app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+            app.pause();
         }
         for _ in 0..5 {
             for steps in [1, 3] {
-                app.world_mut().commands().queue(StepPhysics(steps));
-                app.world_mut().flush();
-                assert_eq!(state(&app, smooth), state(&app, plain));
+                app.step(steps);
+                assert_eq!(app.state(smooth), app.state(plain));
             }
             app.update();
         }
@@ -114,11 +104,11 @@ fn single_steps_between_two_frames_are_no_teleports() {
         app.world_mut().resource_mut::<PhysicsClock>().paused = false;
         for _ in 0..30 {
             app.update();
-            assert_eq!(state(&app, smooth), state(&app, plain));
+            assert_eq!(app.state(smooth), app.state(plain));
         }
-        let steps = app.world().resource::<PhysicsClock>().steps();
+        let steps = app.clock().steps();
         let expected = moving().position.x + 3.0 * steps as f64 / 20.0;
-        assert!((state(&app, smooth).position.x - expected).abs() < 1e-9);
+        assert!((app.state(smooth).position.x - expected).abs() < 1e-9);
     }
 }
 
@@ -126,20 +116,15 @@ fn single_steps_between_two_frames_are_no_teleports() {
 fn a_teleport_is_not_interpolated() {
     let mut app = app(20.0, 144.0);
     let [smooth, _] = spawn(&mut app);
-    for _ in 0..30 {
-        app.update();
-    }
-    app.world_mut()
-        .get_mut::<Transform>(smooth)
-        .expect("required")
-        .translation = Vec3::new(0.0, 100.0, 0.0);
+    app.play(30);
+    app.edit::<Transform>(smooth).translation = Vec3::new(0.0, 100.0, 0.0);
     for _ in 0..30 {
         app.update();
         let height = transform(&app, smooth).translation.y;
         assert!((height - 100.0).abs() < 1e-3, "{height}");
     }
-    assert_eq!(state(&app, smooth).position.y, 100.0);
-    assert_eq!(state(&app, smooth).velocity, DVec3::X * 3.0);
+    assert_eq!(app.state(smooth).position.y, 100.0);
+    assert_eq!(app.state(smooth).velocity, DVec3::X * 3.0);
 }
 
 /// With and without smoothing, at any rates: a teleport is displayed in its own frame, is never lost, and is
@@ -183,11 +168,9 @@ fn a_teleport_is_neither_lost_nor_interpolated() {
                     app.add_systems(Update, jump);
                 }
                 let [smooth, plain] = spawn(&mut app);
-                for _ in 0..start {
-                    app.update();
-                }
+                app.play(start);
                 app.world_mut().resource_mut::<Now>().0 = true;
-                let before = state(&app, smooth);
+                let before = app.state(smooth);
                 let mut last = transform(&app, smooth).translation.x;
                 for frame in 0..30 {
                     app.update();
@@ -204,9 +187,9 @@ fn a_teleport_is_neither_lost_nor_interpolated() {
                     let (tick, step) = (3.0 / physics, 3.0 / frames);
                     assert!(ahead > -tick - 1e-4 && ahead < 2.0 * tick + step + 1e-4);
                     last = x;
-                    assert_eq!(state(&app, smooth), state(&app, plain));
+                    assert_eq!(app.state(smooth), app.state(plain));
                 }
-                let after = state(&app, smooth);
+                let after = app.state(smooth);
                 assert_eq!(after.position.y, 50.0, "{physics}, {frames}");
                 assert!(after.position.x > before.position.x);
                 assert_eq!(after.velocity, before.velocity);
@@ -221,10 +204,8 @@ fn a_teleport_keeps_the_spin_in_the_chosen_axes() {
     for body_spin in [false, true] {
         let mut app = app(64.0, 60.0);
         let [smooth, _] = spawn(&mut app);
-        for _ in 0..10 {
-            app.update();
-        }
-        let before = state(&app, smooth);
+        app.play(10);
+        let before = app.state(smooth);
         let turn = DQuat::from_xyzw(0.6, 0.0, 0.0, 0.8);
         let mut teleport = Teleport::to(smooth, DVec3::ONE).turned(turn);
         if body_spin {
@@ -232,7 +213,7 @@ fn a_teleport_keeps_the_spin_in_the_chosen_axes() {
         }
         app.world_mut().commands().queue(teleport);
         app.world_mut().flush();
-        let after = state(&app, smooth);
+        let after = app.state(smooth);
         assert_eq!((after.position, after.rotation), (DVec3::ONE, turn));
         assert_eq!(transform(&app, smooth).translation, Vec3::ONE);
         assert_eq!(transform(&app, smooth).rotation, turn.as_quat());
@@ -249,7 +230,7 @@ fn a_teleport_keeps_the_spin_in_the_chosen_axes() {
             .commands()
             .queue(Teleport::to(Entity::PLACEHOLDER, DVec3::ONE));
         app.world_mut().flush();
-        assert_eq!(state(&app, smooth), after);
+        assert_eq!(app.state(smooth), after);
     }
 }
 
@@ -260,14 +241,9 @@ fn a_new_body_is_not_interpolated_from_the_origin() {
     app.world_mut()
         .resource_mut::<Time<Virtual>>()
         .set_relative_speed(0.1);
-    for _ in 0..7 {
-        app.update();
-    }
+    app.play(7);
     let start = BodyState::at(DVec3::new(3.0, 5.0, -2.0));
-    let entity = app
-        .world_mut()
-        .spawn((brick(), start, TransformInterpolation))
-        .id();
+    let entity = app.spawn((brick(), start, TransformInterpolation));
     for _ in 0..100 {
         app.update();
         let shown = transform(&app, entity).translation;
@@ -288,24 +264,20 @@ fn a_smoothed_body_that_is_disabled_does_not_move() {
         for _ in 0..30 + frames {
             app.update();
         }
-        let before = state(&app, smooth);
+        let before = app.state(smooth);
         app.world_mut().entity_mut(smooth).insert(Disabled);
-        for _ in 0..20 {
-            app.update();
-        }
+        app.play(20);
         assert_eq!(
             transform(&app, smooth).translation,
             before.position.as_vec3()
         );
         app.world_mut().entity_mut(smooth).remove::<Disabled>();
-        assert_eq!(state(&app, smooth), before);
+        assert_eq!(app.state(smooth), before);
         // Enabled again, it continues from there.
-        let steps = app.world().resource::<PhysicsClock>().steps();
-        for _ in 0..20 {
-            app.update();
-        }
-        let taken = app.world().resource::<PhysicsClock>().steps() - steps;
+        let steps = app.clock().steps();
+        app.play(20);
+        let taken = app.clock().steps() - steps;
         let expected = before.position + before.velocity * (taken as f64 / 20.0);
-        assert!((state(&app, smooth).position - expected).length() < 1e-9);
+        assert!((app.state(smooth).position - expected).length() < 1e-9);
     }
 }

@@ -5,16 +5,15 @@ use box_physics::floor::ContactState;
 use box_physics::force::Gravity;
 use box_physics::prelude::*;
 
-use super::{Log, app, brick, run, state, tumbling};
+use super::{Log, Play, app, brick, tumbling};
 
 #[test]
 fn bodies_despawned_between_message_and_step() {
     let log = Log::start();
     let mut app = app();
     for _ in 0..5 {
-        let gone = app.world_mut().spawn((brick(), tumbling())).id();
-        app.world_mut()
-            .write_message(ApplyImpulse::center(gone, DVec3::X));
+        let gone = app.spawn((brick(), tumbling()));
+        app.send(ApplyImpulse::center(gone, DVec3::X));
         app.world_mut().despawn(gone);
         app.update();
     }
@@ -50,13 +49,12 @@ fn bodies_despawned_during_the_step() {
             let lying = BodyState::at(DVec3::Y * 0.25);
             for state in [tumbling(), lying] {
                 for scale in [1.0, f64::NAN] {
-                    app.world_mut()
-                        .spawn((brick(), state, ReportContacts, GravityScale(scale)));
+                    app.spawn((brick(), state, ReportContacts, GravityScale(scale)));
                 }
             }
-            let stays = app.world_mut().spawn((brick(), tumbling())).id();
-            run(&mut app, 3);
-            assert!(state(&app, stays).is_valid());
+            let stays = app.spawn((brick(), tumbling()));
+            app.play(3);
+            assert!(app.state(stays).is_valid());
         }
         let mut doomed = app.world_mut().query::<&GravityScale>();
         assert_eq!(doomed.iter(app.world()).count(), 0);
@@ -90,14 +88,14 @@ fn components_removed_in_flight() {
             if with_floor {
                 app.insert_resource(Floor::default());
             }
-            let entity = app.world_mut().spawn((brick(), tumbling())).id();
-            run(&mut app, 10);
+            let entity = app.spawn((brick(), tumbling()));
+            app.play(10);
             for _ in 0..3 {
                 remove(&mut app.world_mut().entity_mut(entity));
                 app.update();
-                let one = state(&app, entity);
+                let one = app.state(entity);
                 app.update();
-                assert_ne!(state(&app, entity), one, "it goes on: {words}");
+                assert_ne!(app.state(entity), one, "it goes on: {words}");
             }
             assert!(app.world().get::<ContactState>(entity).is_some());
             assert!(app.world().get::<WorldAabb>(entity).is_some());
@@ -106,12 +104,12 @@ fn components_removed_in_flight() {
     }
     // A lost state restarts at the displayed pose of the body.
     let mut app = app();
-    let entity = app.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut app, 10);
-    let shown = *app.world().get::<Transform>(entity).expect("required");
+    let entity = app.spawn((brick(), tumbling()));
+    app.play(10);
+    let shown = *app.get::<Transform>(entity);
     app.world_mut().entity_mut(entity).remove::<BodyState>();
     app.update();
-    let after = state(&app, entity).position.as_vec3();
+    let after = app.state(entity).position.as_vec3();
     assert!((after - shown.translation).length() < 0.01, "{after}");
     log.take();
 }
@@ -120,18 +118,18 @@ fn components_removed_in_flight() {
 fn without_its_rigid_box_a_body_is_left_alone() {
     let log = Log::start();
     let mut app = app();
-    let entity = app.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut app, 10);
+    let entity = app.spawn((brick(), tumbling()));
+    app.play(10);
     app.world_mut().entity_mut(entity).remove::<RigidBox>();
     let mine = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_x(0.3));
-    *app.world_mut().get_mut(entity).expect("stays") = mine;
-    let frozen = state(&app, entity);
-    run(&mut app, 10);
-    assert_eq!(state(&app, entity), frozen);
-    assert_eq!(*app.world().get::<Transform>(entity).expect("stays"), mine);
+    *app.edit(entity) = mine;
+    let frozen = app.state(entity);
+    app.play(10);
+    assert_eq!(app.state(entity), frozen);
+    assert_eq!(*app.get::<Transform>(entity), mine);
     app.world_mut().entity_mut(entity).insert(brick());
     app.update();
-    assert!((state(&app, entity).position - DVec3::new(1.0, 2.0, 3.0)).length() < 0.1);
+    assert!((app.state(entity).position - DVec3::new(1.0, 2.0, 3.0)).length() < 0.1);
     log.is_silent();
 }
 
@@ -139,58 +137,47 @@ fn without_its_rigid_box_a_body_is_left_alone() {
 fn parents_that_displace_their_bodies_are_reported_once() {
     let log = Log::start();
     let spawn_under = |app: &mut App, parent: Entity| {
-        let child = app.world_mut().spawn((brick(), tumbling())).id();
+        let child = app.spawn((brick(), tumbling()));
         app.world_mut().entity_mut(parent).add_child(child);
         child
     };
     // A parent at the origin, unrotated and unscaled, is a folder and needs no message.
     let mut app = app();
-    let parent = app.world_mut().spawn(Transform::IDENTITY).id();
+    let parent = app.spawn(Transform::IDENTITY);
     spawn_under(&mut app, parent);
-    run(&mut app, 5);
+    app.play(5);
     log.is_silent();
     // … until it moves.
-    *app.world_mut().get_mut(parent).expect("spawned") = Transform::from_xyz(1.0, 0.0, 0.0);
-    run(&mut app, 5);
+    *app.edit(parent) = Transform::from_xyz(1.0, 0.0, 0.0);
+    app.play(5);
     log.says_once("top of the hierarchy");
     // A scaled grandparent.
     let mut app = super::app();
-    let grandparent = app
-        .world_mut()
-        .spawn(Transform::from_scale(Vec3::splat(2.0)))
-        .id();
-    let parent = app.world_mut().spawn(Transform::IDENTITY).id();
+    let grandparent = app.spawn(Transform::from_scale(Vec3::splat(2.0)));
+    let parent = app.spawn(Transform::IDENTITY);
     app.world_mut().entity_mut(grandparent).add_child(parent);
     let child = spawn_under(&mut app, parent);
-    run(&mut app, 5);
+    app.play(5);
     log.says_once(&grandparent.to_string());
     // A grandparent that is scaled later.
     let mut later = super::app();
-    let [grandparent, parent] =
-        [(), ()].map(|()| later.world_mut().spawn(Transform::IDENTITY).id());
+    let [grandparent, parent] = [(), ()].map(|()| later.spawn(Transform::IDENTITY));
     later.world_mut().entity_mut(grandparent).add_child(parent);
     spawn_under(&mut later, parent);
-    run(&mut later, 5);
+    later.play(5);
     log.is_silent();
-    later
-        .world_mut()
-        .get_mut::<Transform>(grandparent)
-        .expect("spawned")
-        .scale = Vec3::splat(2.0);
-    run(&mut later, 5);
+    later.edit::<Transform>(grandparent).scale = Vec3::splat(2.0);
+    later.play(5);
     log.says_once(&grandparent.to_string());
     // A parent that moves below a displaced entity.
     let mut moved = super::app();
-    let far = moved
-        .world_mut()
-        .spawn(Transform::from_xyz(0.0, 1.0, 0.0))
-        .id();
-    let parent = moved.world_mut().spawn(Transform::IDENTITY).id();
+    let far = moved.spawn(Transform::from_xyz(0.0, 1.0, 0.0));
+    let parent = moved.spawn(Transform::IDENTITY);
     spawn_under(&mut moved, parent);
-    run(&mut moved, 5);
+    moved.play(5);
     log.is_silent();
     moved.world_mut().entity_mut(far).add_child(parent);
-    run(&mut moved, 5);
+    moved.play(5);
     log.says_once(&far.to_string());
     // It is still simulated in world coordinates.
     let mut expected = tumbling();
@@ -200,11 +187,11 @@ fn parents_that_displace_their_bodies_are_reported_once() {
         let gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));
         Integrator::Split.step(&brick(), &mut expected, &gravity, h, &mut memory);
     }
-    assert_eq!(state(&app, child), expected);
+    assert_eq!(app.state(child), expected);
     // A body below a body.
     let mut app = super::app();
-    let parent = app.world_mut().spawn((brick(), BodyState::default())).id();
+    let parent = app.spawn((brick(), BodyState::default()));
     spawn_under(&mut app, parent);
-    run(&mut app, 5);
+    app.play(5);
     log.says_once("top of the hierarchy");
 }

@@ -1,11 +1,10 @@
 //! NaN and infinity in every component that users can write.
 
-use bevy::ecs::message::Messages;
 use bevy::math::bounding::Aabb3d;
 use bevy::prelude::*;
 use box_physics::prelude::*;
 
-use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
+use super::{Log, Play, app, assert_shown_sanely, brick, tumbling};
 
 type Poison = fn(&mut EntityWorldMut);
 const NAN: DVec3 = DVec3::NAN;
@@ -135,16 +134,16 @@ fn nan_in_every_component() {
                     app.insert_resource(Floor::default());
                 }
                 let ids = [tumbling(), BodyState::at(DVec3::Y * 0.3), tumbling()]
-                    .map(|start| app.world_mut().spawn((brick(), start)).id());
-                run(&mut app, 3);
+                    .map(|start| app.spawn((brick(), start)));
+                app.play(3);
                 if let Some(poison) = poison {
                     poison(&mut app.world_mut().entity_mut(ids[1]));
                 }
-                run(&mut app, 20);
+                app.play(20);
                 assert_shown_sanely(&mut app);
-                let aabb = app.world().get::<WorldAabb>(ids[1]).expect("required").0;
+                let aabb = app.get::<WorldAabb>(ids[1]).0;
                 assert!(aabb.min.is_finite() && aabb.max.is_finite());
-                [state(&app, ids[0]), state(&app, ids[2])]
+                [app.state(ids[0]), app.state(ids[2])]
             };
             let clean = poisoned(None);
             log.is_silent();
@@ -172,8 +171,8 @@ fn a_body_that_starts_invalid() {
             position: NAN,
             ..tumbling()
         };
-        let entity = app.world_mut().spawn((brick(), bad, transform)).id();
-        run(&mut app, 3);
+        let entity = app.spawn((brick(), bad, transform));
+        app.play(3);
         assert_shown_sanely(&mut app);
         let expected = transform.translation.is_finite();
         let expected = if expected {
@@ -181,7 +180,7 @@ fn a_body_that_starts_invalid() {
         } else {
             Vec3::ZERO
         };
-        assert_eq!(state(&app, entity).position.as_vec3(), expected);
+        assert_eq!(app.state(entity).position.as_vec3(), expected);
         assert!(app.world().get::<Quarantined>(entity).is_some());
         let lines = log.take();
         assert!((1..=2).contains(&lines.len()), "{lines:#?}");
@@ -190,8 +189,8 @@ fn a_body_that_starts_invalid() {
             "{lines:#?}"
         );
         // Writing a state cannot make a quarantined body display invalid numbers.
-        *app.world_mut().get_mut(entity).expect("a body") = bad;
-        run(&mut app, 3);
+        *app.edit(entity) = bad;
+        app.play(3);
         assert_shown_sanely(&mut app);
         log.is_silent();
     }
@@ -202,19 +201,14 @@ fn a_thousand_quarantines_are_one_line() {
     let log = Log::start();
     let mut app = app();
     for _ in 0..1000 {
-        app.world_mut()
-            .spawn((brick(), tumbling(), GravityScale(f64::NAN)));
+        app.spawn((brick(), tumbling(), GravityScale(f64::NAN)));
     }
     app.update();
     log.says_once("999 more with it");
-    let told: Vec<_> = app
-        .world_mut()
-        .resource_mut::<Messages<BodyQuarantined>>()
-        .drain()
-        .collect();
+    let told: Vec<_> = app.drain::<BodyQuarantined>();
     assert_eq!(told.len(), 1000);
     assert!(told.iter().all(|m| m.cause == QuarantineCause::Step));
-    run(&mut app, 3);
+    app.play(3);
     log.is_silent();
 }
 
@@ -251,14 +245,14 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
     ];
     let log = Log::start();
     let mut plain = app();
-    let free = plain.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut plain, 10);
+    let free = plain.spawn((brick(), tumbling()));
+    plain.play(10);
     for (field, insert) in coefficients {
         for value in [-0.5, f64::NAN, f64::INFINITY] {
             let mut app = app();
-            let body = app.world_mut().spawn((brick(), tumbling())).id();
+            let body = app.spawn((brick(), tumbling()));
             insert(&mut app.world_mut().entity_mut(body), value);
-            run(&mut app, 10);
+            app.play(10);
             let lines = log.take();
             let expected =
                 format!("{body}: {field} must be finite and not negative, but is {value}");
@@ -266,7 +260,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
                 lines.len() == 1 && lines[0].contains(&expected),
                 "{lines:?}"
             );
-            let (now, without) = (state(&app, body), state(&plain, free));
+            let (now, without) = (app.state(body), plain.state(free));
             assert!(
                 (now.position - without.position).length() < 1e-12,
                 "{field}: {value}"
@@ -276,7 +270,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
                 "{field}: {value}"
             );
             insert(&mut app.world_mut().entity_mut(body), 2.0);
-            run(&mut app, 10);
+            app.play(10);
             log.is_silent();
             assert!(app.world().get::<Quarantined>(body).is_none());
         }
@@ -314,11 +308,10 @@ fn an_invalid_material_is_logged_and_does_not_act() {
         let mut app = app();
         app.insert_resource(Floor::default());
         let start = BodyState::at(DVec3::Y).with_velocity(DVec3::X * 10.0);
-        let mut entity = app.world_mut().spawn((brick(), start));
-        insert(&mut entity);
-        let body = entity.id();
-        run(&mut app, 60);
-        (body, state(&app, body))
+        let body = app.spawn((brick(), start));
+        insert(&mut app.world_mut().entity_mut(body));
+        app.play(60);
+        (body, app.state(body))
     };
     let (_, without) = thrown(&|_| {});
     for (field, allowed, insert) in materials {

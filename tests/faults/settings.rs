@@ -1,13 +1,12 @@
 //! Plugins in the wrong order, settings out of range, constants and floors that change in motion.
 
-use bevy::ecs::message::Messages;
 use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::floor::ContactState;
 use box_physics::prelude::*;
 
-use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
+use super::{Log, Play, app, assert_shown_sanely, brick, tumbling};
 
 /// Two plugins of a game both need the physics: the second is ignored with one message, and a tick is still
 /// one step.
@@ -24,15 +23,15 @@ fn a_duplicate_plugin_is_ignored() {
     .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
     .insert_resource(Floor::default());
     log.says_once("added twice");
-    let entity = app.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut app, 10);
-    assert_eq!(app.world().resource::<PhysicsClock>().steps(), 9);
+    let entity = app.spawn((brick(), tumbling()));
+    app.play(10);
+    assert_eq!(app.clock().steps(), 9);
     let mut once = self::app();
     once.insert_resource(Time::<Fixed>::default())
         .insert_resource(Floor::default());
-    let alone = once.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut once, 9);
-    assert_eq!(state(&app, entity), state(&once, alone));
+    let alone = once.spawn((brick(), tumbling()));
+    once.play(9);
+    assert_eq!(app.state(entity), once.state(alone));
     log.is_silent();
 }
 
@@ -56,13 +55,13 @@ fn a_removed_setting_is_restored() {
     ];
     for (name, remove) in removals {
         let mut app = app();
-        let entity = app.world_mut().spawn((brick(), tumbling())).id();
-        run(&mut app, 3);
+        let entity = app.spawn((brick(), tumbling()));
+        app.play(3);
         remove(app.world_mut());
-        let before = state(&app, entity);
-        run(&mut app, 3);
+        let before = app.state(entity);
+        app.play(3);
         log.says_once(name);
-        assert_ne!(state(&app, entity), before);
+        assert_ne!(app.state(entity), before);
         remove(app.world_mut());
         StepPhysics(1).apply(app.world_mut());
         log.says_once(name);
@@ -82,23 +81,20 @@ fn settings_and_bodies_before_the_plugin_are_kept() {
         )
         .insert_resource(Floor::default())
         .insert_resource(GlobalIntegrator(Integrator::Rk4));
-    let entity = app
-        .world_mut()
-        .spawn((brick(), BodyState::at(DVec3::Y * 0.3)))
-        .id();
+    let entity = app.spawn((brick(), BodyState::at(DVec3::Y * 0.3)));
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    run(&mut app, 100);
+    app.play(100);
     assert!(app.world().resource::<Calls>().0 >= 99);
     assert_eq!(
         *app.world().resource::<GlobalIntegrator>(),
         GlobalIntegrator(Integrator::Rk4)
     );
     // It fell on the floor and rests there.
-    assert!((state(&app, entity).position.y - 0.25).abs() < 1e-9);
+    assert!((app.state(entity).position.y - 0.25).abs() < 1e-9);
     assert!(app.world().get::<WorldAabb>(entity).is_some());
-    let late = app.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut app, 2);
+    let late = app.spawn((brick(), tumbling()));
+    app.play(2);
     assert!(app.world().get::<WorldAabb>(late).is_some());
     log.take();
 }
@@ -166,26 +162,26 @@ fn invalid_settings_stop_the_clock_until_corrected() {
     for (field, spoil) in faults {
         let mut app = app();
         app.insert_resource(Floor::default());
-        let entity = app.world_mut().spawn((brick(), tumbling())).id();
+        let entity = app.spawn((brick(), tumbling()));
         for _ in 0..2 {
-            run(&mut app, 3);
-            let steps = |app: &App| app.world().resource::<PhysicsClock>().steps();
-            let before = (state(&app, entity), steps(&app));
+            app.play(3);
+            let steps = |app: &App| app.clock().steps();
+            let before = (app.state(entity), steps(&app));
             log.is_silent();
             spoil(&mut app);
-            run(&mut app, 5);
+            app.play(5);
             log.says_once(field);
-            let fault = app.world().resource::<PhysicsClock>().fault();
+            let fault = app.clock().fault();
             assert_eq!(fault.map(|f| f.field), Some(field));
-            assert_eq!((state(&app, entity), steps(&app)), before);
+            assert_eq!((app.state(entity), steps(&app)), before);
             // Corrected, it continues.
             app.insert_resource(WorldGravity::default())
                 .insert_resource(Floor::default())
                 .insert_resource(ContactSettings::default());
             app.world_mut().resource_mut::<PhysicsClock>().substeps = 1;
             app.update();
-            assert_ne!(state(&app, entity), before.0, "{field}");
-            assert_eq!(app.world().resource::<PhysicsClock>().fault(), None);
+            assert_ne!(app.state(entity), before.0, "{field}");
+            assert_eq!(app.clock().fault(), None);
         }
     }
 }
@@ -197,21 +193,21 @@ fn constants_that_change_in_motion() {
         let mut app = app();
         app.insert_resource(Floor::default())
             .insert_resource(GlobalIntegrator(integrator));
-        let flying = app.world_mut().spawn((brick(), tumbling())).id();
+        let flying = app.spawn((brick(), tumbling()));
         let lying = BodyState::at(DVec3::Y * 0.25);
-        let lying = app.world_mut().spawn((brick(), lying)).id();
-        run(&mut app, 30);
-        let before = state(&app, flying);
+        let lying = app.spawn((brick(), lying));
+        app.play(30);
+        let before = app.state(flying);
         let larger = RigidBox::new(DVec3::new(0.6, 0.9, 0.4), 30.0).expect("valid");
         for entity in [flying, lying] {
             app.world_mut().entity_mut(entity).insert(larger);
         }
         // The momenta stay the same; the angular velocity follows from the new inertia.
-        assert_eq!(state(&app, flying), before);
-        run(&mut app, 30);
+        assert_eq!(app.state(flying), before);
+        app.play(30);
         assert_shown_sanely(&mut app);
         // It was inside the floor: penetration recovery moves it out without a jump.
-        let up = state(&app, lying);
+        let up = app.state(lying);
         assert!((up.position.y - 0.9).abs() < 1e-9, "{integrator}: {up:?}");
         assert!(up.velocity.length() < 1e-9, "{integrator}: {up:?}");
         // Changes of all other settings at run time.
@@ -221,7 +217,7 @@ fn constants_that_change_in_motion() {
         app.world_mut()
             .entity_mut(flying)
             .insert((LinearDrag(1.0), AngularDrag(0.1)));
-        run(&mut app, 30);
+        app.play(30);
         assert_shown_sanely(&mut app);
     }
     log.is_silent();
@@ -233,35 +229,27 @@ fn removing_the_floor_ends_its_contacts() {
     let mut app = app();
     app.insert_resource(Floor::default());
     let lying = BodyState::at(DVec3::Y * 0.25);
-    let entity = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
-    run(&mut app, 5);
-    let contact = |app: &App| {
-        app.world()
-            .get::<ContactState>(entity)
-            .expect("there")
-            .clone()
-    };
+    let entity = app.spawn((brick(), lying, ReportContacts));
+    app.play(5);
+    let contact = |app: &App| app.get::<ContactState>(entity).clone();
     assert_eq!(contact(&app).touching().count_ones(), 4);
-    app.world_mut()
-        .resource_mut::<Messages<FloorContact>>()
-        .clear();
+    app.drain::<FloorContact>();
     app.world_mut().remove_resource::<Floor>();
     app.update();
     let ended = app
-        .world_mut()
-        .resource_mut::<Messages<FloorContact>>()
-        .drain()
+        .drain::<FloorContact>()
+        .into_iter()
         .filter(|c| c.phase == ContactPhase::Ended)
         .count();
     assert_eq!(ended, 1);
-    run(&mut app, 2);
+    app.play(2);
     assert_eq!(contact(&app), ContactState::default());
-    assert!(state(&app, entity).velocity.y < 0.0, "it falls");
+    assert!(app.state(entity).velocity.y < 0.0, "it falls");
     app.insert_resource(Floor {
         height: -1.0,
         ..Floor::default()
     });
-    run(&mut app, 200);
-    assert!((state(&app, entity).position.y + 0.75).abs() < 1e-9);
+    app.play(200);
+    assert!((app.state(entity).position.y + 0.75).abs() < 1e-9);
     log.is_silent();
 }

@@ -2,26 +2,23 @@
 
 use std::time::Duration;
 
-use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-use super::{Log, app, assert_shown_sanely, brick, run, state, tumbling};
+use super::{Log, Play, app, assert_shown_sanely, brick, tumbling};
 
 #[test]
 fn a_missing_clock_is_reported() {
     let log = Log::start();
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), PhysicsPlugins::default()));
-    let entity = app.world_mut().spawn((brick(), tumbling())).id();
-    run(&mut app, 5);
-    assert_eq!(state(&app, entity), tumbling());
+    let entity = app.spawn((brick(), tumbling()));
+    app.play(5);
+    assert_eq!(app.state(entity), tumbling());
     log.says_once("TimePlugin");
-    app.world_mut().commands().queue(StepPhysics(1));
-    app.world_mut().flush();
-    app.world_mut().commands().queue(StepPhysics(1));
-    app.world_mut().flush();
+    app.step(1);
+    app.step(1);
     log.says_once("Time<Fixed>");
     // The same in a custom schedule.
     let mut app = App::new();
@@ -29,7 +26,7 @@ fn a_missing_clock_is_reported() {
         TaskPoolPlugin::default(),
         PhysicsPlugins::in_schedule(Update),
     ));
-    run(&mut app, 5);
+    app.play(5);
     log.says_once("TimePlugin");
 }
 
@@ -47,28 +44,24 @@ fn frames_of_no_time_change_nothing() {
         app.update();
         let lying = BodyState::at(DVec3::Y * 0.25);
         let falling = BodyState::at(DVec3::Y * 0.3).with_velocity(DVec3::NEG_Y * 9.0);
-        let ids = [tumbling(), lying, falling]
-            .map(|start| app.world_mut().spawn((brick(), start, ReportContacts)).id());
-        run(&mut app, 3);
-        let all = |app: &App| ids.map(|id| state(app, id));
-        let told = |app: &mut App| {
-            let mut messages = app.world_mut().resource_mut::<Messages<FloorContact>>();
-            messages.drain().count()
-        };
-        let steps = |app: &App| app.world().resource::<PhysicsClock>().steps();
+        let ids =
+            [tumbling(), lying, falling].map(|start| app.spawn((brick(), start, ReportContacts)));
+        app.play(3);
+        let all = |app: &App| ids.map(|id| app.state(id));
+        let told = |app: &mut App| app.drain::<FloorContact>().len();
+        let steps = |app: &App| app.clock().steps();
         let before = (all(&app), steps(&app));
         told(&mut app);
 
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
-        app.world_mut()
-            .write_message(ApplyImpulse::center(ids[0], DVec3::X * 3.0));
-        run(&mut app, 5);
+        app.send(ApplyImpulse::center(ids[0], DVec3::X * 3.0));
+        app.play(5);
         assert_eq!((all(&app), steps(&app)), before, "{integrator}");
         assert_eq!(told(&mut app), 0, "{integrator}");
 
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
         app.update();
-        let pushed = state(&app, ids[0]).velocity.x - before.0[0].velocity.x;
+        let pushed = app.state(ids[0]).velocity.x - before.0[0].velocity.x;
         assert!((pushed - 1.0).abs() < 1e-9, "{integrator}: {pushed} m/s");
     }
     log.is_silent();
@@ -85,14 +78,11 @@ fn a_tick_of_eleven_days() {
             if with_floor {
                 app.insert_resource(Floor::default());
             }
-            app.world_mut()
-                .spawn((brick(), tumbling(), QuadraticDrag(0.1)));
-            app.world_mut().spawn((brick(), tumbling()));
-            app.world_mut()
-                .spawn((brick(), BodyState::at(DVec3::Y * 0.25)));
+            app.spawn((brick(), tumbling(), QuadraticDrag(0.1)));
+            app.spawn((brick(), tumbling()));
+            app.spawn((brick(), BodyState::at(DVec3::Y * 0.25)));
             for _ in 0..3 {
-                app.world_mut().commands().queue(StepPhysics(1));
-                app.world_mut().flush();
+                app.step(1);
                 assert_shown_sanely(&mut app);
             }
         }
@@ -105,9 +95,9 @@ fn a_hitch_costs_a_bounded_number_of_steps_and_is_counted() {
     let log = Log::start();
     let mut app = app();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(10)));
-    let before = *app.world().resource::<PhysicsClock>();
+    let before = app.clock();
     app.update();
-    let clock = *app.world().resource::<PhysicsClock>();
+    let clock = app.clock();
     let steps = clock.steps() - before.steps();
     assert!((14..=16).contains(&steps), "250 ms at 60 Hz, not {steps}");
     assert_eq!(
@@ -115,11 +105,8 @@ fn a_hitch_costs_a_bounded_number_of_steps_and_is_counted() {
         Duration::from_millis(9_750)
     );
     // Paused time does not count as dropped.
-    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    app.pause();
     app.update();
-    assert_eq!(
-        app.world().resource::<PhysicsClock>().dropped(),
-        clock.dropped()
-    );
+    assert_eq!(app.clock().dropped(), clock.dropped());
     log.is_silent();
 }

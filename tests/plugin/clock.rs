@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use box_physics::prelude::*;
 
-use super::{app, brick, tick, tumbling};
+use super::{Play, app, brick, tick, tumbling};
 
 type Copy = (PhysicsClock, BodyState, IntegratorMemory);
 
@@ -27,14 +27,13 @@ fn recorded(substeps: u32, ticks: u32, from: Option<&Copy>) -> Vec<Copy> {
         .insert_resource(GlobalIntegrator(Integrator::Exact))
         .add_systems(PhysicsSchedule, copy.in_set(PhysicsSystems::Last));
     app.world_mut().resource_mut::<PhysicsClock>().substeps = substeps;
-    let mut body = app.world_mut().spawn((brick(), tumbling()));
+    let body = app.spawn((brick(), tumbling()));
     if let Some((clock, state, memory)) = from {
+        let mut body = app.world_mut().entity_mut(body);
         body.insert((*state, memory.clone()));
         app.insert_resource(*clock);
     }
-    for _ in 0..ticks {
-        app.update();
-    }
+    app.play(ticks);
     app.world_mut()
         .remove_resource::<Copies>()
         .expect("there")
@@ -75,16 +74,15 @@ fn a_single_step_is_one_of_the_schedule_of_the_physics() {
     app.add_plugins((MinimalPlugins, PhysicsPlugins::in_schedule(Update)))
         .insert_resource(TimeUpdateStrategy::ManualDuration(frame));
     app.update();
-    app.world_mut().spawn((brick(), tumbling()));
+    app.spawn((brick(), tumbling()));
     let step = |app: &mut App| {
-        app.world_mut().commands().queue(StepPhysics(2));
-        app.world_mut().flush();
-        *app.world().resource::<PhysicsClock>()
+        app.step(2);
+        app.clock()
     };
     app.update();
-    let before = *app.world().resource::<PhysicsClock>();
+    let before = app.clock();
     assert_eq!((before.steps(), before.elapsed()), (1, frame));
-    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    app.pause();
     app.world_mut().resource_mut::<Time<Virtual>>().pause();
     app.update();
     let after = step(&mut app);

@@ -6,17 +6,14 @@ use bevy::prelude::*;
 use box_physics::math::sin_cos;
 use box_physics::prelude::*;
 
-use super::{app, brick, state};
+use super::{Play, app, brick};
 
 /// A brick that rests on the floor and reports contacts.
 fn lying() -> (App, Entity) {
     let mut app = app();
     app.insert_resource(Floor::default());
     let state = BodyState::at(DVec3::new(0.0, 0.25, 0.0));
-    let entity = app
-        .world_mut()
-        .spawn((brick(), state, ReportPersisting))
-        .id();
+    let entity = app.spawn((brick(), state, ReportPersisting));
     (app, entity)
 }
 
@@ -25,8 +22,7 @@ fn reports(app: &mut App, entity: Entity, updates: u32) -> [usize; 3] {
     let mut counts = [0; 3];
     for _ in 0..updates {
         app.update();
-        let mut messages = app.world_mut().resource_mut::<Messages<FloorContact>>();
-        for contact in messages.drain() {
+        for contact in app.drain::<FloorContact>() {
             assert_eq!(contact.entity, entity);
             counts[contact.phase as usize] += 1;
         }
@@ -73,16 +69,13 @@ fn every_contact_that_began_ends_once() {
                 .queue(Teleport::to(entity, DVec3::Y * 50.0));
         }),
         ("another state", |app, entity| {
-            *app.world_mut().get_mut(entity).expect("a body") = BodyState::at(DVec3::Y * 50.0);
+            *app.edit(entity) = BodyState::at(DVec3::Y * 50.0);
         }),
         ("another Transform", |app, entity| {
-            *app.world_mut().get_mut(entity).expect("a body") = Transform::from_xyz(0.0, 50.0, 0.0);
+            *app.edit(entity) = Transform::from_xyz(0.0, 50.0, 0.0);
         }),
         ("quarantined", |app, entity| {
-            let mut state = app
-                .world_mut()
-                .get_mut::<BodyState>(entity)
-                .expect("a body");
+            let mut state = app.edit::<BodyState>(entity);
             state.velocity.x = f64::NAN;
         }),
         ("reset", |app, entity| {
@@ -126,14 +119,12 @@ fn reports_begin_when_somebody_asks_for_them() {
 #[test]
 fn settings_of_the_contact_that_are_removed_are_restored() {
     let (mut app, entity) = lying();
-    for _ in 0..20 {
-        app.update();
-    }
-    let before = state(&app, entity);
+    app.play(20);
+    let before = app.state(entity);
     app.world_mut().remove_resource::<ContactSettings>();
     for _ in 0..20 {
         app.update();
-        assert_eq!(state(&app, entity), before);
+        assert_eq!(app.state(entity), before);
     }
     assert_eq!(
         *app.world().resource::<ContactSettings>(),
@@ -145,9 +136,7 @@ fn settings_of_the_contact_that_are_removed_are_restored() {
 #[test]
 fn the_box_follows_a_body_that_is_moved_within_the_step() {
     let (mut app, entity) = lying();
-    for _ in 0..120 {
-        app.update();
-    }
+    app.play(120);
     let lift = |mut bodies: Query<&mut BodyState>| {
         for mut state in &mut bodies {
             state.position.y += 3.0;
@@ -159,9 +148,9 @@ fn the_box_follows_a_body_that_is_moved_within_the_step() {
             .before(PhysicsSystems::Refit),
     );
     app.update();
-    let aabb = app.world().get::<WorldAabb>(entity).expect("required").0;
+    let aabb = app.get::<WorldAabb>(entity).0;
     assert!((aabb.min.y - 3.0).abs() < 1e-6, "{aabb:?}");
-    let transform = app.world().get::<Transform>(entity).expect("required");
+    let transform = app.get::<Transform>(entity);
     assert!((transform.translation.y - 3.25).abs() < 1e-6);
 }
 
@@ -184,12 +173,6 @@ fn observed<M>(floor: Floor, bodies: impl FnOnce(&mut World) -> M) -> (App, M) {
     (app, spawned)
 }
 
-fn run(app: &mut App, updates: u32) {
-    for _ in 0..updates {
-        app.update();
-    }
-}
-
 fn tilted(degrees: f64, gap: f64) -> BodyState {
     let (sin, cos) = sin_cos(degrees.to_radians());
     let (s, c) = sin_cos(0.5 * degrees.to_radians());
@@ -210,8 +193,7 @@ fn a_tilted_cube_lands_once() {
         let mut messages = 0;
         for _ in 0..120 {
             app.update();
-            let mut landings = app.world_mut().resource_mut::<Messages<Landed>>();
-            messages += landings.drain().count();
+            messages += app.drain::<Landed>().len();
         }
         let seen = app.world().resource::<Seen>();
         // At 20° it rocks to the other edge for 0.18 s: two landings.
@@ -238,7 +220,7 @@ fn a_tilted_cube_lands_once() {
             assert!(share > 0.9 && share < 1.4, "{degrees}: {share}");
         }
         assert_eq!((seen.settled.len(), seen.woken.len()), (1, 0), "{degrees}");
-        let rested = app.world().get::<RestingSince>(cube).expect("required").0;
+        let rested = app.get::<RestingSince>(cube).0;
         assert_eq!(rested, Some(seen.settled[0].time));
         assert!(seen.settled[0].time > landed.time && seen.settled[0].time < 2.0);
     }
@@ -255,7 +237,7 @@ fn bounces_are_landings_of_their_own() {
             .spawn((RigidBox::default(), start, ReportContacts))
             .id()
     });
-    run(&mut app, 200);
+    app.play(200);
     let landed = &app.world().resource::<Seen>().landed;
     assert!((3..=5).contains(&landed.len()), "{landed:?}");
     let first = landed[0];
@@ -271,7 +253,7 @@ fn bounces_are_landings_of_their_own() {
         *state = BodyState::at(DVec3::Y * 0.7).with_velocity(DVec3::NEG_Y);
     }
     app.world_mut().resource_mut::<PhysicsClock>().reset();
-    run(&mut app, 20);
+    app.play(20);
     assert!(app.world().resource::<Seen>().landed.len() > count);
 }
 
@@ -288,19 +270,15 @@ fn a_body_on_the_floor_does_not_thud() {
             .spawn((brick(), BodyState::at(DVec3::Y * 0.25), ReportContacts))
             .id()
     });
-    run(&mut app, 1);
-    let began = app
-        .world_mut()
-        .resource_mut::<Messages<FloorContact>>()
-        .drain()
-        .count();
+    app.play(1);
+    let began = app.drain::<FloorContact>().len();
     assert!(began >= 40, "{began}");
-    run(&mut app, 60);
+    app.play(60);
     assert!(app.world().resource::<Messages<FloorContact>>().is_empty());
     let seen = app.world_mut().remove_resource::<Seen>().expect("there");
     assert!(seen.landed.is_empty() && seen.woken.is_empty());
     assert_eq!(seen.settled.len(), 40);
-    assert!(app.world().get::<RestingSince>(body).expect("required").0 < Some(0.1));
+    assert!(app.get::<RestingSince>(body).0 < Some(0.1));
 }
 
 /// Any cause that moves a resting body wakes it, with one event; it settles again.
@@ -309,14 +287,14 @@ fn woken_once_and_settled_again() {
     let wakes: [(&str, Act); 6] = [
         ("pushed", |app, entity| {
             let push = ApplyImpulse::center(entity, DVec3::new(0.5, 3.0, 0.0));
-            app.world_mut().write_message(push);
+            app.send(push);
         }),
         ("teleported", |app, entity| {
             let teleport = Teleport::to(entity, DVec3::Y * 2.0);
             app.world_mut().commands().queue(teleport);
         }),
         ("state", |app, entity| {
-            *app.world_mut().get_mut(entity).expect("a body") = BodyState::at(DVec3::Y);
+            *app.edit(entity) = BodyState::at(DVec3::Y);
         }),
         ("gravity", |app, _| {
             app.insert_resource(WorldGravity(DVec3::new(9.81, -9.81, 0.0)));
@@ -343,14 +321,14 @@ fn woken_once_and_settled_again() {
         let (mut app, body) = observed(Floor::default(), |world| {
             world.spawn((brick(), BodyState::at(DVec3::Y * 0.25))).id()
         });
-        run(&mut app, 10);
+        app.play(10);
         wake(&mut app, body);
         app.world_mut().flush();
-        run(&mut app, 1);
-        let since = |app: &App| app.world().get::<RestingSince>(body).expect("required").0;
+        app.play(1);
+        let since = |app: &App| app.get::<RestingSince>(body).0;
         assert_eq!(app.world().resource::<Seen>().woken.len(), 1, "{what}");
         assert_eq!(since(&app), None, "{what}");
-        run(&mut app, 200);
+        app.play(200);
         let seen = app.world().resource::<Seen>();
         assert_eq!(
             (seen.settled.len(), seen.woken.len()),

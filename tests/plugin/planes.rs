@@ -40,9 +40,7 @@ fn dice_settle_in_a_tray() {
     let settled = Arc::new(Mutex::new(Vec::new()));
     let heard = settled.clone();
     app.add_observer(move |on: On<Settled>| heard.lock().expect("one thread").push(on.entity));
-    let mut dice: Vec<_> = (0..6)
-        .map(|k| app.world_mut().spawn((die(), thrown(k))).id())
-        .collect();
+    let mut dice: Vec<_> = (0..6).map(|k| app.spawn((die(), thrown(k)))).collect();
 
     let mut planes = vec![Plane::from(floor)];
     planes.extend(walls(0.06).map(|wall| Plane::new(wall, 0.5, 0.2).expect("valid")));
@@ -60,9 +58,9 @@ fn dice_settle_in_a_tray() {
         app.update();
         let h = tick().as_secs_f64();
         Integrator::Split.step_on_planes(&context, &mut alone, h, &mut memory, &mut contact, None);
-        assert_eq!(state(&app, dice[1]), alone);
+        assert_eq!(app.state(dice[1]), alone);
         for &die in &dice {
-            let place = state(&app, die).position;
+            let place = app.state(die).position;
             assert!(place.x.abs().max(place.z.abs()) < 0.0521 && place.y > 0.0079);
         }
     }
@@ -79,16 +77,14 @@ fn what_rests_falls_when_the_plane_goes() {
     let mut app = app();
     let ramp = plane(DVec3::ZERO, DVec3::new(0.6, 0.8, 0.0));
     let rough = Friction::new(0.8).expect("valid");
-    let ramp = app.world_mut().spawn((ramp, rough)).id();
+    let ramp = app.spawn((ramp, rough));
     let turn = DQuat::from_rotation_z(-libm::atan(0.75));
     let lying = BodyState::at_pose(turn * DVec3::Y * 0.25, turn);
-    let body = app.world_mut().spawn((brick(), lying, ReportContacts)).id();
-    for _ in 0..30 {
-        app.update();
-    }
-    let rest = state(&app, body);
+    let body = app.spawn((brick(), lying, ReportContacts));
+    app.play(30);
+    let rest = app.state(body);
     assert!((rest.position - lying.position).length() < 1e-15);
-    let resting = |app: &App| app.world().get::<RestingSince>(body).expect("a body").0;
+    let resting = |app: &App| app.get::<RestingSince>(body).0;
     assert!(resting(&app).is_some());
     // A smoother one does not hold it, and none lets it fall.
     app.world_mut()
@@ -97,13 +93,11 @@ fn what_rests_falls_when_the_plane_goes() {
     app.update();
     assert!(resting(&app).is_none());
     app.world_mut().entity_mut(ramp).despawn();
-    let before = state(&app, body).velocity;
-    for _ in 0..60 {
-        app.update();
-    }
-    let fallen = state(&app, body).velocity - before;
+    let before = app.state(body).velocity;
+    app.play(60);
+    let fallen = app.state(body).velocity - before;
     assert!((fallen - DVec3::NEG_Y * 9.81).length() < 1e-6, "{fallen}");
-    let touches = app.world().get::<ContactState>(body).expect("a body");
+    let touches = app.get::<ContactState>(body);
     assert_eq!(touches.touching(), 0);
 }
 
@@ -112,24 +106,17 @@ fn what_rests_falls_when_the_plane_goes() {
 fn planes_may_be_invalid_and_may_move() {
     let mut app = app();
     app.insert_resource(Floor::default());
-    let body = app
-        .world_mut()
-        .spawn((brick(), BodyState::at(DVec3::Y * 0.25)))
-        .id();
+    let body = app.spawn((brick(), BodyState::at(DVec3::Y * 0.25)));
     let mut wall = plane(DVec3::X * 4.0, DVec3::NEG_X);
     wall.normal = DVec3::ZERO;
-    let wall = app.world_mut().spawn(wall).id();
-    for _ in 0..30 {
-        app.update();
-    }
-    assert_eq!(state(&app, body), BodyState::at(DVec3::Y * 0.25));
-    assert!(app.world().resource::<PhysicsClock>().fault().is_none());
+    let wall = app.spawn(wall);
+    app.play(30);
+    assert_eq!(app.state(body), BodyState::at(DVec3::Y * 0.25));
+    assert!(app.clock().fault().is_none());
     let pushing = plane(DVec3::X * 0.4, DVec3::NEG_X);
-    *app.world_mut()
-        .get_mut::<StaticPlane>(wall)
-        .expect("a wall") = pushing;
+    *app.edit::<StaticPlane>(wall) = pushing;
     app.update();
-    let pushed = state(&app, body).position;
+    let pushed = app.state(body).position;
     assert!(
         (pushed - DVec3::new(-0.1, 0.25, 0.0)).length() < 1e-12,
         "{pushed}"
@@ -142,15 +129,13 @@ fn a_landing_tells_the_normal() {
     let mut app = app();
     app.insert_resource(WorldGravity(DVec3::ZERO));
     let normal = DVec3::new(-0.6, 0.0, 0.8);
-    app.world_mut().spawn(plane(-normal, normal));
+    app.spawn(plane(-normal, normal));
     let state = BodyState::at(DVec3::ZERO).with_velocity(-4.0 * normal);
-    app.world_mut().spawn((brick(), state, ReportContacts));
+    app.spawn((brick(), state, ReportContacts));
     let heard = Arc::new(Mutex::new(Vec::new()));
     let landings = heard.clone();
     app.add_observer(move |on: On<Landed>| landings.lock().expect("one thread").push(*on.event()));
-    for _ in 0..30 {
-        app.update();
-    }
+    app.play(30);
     let heard = heard.lock().expect("one thread");
     // Its edge strikes first, and then the other one.
     assert_eq!(heard.len(), 2);

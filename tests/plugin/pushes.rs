@@ -1,15 +1,15 @@
 //! Impulses, forces for one tick, queries of whole bodies, and commands that move bodies.
 
 use bevy::prelude::*;
-use box_physics::force::{Forces, Gravity};
+use box_physics::force::Forces;
 use box_physics::prelude::*;
 
-use super::{app, brick, core, state, tumbling};
+use super::{FREE, Play, app, brick, core, tumbling};
 
 fn floating<B: Bundle>(bundle: B) -> (App, Entity) {
     let mut app = app();
     app.insert_resource(WorldGravity(DVec3::ZERO));
-    let entity = app.world_mut().spawn((brick(), tumbling(), bundle)).id();
+    let entity = app.spawn((brick(), tumbling(), bundle));
     (app, entity)
 }
 
@@ -17,15 +17,14 @@ fn floating<B: Bundle>(bundle: B) -> (App, Entity) {
 fn a_torque_impulse_changes_the_spin_alone() {
     let (mut app, entity) = floating(());
     let push = DVec3::new(0.5, -1.0, 2.0);
-    app.world_mut()
-        .write_message(ApplyImpulse::angular(entity, push));
+    app.send(ApplyImpulse::angular(entity, push));
     app.update();
     let mut expected = tumbling();
     expected.apply_angular_impulse(push);
     let before = tumbling().angular_momentum_world();
     assert!((expected.angular_momentum_world() - before - push).length() < 1e-12);
-    core(Integrator::Split, &mut expected, &Gravity(DVec3::ZERO), 1);
-    assert_eq!(state(&app, entity), expected);
+    core(Integrator::Split, &mut expected, &FREE, 1);
+    assert_eq!(app.state(entity), expected);
 }
 
 /// The impulse is J (1 − d/R)^p at the closest point of the box, away from the center.
@@ -99,10 +98,7 @@ fn a_one_shot_force_lasts_for_one_tick() {
     let (force, torque) = (DVec3::new(3.0, -6.0, 0.0), DVec3::new(0.1, 0.2, -0.3));
     for _ in 0..2 {
         // Forces of two systems are added.
-        let mut one_shot = app
-            .world_mut()
-            .get_mut::<OneShotForce>(entity)
-            .expect("there");
+        let mut one_shot = app.edit::<OneShotForce>(entity);
         one_shot.force += 0.5 * force;
         one_shot.torque += 0.5 * torque;
     }
@@ -118,14 +114,14 @@ fn a_one_shot_force_lasts_for_one_tick() {
     for _ in 0..3 {
         Integrator::Split.step(&brick(), &mut expected, &shot, h, &mut memory);
     }
-    assert_eq!(state(&app, entity), expected);
+    assert_eq!(app.state(entity), expected);
     assert_eq!(
         app.world().get::<OneShotForce>(entity),
         Some(&OneShotForce::default())
     );
     let velocity = expected.velocity;
     app.update();
-    assert_eq!(state(&app, entity).velocity, velocity);
+    assert_eq!(app.state(entity).velocity, velocity);
 }
 
 /// All values are in world axes, and writing wakes a sleeping body.
@@ -133,13 +129,8 @@ fn a_one_shot_force_lasts_for_one_tick() {
 fn a_body_is_read_and_pushed_by_one_query() {
     let mut app = app();
     app.insert_resource(Floor::default());
-    let entity = app
-        .world_mut()
-        .spawn((brick(), BodyState::at(DVec3::Y * 0.25)))
-        .id();
-    for _ in 0..20 {
-        app.update();
-    }
+    let entity = app.spawn((brick(), BodyState::at(DVec3::Y * 0.25)));
+    app.play(20);
     let mut bodies = app.world_mut().query::<BodyMut>();
     let mut body = bodies.get_mut(app.world_mut(), entity).expect("a body");
     let spin = DVec3::new(0.5, -1.0, 2.0);
@@ -159,7 +150,7 @@ fn a_body_is_read_and_pushed_by_one_query() {
     assert!((body.angular_momentum - expected.angular_momentum).length() < 1e-12);
     assert!((body.velocity_at(point) - before).length() > 1.0);
     app.update();
-    assert!(state(&app, entity).velocity.y > 3.0, "it woke");
+    assert!(app.state(entity).velocity.y > 3.0, "it woke");
     let mut bodies = app.world_mut().query::<BodyRef>();
     let body = bodies.get(app.world(), entity).expect("a body");
     assert_eq!(body.kinetic_energy(), body.state.kinetic_energy(&brick()));
@@ -172,7 +163,7 @@ fn turning_a_body_keeps_velocity_and_spin_in_world_axes() {
     for by_command in [true, false] {
         let (mut app, entity) = floating(());
         app.update();
-        let before = state(&app, entity);
+        let before = app.state(entity);
         let mut expected = before;
         expected.turn_to(&brick(), turned.as_dquat(), Frame::World);
         let change = expected.angular_velocity(&brick()) - before.angular_velocity(&brick());
@@ -185,8 +176,8 @@ fn turning_a_body_keeps_velocity_and_spin_in_world_axes() {
             transform.as_mut().expect("required").rotation = turned;
         }
         app.update();
-        core(Integrator::Split, &mut expected, &Gravity(DVec3::ZERO), 1);
-        assert_eq!(state(&app, entity), expected, "{by_command}");
+        core(Integrator::Split, &mut expected, &FREE, 1);
+        assert_eq!(app.state(entity), expected, "{by_command}");
     }
 }
 
@@ -196,7 +187,7 @@ fn a_portal_turns_position_velocity_and_spin_together() {
     let (mut app, entity) = floating(());
     let entrance = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_y(0.7));
     let exit = Transform::from_xyz(-5.0, 1.0, 40.0).with_rotation(Quat::from_rotation_z(2.0));
-    let before = state(&app, entity);
+    let before = app.state(entity);
     let pass = |app: &mut App, entrance, exit| {
         let portal = PassPortal {
             entity,
@@ -205,7 +196,7 @@ fn a_portal_turns_position_velocity_and_spin_together() {
         };
         app.world_mut().commands().queue(portal);
         app.world_mut().flush();
-        state(app, entity)
+        app.state(entity)
     };
     let after = pass(&mut app, entrance, exit);
     let seen = |state: &BodyState, from: &Transform| {
@@ -226,11 +217,7 @@ fn a_portal_turns_position_velocity_and_spin_together() {
             "{was} {is}"
         );
     }
-    let shown = app
-        .world()
-        .get::<Transform>(entity)
-        .expect("required")
-        .translation;
+    let shown = app.get::<Transform>(entity).translation;
     assert_eq!(shown, after.position.as_vec3());
     let back = pass(&mut app, exit, entrance);
     assert!((back.position - before.position).length() < 1e-9);

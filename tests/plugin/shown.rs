@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-use super::{brick, state};
+use super::{Play, app, brick, tumbling};
 
 /// An app with frames of 10 ms, ten per tick, that propagates transforms.
 fn slow_app() -> App {
@@ -41,7 +41,7 @@ fn assert_shown(app: &App, entity: Entity, expected: &BodyState) {
     let aabb = body.get::<WorldAabb>().expect("required").0;
     let fitted = WorldAabb::of(&half, expected).0;
     assert_eq!((aabb.min, aabb.max), (fitted.min, fitted.max));
-    assert_eq!(state(app, entity), *expected, "no step was taken for it");
+    assert_eq!(app.state(entity), *expected, "no step was taken for it");
 }
 
 #[derive(Resource)]
@@ -80,14 +80,12 @@ fn a_new_body_is_shown_in_the_frame_in_which_it_comes() {
             } else {
                 1
             };
-            for _ in 0..ticks {
-                app.update();
-            }
+            app.play(ticks);
             let entity = app.world().resource::<Spawned>().0;
             if schedule == FixedUpdate.intern() && !stop {
                 // The next tick is the body's first.
-                assert_eq!(app.world().resource::<PhysicsClock>().steps(), 1);
-                assert_shown(&app, entity, &state(&app, entity));
+                assert_eq!(app.clock().steps(), 1);
+                assert_shown(&app, entity, &app.state(entity));
             } else {
                 assert_shown(&app, entity, &posed());
             }
@@ -123,11 +121,8 @@ fn observers_commands_and_late_parts_make_bodies_as_well() {
     let at_rest = posed().with_velocity(DVec3::ZERO);
     assert_shown(&app, late_transform, &at_rest);
     // A child follows its parent.
-    let parent = app.world_mut().spawn(Transform::IDENTITY).id();
-    let child = app
-        .world_mut()
-        .spawn((brick(), posed(), ChildOf(parent)))
-        .id();
+    let parent = app.spawn(Transform::IDENTITY);
+    let child = app.spawn((brick(), posed(), ChildOf(parent)));
     app.update();
     assert_shown(&app, child, &posed());
 }
@@ -159,10 +154,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
     ];
     for (name, stop) in stops {
         let mut app = slow_app();
-        let entity = app
-            .world_mut()
-            .spawn((brick(), BodyState::at(DVec3::X)))
-            .id();
+        let entity = app.spawn((brick(), BodyState::at(DVec3::X)));
         app.update();
         stop(app.world_mut());
         for k in 0..3 {
@@ -170,7 +162,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
                 position: posed().position + DVec3::Z * f64::from(k),
                 ..posed()
             };
-            *app.world_mut().get_mut(entity).expect("a body") = written;
+            *app.edit(entity) = written;
             app.update();
             println!("{name}, {k}");
             assert_shown(&app, entity, &written);
@@ -180,7 +172,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
             .entity_mut(entity)
             .insert(RigidBox::cube(3.0, 1.0).expect("valid"));
         app.update();
-        let last = state(&app, entity);
+        let last = app.state(entity);
         assert_shown(&app, entity, &last);
     }
 }
@@ -211,40 +203,31 @@ fn changes_to_an_absent_body_take_effect_when_it_returns() {
     for (name, leave, come_back) in away {
         for touch_neighbor in [false, true] {
             for teleport in [false, true] {
-                let mut app = super::app();
+                let mut app = app();
                 app.insert_resource(WorldGravity(DVec3::ZERO));
                 let start = BodyState::at(DVec3::ONE).with_velocity(DVec3::Z);
-                let body = app.world_mut().spawn((brick(), start)).id();
-                let neighbor = app.world_mut().spawn((brick(), start)).id();
-                for _ in 0..3 {
-                    app.update();
-                }
-                let before = state(&app, body);
+                let body = app.spawn((brick(), start));
+                let neighbor = app.spawn((brick(), start));
+                app.play(3);
+                let before = app.state(body);
                 leave(&mut app.world_mut().entity_mut(body));
-                for _ in 0..5 {
-                    app.update();
-                }
-                assert_eq!(state(&app, body), before, "{name}: it stays");
+                app.play(5);
+                assert_eq!(app.state(body), before, "{name}: it stays");
                 let mut expected = before;
                 if teleport {
-                    let mut transform = app.world_mut().get_mut::<Transform>(body).expect("stays");
+                    let mut transform = app.edit::<Transform>(body);
                     transform.translation = Vec3::new(7.0, 8.0, 9.0);
                     expected.position = DVec3::new(7.0, 8.0, 9.0);
                 }
-                for _ in 0..5 {
-                    app.update();
-                }
+                app.play(5);
                 if touch_neighbor {
-                    let mut other = app
-                        .world_mut()
-                        .get_mut::<Transform>(neighbor)
-                        .expect("a body");
+                    let mut other = app.edit::<Transform>(neighbor);
                     other.translation.x += 1.0;
                 }
                 come_back(&mut app.world_mut().entity_mut(body));
                 app.update();
                 expected.position += DVec3::Z * super::tick().as_secs_f64();
-                let found = state(&app, body);
+                let found = app.state(body);
                 assert!(
                     (found.position - expected.position).length() < 1e-12
                         && found.velocity == before.velocity,
@@ -258,24 +241,21 @@ fn changes_to_an_absent_body_take_effect_when_it_returns() {
 #[test]
 fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
     for moved in [false, true] {
-        let mut app = super::app();
+        let mut app = app();
         app.insert_resource(WorldGravity(DVec3::ZERO));
         let place = Transform::from_xyz(1.0, 5.0, 2.0);
-        let body = app.world_mut().spawn((brick(), place, Disabled)).id();
-        for _ in 0..10 {
-            app.update();
-        }
+        let body = app.spawn((brick(), place, Disabled));
+        app.play(10);
         let mut expected = DVec3::new(1.0, 5.0, 2.0);
         if moved {
             expected = DVec3::new(-1.0, 5.0, 2.0);
-            *app.world_mut().get_mut(body).expect("a body") =
-                Transform::from_translation(expected.as_vec3());
+            *app.edit(body) = Transform::from_translation(expected.as_vec3());
             app.update();
         }
         app.world_mut().entity_mut(body).remove::<Disabled>();
         for _ in 0..3 {
             app.update();
-            assert_eq!(state(&app, body).position, expected, "{moved}");
+            assert_eq!(app.state(body).position, expected, "{moved}");
         }
     }
 }
@@ -301,34 +281,69 @@ fn impulses_during_a_pause_are_kept_or_dropped_as_chosen() {
         },
     ];
     for stop in stops {
-        let mut app = super::app();
+        let mut app = app();
         app.insert_resource(WorldGravity(DVec3::ZERO))
             .insert_resource(TimeUpdateStrategy::ManualDuration(super::tick()));
-        let [kept, dropped] =
-            [(), ()].map(|()| app.world_mut().spawn((brick(), BodyState::default())).id());
+        let [kept, dropped] = [(), ()].map(|()| app.spawn((brick(), BodyState::default())));
         app.update();
         stop(app.world_mut(), true);
         app.update();
         for _ in 0..30 {
             let push = ApplyImpulse::center(kept, DVec3::X * 3.0);
-            app.world_mut().write_message(push);
+            app.send(push);
             let entity = dropped;
-            app.world_mut()
-                .write_message(ApplyImpulse { entity, ..push }.dropped_while_paused());
+            app.send(ApplyImpulse { entity, ..push }.dropped_while_paused());
             app.update();
         }
-        assert_eq!(state(&app, kept).velocity, DVec3::ZERO);
+        assert_eq!(app.state(kept).velocity, DVec3::ZERO);
         stop(app.world_mut(), false);
-        for _ in 0..3 {
-            app.update();
-        }
-        assert!((state(&app, kept).velocity.x - 30.0).abs() < 1e-12);
-        assert_eq!(state(&app, dropped).velocity, DVec3::ZERO);
-        app.world_mut()
-            .write_message(ApplyImpulse::center(dropped, DVec3::X * 3.0).dropped_while_paused());
-        for _ in 0..3 {
-            app.update();
-        }
-        assert_eq!(state(&app, dropped).velocity, DVec3::X);
+        app.play(3);
+        assert!((app.state(kept).velocity.x - 30.0).abs() < 1e-12);
+        assert_eq!(app.state(dropped).velocity, DVec3::ZERO);
+        app.send(ApplyImpulse::center(dropped, DVec3::X * 3.0).dropped_while_paused());
+        app.play(3);
+        assert_eq!(app.state(dropped).velocity, DVec3::X);
     }
+}
+
+#[test]
+fn a_new_body_is_shown_where_it_starts_even_while_paused() {
+    let mut app = app();
+    app.pause();
+    let entity = app.spawn((brick(), tumbling()));
+    app.update();
+    let transform = app.get::<Transform>(entity);
+    assert_eq!(transform.translation, tumbling().position.as_vec3());
+    let aabb = app.get::<WorldAabb>(entity).0;
+    assert!(aabb.min.y > 49.0 && aabb.max.y < 51.0 && aabb.min.y < aabb.max.y);
+    assert_eq!(app.state(entity), tumbling());
+}
+
+#[test]
+fn a_state_written_while_paused_is_shown_at_once() {
+    let mut app = app();
+    let entity = app.spawn((brick(), tumbling()));
+    app.update();
+    app.pause();
+    let back = BodyState::at_pose(
+        DVec3::new(7.0, 8.0, 9.0),
+        DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+    );
+    *app.edit(entity) = back;
+    app.update();
+    let transform = *app.get::<Transform>(entity);
+    assert_eq!(transform.translation, Vec3::new(7.0, 8.0, 9.0));
+    assert_eq!(transform.rotation, back.rotation.as_quat());
+    let aabb = app.get::<WorldAabb>(entity).0;
+    // The axes are permuted: x is along the world's y, and so on.
+    assert!((Vec3::from(aabb.max) - Vec3::new(7.125, 8.5, 9.25)).length() < 1e-5);
+    // A pending teleport is not overwritten.
+    app.edit::<Transform>(entity).translation.x = -1.0;
+    app.edit::<BodyState>(entity).velocity = DVec3::Z;
+    app.update();
+    let shown = app.get::<Transform>(entity);
+    assert_eq!(shown.translation.x, -1.0);
+    app.step(1);
+    let after = app.state(entity);
+    assert_eq!((after.position.x, after.velocity.z), (-1.0, 1.0));
 }

@@ -4,7 +4,7 @@ use bevy::ecs::message::Messages;
 use bevy::prelude::*;
 use box_physics::prelude::*;
 
-use super::{app, brick, state, tumbling};
+use super::{Play, app, brick, tumbling};
 
 fn scene(integrator: Integrator) -> (App, Vec<Entity>) {
     let mut app = app();
@@ -36,10 +36,10 @@ fn future(app: &mut App, bodies: &[Entity], ticks: u32) -> Vec<String> {
     let mut seen = Vec::new();
     for _ in 0..ticks {
         app.update();
-        let states: Vec<_> = bodies.iter().map(|&body| state(app, body)).collect();
+        let states: Vec<_> = bodies.iter().map(|&body| app.state(body)).collect();
         let rest: Vec<_> = bodies
             .iter()
-            .map(|&b| app.world().get::<RestingSince>(b).expect("required").0)
+            .map(|&b| app.get::<RestingSince>(b).0)
             .collect();
         let world = app.world_mut();
         let landed: Vec<_> = world.resource_mut::<Messages<Landed>>().drain().collect();
@@ -56,12 +56,8 @@ fn the_same_future_under_every_integrator() {
         // In flight, in the middle of a landing, at rest.
         for ticks in [3, 14, 15, 150] {
             future(&mut app, &bodies, ticks);
-            app.world_mut()
-                .write_message(ApplyImpulse::center(bodies[1], DVec3::new(0.3, 4.0, 0.1)));
-            app.world_mut()
-                .get_mut::<OneShotForce>(bodies[6])
-                .expect("there")
-                .force = DVec3::X;
+            app.send(ApplyImpulse::center(bodies[1], DVec3::new(0.3, 4.0, 0.1)));
+            app.edit::<OneShotForce>(bodies[6]).force = DVec3::X;
             let snapshot = PhysicsSnapshot::take(app.world_mut());
             let first = future(&mut app, &bodies, 60);
             assert_eq!(snapshot.restore(app.world_mut()), []);
@@ -100,33 +96,23 @@ fn what_a_restore_leaves_alone() {
     future(&mut app, &bodies, 5);
     let snapshot = PhysicsSnapshot::take(app.world_mut());
     assert_eq!(snapshot.bodies().len(), 7);
-    let then = state(&app, bodies[2]);
+    let then = app.state(bodies[2]);
     future(&mut app, &bodies, 20);
-    app.world_mut()
-        .get_mut::<BodyState>(bodies[2])
-        .expect("a body")
-        .velocity = DVec3::NAN;
+    app.edit::<BodyState>(bodies[2]).velocity = DVec3::NAN;
     app.update();
     assert!(app.world().get::<Quarantined>(bodies[2]).is_some());
     app.world_mut().despawn(bodies[0]);
-    let new = app
-        .world_mut()
-        .spawn((brick(), BodyState::at(DVec3::Y * 9.0)))
-        .id();
-    app.world_mut().resource_mut::<PhysicsClock>().paused = true;
+    let new = app.spawn((brick(), BodyState::at(DVec3::Y * 9.0)));
+    app.pause();
     app.world_mut().resource_mut::<PhysicsClock>().substeps = 2;
     app.insert_resource(WorldGravity(DVec3::X));
     assert_eq!(snapshot.restore(app.world_mut()), [bodies[0]]);
-    assert_eq!(state(&app, bodies[2]), then);
-    let shown = app
-        .world()
-        .get::<Transform>(bodies[2])
-        .expect("required")
-        .translation;
+    assert_eq!(app.state(bodies[2]), then);
+    let shown = app.get::<Transform>(bodies[2]).translation;
     assert_eq!(shown, then.position.as_vec3());
     assert!(app.world().get::<Quarantined>(bodies[2]).is_none());
-    assert_eq!(state(&app, new).position, DVec3::Y * 9.0);
-    let clock = app.world().resource::<PhysicsClock>();
+    assert_eq!(app.state(new).position, DVec3::Y * 9.0);
+    let clock = app.clock();
     assert!(clock.paused && clock.substeps == 2 && clock.time() == snapshot.time());
     assert_eq!(app.world().resource::<WorldGravity>().0, DVec3::X);
 }
