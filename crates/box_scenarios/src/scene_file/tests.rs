@@ -1,5 +1,5 @@
 use super::*;
-use crate::run::{Plan, run_plan};
+use crate::run::{End, Plan, run_plan};
 use box_physics::floor::RestitutionLaw;
 use box_physics::integrators::Integrator;
 use proptest::prelude::*;
@@ -223,11 +223,15 @@ fn plays(scene: &Scenario) {
     let dt = 1.0 / 60.0;
     let plan = Plan::new(&[dt, 10.0 * dt], &scene.setup.impulses, dt);
     let mut looks = 0;
-    run_plan(&scene.setup, Integrator::Split, &plan, |_, _| {
+    let (_, end) = run_plan(&scene.setup, Integrator::Split, &plan, |_, state| {
+        assert!(state.is_valid());
         looks += 1;
         true
     });
-    assert_eq!(looks, 2);
+    match end {
+        End::Complete => assert_eq!(looks, 2),
+        _ => assert!(matches!(end, End::Failed { .. }), "{end:?}"),
+    }
 }
 
 fn hostile() -> impl Strategy<Value = String> {
