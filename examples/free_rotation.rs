@@ -47,12 +47,20 @@ macro_rules! free_rotation {
                 + k2 * k2 * k2 * (2.0 / 39.0)
                 + k3 * k3 / 13.0
                 + k2 * k2 * k3 * (2.0 / 33.0);
-            let p = y.map(|y| (wp - y).sqrt());
-            let a = [p[1] * p[2], p[2] * p[0], p[0] * p[1]];
+            let p = y.map(|y| wp - y);
+            let pp = [p[1] * p[2], p[2] * p[0], p[0] * p[1]];
+            let root = (p[0] * pp[0]).sqrt();
             let b = [p[0] * g[0], p[1] * g[1], p[2] * g[2]];
-            let m = [0, 1, 2].map(|i| a[i] * l[i] + b[i] * l[(i + 1) % 3] * l[(i + 2) % 3]);
-            let common = p[0] * p[0] - g[1] * g[2] * l[0] * l[0];
-            let den = p[0] * p[0] * common * common - g[1] * g[2] * m[0] * m[0];
+            let m = [0, 1, 2].map(|i| root * l[i] + b[i] * l[(i + 1) % 3] * l[(i + 2) % 3]);
+            let gg = g[1] * g[2];
+            let common = p[0] - gg * l[0] * l[0];
+            let pc = p[0] * common;
+            let n = root * (pc * pc - gg * m[0] * m[0]);
+            let d = [0, 1, 2].map(|i| b[i] * m[(i + 1) % 3] * m[(i + 2) % 3]);
+            let dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            let ld = l[0] * d[0] + l[1] * d[1] + l[2] * d[2];
+            let small = c / 16384.0 + <$real>::MIN_POSITIVE;
+            let s = 2.0 * (p[0] * small - n * ld) / (n * (small + dd));
             let (x, b2, u) = (p1 * e, p2 * c, p2 * e * e);
             let s0 = 1.0 / 6.0
                 + b2 * (-2.0 / 45.0 + b2 * (1.0 / 378.0 + b2 * (-1.0 / 9450.0 + b2 / 534600.0)))
@@ -67,10 +75,10 @@ macro_rules! free_rotation {
             let s3 = 127.0 / 9450.0 - b2 * (3032.0 / 467775.0);
             let delta = p2 * e * (s0 + x * (s1 + x * (s2 + x * (s3 + x * (73.0 / 13365.0)))));
             let turn = [
-                (j[0] + delta) * a[0] * m[0],
-                (j[1] + delta) * a[1] * m[1],
-                (j[2] + delta) * a[2] * m[2],
-                p[0] * p[1] * p[2] * common,
+                (j[0] + delta) * pp[0] * m[0],
+                (j[1] + delta) * pp[1] * m[1],
+                (j[2] + delta) * pp[2] * m[2],
+                p[0] * pp[0] * common,
             ];
             let (half, angle) = (z * middle, z * middle * c.sqrt());
             let sinc = if angle == 0.0 {
@@ -89,9 +97,7 @@ macro_rules! free_rotation {
             };
             let q = times(times(q, spin), turn);
             let norm = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-            let moved =
-                [0, 1, 2].map(|i| l[i] + 2.0 / den * b[i] * m[(i + 1) % 3] * m[(i + 2) % 3]);
-            (q.map(|q| q / norm), moved)
+            (q.map(|q| q / norm), [0, 1, 2].map(|i| l[i] + s * d[i]))
         }
     };
 }
