@@ -18,6 +18,7 @@ use crate::ecs::*;
 use glam::{DMat3, DVec3};
 
 use crate::body::RigidBox;
+use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
 /// A force through the center of mass \[N\], world axes, and a torque about it \[N m\], **body** axes.
@@ -212,6 +213,22 @@ pub trait ForceModel {
     #[inline(always)]
     fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
         self.wrench(body, state)
+    }
+
+    /// [`ForceModel::elastic_wrench`] after a small displacement: position + `shift` \[m\], world axes, and
+    /// attitude∘exp(`turn`) \[rad\], body axes. Correct to first order in both.
+    #[inline(always)]
+    fn displaced_wrench(
+        &self,
+        body: &RigidBox,
+        state: &BodyState,
+        shift: DVec3,
+        turn: DVec3,
+    ) -> Wrench {
+        let mut displaced = *state;
+        displaced.position += shift;
+        displaced.rotation = compose(state.rotation, exponential_map(turn));
+        self.elastic_wrench(body, &displaced)
     }
 
     /// A number that differs whenever [`ForceModel::wrench`] differs, over all parameters other than body and

@@ -124,6 +124,40 @@ impl ForceModel for Forces<'_> {
         total
     }
 
+    fn displaced_wrench(
+        &self,
+        _body: &RigidBox,
+        state: &BodyState,
+        shift: DVec3,
+        turn: DVec3,
+    ) -> Wrench {
+        let inverse = state.rotation.inverse();
+        let turned = |v: DVec3| v + v.cross(turn);
+        let mut total = Wrench {
+            force: DVec3::ZERO,
+            torque: self.body_torque + turned(inverse * self.world_torque),
+        };
+        for p in self.point_forces {
+            let (force, local) = match p.frame {
+                Frame::World => (p.force, turned(inverse * p.force)),
+                Frame::Body => (state.rotation * (p.force + turn.cross(p.force)), p.force),
+            };
+            total += Wrench {
+                force,
+                torque: p.body_point.cross(local),
+            };
+        }
+        for s in self.springs {
+            let arm = s.body_point + turn.cross(s.body_point);
+            let force = -s.stiffness * (state.point(arm) + shift - s.anchor);
+            total += Wrench {
+                force,
+                torque: s.body_point.cross(turned(inverse * force)),
+            };
+        }
+        total
+    }
+
     fn wrench_fingerprint(&self) -> Option<u64> {
         if !self.has_wrench() {
             return Some(0);
@@ -165,6 +199,7 @@ fn at_point(state: &BodyState, force: DVec3, body_point: DVec3) -> Wrench {
 mod tests {
     use super::super::tests::setting;
     use super::*;
+    use crate::rotation::{compose, exponential_map};
 
     #[test]
     fn a_dipole_is_a_pair_of_point_forces() {
@@ -208,6 +243,64 @@ mod tests {
         let w = law.wrench(&body, &state);
         assert_eq!(w.torque, DVec3::Z);
         assert!((w.force - state.rotation * DVec3::Y).length() < 1e-15);
+    }
+
+    /// The displaced wrench of every kind of force agrees with the wrench at the displaced pose to second order.
+    #[test]
+    fn displaced_wrench_to_first_order() {
+        let (body, state) = setting();
+        let point = |frame| PointForce {
+            body_point: DVec3::new(0.4, -0.2, 0.1),
+            force: DVec3::new(1.0, -2.0, 3.0),
+            frame,
+        };
+        let (points, springs) = (
+            [point(Frame::World), point(Frame::Body)],
+            [Spring {
+                body_point: DVec3::new(0.5, 0.25, 0.1),
+                anchor: DVec3::Y,
+                stiffness: 3.0,
+                damping: 0.5,
+            }],
+        );
+        let (none, torque) = (Forces::default(), DVec3::new(0.3, 0.5, -0.2));
+        for law in [
+            Forces {
+                body_torque: torque,
+                ..none
+            },
+            Forces {
+                world_torque: torque,
+                ..none
+            },
+            Forces {
+                point_forces: &points[..1],
+                ..none
+            },
+            Forces {
+                point_forces: &points[1..],
+                ..none
+            },
+            Forces {
+                springs: &springs,
+                ..none
+            },
+        ] {
+            let error = |size: f64| {
+                let (shift, turn) = (DVec3::new(1.0, 0.5, -2.0) * size, DVec3::ONE * size);
+                let mut displaced = state;
+                displaced.position += shift;
+                displaced.rotation = compose(state.rotation, exponential_map(turn));
+                let exact = law.elastic_wrench(&body, &displaced);
+                let near = law.displaced_wrench(&body, &state, shift, turn);
+                (near.force - exact.force).length() + (near.torque - exact.torque).length()
+            };
+            assert!(
+                error(1e-4) < 2e-7 && error(1e-5) < 2e-9,
+                "{:e}",
+                error(1e-4)
+            );
+        }
     }
 
     /// The elastic wrench leaves out −C (v, ω) in body axes.

@@ -7,8 +7,6 @@ use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel};
 use crate::free_motion::free_rotation_by;
 use crate::math::{AnyArgument, Exponential, Trigonometry, exp};
-use crate::rotation::compose;
-use crate::rotation::exponential_map;
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
@@ -145,10 +143,8 @@ pub(super) fn modified_kick<F: ForceModel>(
 ) {
     let w = force.elastic_wrench(body, state);
     let e = body.inverse_inertia() * w.torque;
-    let mut displaced = *state;
-    displaced.position += (c * body.inverse_mass()) * w.force;
-    displaced.rotation = compose(state.rotation, exponential_map(c * e));
-    let there = force.elastic_wrench(body, &displaced);
+    let shift = (c * body.inverse_mass()) * w.force;
+    let there = force.displaced_wrench(body, state, shift, c * e);
     state.velocity += (tau * body.inverse_mass()) * there.force;
     state.angular_momentum += tau * (there.torque + c * e.cross(w.torque));
 }
@@ -187,6 +183,9 @@ pub(super) fn exact_drift(
 ) {
     let rate = d.linear_drag * body.inverse_mass();
     exponential_step(state, d.blown(a, rate), rate, h);
+    if d.angular_damping == 0.0 {
+        return free_rotation.flow(body, state, h);
+    }
     let damping = Exponential::new(d.angular_damping * h);
     free_rotation.flow(body, state, h * damping.phi1);
     state.angular_momentum *= damping.decay;
