@@ -125,7 +125,8 @@ pub(super) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force:
     state.angular_momentum += tau * w.torque;
 }
 
-/// Chin's modified kick: [`kick`] over τ with the wrench at a pose displaced by that wrench times c \[s²\],
+/// Chin's modified kick: [`kick`] over τ with the wrench at a pose displaced by that wrench times c \[s²\], to
+/// first order,
 ///
 /// ```text
 /// x̃ = x + c F/m,  q̃ = q∘exp(c e),  e = T/I:   v += τ F̃/m,  L += τ (T̃ + c e×T)
