@@ -166,7 +166,8 @@ fn reflection_reads_and_writes() {
 fn the_floor_can_be_left_out() {
     let mut app = app_with(PhysicsPlugins::default().build().disable::<FloorPlugin>());
     // A Floor inserted by other code must have no effect either.
-    app.insert_resource(Floor::default());
+    app.insert_resource(Floor::default())
+        .insert_resource(Time::<Fixed>::from_hz(64.0));
     let lying = BodyState::at(DVec3::Y * 0.25);
     let entity = app.spawn((brick(), lying, ReportContacts));
     app.play(64);
