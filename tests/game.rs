@@ -118,8 +118,8 @@ fn every_integrator_is_timed() {
     play(&mut app, 2 * Integrator::ALL.len());
     let samples = app.world().resource::<IntegratorSamples>();
     for &i in Integrator::ALL {
-        let (min, median, p95) = samples.statistics(i).expect("sampled");
-        assert!(0.0 < min && min <= median && median <= p95, "{i}");
+        let cost = samples.cost(i).expect("sampled");
+        assert!(0.0 < cost.min && cost.min <= cost.median && cost.median <= cost.p95, "{i}");
         assert!(samples.history(i).count() >= 1);
     }
 }

@@ -74,7 +74,7 @@ fn panel(scene: &str) -> Costs {
         app.update();
     }
     let samples = app.world().resource::<IntegratorSamples>();
-    let min = |&i: &Integrator| Some((i, samples.statistics(i)?.0));
+    let min = |&i: &Integrator| Some((i, samples.cost(i)?.min));
     Integrator::ALL.iter().filter_map(min).collect()
 }
 

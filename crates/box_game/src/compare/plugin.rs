@@ -164,7 +164,7 @@ fn follow(
     comparison.settle();
     if let Some(samples) = samples {
         comparison.make_fair(|i| {
-            let (min, _, _) = samples.statistics(i)?;
+            let min = samples.cost(i)?.min;
             Some((samples.evaluations(i), min))
         });
     }

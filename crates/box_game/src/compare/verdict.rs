@@ -109,13 +109,6 @@ impl TrajectoryView {
     pub fn quality(&self, attitude: bool) -> Quality {
         Quality::of(self.worst, self.late, self.status, attitude)
     }
-
-    /// Median cost of a simulated second \[ns\].
-    fn cost(&self) -> Option<f64> {
-        let (_, median, _) = self.nanoseconds?;
-        let cost = median / self.dt;
-        (cost > 0.0 && cost.is_finite()).then_some(cost)
-    }
 }
 
 /// One sentence: who is wrong, by how much, who is right, and at what cost.
@@ -147,7 +140,7 @@ pub fn headline(view: &CompareView) -> String {
     if best.integrator == worst.integrator {
         return first;
     }
-    let price = match (best.cost(), worst.cost()) {
+    let price = match (best.cost_per_second(), worst.cost_per_second()) {
         (Some(a), Some(b)) if (0.8..=1.25).contains(&(a / b)) => ", at the same cost".to_owned(),
         (Some(a), Some(b)) => format!(", at {}× the cost", short(a / b)),
         _ => String::new(),
@@ -166,6 +159,7 @@ pub fn headline(view: &CompareView) -> String {
 mod tests {
     use super::*;
     use crate::ui::panel::sample_view;
+    use box_bench::measure::Cost;
 
     #[test]
     fn a_word_for_every_quality() {
@@ -216,7 +210,7 @@ mod tests {
             headline(&view),
             "Semi-implicit Euler: 88° off, energy +33 %. Split: right to rounding, at the same cost."
         );
-        view.trajectories[2].nanoseconds = Some((20.0, 20.0, 20.0));
+        view.trajectories[2].cost = Some(Cost::of(&[20.0]));
         view.trajectories[2].late = Some((2, 0.4));
         assert_eq!(
             headline(&view),

@@ -1,5 +1,6 @@
 //! What the panel shows of the comparison: plain data.
 
+use box_bench::measure::Cost;
 use box_physics::prelude::Integrator;
 use box_scenarios::Status;
 
@@ -81,10 +82,10 @@ pub struct TrajectoryView {
     pub skew: f64,
     /// What can be said of it.
     pub status: Status,
-    /// Shortest, median, 95th percentile [ns per step].
-    pub nanoseconds: Option<(f64, f64, f64)>,
-    /// Cost of this run so far [ns per simulated second], as the sweep measures it.
-    pub cost: Option<f64>,
+    /// Of the recent samples [ns per body-step].
+    pub cost: Option<Cost>,
+    /// Mean cost of this run so far [ns per simulated second], as the sweep measures it.
+    pub run_cost: Option<f64>,
     /// Force evaluations per step.
     pub evaluations: f64,
     /// Now, in the order of [`Quantity::ALL`]; NaN where unknown.
@@ -103,6 +104,12 @@ impl TrajectoryView {
     /// One of the present values.
     pub fn get(&self, quantity: Quantity) -> f64 {
         self.now[quantity as usize]
+    }
+
+    /// Cost of a simulated second \[ns\]: the minimum, as everywhere.
+    pub fn cost_per_second(&self) -> Option<f64> {
+        let cost = self.cost?.min / self.dt;
+        (cost > 0.0 && cost.is_finite()).then_some(cost)
     }
 
     /// Whether it was given up.
@@ -149,15 +156,14 @@ pub fn verdict(view: &CompareView) -> String {
     } else {
         (main_box.worst.0, other.worst.0, "position")
     };
-    let cost = |l: &TrajectoryView| l.nanoseconds.map(|(min, ..)| min / l.dt);
     let (best, worst, small, large) = if a <= b {
         (main_box, other, a, b)
     } else {
         (other, main_box, b, a)
     };
     let (best_name, worst_name) = (best.integrator.name(), worst.integrator.name());
-    let price = match (cost(best), cost(worst)) {
-        (Some(x), Some(y)) if x > 0.0 && y > 0.0 => format!(", {} cost", times(x / y)),
+    let price = match (best.cost_per_second(), worst.cost_per_second()) {
+        (Some(x), Some(y)) => format!(", {} cost", times(x / y)),
         _ => String::new(),
     };
     if large <= ROUNDING {
@@ -206,8 +212,8 @@ mod tests {
             dt: 1.0 / 60.0,
             skew: 0.0,
             status: Status::Ok,
-            nanoseconds: Some((ns, ns, ns)),
-            cost: None,
+            cost: Some(Cost::of(&[ns])),
+            run_cost: None,
             evaluations: 1.0,
             now: [0.0; Quantity::ALL.len()],
             worst: error,

@@ -179,13 +179,13 @@ fn measured(
     track: &Track,
     samples: &IntegratorSamples,
 ) -> Row {
-    let statistics = samples.statistics(integrator);
+    let cost = samples.cost(integrator);
     let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
     Row {
         trajectory,
         integrator: integrator.id().to_owned(),
-        step_ns_min: statistics.map(|s| s.0),
-        step_ns_med: statistics.map(|s| s.1),
+        step_ns_min: cost.map(|c| c.min),
+        step_ns_med: cost.map(|c| c.median),
         pos_err_m: known(Quantity::Position),
         rot_err_deg: known(Quantity::Attitude),
         local_pos_err_m: known(Quantity::LocalPosition),

@@ -79,7 +79,7 @@ pub fn view(s: &Sources) -> PanelView {
             .iter()
             .map(|&integrator| IntegratorTiming {
                 integrator,
-                nanoseconds: s.samples.statistics(integrator),
+                cost: s.samples.cost(integrator),
                 evaluations: s.samples.evaluations(integrator),
             })
             .collect(),

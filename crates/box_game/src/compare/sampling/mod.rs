@@ -56,7 +56,7 @@ pub struct IntegratorSamples {
     run: Vec<(f64, u32)>,
     /// Steps of the plugin at this round's snapshot, and whether the round belongs to the run's mean.
     round: (u64, bool),
-    /// Medians over time: (time since start \[s\], ns), per integrator.
+    /// Minima over time: (time since start \[s\], ns), per integrator.
     history: Vec<VecDeque<(f64, f64)>>,
     /// Time since start \[s\], and each stage of one step \[µs\].
     plugin: VecDeque<(f64, [f64; Stage::ALL.len()])>,
@@ -109,12 +109,11 @@ impl Default for IntegratorSamples {
 }
 
 impl IntegratorSamples {
-    /// Minimum, median and 95th percentile [ns per body-step] of the last two seconds.
-    pub fn statistics(&self, integrator: Integrator) -> Option<(f64, f64, f64)> {
+    /// Cost of a body-step \[ns\], of the samples of the last two seconds.
+    pub fn cost(&self, integrator: Integrator) -> Option<Cost> {
         let recent = &self.recent[integrator.index()];
         let recent: Vec<f64> = recent.iter().map(|s| s.1).collect();
-        let cost = (!recent.is_empty()).then(|| Cost::of(&recent))?;
-        Some((cost.min, cost.median, cost.p95))
+        (!recent.is_empty()).then(|| Cost::of(&recent))
     }
 
     /// Mean of this run's samples [ns per body-step], each of another moment of the scene: what the sweep measures.
@@ -143,7 +142,7 @@ impl IntegratorSamples {
         self.evaluations[integrator.index()]
     }
 
-    /// (time \[s\], median ns per body-step), oldest first.
+    /// (time \[s\], minimum ns per body-step), oldest first.
     pub fn history(&self, integrator: Integrator) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.history[integrator.index()].iter().copied()
     }
@@ -205,9 +204,9 @@ impl IntegratorSamples {
             self.run[k].0 += sample.nanoseconds;
             self.run[k].1 += 1;
         }
-        if let Some((_, median, _)) = self.statistics(integrator) {
+        if let Some(cost) = self.cost(integrator) {
             let history = &mut self.history[k];
-            history.push_back((time, median));
+            history.push_back((time, cost.min));
             if history.len() > HISTORY {
                 history.pop_front();
             }

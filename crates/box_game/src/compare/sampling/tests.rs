@@ -29,13 +29,13 @@ fn nothing_is_older_than_two_seconds_or_of_another_load() {
         samples.record_plugin(time, n.into(), &PhysicsTimings::default());
         assert!(samples.oldest(time) <= WINDOW);
     }
-    assert_eq!(samples.statistics(split), Some((20.0, 20.0, 20.0)));
+    assert_eq!(samples.cost(split), Some(Cost::of(&[20.0])));
     assert!(samples.plugin().is_some());
     samples.begin(10.0, load(0.2));
-    assert_eq!(samples.statistics(split), None);
+    assert_eq!(samples.cost(split), None);
     assert_eq!(samples.plugin(), None);
     samples.record(split, 10.0, sample(5.0));
-    assert_eq!(samples.statistics(split), Some((5.0, 5.0, 5.0)));
+    assert_eq!(samples.cost(split), Some(Cost::of(&[5.0])));
 }
 
 /// With a coarse clock, the last sample stays until there is another.
@@ -48,10 +48,10 @@ fn a_coarse_clock_keeps_its_last_sample() {
     samples.begin(0.0, load(0.1));
     samples.record(Integrator::Split, 0.0, sample(9.0));
     samples.begin(10.0, load(0.1));
-    assert_eq!(samples.statistics(Integrator::Split), Some((9.0, 9.0, 9.0)));
+    assert_eq!(samples.cost(Integrator::Split), Some(Cost::of(&[9.0])));
     samples.record(Integrator::Split, 10.0, sample(5.0));
     samples.begin(10.1, load(0.1));
-    assert_eq!(samples.statistics(Integrator::Split), Some((5.0, 5.0, 5.0)));
+    assert_eq!(samples.cost(Integrator::Split), Some(Cost::of(&[5.0])));
 }
 
 /// A clock made of force evaluations tells sweep and panel the same costs, so that the dots of the work–precision

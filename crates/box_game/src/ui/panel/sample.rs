@@ -1,5 +1,6 @@
 //! A made-up view, for tests of the panel and of its callers.
 
+use box_bench::measure::Cost;
 use box_physics::prelude::{DVec3, Integrator};
 
 use super::view::{HistoryView, IntegratorTiming, MainBoxView, PanelView};
@@ -63,7 +64,7 @@ pub fn sample_view() -> PanelView {
                 let median = 60.0 + 45.0 * k as f64;
                 IntegratorTiming {
                     integrator,
-                    nanoseconds: Some((0.9 * median, median, 1.3 * median)),
+                    cost: Some(Cost::of(&[0.9 * median, median, 1.3 * median])),
                     evaluations: f64::from(integrator.info().evaluations.free),
                 }
             })
@@ -120,8 +121,8 @@ fn sample_comparison() -> CompareView {
                     dt: 1.0 / 60.0,
                     skew: 0.0,
                     status: Default::default(),
-                    nanoseconds: Some((50.0, 60.0, 80.0)),
-                    cost: Some(3600.0),
+                    cost: Some(Cost::of(&[50.0, 60.0, 80.0])),
+                    run_cost: Some(3600.0),
                     evaluations: 1.0,
                     now: [error; Quantity::ALL.len()],
                     worst: (error, error),

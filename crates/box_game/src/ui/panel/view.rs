@@ -1,6 +1,7 @@
 //! Content of the panel: plain data, filled by the game. The panel is a pure function of it and is tested
 //! without a window.
 
+use box_bench::measure::Cost;
 use box_physics::plugin::Stage;
 use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::Status;
@@ -139,9 +140,8 @@ pub struct MainBoxView {
 pub struct IntegratorTiming {
     /// Which.
     pub integrator: Integrator,
-    /// Shortest, median and 95th percentile of the recent samples [ns per body-step]; `None` before
-    /// the first.
-    pub nanoseconds: Option<(f64, f64, f64)>,
+    /// Of the recent samples [ns per body-step]; `None` before the first.
+    pub cost: Option<Cost>,
     /// Force evaluations per body-step.
     pub evaluations: f64,
 }
@@ -149,7 +149,7 @@ pub struct IntegratorTiming {
 /// Histories, oldest first; times are seconds since the start of the program or the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HistoryView {
-    /// Per integrator in the order of the menu: (wall time \[s\], median ns per body-step).
+    /// Per integrator in the order of the menu: (wall time \[s\], minimum ns per body-step).
     pub timing: Vec<Vec<(f64, f64)>>,
     /// (wall time \[s\], process CPU [% of all cores], system CPU \[%\]).
     pub cpu: Vec<(f64, f64, f64)>,

@@ -198,6 +198,6 @@ fn now(trajectory: &TrajectoryView, position: bool) -> Option<[f64; 2]> {
     } else {
         trajectory.worst.1
     };
-    let at = [to_axis(error), to_axis(trajectory.cost? * 1e-3)];
+    let at = [to_axis(error), to_axis(trajectory.run_cost? * 1e-3)];
     (at.iter().all(|v| v.is_finite()) && !trajectory.diverged()).then_some(at)
 }

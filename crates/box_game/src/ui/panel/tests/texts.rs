@@ -141,7 +141,7 @@ fn hidden_leaves_one_line_and_the_whole_picture() {
 fn the_table_has_a_row_for_every_integrator() {
     let mut view = sample_view();
     view.plot = Plot::Table;
-    view.timings[1].nanoseconds = None;
+    view.timings[1].cost = None;
     let person = Person::before(view.clone(), TALL);
     for heading in [
         "min [ns]",
@@ -195,7 +195,7 @@ fn plots_say_what_they_show_and_leave_the_wheel_alone() {
         (Plot::Energy, ENERGY),
         (
             Plot::Timing,
-            "Median nanoseconds per body-step of every integrator over wall time, logarithmic",
+            "Minimum nanoseconds per body-step of every integrator over wall time, logarithmic",
         ),
         (
             Plot::Cpu,
