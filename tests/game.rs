@@ -119,7 +119,10 @@ fn every_integrator_is_timed() {
     let samples = app.world().resource::<IntegratorSamples>();
     for &i in Integrator::ALL {
         let cost = samples.cost(i).expect("sampled");
-        assert!(0.0 < cost.min && cost.min <= cost.median && cost.median <= cost.p95, "{i}");
+        assert!(
+            0.0 < cost.min && cost.min <= cost.median && cost.median <= cost.p95,
+            "{i}"
+        );
         assert!(samples.history(i).count() >= 1);
     }
 }

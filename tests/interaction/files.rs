@@ -47,7 +47,7 @@ fn a_scene_file_is_played_watched_and_kept_when_it_breaks() {
     assert_eq!(session(&app).parameters.mass, 4.0);
     // The scene is in the menu, and cycling through the list includes it.
     let scenes = app.world().resource::<SceneLibrary>().scenes();
-    assert!(scenes.contains(&("mine".to_owned(), "Mine".to_owned())));
+    assert!(scenes.iter().any(|s| s.id == "mine" && s.title == "Mine"));
     ask(&mut app, Action::NextScene);
     assert_ne!(session(&app).scenario.id, "mine");
     ask(&mut app, Action::SelectScene("mine".to_owned()));
@@ -65,7 +65,7 @@ fn the_shipped_scene_files_are_in_the_menu_and_play() {
     app.insert_resource(SceneLibrary::new(root, None));
     let scenes = app.world().resource::<SceneLibrary>().scenes().to_vec();
     assert!(scenes.len() >= Scenario::ALL.len() + 3);
-    for (id, _) in scenes.into_iter().skip(Scenario::ALL.len()) {
+    for SceneCard { id, .. } in scenes.into_iter().skip(Scenario::ALL.len()) {
         ask(&mut app, Action::SelectScene(id.clone()));
         play(&mut app, 30);
         assert_eq!(session(&app).scenario.id, id);

@@ -30,8 +30,6 @@ pub enum CompareAction {
     ToggleLogarithmicEnergy,
     /// Error since the start, or of each step alone.
     ToggleLocal,
-    /// Integrator of the verdict in words.
-    Select(#[serde(with = "integrator_id")] Integrator),
     /// Start the work–precision sweep in the background.
     StartSweep,
     /// Cancel the sweep.
@@ -175,7 +173,7 @@ mod tests {
         let text = ron::to_string(&request).expect("plain data");
         assert_eq!(text, r#"ToggleComparison("rk4")"#);
         assert_eq!(ron::from_str::<CompareAction>(&text), Ok(request));
-        let error = ron::from_str::<CompareAction>(r#"Select("leapfrog")"#)
+        let error = ron::from_str::<CompareAction>(r#"ToggleComparison("leapfrog")"#)
             .expect_err("no such integrator")
             .to_string();
         assert!(error.contains("leapfrog"), "{error}");

@@ -17,9 +17,10 @@ const GAP: u32 = 2;
 /// The layer of what is in every view.
 const COMMON: usize = MOST;
 
-/// The room that the panel leaves for the picture \[pixels\]. Without it, views are drawn in one place.
+/// The room that the panel leaves for the picture \[pixels\], and how much of it captions cover from its top [points].
+/// Without it, views are drawn in one place.
 #[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct PictureArea(pub URect);
+pub struct PictureArea(pub URect, pub f32);
 
 /// A further view, by its number: 1 to 3.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use box_physics::prelude::Integrator;
 use box_scenarios::{ComparisonResult, Scenario};
 
 use super::sampling::{measure_grain, shortest_sample};
-use super::view::times;
+use super::verdict::short;
 use crate::record::csv_log::{CsvLog, Row};
 
 /// Rows of the CSV per integrator at most; a longer run is thinned to every `every`-th step.
@@ -143,7 +143,7 @@ impl Headless {
             "energy [1]",
             "ang.mom. [1]",
             "evals/step",
-            "ns/body-step",
+            "min ns/step",
         );
         let figure = |x: Option<f64>, least: f64| match x {
             None => "-".to_owned(),
@@ -189,9 +189,9 @@ fn verdict(table: &Table) -> String {
     let least = table.result.uncertainty.attitude;
     match (ours.attitude, usual.attitude) {
         (Some(a), Some(b)) if a > least && b > least => format!(
-            "\nsplit: {} smaller attitude error than semi-implicit-euler at {} its cost.\n",
-            times(b / a),
-            times(cost.min / usual_cost.min)
+            "\nsplit: {}× smaller attitude error than semi-implicit-euler at {}× its cost.\n",
+            short(b / a),
+            short(cost.min / usual_cost.min)
         ),
         _ => String::new(),
     }

@@ -140,7 +140,6 @@ impl Comparison {
             self.scene = Some(scene.to_owned());
             let others = recommended.into_iter().filter(|&i| i != main_box);
             self.choose(others.take(RECOMMENDED));
-            self.settings.selected = None;
             self.sweep.clear();
         }
         self.run = Some(Run::new(setup, truth, main_box, step));

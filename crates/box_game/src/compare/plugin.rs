@@ -195,7 +195,6 @@ pub fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLogarithmic => settings.logarithmic ^= true,
         CompareAction::ToggleLogarithmicEnergy => settings.logarithmic_energy ^= true,
         CompareAction::ToggleLocal => settings.local ^= true,
-        CompareAction::Select(integrator) => settings.selected = Some(integrator),
         CompareAction::StartSweep => comparison.request_sweep(),
         CompareAction::CancelSweep => comparison.sweep.cancel(),
         CompareAction::Resync | CompareAction::Copy => {}

@@ -214,7 +214,7 @@ mod tests {
         view.trajectories[2].late = Some((2, 0.4));
         assert_eq!(
             headline(&view),
-            "Semi-implicit Euler: flip 2 0.40 s late, energy +33 %. Split: right to rounding, at 3.0× the cost."
+            "Semi-implicit Euler: flip 2 0.40 s late, energy +33 %. Split: right to rounding, at 2.5× the cost."
         );
         view.trajectories[2].status = Status::Diverged(box_scenarios::Divergence {
             t: 1.5,

@@ -24,8 +24,6 @@ pub struct Settings {
     pub logarithmic_energy: bool,
     /// Error of each step alone, instead of since the start.
     pub local: bool,
-    /// The integrator that the main box is compared with in words; the first trajectory if `None`.
-    pub selected: Option<Integrator>,
 }
 
 impl Default for Settings {
@@ -37,7 +35,6 @@ impl Default for Settings {
             logarithmic: true,
             logarithmic_energy: false,
             local: false,
-            selected: None,
         }
     }
 }
@@ -127,138 +124,4 @@ pub struct SweepView {
     pub progress: (u32, u32),
     /// The lines so far.
     pub lines: Vec<SweepLine>,
-}
-
-/// Errors below are rounding: no ratio of them says anything.
-const ROUNDING: f64 = 1e-11;
-
-/// The main box against the chosen trajectory, in words, from the side of the more accurate.
-pub fn verdict(view: &CompareView) -> String {
-    let Some(main_box) = view.trajectories.iter().find(|l| l.main_box) else {
-        return String::new();
-    };
-    let others = || view.trajectories.iter().filter(|l| !l.main_box);
-    let chosen = others()
-        .find(|l| Some(l.integrator) == view.settings.selected)
-        .or_else(|| others().next());
-    let Some(other) = chosen else {
-        return "Tick an integrator to compare with.".to_owned();
-    };
-    let (h, o) = (main_box.integrator.name(), other.integrator.name());
-    match (main_box.diverged(), other.diverged()) {
-        (true, true) => return format!("{h} and {o} have both diverged."),
-        (true, false) => return format!("{h} has diverged, {o} has not."),
-        (false, true) => return format!("{o} has diverged, {h} has not."),
-        (false, false) => {}
-    }
-    let (a, b, what) = if view.attitude {
-        (main_box.worst.1, other.worst.1, "attitude")
-    } else {
-        (main_box.worst.0, other.worst.0, "position")
-    };
-    let (best, worst, small, large) = if a <= b {
-        (main_box, other, a, b)
-    } else {
-        (other, main_box, b, a)
-    };
-    let (best_name, worst_name) = (best.integrator.name(), worst.integrator.name());
-    let price = match (best.cost_per_second(), worst.cost_per_second()) {
-        (Some(x), Some(y)) => format!(", {} cost", times(x / y)),
-        _ => String::new(),
-    };
-    if large <= ROUNDING {
-        return format!(
-            "{h} and {o} are both right to rounding; {best_name}{}",
-            match price.strip_prefix(", ") {
-                Some(price) => format!(": {price}."),
-                None => " is not timed yet.".to_owned(),
-            }
-        );
-    }
-    let ratio = if small <= ROUNDING {
-        "right to rounding".to_owned()
-    } else {
-        format!("{} smaller {what} error", times(large / small))
-    };
-    format!("{best_name}: {ratio}{price} (against {worst_name}).")
-}
-
-/// `310×`, `3.4×`, `1.6e6×`.
-pub(super) fn times(ratio: f64) -> String {
-    if ratio >= 1e5 {
-        format!("{ratio:.1e}×")
-    } else if ratio >= 10.0 {
-        format!("{ratio:.0}×")
-    } else if ratio >= 0.1 {
-        format!("{ratio:.1}×")
-    } else {
-        format!("{ratio:.2}×")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn trajectory(
-        integrator: Integrator,
-        main_box: bool,
-        error: (f64, f64),
-        ns: f64,
-    ) -> TrajectoryView {
-        TrajectoryView {
-            integrator,
-            main_box,
-            dt: 1.0 / 60.0,
-            skew: 0.0,
-            status: Status::Ok,
-            cost: Some(Cost::of(&[ns])),
-            run_cost: None,
-            evaluations: 1.0,
-            now: [0.0; Quantity::ALL.len()],
-            worst: error,
-            late: None,
-            energies: [0.0; 3],
-            lines: Vec::new(),
-        }
-    }
-
-    #[test]
-    fn verdicts() {
-        use Integrator::{Rk4, SemiImplicitEuler};
-        let with = |a: (f64, f64), b: (f64, f64)| CompareView {
-            trajectories: vec![
-                trajectory(Rk4, true, a, 68.0),
-                trajectory(SemiImplicitEuler, false, b, 20.0),
-            ],
-            attitude: a.1.max(b.1) > 0.0,
-            ..CompareView::default()
-        };
-        assert_eq!(
-            verdict(&with((0.0, 0.1), (0.0, 31.0))),
-            "RK4: 310× smaller attitude error, 3.4× cost (against Semi-implicit Euler)."
-        );
-        assert_eq!(
-            verdict(&with((2.0, 0.0), (0.5, 0.0))),
-            "Semi-implicit Euler: 4.0× smaller position error, 0.3× cost (against RK4)."
-        );
-        assert_eq!(
-            verdict(&with((0.0, 0.0), (0.5, 0.0))),
-            "RK4: right to rounding, 3.4× cost (against Semi-implicit Euler)."
-        );
-        assert!(verdict(&with((0.0, 0.0), (0.0, 0.0))).contains("both right to rounding"));
-        let mut view = with((0.0, 0.1), (0.0, 31.0));
-        view.trajectories[1].status = Status::Diverged(box_scenarios::Divergence {
-            t: 3.2,
-            reason: box_scenarios::Reason::Energy,
-        });
-        assert_eq!(
-            verdict(&view),
-            "Semi-implicit Euler has diverged, RK4 has not."
-        );
-        view.trajectories.truncate(1);
-        assert_eq!(verdict(&view), "Tick an integrator to compare with.");
-        assert_eq!(verdict(&CompareView::default()), "");
-        assert_eq!(times(1.6e6), "1.6e6×");
-    }
 }

@@ -22,9 +22,32 @@ pub struct SceneLibrary {
     /// The file of the command line, which may be anywhere.
     opened: Option<PathBuf>,
     files: Vec<SceneFile>,
-    /// (id, title) of every scene.
-    menu: Vec<(String, String)>,
+    menu: Vec<SceneCard>,
     looked: Option<f64>,
+}
+
+/// A scene in the menu.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneCard {
+    /// Its id.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// What there is to see: the first sentence of its lesson; may be empty.
+    pub watch: String,
+}
+
+impl SceneCard {
+    /// Of this scene.
+    pub fn of(scene: &Scenario) -> Self {
+        // An initial ends no sentence.
+        let word = |end: usize| scene.lesson[..end].rsplit(' ').next().unwrap_or_default();
+        let mut ends = scene.lesson.match_indices(". ").map(|(at, _)| at);
+        let end = ends.find(|&at| word(at).chars().count() > 1);
+        let watch = end.map_or(scene.lesson, |at| &scene.lesson[..=at]);
+        let [id, title, watch] = [scene.id, scene.title, watch].map(str::to_owned);
+        Self { id, title, watch }
+    }
 }
 
 /// A file and its last content.
@@ -56,8 +79,8 @@ impl SceneLibrary {
         Self::new(platform::scene_folder(), opened)
     }
 
-    /// (id, title) of every scene, in the order of the menu: built-in ones first.
-    pub fn scenes(&self) -> &[(String, String)] {
+    /// Every scene, in the order of the menu: built-in ones first.
+    pub fn scenes(&self) -> &[SceneCard] {
         &self.menu
     }
 
@@ -138,7 +161,7 @@ impl SceneLibrary {
         let from_files = self.files.iter().filter_map(|f| f.scene.clone());
         self.menu = built_in
             .chain(from_files)
-            .map(|s| (s.id.to_owned(), s.title.to_owned()))
+            .map(|scene| SceneCard::of(&scene))
             .collect();
         changed
     }
@@ -199,9 +222,9 @@ pub fn on_action(
     let neighbor = |by: isize| {
         let scenes = library.scenes();
         let playing = session.scenario.id;
-        let at = scenes.iter().position(|(id, _)| id == playing).unwrap_or(0);
+        let at = scenes.iter().position(|s| s.id == playing).unwrap_or(0);
         let next = (at as isize + by).rem_euclid(scenes.len() as isize);
-        library.find(&scenes[next as usize].0)
+        library.find(&scenes[next as usize].id)
     };
     let scene = match &*action {
         Action::SelectScene(id) => library.find(id),

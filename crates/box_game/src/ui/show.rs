@@ -86,7 +86,7 @@ pub(super) fn show_panel(
     plot.0 = layout
         .plot
         .map_or_else(URect::default, |rect| pixels(rect, scale, whole));
-    picture.0 = pixels(layout.central, scale, whole);
+    *picture = PictureArea(pixels(layout.central, scale, whole), layout.captions);
     *drawn = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
 }

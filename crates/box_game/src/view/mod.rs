@@ -9,6 +9,7 @@ pub mod style;
 mod visuals;
 mod walls;
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use box_physics::plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 
@@ -29,13 +30,22 @@ impl Plugin for ViewPlugin {
                     lattice::draw_lattice.after(move_camera),
                     walls::draw_walls,
                     backdrop::place_backdrop.after(move_camera),
-                    visuals::dress_boxes,
-                    visuals::tint_main_box,
                     visuals::place_floor,
                     switch_gizmos.before(BodyGizmosSystems),
                 ),
             );
+        add_dressing(app);
     }
+}
+
+/// After everything that spawns a box or switches its integrator in this frame.
+fn add_dressing(app: &mut App) {
+    app.add_systems(
+        PostUpdate,
+        (visuals::dress_boxes, visuals::tint_main_box)
+            .chain()
+            .before(VisibilitySystems::CalculateBounds),
+    );
 }
 
 /// The switches of the panel: boxes of all bodies, the rest of the main box alone.

@@ -224,3 +224,38 @@ pub(super) fn place_floor(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box that a system of `Update` spawns is drawn in the same frame, in its integrator's color.
+    #[test]
+    fn a_new_box_is_dressed_in_its_first_frame() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+            .init_asset::<Mesh>()
+            .init_asset::<StandardMaterial>();
+        crate::view::add_dressing(&mut app);
+        let mut materials = app.world_mut().resource_mut::<Assets<StandardMaterial>>();
+        let [main_box, load] = [(); 2].map(|()| materials.add(StandardMaterial::default()));
+        app.insert_resource(BoxLook {
+            main_box: main_box.clone(),
+            load,
+            meshes: None,
+        });
+        app.insert_resource(GlobalIntegrator(Integrator::Rk4));
+        app.init_resource::<Demo2012>();
+        app.insert_resource(Session::new(box_scenarios::Scenario::default(), 0));
+        app.add_systems(Update, |mut commands: Commands| {
+            commands.spawn((RigidBox::default(), MainBox));
+        });
+        app.update();
+        let world = app.world_mut();
+        let mut drawn = world.query_filtered::<(), (With<MainBox>, With<Mesh3d>)>();
+        assert_eq!(drawn.iter(world).count(), 1);
+        let materials = world.resource::<Assets<StandardMaterial>>();
+        let color = materials.get(&main_box).map(|m| m.base_color);
+        assert_eq!(color, Some(box_color(Integrator::Rk4)));
+    }
+}

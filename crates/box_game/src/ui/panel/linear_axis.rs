@@ -3,10 +3,20 @@
 
 use egui_plot::{GridInput, GridMark};
 
-/// Labeled marks stand this many times the finest spacing of the plot's grid apart: 24 points.
+/// Labeled marks stand this many times the finest spacing of the plot's grid apart: 24 points above each other, 64 side
+/// by side, where a label is wider than high.
 const APART: f64 = 3.0;
+const ALONG: f64 = 8.0;
 /// More marks than this are a plot that is not laid out yet.
 const MOST: f64 = 200.0;
+
+/// [`marks`] of a horizontal axis.
+pub(super) fn along(input: GridInput) -> Vec<GridMark> {
+    marks(GridInput {
+        base_step_size: input.base_step_size * ALONG / APART,
+        ..input
+    })
+}
 
 /// Grid marks: those that get labels, and the plain ones between them.
 #[expect(

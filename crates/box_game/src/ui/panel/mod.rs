@@ -1,16 +1,16 @@
 //! The panel: a pure function of a [`PanelView`] that emits [`Action`]s.
 //!
 //! ```text
-//! ┌ top bar ─────────────────────────────┬───────────┐
-//! │ lesson, notice                       │ side      │
+//! ┌ top bar ─────────────────────────────────────────┐
+//! │ headline, lesson over the picture    ┬ side      │
 //! │ the picture: `PanelLayout::central`  │ sections  │
 //! ├ drawer: Error Energy … Table ────────┤           │
 //! └──────────────────────────────────────┴───────────┘
 //! ```
 //!
-//! It draws and asks, and changes nothing but its own [`PanelMemory`]. Every widget that can be used has
-//! an accessible name, by which the tests find it: a button its text without key or sign ("Pause"), a
-//! slider `Gravity [m/s²]`, its typed value `Gravity value [m/s²]`, an integrator its name.
+//! It draws and asks, and changes nothing but its own [`PanelMemory`]. Every widget that can be used has an accessible
+//! name for people and an id for tests ([`widgets`]). The picture keeps [`SHARE`] of the window: where side panel and
+//! drawer leave it less, the drawer is lower, and at last the side panel is left out while the drawer is open.
 
 pub(crate) mod decimate;
 mod demo;
@@ -48,13 +48,19 @@ use crate::view::style;
 pub struct PanelLayout {
     /// For the picture \[points\]: times `pixels_per_point` for pixels. Never negative in size.
     pub central: Rect,
+    /// How much of it captions cover from its top [points].
+    pub captions: f32,
     /// The open plot or table \[points\].
     pub plot: Option<Rect>,
 }
 
-/// Width of the side panel: as it opens, and the least that shows everything [points].
-const SIDE: f32 = 340.0;
-const SIDE_LEAST: f32 = 300.0;
+/// Width of the side panel, which shows everything in it [points].
+const SIDE: f32 = 304.0;
+/// Share of the window that the picture has at least.
+pub const SHARE: f32 = 0.45;
+/// Heights of the drawer: the least that is of use, and as it opens, over the room below the top bar.
+const DRAWER_LEAST: f32 = 110.0;
+const DRAWER: f32 = 0.3;
 
 /// Draws the panel into `ui`, which spans the window, and appends what was asked for to `out`.
 pub fn show(
@@ -66,37 +72,43 @@ pub fn show(
     style::install(ui.ctx(), view.preferences.light);
     overlay::help(ui, view, memory, out);
     picker::show(ui, view, memory, out);
+    let window = ui.available_rect_before_wrap();
     if view.hidden {
-        let central = ui.available_rect_before_wrap();
         overlay::hud(ui, view, out);
         return PanelLayout {
-            central,
+            central: window,
+            captions: 0.0,
             plot: None,
         };
     }
     Panel::top("top bar").show(ui, |ui| top_bar::show(ui, view, out));
 
-    let width = ui.available_width();
-    Panel::right("side panel")
-        .default_size(SIDE.min(width * 0.5).max(SIDE_LEAST))
-        .size_range(SIDE_LEAST..=(width * 0.6).max(SIDE_LEAST))
-        .show(ui, |ui| side::show(ui, view, memory, out));
-
-    let plot = view.preferences.show_plots.then(|| {
-        let height = ui.available_height();
+    let open = view.preferences.show_plots;
+    // The most that the drawer may have beside a side panel of this width.
+    let most = |ui: &Ui, side: f32| {
+        let width = (ui.available_width() - side - 2.0).max(1.0);
+        ui.available_height() - SHARE * window.area() / width
+    };
+    if !open || most(ui, SIDE) >= DRAWER_LEAST {
+        Panel::right("side panel")
+            .resizable(false)
+            .exact_size(SIDE)
+            .show(ui, |ui| side::show(ui, view, memory, out));
+    }
+    let plot = open.then(|| {
+        let most = most(ui, 0.0).max(DRAWER_LEAST);
         Panel::bottom("drawer")
             .resizable(true)
-            .default_size((height * 0.38).clamp(90.0, 300.0))
-            .size_range(80.0..=(height * 0.6).max(80.0))
+            .default_size((ui.available_height() * DRAWER).clamp(DRAWER_LEAST, most))
+            .size_range(DRAWER_LEAST..=most)
             .show(ui, |ui| drawer::show(ui, view, memory, out))
             .inner
     });
-    overlay::strips(ui, view, memory);
-    demo::show(ui, view, out);
-
     let left = ui.available_rect_before_wrap();
+    let central = Rect::from_min_size(left.min, left.size().max(Default::default()));
     PanelLayout {
-        central: Rect::from_min_size(left.min, left.size().max(Default::default())),
+        central,
+        captions: overlay::captions(ui, central, view, memory, out),
         plot,
     }
 }

@@ -1,94 +1,110 @@
-//! Texts over the picture: lesson, notices, the list of keys, and the one line of a hidden panel.
+//! Texts over the picture: headline, lesson, notices; the list of keys; and the one line of a hidden panel.
 
 use bevy_egui::egui::{
-    Frame, Grid, Id, Label, Modal, Panel, RichText, ScrollArea, TextFormat, TextStyle,
-    TextWrapMode, Ui, UiBuilder, WidgetInfo, WidgetType, text::LayoutJob,
+    Area, Frame, Grid, Id, Label, Margin, Modal, Order, Rect, RichText, ScrollArea, TextFormat,
+    TextStyle, TextWrapMode, Theme, Ui, UiBuilder, text::LayoutJob,
 };
 
+use super::demo;
 use super::keys::KEYS;
 use super::memory::PanelMemory;
 use super::view::PanelView;
-use super::widgets::toggle;
+use super::widgets::{Text, button, choice, own_button, text, toggle};
 use crate::action::Action;
 use crate::compare::verdict::headline;
 use crate::view::style;
 
-/// Below this height [points] the picture matters more than the lesson.
-const LESSON_ROOM: f32 = 300.0;
-/// The same for the headline.
-const HEADLINE_ROOM: f32 = 190.0;
+/// In a picture lower than this [points] the lesson is left out (beside the strip of 2012 already in the second), and lower
+/// than the last the headline.
+const LESSON_ROOM: [f32; 2] = [300.0, 450.0];
+const HEADLINE_ROOM: f32 = 150.0;
 
 /// Time that a notice stays \[s\].
 const NOTICE_STAYS: f64 = 20.0;
 
-/// Lesson and newest notice, each until dismissed; a notice goes by itself after a while.
-pub(super) fn strips(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory) {
-    // A stepper of 2012 is none of the integrators, and has a strip of its own.
-    let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
-    let headline = if of_2012 {
-        String::new()
-    } else {
-        headline(&view.compare)
-    };
-    if !headline.is_empty() && ui.available_height() > HEADLINE_ROOM {
-        Panel::top("headline").show(ui, |ui| {
-            ui.add(Label::new(RichText::new(headline).heading().strong()).wrap());
+/// Headline, lesson, the strip of 2012, errors and the newest notice on a plate over the top of the picture. Returns how
+/// much of the picture they cover [points].
+pub(super) fn captions(
+    ui: &Ui,
+    picture: Rect,
+    view: &PanelView,
+    memory: &mut PanelMemory,
+    out: &mut Vec<Action>,
+) -> f32 {
+    let notice = notice(ui, view, memory);
+    let area = Area::new(Id::new("captions"))
+        .order(Order::Middle)
+        .fixed_pos(picture.min)
+        .constrain_to(picture)
+        .show(ui.ctx(), |ui| {
+            // The picture is dark in both themes.
+            ui.set_style(ui.ctx().style_of(Theme::Dark));
+            ui.set_width(picture.width());
+            Frame::new()
+                .fill(style::PICTURE_PLATE)
+                .inner_margin(Margin::symmetric(10, 4))
+                .show(ui, |ui| {
+                    ui.set_width(ui.available_width());
+                    ui.spacing_mut().item_spacing.y = 2.0;
+                    // A stepper of 2012 is none of the integrators, and has a strip of its own.
+                    let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
+                    if picture.height() > HEADLINE_ROOM && !of_2012 {
+                        let words = RichText::new(headline(&view.compare)).heading().strong();
+                        ui.add(Label::new(words).wrap());
+                    }
+                    demo::show(ui, view, picture.height() > LESSON_ROOM[0], out);
+                    let dismissed = memory.dismissed_lesson.as_ref() == Some(&view.scene);
+                    let lesson = !view.lesson.is_empty() && !dismissed;
+                    if lesson
+                        && picture.height() > LESSON_ROOM[usize::from(view.demo.is_some())]
+                        && self::lesson(ui, view)
+                    {
+                        memory.dismissed_lesson = Some(view.scene.clone());
+                    }
+                    for error in &view.scene_errors {
+                        let color = ui.visuals().error_fg_color;
+                        let text = RichText::new(format!("⚠ {error}")).color(color);
+                        ui.add(Label::new(text).wrap());
+                    }
+                    if let Some(text) = notice
+                        && dismissible(ui, "notice", |ui| {
+                            ui.add(Label::new(text).wrap());
+                        })
+                    {
+                        memory.dismissed_notice = Some((view.notices.len(), text.clone()));
+                    }
+                });
         });
-    }
-    let lesson = !view.lesson.is_empty() && memory.dismissed_lesson.as_ref() != Some(&view.scene);
-    if lesson && ui.available_height() > LESSON_ROOM && self::lesson(ui, view) {
-        memory.dismissed_lesson = Some(view.scene.clone());
-    }
-    for error in &view.scene_errors {
-        let text = RichText::new(format!("⚠ {error}")).color(ui.visuals().error_fg_color);
-        Panel::top(Id::new(("scene error", error))).show(ui, |ui| ui.add(Label::new(text).wrap()));
-    }
-    let Some(notice) = view.notices.last() else {
-        return;
-    };
-    let seen = memory
-        .dismissed_notice
-        .as_ref()
-        .is_some_and(|(count, text)| *count == view.notices.len() && text == notice);
-    if seen {
-        return;
-    }
-    let now = ui.input(|i| i.time);
+    area.response.rect.height()
+}
+
+/// The newest notice, unless it was dismissed or has been there for long.
+fn notice<'a>(ui: &Ui, view: &'a PanelView, memory: &mut PanelMemory) -> Option<&'a String> {
+    let notice = view.notices.last()?;
     let shown = (view.notices.len(), notice.clone());
+    let now = ui.input(|i| i.time);
     let since = match &memory.shown_notice {
         Some((same, since)) if *same == shown => *since,
         _ => now,
     };
     memory.shown_notice = Some((shown.clone(), since));
-    if strip(ui, "notice", notice) || now - since > NOTICE_STAYS {
-        memory.dismissed_notice = Some(shown);
-    }
+    let dismissed = memory.dismissed_notice.as_ref() == Some(&shown);
+    (!dismissed && now - since < NOTICE_STAYS).then_some(notice)
 }
 
-/// Lesson and suggestions across the top of the picture; returns whether they were dismissed.
+/// Lesson and suggestions; returns whether they were dismissed.
 fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
     let hints: Vec<&str> = (view.hints.iter())
         .map(String::as_str)
         .filter(|hint| !hint.is_empty())
         .collect();
     let try_this = (!hints.is_empty()).then(|| format!("Try: {}", hints.join("  ·  ")));
-    let try_this = try_this.map(|text| controls_in_bold(ui, &text));
-    Panel::top(Id::new(("strip", "lesson")))
-        .show(ui, |ui| {
-            ui.horizontal_top(|ui| {
-                let close = dismiss(ui, "lesson");
-                ui.vertical(|ui| {
-                    ui.spacing_mut().item_spacing.y = 2.0;
-                    ui.add(Label::new(&view.lesson).wrap());
-                    if let Some(text) = try_this {
-                        ui.add(Label::new(text).wrap());
-                    }
-                });
-                close
-            })
-            .inner
-        })
-        .inner
+    dismissible(ui, "lesson", |ui| {
+        ui.add(Label::new(&view.lesson).wrap());
+        if let Some(text) = try_this {
+            ui.add(Label::new(controls_in_bold(ui, &text)).wrap());
+        }
+    })
 }
 
 /// A hint with the names of controls, which it has in brackets, in bold.
@@ -106,26 +122,18 @@ fn controls_in_bold(ui: &Ui, hint: &str) -> LayoutJob {
     job
 }
 
-fn dismiss(ui: &mut Ui, what: &str) -> bool {
-    let close = ui.small_button("✖");
-    close.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Dismiss {what}")));
-    close
-        .on_hover_text(format!("Dismiss this {what}."))
-        .clicked()
-}
-
-/// A line of text across the top of the picture; returns whether it was dismissed.
-fn strip(ui: &mut Ui, what: &str, text: &str) -> bool {
-    Panel::top(Id::new(("strip", what)))
-        .show(ui, |ui| {
-            ui.horizontal_top(|ui| {
-                let close = dismiss(ui, what);
-                ui.add(Label::new(text).wrap());
-                close
-            })
-            .inner
-        })
-        .inner
+/// Text with a button to dismiss it; returns whether that was clicked.
+fn dismissible(ui: &mut Ui, what: &str, add: impl FnOnce(&mut Ui)) -> bool {
+    let name = format!("Dismiss {what}");
+    ui.horizontal_top(|ui| {
+        let close = own_button(ui, Text("✖", &name, &format!("{name}.")), &name);
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 2.0;
+            add(ui);
+        });
+        close
+    })
+    .inner
 }
 
 /// The list of keys over everything. A click beside it or on Close asks to close it; Esc is left to the
@@ -141,14 +149,16 @@ pub(super) fn help(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
         let mut close = false;
         ui.horizontal_wrapped(|ui| {
             ui.heading("Keys");
-            close = ui.button("Close help").clicked();
-            let reset = ui.button("Reset all parameters");
-            if reset
-                .on_hover_text("Restore the scene's own parameters.")
-                .clicked()
-            {
-                out.push(Action::ResetParameters);
-            }
+            close = own_button(
+                ui,
+                text("Close help", "F1 or ? opens it again."),
+                "Close help",
+            );
+            let reset = text(
+                "Reset all parameters",
+                "Restore the scene's own parameters.",
+            );
+            button(ui, reset, Action::ResetParameters, out);
             reset_everything(ui, memory, out);
         });
         ui.horizontal_wrapped(|ui| scale(ui, view, out));
@@ -167,20 +177,20 @@ pub(super) fn help(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
 
 /// The last rung of the ladder asks once more.
 fn reset_everything(ui: &mut Ui, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+    let hint = "Restore the first scene and every default.";
     if !memory.sure {
-        let button = ui.button("Reset everything…");
-        memory.sure = button
-            .on_hover_text("Restore the first scene and every default.")
-            .clicked();
+        memory.sure = own_button(ui, text("Reset everything…", hint), "reset everything");
         return;
     }
-    if ui.button("Yes, reset everything").clicked() {
-        out.push(Action::ResetEverything);
-        memory.sure = false;
-    }
-    if ui.button("No").clicked() {
-        memory.sure = false;
-    }
+    let before = out.len();
+    button(
+        ui,
+        text("Yes, reset everything", hint),
+        Action::ResetEverything,
+        out,
+    );
+    let no = own_button(ui, text("No", "Change nothing."), "no");
+    memory.sure = !no && out.len() == before;
 }
 
 /// Scales of the panel by one click.
@@ -190,16 +200,19 @@ fn scale(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     ui.label("Panel scale:");
     for scale in SCALES {
         let chosen = (f64::from(view.preferences.ui_scale) - scale).abs() < 1e-3;
-        let text = format!("{:.0} %", scale * 100.0);
-        if ui.selectable_label(chosen, text).clicked() && !chosen {
-            out.push(Action::SetUiScale(scale));
-        }
+        let name = format!("{:.0} %", scale * 100.0);
+        choice(
+            ui,
+            chosen,
+            text(&name, "Scale."),
+            Action::SetUiScale(scale),
+            out,
+        );
     }
     ui.label("(Ctrl and + or −)");
     let light = view.preferences.light;
-    if toggle(ui, light, "Light theme", "Light or dark panel.") {
-        out.push(Action::ToggleTheme);
-    }
+    let theme = text("Light theme", "Light or dark panel.");
+    toggle(ui, light, theme, Action::ToggleTheme, out);
 }
 
 fn keys(ui: &mut Ui) {
@@ -217,30 +230,31 @@ fn keys(ui: &mut Ui) {
 
 /// The one line of a hidden panel, over the picture.
 pub(super) fn hud(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let mut text = format!("{} · {}", view.title, style::marked_name(view.integrator));
-    if view.paused {
-        text.push_str(" · PAUSED");
-    }
-    text.push_str(&format!(
-        " · t = {:.3} s · {}/step",
+    let line = format!(
+        "{} · {}{} · t = {:.2} s · {}/step{}",
+        view.title,
+        style::marked_name(view.integrator),
+        if view.paused { " · PAUSED" } else { "" },
         view.time,
-        view.step_time()
-    ));
-    if view.log.is_some() {
-        text.push_str(" · ● REC");
-    }
+        view.step_time(),
+        if view.log.is_some() {
+            " · ● REC"
+        } else {
+            ""
+        },
+    );
     let place = ui.available_rect_before_wrap().shrink(6.0);
     ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-                let show = ui
-                    .small_button("Show panel")
-                    .on_hover_text("Show the panel (`).");
-                if show.clicked() {
-                    out.push(Action::TogglePanel);
-                }
-                ui.add(Label::new(text).truncate());
+                button(
+                    ui,
+                    text("Show panel", "Show the panel (`)."),
+                    Action::TogglePanel,
+                    out,
+                );
+                ui.add(Label::new(line).truncate());
             });
         });
     });

@@ -7,6 +7,7 @@ use bevy_egui::egui::{
 
 use super::format::{number, parse};
 use super::memory::PanelMemory;
+use super::widgets::identify;
 use crate::action::Action;
 use crate::parameters::{Effect, Info, Parameter, Parameters};
 
@@ -84,6 +85,7 @@ fn widgets(ui: &mut Ui, field: &Info, shown: f64, default: f64) -> (Option<f64>,
     }
     let slider = ui.add(slider).labelled_by(name.id);
     slider.widget_info(|| WidgetInfo::slider(true, slid, named(field.label, field.unit)));
+    identify(&slider, field.id);
 
     let mut typed = shown;
     let speed = if field.logarithmic {
@@ -112,6 +114,8 @@ fn widgets(ui: &mut Ui, field: &Info, shown: f64, default: f64) -> (Option<f64>,
         value: Some(typed),
         ..WidgetInfo::new(WidgetType::DragValue)
     });
+
+    identify(&value, format!("{} value", field.id));
 
     let mut reset = false;
     for response in [&name, &slider, &value] {

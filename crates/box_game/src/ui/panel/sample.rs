@@ -9,6 +9,8 @@ use crate::action::Plot;
 use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::parameters::Parameters;
 use crate::preferences::Preferences;
+use crate::scene::library::SceneCard;
+use box_scenarios::Scenario;
 
 /// A plausible moment of a game: everything filled, nothing extreme.
 #[doc(hidden)]
@@ -28,13 +30,9 @@ pub fn sample_view() -> PanelView {
         boxes: 1.0,
     };
     PanelView {
-        scenes: [
-            ("playground", "Playground"),
-            ("throw", "Tumbling throw"),
-            ("flip", "Dzhanibekov flip"),
-        ]
-        .map(|(id, title)| (id.to_owned(), title.to_owned()))
-        .into(),
+        scenes: ["playground", "throw", "dzhanibekov"]
+            .map(|id| SceneCard::of(&Scenario::find(id).expect("built in")))
+            .into(),
         scene: "playground".into(),
         title: "Playground".into(),
         lesson: "The box rests on the floor. Press D to push it, and watch the energy.".into(),

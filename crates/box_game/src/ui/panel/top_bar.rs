@@ -1,119 +1,116 @@
-//! The bar along the top: which scene, how fast, where in time.
+//! The bar along the top: which scene, how fast, where in time, and what is out of the ordinary.
 
 use bevy_egui::egui::{Button, ComboBox, Label, RichText, Ui, WidgetInfo, WidgetType};
 
-use super::format::{grouped, number, step_size};
+use super::format::{grouped, number};
 use super::view::PanelView;
-use super::widgets::{named_button, toggle};
+use super::widgets::{Text, button, choice, id_of, identify, text, toggle};
 use crate::action::Action;
 use crate::parameters::SPEEDS;
 
 /// The clock is behind below this share of its target speed.
 const BEHIND: f64 = 0.95;
+/// In a narrower window [points] buttons show their signs alone.
+const NAMED: f32 = 1240.0;
 
-/// Draws the bar: a row of controls over a row of read-outs; both wrap in a narrow window.
+/// Draws the bar: one row, which wraps where it must.
 pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+    let named = ui.available_width() >= NAMED;
     ui.horizontal_wrapped(|ui| {
-        scene(ui, view, out);
+        ui.spacing_mut().item_spacing.x = if named { 6.0 } else { 3.0 };
+        scene(ui, view, named, out);
         ui.separator();
-        clock(ui, view, out);
+        clock(ui, view, named, out);
         ui.separator();
         speed(ui, view, out);
         ui.separator();
-        windows(ui, view, out);
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 20.0;
-        readouts(ui, view);
+        windows(ui, view, named, out);
+        ui.separator();
+        readouts(ui, view, named);
     });
 }
 
-/// Starts a new row where a group would not fit: a combo box does not wrap by itself.
-fn room(ui: &mut Ui, width: f32) {
-    if ui.available_size_before_wrap().x < width {
-        ui.end_row();
-    }
-}
-
-fn scene(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let combo = ComboBox::from_id_salt("scene")
-        .width(190.0)
-        .truncate()
-        .selected_text(&view.title)
-        .show_ui(ui, |ui| {
-            for (id, title) in &view.scenes {
-                let chosen = *id == view.scene;
-                if ui.selectable_label(chosen, title).clicked() && !chosen {
-                    out.push(Action::SelectScene(id.clone()));
-                }
-            }
-        })
-        .response;
-    combo.widget_info(|| WidgetInfo {
-        label: Some("Scene".into()),
+fn scene(ui: &mut Ui, view: &PanelView, named: bool, out: &mut Vec<Action>) {
+    let width = if named { 190.0 } else { 104.0 };
+    let height = ui.spacing().interact_size.y;
+    let title = Button::new(format!("☰ {}", view.title)).truncate();
+    let title = ui
+        .allocate_ui([width, height].into(), |ui| ui.add(title))
+        .inner;
+    title.widget_info(|| WidgetInfo {
         current_text_value: Some(view.title.clone()),
-        ..WidgetInfo::new(WidgetType::ComboBox)
+        ..WidgetInfo::labeled(WidgetType::Button, true, "Scenes")
     });
-    combo.on_hover_text("Scene: [ and ] step through the list, Ctrl+O searches it.");
-    if named_button(ui, "◂", "Previous scene", "Previous scene ([)") {
-        out.push(Action::PreviousScene);
+    identify(&title, id_of(&Action::TogglePicker));
+    if title.on_hover_text("Choose a scene (Ctrl+O).").clicked() {
+        out.push(Action::TogglePicker);
     }
-    if named_button(ui, "▸", "Next scene", "Next scene (])") {
-        out.push(Action::NextScene);
-    }
+    let previous = Text("◂", "Previous scene", "Previous scene ([)");
+    button(ui, previous, Action::PreviousScene, out);
+    button(
+        ui,
+        Text("▸", "Next scene", "Next scene (])"),
+        Action::NextScene,
+        out,
+    );
 }
 
-fn clock(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let (text, name) = if view.paused {
-        ("▶ Resume", "Resume")
-    } else {
-        ("⏸ Pause", "Pause")
-    };
-    if named_button(ui, text, name, "Pause or resume (P or Space).") {
-        out.push(Action::TogglePause);
-    }
-    let hint = "Step back; pauses (,). With Shift: ten steps.";
-    if named_button(ui, "⏮ Back", "Step back", hint) {
-        out.push(Action::StepBack(ten(ui)));
-    }
-    let hint = "Step forward; pauses (.). With Shift: ten steps.";
-    if named_button(ui, "⏭ Step", "Step", hint) {
-        out.push(Action::Step(ten(ui)));
-    }
-    let hint = "Restart the scene with the current parameters (R).";
-    if named_button(ui, "⟲ Restart", "Restart", hint) {
-        out.push(Action::Restart);
-    }
-}
-
-/// Steps per click.
-fn ten(ui: &Ui) -> u32 {
-    if ui.input(|i| i.modifiers.shift) {
+fn clock(ui: &mut Ui, view: &PanelView, named: bool, out: &mut Vec<Action>) {
+    // Steps per click.
+    let ten = if ui.input(|i| i.modifiers.shift) {
         10
     } else {
         1
+    };
+    let pause = if view.paused {
+        ("▶", "Resume")
+    } else {
+        ("⏸", "Pause")
+    };
+    for ((sign, name), hint, action) in [
+        (pause, "Pause or resume (P or Space).", Action::TogglePause),
+        (
+            ("⏮", "Back"),
+            "Step back; pauses (,). With Shift: ten steps.",
+            Action::StepBack(ten),
+        ),
+        (
+            ("⏭", "Step"),
+            "Step forward; pauses (.). With Shift: ten steps.",
+            Action::Step(ten),
+        ),
+        (
+            ("⟲", "Restart"),
+            "Restart the scene with the current parameters (R).",
+            Action::Restart,
+        ),
+    ] {
+        let written = if named {
+            format!("{sign} {name}")
+        } else {
+            sign.to_owned()
+        };
+        button(ui, Text(&written, name, hint), action, out);
     }
 }
 
 fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    room(ui, 290.0);
-    if named_button(ui, "−", "Slower", "Slower (-)") {
-        out.push(Action::Slower);
-    }
+    button(ui, Text("−", "Slower", "Slower (-)"), Action::Slower, out);
     let target = format!("{}×", number(view.speed));
     let combo = ComboBox::from_id_salt("speed")
-        .width(70.0)
+        .width(56.0)
         .selected_text(&target)
         .show_ui(ui, |ui| {
             for speed in SPEEDS {
-                let chosen = speed == view.speed;
-                if ui
-                    .selectable_label(chosen, format!("{}×", number(speed)))
-                    .clicked()
-                    && !chosen
-                {
-                    out.push(Action::SetSpeed(speed));
-                }
+                let name = format!("{}×", number(speed));
+                let hint = "Simulated seconds per second.";
+                choice(
+                    ui,
+                    speed == view.speed,
+                    text(&name, hint),
+                    Action::SetSpeed(speed),
+                    out,
+                );
             }
         })
         .response;
@@ -122,103 +119,64 @@ fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         current_text_value: Some(target.clone()),
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
+    identify(&combo, "speed");
     combo.on_hover_text("Target: simulated seconds per second (default 1× · key 0).");
-    if named_button(ui, "+", "Faster", "Faster (=)") {
-        out.push(Action::Faster);
-    }
-    let actual = match view.actual_speed {
-        _ if view.paused => "PAUSED".to_owned(),
-        Some(speed) if speed < BEHIND * view.speed => format!("actual {speed:.2}× behind"),
-        Some(speed) => format!("actual {speed:.2}×"),
-        None => "actual …".to_owned(),
-    };
-    ui.add(Label::new(RichText::new(actual).monospace()).extend())
-        .on_hover_text(format!(
-            "Measured over the last second. Dropped by slow frames since the start: {} s.",
-            number(view.dropped)
-        ));
+    button(ui, Text("+", "Faster", "Faster (=)"), Action::Faster, out);
 }
 
-fn windows(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    for (text, name, what, key, action) in [
+fn windows(ui: &mut Ui, view: &PanelView, named: bool, out: &mut Vec<Action>) {
+    for (sign, name, what, key, action) in [
         ("↶", "Undo", view.undoes, "Ctrl+Z", Action::Undo),
         ("↷", "Redo", view.redoes, "Ctrl+Shift+Z", Action::Redo),
     ] {
-        let response = ui.add_enabled(what.is_some(), Button::new(text));
-        let enabled = what.is_some();
-        response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, enabled, name));
-        let hint = what.unwrap_or("nothing");
-        if response
-            .on_hover_text(format!("{name}: {hint} ({key})."))
-            .clicked()
-        {
-            out.push(action);
-        }
+        let hint = format!("{name}: {} ({key}).", what.unwrap_or("nothing"));
+        ui.add_enabled_ui(what.is_some(), |ui| {
+            button(ui, Text(sign, name, &hint), action, out);
+        });
     }
-    for (on, text, hint, action) in [
-        (
-            view.preferences.show_plots,
-            "Plots",
-            "Show or hide the plots (M).",
-            Action::TogglePlots,
-        ),
-        (
-            false,
-            "Hide panel",
-            "Hide all but one line; the backtick key (`) shows the panel again.",
-            Action::TogglePanel,
-        ),
-        (
-            view.show_help,
-            "Help",
-            "List all keys (F1 or ?).",
-            Action::ToggleHelp,
-        ),
-    ] {
-        if toggle(ui, on, text, hint) {
-            out.push(action);
-        }
+    let plots = text("Plots", "Show or hide the plots (M).");
+    toggle(
+        ui,
+        view.preferences.show_plots,
+        plots,
+        Action::TogglePlots,
+        out,
+    );
+    if named {
+        let hint = "Hide all but one line; the backtick key (`) shows the panel again.";
+        button(ui, text("Hide panel", hint), Action::TogglePanel, out);
     }
+    let help = text("Help", "Keys, scale and theme (F1 or ?).");
+    toggle(ui, view.show_help, help, Action::ToggleHelp, out);
 }
 
-fn readouts(ui: &mut Ui, view: &PanelView) {
+/// The time; and a paused or late clock, a log, a renderer without a GPU.
+fn readouts(ui: &mut Ui, view: &PanelView, named: bool) {
     let read = |ui: &mut Ui, text: String, hint: &str| {
         ui.add(Label::new(RichText::new(text).monospace()).extend())
             .on_hover_text(hint);
     };
-    read(ui, format!("t = {:.3} s", view.time), "Simulated time.");
-    read(
-        ui,
-        format!("step {}", grouped(view.steps)),
-        "Steps since the start of the scene.",
+    let hint = format!(
+        "Simulated time, after {} steps. Dropped by slow frames since the start: {} s.",
+        grouped(view.steps),
+        number(view.dropped)
     );
-    let substeps = if view.parameters.substeps > 1.0 {
-        format!(" in {} parts", view.parameters.substeps)
-    } else {
-        String::new()
-    };
-    read(
-        ui,
-        format!("dt = {}{substeps}", step_size(view.parameters.step)),
-        "Step size.",
-    );
-    match &view.log {
-        Some(log) => {
-            let name = log.path.rsplit(['/', '\\']).next().unwrap_or_default();
-            // The full path is in the tooltip and the LOG section.
-            let name: String = name.chars().take(32).collect();
-            read(
-                ui,
-                format!("● REC {name} {} rows", grouped(log.rows)),
-                &log.path,
-            );
+    read(ui, format!("t = {:.2} s", view.time), &hint);
+    match view.actual_speed {
+        _ if view.paused => read(ui, "PAUSED".to_owned(), "P or Space resumes."),
+        Some(speed) if speed < BEHIND * view.speed => {
+            let hint = "Measured over the last second: the computer cannot keep up.";
+            read(ui, format!("only {speed:.2}×"), hint);
         }
-        None => read(ui, "not logging".into(), "L starts a CSV log."),
+        _ => {}
+    }
+    if let Some(log) = &view.log {
+        let rows = format!("● REC {}", grouped(log.rows));
+        read(ui, rows, &format!("Rows logged to {}", log.path));
     }
     if view.software_rendering {
-        let badge = RichText::new("⚠ software rendering").strong();
-        ui.add(Label::new(badge).extend()).on_hover_text(
-            "Rendering on the CPU: frame times mean little; integrator times are right.",
-        );
+        let badge = if named { "⚠ no GPU" } else { "⚠" };
+        let hint = "Rendering on the CPU: frame times mean little; integrator times are right.";
+        read(ui, badge.to_owned(), hint);
     }
 }

@@ -12,12 +12,13 @@ use crate::action::Plot;
 use crate::compare::CompareView;
 use crate::parameters::Parameters;
 use crate::preferences::Preferences;
+use crate::scene::library::SceneCard;
 
 /// Everything the panel shows in one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelView {
-    /// (id, title) of every scene, in the order of the list.
-    pub scenes: Vec<(String, String)>,
+    /// Every scene, in the order of the menu.
+    pub scenes: Vec<SceneCard>,
     /// Id of the scene being played, which may be in the list no longer.
     pub scene: String,
     /// Title of that scene.

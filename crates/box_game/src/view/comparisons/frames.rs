@@ -4,8 +4,12 @@ use std::collections::VecDeque;
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use box_physics::aabb::corners;
 use box_physics::prelude::{BodyState, Integrator, RigidBox};
+use box_scenarios::Model;
+use box_scenarios::style::{Dash, style};
 
+use super::acting;
 use super::shown::{Shown, color, drawn, pin, shown, tip};
 use crate::action::compare::Layout;
 use crate::camera::views::{Edges, Fourth, HiddenEdges, PictureArea, Pins, Second, Third};
@@ -15,8 +19,6 @@ use crate::view::marks;
 /// Length of a trail \[s\], and its largest number of points.
 const TRAIL: f64 = 1.5;
 const TRAIL_POINTS: usize = 96;
-/// Dashes along an edge of the reference.
-const DASHES: usize = 6;
 
 /// Past places of the marked point of every trajectory, newest last; the main box first.
 #[derive(Resource, Default)]
@@ -86,7 +88,7 @@ pub(super) fn draw_frames(
     for (k, trajectory) in shown(run, layout).into_iter().enumerate() {
         let trail = trails.points.iter().find(|(i, _)| *i == trajectory.0);
         let lines = Lines {
-            body: &run.law.body,
+            law: &run.law,
             pin: pin(run),
             solid: k == 0 || layout != Layout::Overlaid,
             reference: run
@@ -105,7 +107,7 @@ pub(super) fn draw_frames(
 
 /// Lines of one trajectory.
 struct Lines<'a> {
-    body: &'a RigidBox,
+    law: &'a Model,
     pin: Option<[DVec3; 2]>,
     /// It has a solid box, not edges alone.
     solid: bool,
@@ -133,25 +135,32 @@ impl Lines<'_> {
         };
         let bright = own(1.0).mix(&Color::WHITE, 0.55);
         let edge = if self.solid { bright } else { own(1.0) };
-        for ends in edges(self.body, state, offset) {
-            line(ends, edge, !self.solid);
+        // A comparison's edges have the dashes of its integrator, as its curves do.
+        let dash = if self.solid {
+            Dash::Solid
+        } else {
+            style(integrator).dash
+        };
+        for ends in edges(&self.law.body, state, offset) {
+            for piece in pieces(ends, dash) {
+                line(piece, edge, !self.solid);
+            }
         }
         let apart = track.now.sample.get(Quantity::Attitude);
         if !self.solid && (apart.is_nan() || apart > MARKED) {
-            for ends in marks::lines(self.body.half_extents().as_vec3()) {
+            for ends in marks::lines(self.law.body.half_extents().as_vec3()) {
                 let place = |p: Vec3| state.point(p.as_dvec3()).as_vec3() + offset;
                 line(ends.map(place), own(1.0), false);
             }
         }
         if let Some(reference) = self.reference {
-            for [a, b] in edges(self.body, reference, offset) {
-                for d in 0..DASHES {
-                    let part = |s: f32| a.lerp(b, s / DASHES as f32);
-                    let from = d as f32;
-                    line([part(from), part(from + 0.55)], Color::WHITE, true);
+            for ends in edges(&self.law.body, reference, offset) {
+                for piece in pieces(ends, Dash::Dashed) {
+                    line(piece, Color::WHITE, true);
                 }
             }
         }
+        acting::draw(gizmos, self.law, state, offset, bright);
         if let Some(ends) = self.pin {
             let place = |p: DVec3| state.point(p).as_vec3() + offset;
             let [inner, outer] = ends.map(place);
@@ -182,25 +191,24 @@ impl Lines<'_> {
     }
 }
 
-/// The twelve edges.
-fn edges(body: &RigidBox, state: &BodyState, offset: Vec3) -> [[Vec3; 2]; 12] {
-    let half = body.half_extents();
-    let corner = |k: usize| {
-        let sign = |bit: usize| if k & bit == 0 { -1.0 } else { 1.0 };
-        let local = half * DVec3::new(sign(1), sign(2), sign(4));
-        state.point(local).as_vec3() + offset
+/// An edge in the dashes of a line's style.
+fn pieces([a, b]: [Vec3; 2], dash: Dash) -> impl Iterator<Item = [Vec3; 2]> {
+    let (count, filled) = match dash {
+        Dash::Solid => (1, 1.0),
+        Dash::Long => (3, 0.75),
+        Dash::Dashed => (6, 0.55),
+        Dash::Dotted => (14, 0.35),
     };
-    let mut found = [[Vec3::ZERO; 2]; 12];
-    let mut n = 0;
-    for k in 0..8 {
-        for bit in [1, 2, 4] {
-            if k & bit == 0 {
-                found[n] = [corner(k), corner(k | bit)];
-                n += 1;
-            }
-        }
-    }
-    found
+    let part = move |s: f32| a.lerp(b, s / count as f32);
+    (0..count).map(move |k| [part(k as f32), part(k as f32 + filled)])
+}
+
+/// The twelve edges.
+fn edges(body: &RigidBox, state: &BodyState, offset: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
+    let corners = corners(body.half_extents()).map(|c| state.point(c).as_vec3() + offset);
+    let ends = (0..8).flat_map(|k| [1, 2, 4].map(|bit| (k, k | bit)));
+    ends.filter(|(k, other)| k != other)
+        .map(move |(k, other)| [corners[k], corners[other]])
 }
 
 #[cfg(test)]
@@ -211,7 +219,10 @@ mod tests {
     fn a_box_has_twelve_edges_of_its_size() {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 1.0).expect("valid");
         let state = BodyState::at_pose(DVec3::ZERO, bevy::math::DQuat::from_rotation_x(0.7));
-        let lengths = edges(&body, &state, Vec3::X).map(|[a, b]| a.distance(b));
+        let lengths: Vec<_> = edges(&body, &state, Vec3::X)
+            .map(|[a, b]| a.distance(b))
+            .collect();
+        assert_eq!(lengths.len(), 12);
         for size in [1.0, 0.5, 0.25] {
             let count = lengths.iter().filter(|l| (*l - size).abs() < 1e-5);
             assert_eq!(count.count(), 4, "{size}");

@@ -222,6 +222,7 @@ pub(super) fn draw_labels(
                 _ => 0.0,
             };
             let mut room = view;
+            room.min.y += area.as_ref().map_or(0.0, |area| area.1);
             if let Some(strip) = strip_place(run, &trajectories, layout, view) {
                 room.max.y = strip.top();
             }

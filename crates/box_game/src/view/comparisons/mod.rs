@@ -3,6 +3,7 @@
 //!
 //! Nothing here is simulated or read back: side by side, only the picture is shifted.
 
+mod acting;
 mod events;
 mod frames;
 mod labels;
@@ -36,6 +37,7 @@ impl Plugin for ComparisonsPlugin {
                     strips::step_back,
                     frames::lengthen_trails,
                     frames::draw_frames,
+                    acting::draw_cones,
                 )
                     .chain(),
             )

@@ -40,21 +40,36 @@ pub(super) fn error(ui: &mut Ui, view: &CompareView) {
     } else {
         [Quantity::Position, Quantity::Attitude]
     };
-    if view.attitude {
-        legend(ui, view, quantities[1], "°");
-    } else {
-        legend(ui, view, quantities[0], " m");
-    }
-    beside(ui, quantities.len(), |ui, k| {
-        curve(ui, view, quantities[k], view.settings.logarithmic);
+    let (named, unit) = if view.attitude { (1, "°") } else { (0, " m") };
+    let plots = telling(view, &quantities);
+    legend(ui, view, quantities[named], unit, &plots);
+    beside(ui, plots.0.len(), |ui, k| {
+        curve(ui, view, plots.0[k], view.settings.logarithmic);
     });
+}
+
+/// The quantities that differ from rounding in some trajectory, or else the first; and the others.
+fn telling(view: &CompareView, quantities: &[Quantity]) -> (Vec<Quantity>, Vec<Quantity>) {
+    let tells = |q: &Quantity| {
+        let lines = view.trajectories.iter().flat_map(|t| &t.lines);
+        let mut points = lines
+            .filter(|(of, _)| of == q)
+            .flat_map(|(_, points)| points);
+        points.any(|p| p[1].abs() > ROUNDING)
+    };
+    let (mut telling, mut others): (Vec<_>, Vec<_>) = quantities.iter().copied().partition(tells);
+    if telling.is_empty() {
+        telling.push(others.remove(0));
+    }
+    (telling, others)
 }
 
 /// Quantities that should be constant: energy, |L| and the direction of L, less what is accounted for.
 pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
-    legend(ui, view, Quantity::Energy, " %");
-    let log = view.settings.logarithmic_energy;
-    let plots = [Quantity::Energy, Quantity::Momentum, Quantity::Direction];
+    let quantities = [Quantity::Energy, Quantity::Momentum, Quantity::Direction];
+    let plots = telling(view, &quantities);
+    legend(ui, view, Quantity::Energy, " %", &plots);
+    let (log, plots) = (view.settings.logarithmic_energy, plots.0);
     let bars = ui.available_width() >= ROOM_FOR_BARS;
     let whole = ui.available_rect_before_wrap();
     let mut rest = whole;
@@ -69,7 +84,13 @@ pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
 }
 
 /// Name, figure and state of every trajectory in one wrapped line: the plots' legend.
-fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
+fn legend(
+    ui: &mut Ui,
+    view: &CompareView,
+    quantity: Quantity,
+    unit: &str,
+    (_, still): &(Vec<Quantity>, Vec<Quantity>),
+) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
         for trajectory in &view.trajectories {
@@ -86,6 +107,10 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str) {
             }
             let color = style::of(trajectory.integrator).ink(ui.ctx().theme());
             ui.add(Label::new(RichText::new(text).color(color).small()).extend());
+        }
+        for quantity in still {
+            let name = quantity.label().split(" [").next().unwrap_or_default();
+            ui.add(Label::new(RichText::new(format!("{name}: none")).small().weak()).extend());
         }
         let caption = match quantity {
             Quantity::Energy if view.conservative => {
@@ -116,6 +141,8 @@ fn beside(ui: &mut Ui, n: usize, mut draw: impl FnMut(&mut Ui, usize)) {
         }
     } else {
         scrolled(ui, |ui| {
+            // Each has its height, whatever the drawer has.
+            ui.set_max_height(n as f32 * (LOWEST + 30.0));
             for k in 0..n {
                 ui.allocate_ui(vec2(ui.available_width(), LOWEST + 20.0), |ui| draw(ui, k));
             }
@@ -130,7 +157,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
         .link_cursor("time of the trajectories", Vec2b::new(true, false))
         .x_axis_label("simulated time [s]")
         .y_axis_label(quantity.label())
-        .x_grid_spacer(linear_axis::marks)
+        .x_grid_spacer(linear_axis::along)
         .label_formatter(move |at| {
             Some(time_and(at, |y| {
                 let value = if logarithmic { from_axis(y) } else { y };
@@ -271,7 +298,7 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         for (name, color) in ENERGIES {
-            ui.label(RichText::new(name).small().color(color));
+            ui.add(Label::new(RichText::new(name).small().color(color)).extend());
         }
     });
     // All of them fit: a drawer that grows with them would not shrink again.

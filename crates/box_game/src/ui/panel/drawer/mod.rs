@@ -5,11 +5,11 @@ mod plots;
 mod table;
 mod work_precision;
 
-use bevy_egui::egui::{Button, Rect, RichText, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Rect, RichText, Ui};
 
 use super::memory::{Frozen, PanelMemory};
 use super::view::PanelView;
-use super::widgets::{button, named_button, toggle};
+use super::widgets::{Text, button, choice, text, toggle};
 use crate::action::compare::{CompareAction, Window};
 use crate::action::{Action, Plot};
 use crate::compare::CompareView;
@@ -29,7 +29,7 @@ const TABS: [(Plot, &str, &str); 6] = [
     (
         Plot::Timing,
         "Timing",
-        "Cost of a body-step under every integrator over time.",
+        "Cost of a step of a box under every integrator over time.",
     ),
     (Plot::Cpu, "CPU", "CPU use over time."),
     (
@@ -47,15 +47,6 @@ const TABS: [(Plot, &str, &str); 6] = [
 /// Time that the plots stay frozen after the pointer has left them \[s\].
 const THAW: f64 = 0.3;
 
-/// A tab; returns whether it is to be opened.
-fn select(ui: &mut Ui, chosen: bool, name: &str, hint: &str) -> bool {
-    let tab = ui.add(Button::selectable(chosen, name));
-    tab.widget_info(|| {
-        WidgetInfo::selected(WidgetType::Button, true, chosen, format!("{name} tab"))
-    });
-    tab.on_hover_text(hint).clicked() && !chosen
-}
-
 /// Draws the tabs and the chosen one's content; returns where that is.
 pub(super) fn show(
     ui: &mut Ui,
@@ -69,21 +60,19 @@ pub(super) fn show(
         .take_if(|f| f.until < now || f.plot != view.plot);
     ui.horizontal_wrapped(|ui| {
         for (plot, name, hint) in TABS {
-            if select(ui, view.plot == plot, name, hint) {
-                out.push(Action::SelectPlot(plot));
-            }
+            let accessible = format!("{name} tab");
+            let words = Text(name, &accessible, hint);
+            choice(ui, view.plot == plot, words, Action::SelectPlot(plot), out);
         }
         ui.separator();
-        let mut asked = Vec::new();
-        tools(ui, &view.compare, view.plot, &mut asked);
-        out.extend(asked.into_iter().map(Action::Compare));
+        tools(ui, &view.compare, view.plot, out);
         let hint = "Save this plot or table as plot-NN.png in the current folder.";
-        if named_button(ui, "PNG", "Save plot", hint) {
-            out.push(Action::SavePlot(None));
-        }
-        if button(ui, "Close plots", "Hide the drawer (M).") {
-            out.push(Action::TogglePlots);
-        }
+        button(
+            ui,
+            Text("PNG", "Save plot", hint),
+            Action::SavePlot(None),
+            out,
+        );
         if memory.frozen.is_some() {
             ui.label(RichText::new("⏸ frozen").strong()).on_hover_text(
                 "The plots are frozen while the pointer is over them; the simulation runs on.",
@@ -105,16 +94,14 @@ pub(super) fn show(
         None => view,
     };
     let place = ui.available_rect_before_wrap();
-    let mut asked = Vec::new();
     match view.plot {
         Plot::Error => compare::error(ui, &shown.compare),
         Plot::Energy => compare::energy(ui, &shown.compare),
         Plot::Timing => plots::timing(ui, shown),
         Plot::Cpu => plots::cpu(ui, shown),
-        Plot::WorkPrecision => work_precision::show(ui, &view.compare, memory, &mut asked),
-        Plot::Table => table::show(ui, &view.compare, &view.timings, &mut asked),
+        Plot::WorkPrecision => work_precision::show(ui, &view.compare, memory, out),
+        Plot::Table => table::show(ui, &view.compare, &view.timings),
     }
-    out.extend(asked.into_iter().map(Action::Compare));
     let over = ui
         .ctx()
         .pointer_latest_pos()
@@ -137,60 +124,56 @@ pub(super) fn show(
 }
 
 /// Options of the open tab.
-fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<CompareAction>) {
+fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<Action>) {
     let settings = &view.settings;
-    let over_time = matches!(plot, Plot::Error | Plot::Energy);
-    let mut choice = |ui: &mut Ui, on: bool, name: &str, hint: &str, action: CompareAction| {
-        if toggle(ui, on, name, hint) {
-            out.push(action);
-        }
-    };
     match plot {
         Plot::Error => {
-            let hint = "Logarithmic axis.";
-            choice(
+            let log = text("log", "Logarithmic axis.");
+            toggle(
                 ui,
                 settings.logarithmic,
-                "log",
-                hint,
+                log,
                 CompareAction::ToggleLogarithmic,
+                out,
             );
             let hint = "Error of each step alone, from the reference's state; meaningful even after chaos sets in.";
-            choice(
+            toggle(
                 ui,
                 settings.local,
-                "per step",
-                hint,
+                text("per step", hint),
                 CompareAction::ToggleLocal,
+                out,
             );
         }
         Plot::Energy => {
-            let hint = "Magnitude on a logarithmic axis.";
-            let action = CompareAction::ToggleLogarithmicEnergy;
-            choice(ui, settings.logarithmic_energy, "log", hint, action);
+            let (on, action) = (
+                settings.logarithmic_energy,
+                CompareAction::ToggleLogarithmicEnergy,
+            );
+            toggle(
+                ui,
+                on,
+                text("log", "Magnitude on a logarithmic axis."),
+                action,
+                out,
+            );
         }
         _ => {}
     }
-    if over_time {
+    if matches!(plot, Plot::Error | Plot::Energy) {
         for window in Window::ALL {
-            let action = CompareAction::SetWindow(window);
-            choice(
+            let words = text(window.name(), "Time span shown.");
+            toggle(
                 ui,
                 settings.window == window,
-                window.name(),
-                "Time span shown.",
-                action,
+                words,
+                CompareAction::SetWindow(window),
+                out,
             );
         }
     }
-    let copies = plot != Plot::Cpu && plot != Plot::Timing;
-    if copies
-        && button(
-            ui,
-            "Copy CSV",
-            "Copy the data shown to the clipboard, as CSV.",
-        )
-    {
-        out.push(CompareAction::Copy);
+    if !matches!(plot, Plot::Cpu | Plot::Timing) {
+        let hint = "Copy the data shown to the clipboard, as CSV.";
+        button(ui, text("Copy CSV", hint), CompareAction::Copy, out);
     }
 }

@@ -15,6 +15,7 @@ use super::super::format::number;
 use super::super::linear_axis;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::super::view::PanelView;
+use crate::compare::verdict::short;
 use crate::view::style::{self, IntegratorStyle};
 
 /// Width of a column of the legend beside the plot [points].
@@ -24,7 +25,7 @@ const PLOT_BESIDE_LEGEND: f32 = 220.0;
 /// A plot lower than this is no use; the drawer scrolls instead.
 const LOWEST: f32 = 90.0;
 
-/// Median cost of a body-step of every integrator on the scene's bodies, on a log axis. The legend stands beside the plot, as
+/// Cost of a body-step of every integrator on the scene's bodies, the minimum, on a log axis. The legend stands beside the plot, as
 /// with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     let clock = view
@@ -40,11 +41,11 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     ui.add(
         Label::new(
             RichText::new(format!(
-                "plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms{clock}",
+                "fastest sample of two seconds · plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms{clock}",
                 view.step_time(),
-                number(view.compare.comparisons_ms * 1e3),
-                number(view.compare.panel_ms * 1e3),
-                number(view.frame_time_ms),
+                short(view.compare.comparisons_ms * 1e3),
+                short(view.compare.panel_ms * 1e3),
+                short(view.frame_time_ms),
             ))
             .small(),
         )
@@ -81,13 +82,16 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
 fn timing_plot(ui: &mut Ui, view: &PanelView) {
     let plot = frame("Timing")
         .x_axis_label("wall time [s]")
-        .x_grid_spacer(linear_axis::marks)
-        .y_axis_label("median ns per body-step")
+        .x_grid_spacer(linear_axis::along)
+        .y_axis_label("ns per step of a box")
         .y_grid_spacer(marks)
         .y_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
         .label_formatter(|at| {
             Some(time_and(at, |y| {
-                format!("{} ns per body-step", number(from_axis(y)))
+                format!(
+                    "{} ns per step of a box, the fastest sample",
+                    number(from_axis(y))
+                )
             }))
         });
     let response = plot
@@ -114,7 +118,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
         .response;
     describe(
         &response,
-        "Median nanoseconds per body-step of every integrator over wall time, logarithmic",
+        "Minimum of nanoseconds per step of a box under every integrator over wall time, logarithmic",
     );
 }
 
@@ -134,6 +138,7 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
             .include_y(0.0)
             .include_y(100.0)
             .x_axis_label("wall time [s]")
+            .x_grid_spacer(linear_axis::along)
             .y_axis_label("% of all cores")
             .label_formatter(|at| Some(time_and(at, |y| format!("{} % of all cores", number(y)))));
         let history = &view.history.cpu;
@@ -165,6 +170,7 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
 pub(super) fn frame<'a>(name: &str) -> Plot<'a> {
     Plot::new(name.to_owned())
         .allow_scroll(false)
+        .x_axis_formatter(|mark, _| number(mark.value))
         // Labels may stand closer than usual: the plots are small.
         .custom_x_axes(vec![
             AxisHints::new_x().label_spacing(Rangef::new(36.0, 60.0)),

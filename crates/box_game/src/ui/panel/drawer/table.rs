@@ -1,33 +1,27 @@
-//! The figures of every trajectory side by side, and what they come to in a sentence.
+//! The figures of every trajectory side by side.
 
-use bevy_egui::egui::{
-    Button, Grid, Label, RichText, ScrollArea, Ui, WidgetInfo, WidgetType, vec2,
-};
+use bevy_egui::egui::{Grid, Label, RichText, ScrollArea, Ui, vec2};
+use box_bench::measure::Cost;
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity, step_size};
 use super::super::view::IntegratorTiming;
 use super::compare::state;
-use crate::action::compare::CompareAction;
-use crate::compare::view::verdict;
 use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::view::style;
 
 const HEADINGS: [(&str, &str); 12] = [
+    ("integrator", "Main box, comparisons, then the rest."),
     (
-        "integrator",
-        "Main box, comparisons, then the rest. Click one to compare it with the main box in words.",
+        "min [ns]",
+        "Fastest sample of the last two seconds, per step of a box: every integrator on this scene's boxes, by the plugin's path.",
     ),
-    (
-        "med [ns]",
-        "Median of the last two seconds, ns per body-step: every integrator on this scene's bodies, by the plugin's path.",
-    ),
+    ("median [ns]", "Median of these samples."),
     ("p95 [ns]", "95th percentile of these samples."),
-    ("min [ns]", "Shortest of these samples."),
-    ("evals", "Force evaluations per step, as counted."),
+    ("force evals", "Force evaluations per step, as counted."),
     ("dt", "Step size."),
-    ("pos err [m]", "Distance from the reference, now."),
-    ("rot err [°]", "Angle to the reference, now."),
+    ("position error [m]", "Distance from the reference, now."),
+    ("attitude error [°]", "Angle to the reference, now."),
     (
         "ΔE/E₀",
         "Energy change beyond that of pushes, forces and floor.",
@@ -44,13 +38,7 @@ const HEADINGS: [(&str, &str); 12] = [
 ];
 
 /// `timings` are of every integrator; those that are not compared stand below.
-pub(super) fn show(
-    ui: &mut Ui,
-    compare: &CompareView,
-    timings: &[IntegratorTiming],
-    out: &mut Vec<CompareAction>,
-) {
-    ui.add(Label::new(RichText::new(verdict(compare)).strong()).wrap());
+pub(super) fn show(ui: &mut Ui, compare: &CompareView, timings: &[IntegratorTiming]) {
     ScrollArea::both()
         .auto_shrink([false, false])
         .show(ui, |ui| {
@@ -64,7 +52,7 @@ pub(super) fn show(
                     }
                     ui.end_row();
                     for trajectory in &compare.trajectories {
-                        trajectory_row(ui, compare, trajectory, out);
+                        trajectory_row(ui, trajectory);
                         ui.end_row();
                     }
                     let beside = |t: &&IntegratorTiming| {
@@ -88,43 +76,32 @@ fn mark(ui: &mut Ui, integrator: Integrator) {
     ui.add_sized(vec2(16.0, ui.spacing().interact_size.y), mark);
 }
 
-fn timing(ui: &mut Ui, nanoseconds: Option<(f64, f64, f64)>, evaluations: f64) {
-    let figures = match nanoseconds {
-        Some((min, median, p95)) => [median, p95, min].map(quantity),
-        None => ["…", "…", "…"].map(str::to_owned),
-    };
+fn timing(ui: &mut Ui, cost: Option<Cost>, evaluations: f64) {
+    let figures = cost.map_or(["…"; 3].map(str::to_owned), |c| {
+        [c.min, c.median, c.p95].map(quantity)
+    });
     for figure in figures {
         ui.label(RichText::new(figure).monospace());
     }
     ui.label(RichText::new(number(evaluations)).monospace());
 }
 
-fn trajectory_row(
-    ui: &mut Ui,
-    view: &CompareView,
-    trajectory: &TrajectoryView,
-    out: &mut Vec<CompareAction>,
-) {
+fn trajectory_row(ui: &mut Ui, trajectory: &TrajectoryView) {
     let info = trajectory.integrator.info();
+    let name = RichText::new(format!(
+        "{}{}",
+        info.name,
+        if trajectory.main_box {
+            " · main box"
+        } else {
+            ""
+        }
+    ));
     ui.horizontal(|ui| {
         mark(ui, trajectory.integrator);
-        if trajectory.main_box {
-            ui.add(
-                Label::new(RichText::new(format!("{} · main box", info.name)).strong()).extend(),
-            );
-            return;
-        }
-        let chosen = view.settings.selected == Some(trajectory.integrator);
-        let button = ui.add(Button::selectable(chosen, info.name));
-        button.widget_info(|| {
-            let name = format!("Compare the main box with {}", info.name);
-            WidgetInfo::selected(WidgetType::Button, true, chosen, name)
-        });
-        if button.clicked() {
-            out.push(CompareAction::Select(trajectory.integrator));
-        }
+        ui.add(Label::new(name.strong()).extend());
     });
-    timing(ui, trajectory.nanoseconds, trajectory.evaluations);
+    timing(ui, trajectory.cost, trajectory.evaluations);
     ui.label(RichText::new(step_size(trajectory.dt)).monospace());
     for q in [
         Quantity::Position,
@@ -164,7 +141,7 @@ fn other_row(ui: &mut Ui, other: &IntegratorTiming) {
         mark(ui, other.integrator);
         ui.add(Label::new(info.name).extend());
     });
-    timing(ui, other.nanoseconds, other.evaluations);
+    timing(ui, other.cost, other.evaluations);
     for _ in 0..5 {
         ui.weak("–");
     }

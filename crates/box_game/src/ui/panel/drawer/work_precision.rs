@@ -10,8 +10,9 @@ use super::super::decimate::segments;
 use super::super::format::number;
 use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::super::memory::PanelMemory;
-use super::super::widgets::{button, named_toggle};
+use super::super::widgets::{Text, button, own_toggle, text};
 use super::plots::{describe, frame, scrolled};
+use crate::action::Action;
 use crate::action::compare::CompareAction;
 use crate::compare::sweep::{SweepLine, SweepPoint};
 use crate::compare::{CompareView, TrajectoryView};
@@ -25,7 +26,7 @@ pub(super) fn show(
     ui: &mut Ui,
     view: &CompareView,
     memory: &mut PanelMemory,
-    out: &mut Vec<CompareAction>,
+    out: &mut Vec<Action>,
 ) {
     ui.horizontal_wrapped(|ui| controls(ui, view, memory, out));
     let position = memory.sweep_position.unwrap_or(!view.attitude);
@@ -55,43 +56,37 @@ pub(super) fn show(
     });
 }
 
-fn controls(
-    ui: &mut Ui,
-    view: &CompareView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<CompareAction>,
-) {
+fn controls(ui: &mut Ui, view: &CompareView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
     let sweep = &view.sweep;
     if sweep.running {
-        if button(ui, "Cancel sweep", "Stop, and keep the finished lines.") {
-            out.push(CompareAction::CancelSweep);
-        }
+        let cancel = text("Cancel sweep", "Stop, and keep the finished lines.");
+        button(ui, cancel, CompareAction::CancelSweep, out);
         let (done, total) = sweep.progress;
         let bar = ProgressBar::new(done as f32 / total.max(1) as f32)
             .desired_width(140.0)
             .text(format!("{done} of {total}"));
         ui.add(bar);
-    } else if button(
-        ui,
-        "Sweep",
-        "Run this scene under every selected integrator with dt from 1/15 to 1/1920 s, in the background.",
-    ) {
-        out.push(CompareAction::StartSweep);
+    } else {
+        let hint = "Run this scene under every selected integrator with dt from 1/15 to 1/1920 s, in the background.";
+        button(ui, text("Sweep", hint), CompareAction::StartSweep, out);
     }
     for (position, name, hint) in [
         (false, "attitude", "Largest angle to the reference."),
         (true, "position", "Largest distance from the reference."),
     ] {
         let chosen = memory.sweep_position.unwrap_or(!view.attitude) == position;
-        if named_toggle(ui, chosen, name, &format!("{name} error"), hint) {
+        let accessible = format!("{name} error");
+        if own_toggle(ui, chosen, Text(name, &accessible, hint), &accessible) {
             memory.sweep_position = Some(position);
         }
     }
     ui.add(
         Label::new(
-            RichText::new("dots: now · lines: sweep · lower left is better")
-                .small()
-                .weak(),
+            RichText::new(
+                "dots: now · lines: step sizes from 1/15 to 1/1920 s · lower left is better",
+            )
+            .small()
+            .weak(),
         )
         .truncate(),
     );

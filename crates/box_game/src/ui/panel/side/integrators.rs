@@ -9,10 +9,10 @@ use bevy_egui::egui::{
 use box_physics::plugin::Stage;
 use box_physics::prelude::Integrator;
 
-use super::super::format::{number, quantity};
+use super::super::format::number;
 use super::super::memory::PanelMemory;
 use super::super::view::{IntegratorTiming, PanelView};
-use super::super::widgets::{button, named_button, toggle};
+use super::super::widgets::{Text, button, choice, id_of, identify, own_button, text};
 use crate::action::Action;
 use crate::action::compare::{self, CompareAction, Fairness};
 use crate::compare::verdict::short;
@@ -24,6 +24,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
     let list = CollapsingHeader::new("Add or switch")
         .open(Some(memory.all_integrators))
         .show_unindented(ui, |ui| list(ui, view, out));
+    identify(&list.header_response, "section all integrators");
     if list.header_response.clicked() {
         memory.all_integrators ^= true;
     }
@@ -38,9 +39,7 @@ fn compared(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             .on_hover_text("Dashed white in the picture. Errors are measured against it.");
     }
     let main = view.compare.trajectories.iter().find(|t| t.main_box);
-    let main = main
-        .and_then(|t| t.nanoseconds)
-        .map(|(_, median, _)| median);
+    let main = main.and_then(|t| t.cost).map_or(f64::NAN, |c| c.min);
     for trajectory in &view.compare.trajectories {
         let integrator = trajectory.integrator;
         ui.horizontal(|ui| {
@@ -51,33 +50,31 @@ fn compared(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             };
             let looks = style::of(integrator);
             append(looks.glyph, looks.ink(ui.ctx().theme()));
-            append(
-                &format!(" {}", integrator.name()),
-                ui.visuals().text_color(),
-            );
+            let name = format!(" {}", integrator.name());
+            append(&name, ui.visuals().text_color());
             if trajectory.main_box {
-                append(" (main box)", ui.visuals().weak_text_color());
+                append(" (main)", ui.visuals().weak_text_color());
             }
             ui.add(Label::new(job).extend());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if !trajectory.main_box {
                     let name = format!("Stop comparing {}", integrator.name());
-                    if named_button(ui, "✖", &name, "Stop comparing this integrator.") {
-                        let action = CompareAction::ToggleComparison(integrator);
-                        out.push(Action::Compare(action));
+                    let stop = Text("✖", &name, "Stop comparing this integrator.");
+                    if own_button(ui, stop, &format!("stop {}", integrator.id())) {
+                        out.push(CompareAction::ToggleComparison(integrator).into());
                     }
                 }
-                let cost = match (trajectory.nanoseconds, main) {
-                    (None, _) => "… ns".to_owned(),
-                    (Some((_, median, _)), Some(main)) if !trajectory.main_box && main > 0.0 => {
-                        format!("{}×  {} ns", short(median / main), short(median))
-                    }
-                    (Some((_, median, _)), _) => format!("{} ns", short(median)),
-                };
+                let cost = trajectory.cost.map_or_else(
+                    || "… ns".to_owned(),
+                    |cost| {
+                        let ratio = cost.min / main;
+                        let ratio = (!trajectory.main_box && ratio.is_finite())
+                            .then(|| format!("{}×  ", short(ratio)));
+                        format!("{}{} ns", ratio.unwrap_or_default(), short(cost.min))
+                    },
+                );
                 ui.add(Label::new(RichText::new(cost).monospace()).truncate())
-                    .on_hover_text(
-                        "Median cost of a body-step on this scene, and over that of the main box.",
-                    );
+                    .on_hover_text(COST);
             });
         });
         let quality = trajectory.quality(view.compare.attitude);
@@ -87,6 +84,10 @@ fn compared(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         ui.add(Label::new(text).truncate());
     }
 }
+
+/// What the figures of cost are.
+const COST: &str = "Cost of a step of a box in this scene, and over that of the main box: the fastest sample of the \
+                    last two seconds, as in sweep and report. Median and 95th percentile stand in the table.";
 
 /// Colors of the stages of a step.
 const STAGES: [Color32; Stage::ALL.len()] = [
@@ -101,16 +102,14 @@ pub(super) fn step_cost(ui: &mut Ui, view: &PanelView) {
     let Some(stages) = view.stages_us else {
         return;
     };
-    let text = format!(
-        "Step in the plugin: {} for {} {}",
-        view.step_time(),
-        view.parameters.boxes(),
-        if view.parameters.boxes() == 1 {
-            "box"
-        } else {
-            "boxes"
+    let boxes = match view.parameters.boxes() {
+        1 => "1 box".to_owned(),
+        n => {
+            let each = 1e3 * stages.iter().sum::<f64>() / f64::from(n);
+            format!("{n} boxes, {} ns each", short(each))
         }
-    );
+    };
+    let text = format!("Step in the plugin: {} for {boxes}", view.step_time());
     ui.add(Label::new(RichText::new(text).small()).truncate());
     let width = ui.available_width();
     let (place, response) = ui.allocate_exact_size(vec2(width, 26.0), Sense::hover());
@@ -189,9 +188,7 @@ fn list(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             ui.weak(integrator.info().group.name());
         }
         ui.horizontal(|ui| {
-            if tick(ui, view, integrator) {
-                out.push(Action::Compare(CompareAction::ToggleComparison(integrator)));
-            }
+            tick(ui, view, integrator, out);
             if row(ui, view, integrator) && active(view) != Some(integrator) {
                 if active(view).is_none() {
                     out.push(Action::SetDemo(None));
@@ -200,7 +197,7 @@ fn list(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             }
         });
     }
-    ui.label(RichText::new("☑ compare · click a name to switch · median ns per body-step").small());
+    ui.label(RichText::new("☑ compare · click a name to switch · ns per step of a box").small());
 }
 
 /// The integrator that moves the box; none while a stepper of 2012 does.
@@ -209,8 +206,8 @@ fn active(view: &PanelView) -> Option<Integrator> {
     demo.is_none().then_some(view.integrator)
 }
 
-/// The checkbox that compares an integrator; returns whether it was changed.
-fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
+/// The checkbox that compares an integrator.
+fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator, out: &mut Vec<Action>) {
     let main_box = integrator == view.integrator;
     let trajectories = &view.compare.trajectories;
     let mut on = main_box || trajectories.iter().any(|l| l.integrator == integrator);
@@ -219,15 +216,17 @@ fn tick(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
         let name = format!("Compare {}", integrator.name());
         WidgetInfo::selected(WidgetType::Checkbox, !main_box, on, name)
     });
-    response
-        .on_hover_text("Compare it on the same scene, with the same inputs (Shift + its key).")
-        .changed()
+    let action = Action::from(CompareAction::ToggleComparison(integrator));
+    identify(&response, id_of(&action));
+    let hint = "Compare it on the same scene, with the same inputs (Shift + its key).";
+    if response.on_hover_text(hint).changed() {
+        out.push(action);
+    }
 }
 
 /// Layout, fairness, re-sync.
 fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     let settings = &view.compare.settings;
-    let mut ask = |action| out.push(Action::Compare(action));
     ui.horizontal_wrapped(|ui| {
         ui.label("Layout");
         for layout in compare::Layout::ALL {
@@ -237,10 +236,14 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 compare::Layout::SideBySide => "Side by side; only the picture is shifted (V).",
                 compare::Layout::Views => "One view each, for up to four (V).",
             };
-            let chosen = settings.layout == layout;
-            if toggle(ui, chosen, layout.name(), hint) && !chosen {
-                ask(CompareAction::SetLayout(layout));
-            }
+            let action = CompareAction::SetLayout(layout);
+            choice(
+                ui,
+                settings.layout == layout,
+                text(layout.name(), hint),
+                action,
+                out,
+            );
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -250,13 +253,18 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 Fairness::Evaluations => "Same force evaluations per simulated second.",
                 Fairness::Cost => "Same measured cost per simulated second.",
             };
-            let chosen = settings.fairness == fairness;
-            if toggle(ui, chosen, fairness.name(), hint) && !chosen {
-                ask(CompareAction::SetFairness(fairness));
-            }
+            let action = CompareAction::SetFairness(fairness);
+            choice(
+                ui,
+                settings.fairness == fairness,
+                text(fairness.name(), hint),
+                action,
+                out,
+            );
         }
     });
     ui.horizontal_wrapped(|ui| {
+        let resync = "Move the main box and every comparison to the reference's state.";
         for (name, hint, action) in [
             (
                 "Compare all",
@@ -268,15 +276,9 @@ fn together(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
                 "Compare nothing.",
                 CompareAction::CompareNone,
             ),
-            (
-                "Re-sync",
-                "Move the main box and every comparison to the reference's state.",
-                CompareAction::Resync,
-            ),
+            ("Re-sync", resync, CompareAction::Resync),
         ] {
-            if button(ui, name, hint) {
-                ask(action);
-            }
+            button(ui, text(name, hint), action, out);
         }
     });
     if !view.compare.note.is_empty() {
@@ -291,9 +293,9 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
         .timings
         .iter()
         .find(|timing| timing.integrator == integrator);
-    let cost = timing.and_then(|timing| timing.nanoseconds).map_or_else(
+    let cost = timing.and_then(|timing| timing.cost).map_or_else(
         || "… ns".to_owned(),
-        |(_, median, _)| format!("{} ns", quantity(median)),
+        |cost| format!("{} ns", short(cost.min)),
     );
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
     let looks = style::of(integrator);
@@ -316,6 +318,7 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
         current_text_value: Some(format!("{}{cost}", if active { "active, " } else { "" })),
         ..WidgetInfo::selected(WidgetType::RadioButton, true, active, integrator.name())
     });
+    identify(&response, id_of(&Action::SetIntegrator(integrator)));
     let clicked = response.clicked();
     response.on_hover_ui(|ui| {
         ui.set_max_width(ui.spacing().tooltip_width);
@@ -347,12 +350,12 @@ fn describe(integrator: Integrator, timing: Option<&IntegratorTiming>) -> Vec<St
         ),
         format!("Energy of a free spin: {}.", info.keeps.energy),
     ];
-    if let Some((min, median, p95)) = timing.and_then(|timing| timing.nanoseconds) {
+    if let Some(cost) = timing.and_then(|timing| timing.cost) {
         lines.push(format!(
-            "ns per body-step on this scene's bodies: min {}, median {}, 95 % under {}.",
-            number(min),
-            number(median),
-            number(p95)
+            "ns per step of a box in this scene: min {}, median {}, 95 % under {}.",
+            number(cost.min),
+            number(cost.median),
+            number(cost.p95)
         ));
     }
     if let Some(key) = box_scenarios::style::key(integrator) {

@@ -8,6 +8,7 @@ use bevy_egui::egui::{CollapsingHeader, ScrollArea, Ui, style::ScrollStyle};
 
 use super::memory::{PanelMemory, Section};
 use super::view::PanelView;
+use super::widgets::identify;
 use crate::action::Action;
 use parameters::{BOX, WORLD};
 
@@ -24,6 +25,7 @@ pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
                     .open(Some(memory.open[place]))
                     .show_unindented(ui, |ui| body(ui, section, view, memory, out))
                     .header_response;
+                identify(&header, format!("section {}", section.title()));
                 if header.clicked() {
                     memory.open[place] = !memory.open[place];
                 }

@@ -7,7 +7,7 @@ use super::super::format::{number, step_size};
 use super::super::memory::PanelMemory;
 use super::super::row::row;
 use super::super::view::PanelView;
-use super::super::widgets::{button, toggle};
+use super::super::widgets::{choice, identify, own_button, text};
 use crate::action::{Action, Push};
 use crate::parameters::Parameter;
 
@@ -40,7 +40,7 @@ fn rows(
 ) {
     for &parameter in parameters {
         if !parameter.info().choices.is_empty() {
-            choice(ui, view, parameter, out);
+            choices(ui, view, parameter, out);
             continue;
         }
         out.extend(row(ui, parameter, &view.parameters, &view.defaults, memory));
@@ -48,7 +48,7 @@ fn rows(
 }
 
 /// A parameter that is a choice: a button for each.
-fn choice(ui: &mut Ui, view: &PanelView, parameter: Parameter, out: &mut Vec<Action>) {
+fn choices(ui: &mut Ui, view: &PanelView, parameter: Parameter, out: &mut Vec<Action>) {
     let Some(now) = view.parameters.get(parameter) else {
         return;
     };
@@ -57,9 +57,8 @@ fn choice(ui: &mut Ui, view: &PanelView, parameter: Parameter, out: &mut Vec<Act
         ui.label(info.label).on_hover_text(info.hint);
         for (k, name) in info.choices.iter().enumerate() {
             let value = k as f64;
-            if toggle(ui, now == value, name, info.hint) && now != value {
-                out.push(Action::Set(parameter, value));
-            }
+            let action = Action::Set(parameter, value);
+            choice(ui, now == value, text(name, info.hint), action, out);
         }
     });
 }
@@ -72,8 +71,8 @@ fn reset(
     parameters: &[Parameter],
     out: &mut Vec<Action>,
 ) {
-    let hint = "Restore the scene's own values.";
-    if button(ui, &format!("Reset {what}"), hint) {
+    let name = format!("Reset {what}");
+    if own_button(ui, text(&name, "Restore the scene's own values."), &name) {
         // A scene without a floor has no restitution to reset.
         let present = parameters
             .iter()
@@ -100,11 +99,15 @@ pub(super) fn step(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
     ui.horizontal(|ui| {
         for hertz in RATES {
             let dt = 1.0 / f64::from(hertz);
-            let chosen = view.parameters.step == dt;
-            let hint = format!("dt = {}", step_size(dt));
-            if toggle(ui, chosen, &format!("{hertz} Hz"), &hint) && !chosen {
-                out.push(Action::Set(Parameter::Step, dt));
-            }
+            let (name, hint) = (format!("{hertz} Hz"), format!("dt = {}", step_size(dt)));
+            let action = Action::Set(Parameter::Step, dt);
+            choice(
+                ui,
+                view.parameters.step == dt,
+                text(&name, &hint),
+                action,
+                out,
+            );
         }
     });
     rows(ui, view, &[Parameter::Substeps], memory, out);
@@ -146,10 +149,12 @@ pub(super) fn push(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
         });
     }
     ui.horizontal_wrapped(|ui| {
-        ui.checkbox(&mut memory.push_off_center, "off-center (Shift)")
-            .on_hover_text("Push at the edge of the face, so that the box spins.");
-        ui.checkbox(&mut memory.push_world, "world axes (Alt)")
-            .on_hover_text("Push along the world's axes instead of the box's own.");
+        let off = ui.checkbox(&mut memory.push_off_center, "off-center (Shift)");
+        identify(&off, "off-center");
+        off.on_hover_text("Push at the edge of the face, so that the box spins.");
+        let world = ui.checkbox(&mut memory.push_world, "world axes (Alt)");
+        identify(&world, "world axes");
+        world.on_hover_text("Push along the world's axes instead of the box's own.");
     });
     reset(ui, view, "push", &[Parameter::Impulse], out);
 }
@@ -157,6 +162,7 @@ pub(super) fn push(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out:
 fn push_button(ui: &mut Ui, name: &str, impulse: f64, off_center: bool, world: bool) -> Response {
     let button = ui.add_sized(vec2(64.0, ui.spacing().interact_size.y), Button::new(name));
     button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("Push {name}")));
+    identify(&button, format!("push {name}"));
     button.on_hover_ui(|ui| {
         ui.label(format!(
             "{} N s along {name} of {}{}.",

@@ -4,7 +4,7 @@ use bevy_egui::egui::{Grid, Label, RichText, Ui};
 
 use super::super::format::{bytes, grouped, quantity};
 use super::super::view::PanelView;
-use super::super::widgets::button;
+use super::super::widgets::{button, id_of, identify, text};
 use crate::action::Action;
 use crate::platform;
 
@@ -19,7 +19,7 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         (
             view.preferences.show_contacts,
             "Contacts (C)",
-            "Contact points, normals and impulses.",
+            "Contact points with their impulses, and friction cones: the force stays inside.",
             Action::ToggleContacts,
         ),
         (
@@ -30,7 +30,9 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
         ),
     ] {
         let mut ticked = on;
-        if ui.checkbox(&mut ticked, name).on_hover_text(hint).changed() {
+        let switch = ui.checkbox(&mut ticked, name);
+        identify(&switch, id_of(&action));
+        if switch.on_hover_text(hint).changed() {
             out.push(action);
         }
     }
@@ -44,9 +46,7 @@ pub(super) fn drawn(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
             ("Home", "Reset the view (Home).", Action::HomeCamera),
             ("Screenshot", "Save a screenshot (F12).", Action::Screenshot),
         ] {
-            if button(ui, name, hint) {
-                out.push(action);
-            }
+            button(ui, text(name, hint), action, out);
         }
     });
 }
@@ -99,19 +99,15 @@ pub(super) fn now(ui: &mut Ui, view: &PanelView) {
 }
 
 pub(super) fn log(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    let name = if view.log.is_some() {
-        "Stop log"
-    } else {
-        "Start log"
-    };
-    if button(ui, name, "Write every step to a CSV file (L).") {
-        out.push(Action::ToggleLog);
-    }
+    let name = ["Start log", "Stop log"][usize::from(view.log.is_some())];
+    let hint = "Write every step to a CSV file (L).";
+    button(ui, text(name, hint), Action::ToggleLog, out);
     let what = platform::COPIED;
-    let hint = format!("Copy the {what} that restores this session to the clipboard.");
-    if button(ui, &format!("Copy {what}"), &hint) {
-        out.push(Action::CopyCommandLine);
-    }
+    let (name, hint) = (
+        format!("Copy {what}"),
+        format!("Copy the {what} that restores this session to the clipboard."),
+    );
+    button(ui, text(&name, &hint), Action::CopyCommandLine, out);
     match &view.log {
         Some(log) => {
             ui.add(Label::new(&log.path).wrap().selectable(true));

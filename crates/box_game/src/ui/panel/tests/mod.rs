@@ -1,4 +1,4 @@
-//! The panel without a window: every control by its accessible name.
+//! The panel without a window: every control by its id.
 
 mod controls;
 mod interaction;
@@ -9,9 +9,10 @@ mod texts;
 use bevy_egui::egui::{Event, Key, PointerButton, Pos2, Rect, Vec2, accesskit::Role, pos2};
 use egui_kittest::{
     Harness, Node,
-    kittest::{NodeT, Queryable},
+    kittest::{By, NodeT, Queryable},
 };
 
+use super::widgets::id_of;
 use super::{PanelLayout, PanelMemory, PanelView, sample_view, show};
 use crate::action::Action;
 
@@ -66,8 +67,20 @@ impl Person {
         std::mem::take(&mut self.harness.state_mut().asked)
     }
 
-    fn find<'a>(&'a self, name: &'a str) -> Node<'a> {
-        self.harness.get_by_label(name)
+    /// The control with this id.
+    fn find<'a>(&'a self, id: &'a str) -> Node<'a> {
+        let by = By::new().predicate(move |node| node.author_id() == Some(id));
+        self.harness.get(by)
+    }
+
+    /// The control that asks for this.
+    fn click_on(&mut self, action: impl Into<Action>) -> Vec<Action> {
+        self.click(&id_of(&action.into()))
+    }
+
+    fn has(&self, id: &str) -> bool {
+        let by = By::new().predicate(move |node| node.author_id() == Some(id));
+        self.harness.query_all(by).next().is_some()
     }
 
     fn sees(&self, name: &str) -> bool {
@@ -81,8 +94,8 @@ impl Person {
             .is_some()
     }
 
-    fn click(&mut self, name: &str) -> Vec<Action> {
-        self.find(name).click();
+    fn click(&mut self, id: &str) -> Vec<Action> {
+        self.find(id).click();
         self.asked()
     }
 
@@ -108,8 +121,8 @@ impl Person {
         });
     }
 
-    fn type_into(&mut self, name: &str, text: &str) -> Vec<Action> {
-        self.find(name).click();
+    fn type_into(&mut self, id: &str, text: &str) -> Vec<Action> {
+        self.find(id).click();
         self.look();
         self.harness.event(Event::Text(text.to_owned()));
         self.harness.key_press(Key::Enter);

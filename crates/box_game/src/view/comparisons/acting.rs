@@ -1,0 +1,124 @@
+//! What acts on a box, as lines: springs to their anchors, forces at its points, friction cones where it touches.
+
+use bevy::prelude::*;
+use box_physics::aabb::corners;
+use box_physics::force::Frame;
+use box_physics::prelude::BodyState;
+use box_scenarios::Model;
+
+use crate::camera::views::Everywhere;
+use crate::compare::Comparison;
+use crate::preferences::Preferences;
+
+/// Turns of a drawn spring, and its width over the box's radius.
+const TURNS: usize = 9;
+const WIDTH: f32 = 0.09;
+/// Height of a friction cone over the box's radius, and the widest that is drawn.
+const CONE: f32 = 0.6;
+const WIDEST: f32 = 2.0;
+/// A corner touches within this share of the radius.
+const TOUCHING: f64 = 0.02;
+
+/// The springs and forces of `law` on a box in `state`, its picture shifted by `offset`.
+pub(super) fn draw<G: GizmoConfigGroup>(
+    gizmos: &mut Gizmos<G>,
+    law: &Model,
+    state: &BodyState,
+    offset: Vec3,
+    color: Color,
+) {
+    let radius = law.body.radius() as f32;
+    let place = |p: glam::DVec3| p.as_vec3() + offset;
+    for spring in &law.forces.springs {
+        let ends = [place(spring.anchor), place(state.point(spring.body_point))];
+        gizmos.linestrip(zigzag(ends, WIDTH * radius), color);
+        gizmos
+            .sphere(ends[0], 0.07 * radius, Color::WHITE)
+            .resolution(8);
+    }
+    for force in &law.forces.point_forces {
+        // A couple may act far outside the box.
+        let at = force.body_point.clamp_length_max(law.body.radius());
+        let direction = match force.frame {
+            Frame::World => force.force,
+            Frame::Body => state.rotation * force.force,
+        };
+        let at = place(state.point(at));
+        gizmos.arrow(
+            at,
+            at + direction.normalize_or_zero().as_vec3() * radius,
+            color,
+        );
+    }
+}
+
+/// The points of a spring between two ends.
+fn zigzag([from, to]: [Vec3; 2], width: f32) -> impl Iterator<Item = Vec3> {
+    let aside = (to - from)
+        .try_normalize()
+        .map_or(Vec3::ZERO, |d| d.any_orthonormal_vector());
+    (0..=TURNS + 2).map(move |k| {
+        let side = match k {
+            0 | 1 => 0.0,
+            k if k > TURNS => 0.0,
+            k if k % 2 == 0 => 1.0,
+            _ => -1.0,
+        };
+        from.lerp(to, k as f32 / (TURNS + 2) as f32) + side * width * aside
+    })
+}
+
+/// Where the main box touches the floor: the cone that the contact force cannot leave.
+pub(super) fn draw_cones(
+    comparison: Res<Comparison>,
+    preferences: Res<Preferences>,
+    mut gizmos: Gizmos<Everywhere>,
+) {
+    let Some((run, floor)) = comparison
+        .run
+        .as_ref()
+        .and_then(|r| Some((r, r.law.floor?)))
+    else {
+        return;
+    };
+    if !preferences.show_contacts || floor.friction <= 0.0 {
+        return;
+    }
+    let (state, body) = (&run.main_box.state, &run.law.body);
+    let height = CONE * body.radius() as f32;
+    let color = Color::srgb_u8(240, 228, 66);
+    for corner in corners(body.half_extents()) {
+        let at = state.point(corner);
+        if at.y - floor.height > TOUCHING * body.radius() {
+            continue;
+        }
+        let apex = at.as_vec3();
+        let top = apex + Vec3::Y * height;
+        let radius = height * (floor.friction as f32).min(WIDEST);
+        let flat = Quat::from_rotation_arc(Vec3::Z, Vec3::Y);
+        gizmos
+            .circle(Isometry3d::new(top, flat), radius, color)
+            .resolution(24);
+        for side in [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z] {
+            gizmos.line(apex, top + radius * side, color);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spring_ends_where_it_is_held() {
+        let ends = [Vec3::ZERO, Vec3::new(0.0, 3.0, 4.0)];
+        let points: Vec<_> = zigzag(ends, 0.1).collect();
+        assert_eq!([points[0], points[points.len() - 1]], ends);
+        let line = (ends[1] - ends[0]).normalize();
+        let away = |p: &Vec3| p.reject_from(line).length();
+        assert!(points.iter().all(|p| away(p) < 0.1001));
+        assert!(points.iter().filter(|p| away(p) > 0.0999).count() >= TURNS - 1);
+        // Held at its anchor, it has no direction.
+        assert!(zigzag([Vec3::ONE; 2], 0.1).all(|p| p == Vec3::ONE));
+    }
+}
