@@ -11,7 +11,7 @@ pub enum Situation {
     Flight,
     /// Tumbling and falling from high above a floor.
     Falling,
-    /// Falling low over the floor: too near for the first broad test, without touching.
+    /// Falling low over the floor, without touching.
     Near,
     /// Falling still lower: one in twenty strikes the floor in the step.
     Grazing,

@@ -10,7 +10,7 @@ use box_physics::prelude::*;
 pub enum ContactScene {
     /// Rests on a face.
     Resting,
-    /// Flies so low that the broad test does not clear it.
+    /// Flies so low that only the flown step tells that it does not touch.
     FlyingLow,
     /// Slides on a face.
     Sliding,

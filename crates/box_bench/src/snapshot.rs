@@ -163,6 +163,7 @@ impl Snapshot {
                 memories: &mut self.memories[from..to],
                 gravity: GravityField::Uniform(self.forces.gravity),
                 faults: &mut self.faults,
+                floor: None,
             },
             self.h,
         )

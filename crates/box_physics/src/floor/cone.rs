@@ -1,6 +1,6 @@
 //! Coulomb's law for all touching corners at once.
 //!
-//! Given velocities b and the operator αW, find impulses p with w = b + αWp and, for every corner,
+//! Given velocities b and the operator W, find impulses p with w = b + Wp and, for every corner,
 //!
 //! ```text
 //! 0 ≤ p_n ⊥ w_n ≥ 0,   |p_t| ≤ µ p_n,   p_t = −µ p_n w_t/|w_t| where it slips.
@@ -24,6 +24,22 @@ use glam::{DMat3, DVec3};
 use super::ContactSettings;
 use super::geometry::{Corner3, DelassusOperator, has, mask};
 use super::projection::cancel;
+
+/// Notes in tests which case answered.
+#[inline(always)]
+fn answered(case: &'static str) {
+    #[cfg(test)]
+    ANSWERS.with_borrow_mut(|answers| *answers.entry(case).or_default() += 1);
+    #[cfg(not(test))]
+    let _ = case;
+}
+
+#[cfg(test)]
+thread_local! {
+    /// How often each case answered.
+    pub(super) static ANSWERS: std::cell::RefCell<std::collections::BTreeMap<&'static str, u32>> =
+        std::cell::RefCell::default();
+}
 
 /// What the solver found.
 pub(super) struct ConeSolution {
@@ -52,12 +68,11 @@ fn project(p: DVec3, friction: f64) -> DVec3 {
 #[derive(Clone, Copy)]
 pub(super) struct Cone<'a> {
     operator: &'a DelassusOperator,
-    alpha: f64,
     friction: f64,
     settings: &'a ContactSettings,
-    /// A bound of αW [1/kg].
+    /// A bound of W [1/kg].
     norm: f64,
-    /// αW_00 and αW_11, αW_01 and αW_10 of no more than two corners.
+    /// W_00 and W_11, W_01 and W_10 of no more than two corners.
     own: [DMat3; 2],
     other: [DMat3; 2],
 }
@@ -65,40 +80,35 @@ pub(super) struct Cone<'a> {
 impl<'a> Cone<'a> {
     pub(super) fn new(
         operator: &'a DelassusOperator,
-        alpha: f64,
         friction: f64,
         settings: &'a ContactSettings,
     ) -> Self {
         let (mut own, mut other) = ([DMat3::ZERO; 2], [DMat3::ZERO; 2]);
         if operator.count <= 2 {
-            for i in 0..operator.count {
-                own[i] = operator.block(i, i, alpha);
-            }
+            let first = operator.swing(0);
+            own[0] = operator.block(0, &first);
             if operator.count == 2 {
-                let cross = operator.block(0, 1, alpha);
+                let second = operator.swing(1);
+                own[1] = operator.block(1, &second);
+                let cross = operator.block(0, &second);
                 other = [cross, cross.transpose()];
             }
         }
         Self {
             operator,
-            alpha,
             friction,
             settings,
-            // Of one corner the trace is a bound.
-            norm: if operator.count == 1 {
-                own[0].x_axis.x + own[0].y_axis.y + own[0].z_axis.z
-            } else {
-                alpha * operator.norm_bound()
-            },
+            norm: operator.norm_bound(),
             own,
             other,
         }
     }
 
-    /// Solves it for `b`. What does not converge in half of the iterations is
+    /// Solves it for `b`. `near` is where to start: the impulses of a similar problem, or zero. What does not converge
+    /// in half of the iterations is
     /// solved with a quarter of the friction in a quarter of them, and so on, and at last with none, directly: the
     /// result always keeps the normal law and never gains energy; `converged` tells that it had to give way.
-    pub(super) fn solve(&self, b: &Corner3) -> ConeSolution {
+    pub(super) fn solve(&self, b: &Corner3, near: &Corner3) -> ConeSolution {
         let operator = self.operator;
         let n = operator.count;
         let mut solution = ConeSolution {
@@ -111,11 +121,14 @@ impl<'a> Cone<'a> {
         }
         let target = self.settings.tolerance * operator.largest(b);
         if self.friction == 0.0 {
+            answered("frictionless");
             solution.p = self.smooth(b);
             return solution;
         }
-        self.attempt(b, target, self.settings.max_iterations / 2, &mut solution);
+        let limit = self.settings.max_iterations / 2;
+        self.attempt(b, near, target, limit, &mut solution);
         if !solution.converged {
+            answered("gave way");
             self.give_way(b, target, &mut solution);
         }
         solution
@@ -127,7 +140,7 @@ impl<'a> Cone<'a> {
         for _ in 0..2 {
             weaker.friction *= 0.25;
             let limit = solution.iterations + self.settings.max_iterations / 4;
-            weaker.attempt(b, target, limit, solution);
+            weaker.attempt(b, &[DVec3::ZERO; 8], target, limit, solution);
             if solution.converged {
                 solution.converged = false;
                 return;
@@ -140,7 +153,7 @@ impl<'a> Cone<'a> {
     /// otherwise corner after corner is stopped as long as one approaches, and let go where it would have to pull
     /// (Lawson, Hanson, *Solving Least Squares Problems*, 1974, §23: the energy falls with every round, so that it ends).
     fn smooth(&self, b: &Corner3) -> Corner3 {
-        let (operator, alpha) = (self.operator, self.alpha);
+        let operator = self.operator;
         let stop = |stopped: u8| {
             let part = operator.part(stopped);
             let mut own = [DVec3::ZERO; 8];
@@ -151,7 +164,7 @@ impl<'a> Cone<'a> {
             let found = cancel(&part, &own, &[DVec3::Y; 8]);
             let mut p = [DVec3::ZERO; 8];
             for (q, i) in found.iter().zip(places) {
-                p[i] = *q / alpha;
+                p[i] = *q;
             }
             p
         };
@@ -200,11 +213,18 @@ impl<'a> Cone<'a> {
     }
 
     /// With friction, until `solution.iterations` is `limit`.
-    fn attempt(&self, b: &Corner3, target: f64, limit: u32, solution: &mut ConeSolution) {
+    fn attempt(
+        &self,
+        b: &Corner3,
+        near: &Corner3,
+        target: f64,
+        limit: u32,
+        solution: &mut ConeSolution,
+    ) {
         solution.converged = true;
         match self.operator.count {
             1 => {
-                if let Some(p) = single::solve(&self.own[0], b[0], self.friction) {
+                if let Some(p) = single::solve(&self.own[0], b[0], self.friction, near[0]) {
                     solution.p[0] = p;
                     return;
                 }
@@ -213,6 +233,7 @@ impl<'a> Cone<'a> {
                 let edge = Edge {
                     cone: self,
                     b,
+                    near,
                     target,
                 };
                 if let Some(p) = edge.solve() {
@@ -220,39 +241,78 @@ impl<'a> Cone<'a> {
                     return;
                 }
             }
-            _ => {}
-        }
-        self.newton(b, target, limit, solution);
-        if !solution.converged && self.operator.count > 2 {
-            self.two_alone(b, target, solution);
-        }
-    }
-
-    /// Two corners as an edge, if all others leave then. A friction so strong that corners jam may have many solutions
-    /// near one another, between which Newton's method finds no way.
-    fn two_alone(&self, b: &Corner3, target: f64, solution: &mut ConeSolution) {
-        let n = self.operator.count;
-        for (i, j) in (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))) {
-            let part = self.operator.part(1 << i | 1 << j);
-            let cone = Cone::new(&part, self.alpha, self.friction, self.settings);
-            let mut own = [DVec3::ZERO; 8];
-            (own[0], own[1]) = (b[i], b[j]);
-            let edge = Edge {
-                cone: &cone,
-                b: &own,
-                target,
-            };
-            let Some([first, second]) = edge.solve() else {
-                continue;
-            };
-            let mut p = [DVec3::ZERO; 8];
-            (p[i], p[j]) = (first, second);
-            let w = self.velocities(b, &p);
-            if w[..n].iter().all(|w| w.y >= -target) {
-                (solution.p, solution.converged) = (p, true);
-                return;
+            _ => {
+                // A box that rocks strikes with two corners and leaves with the others.
+                let strikes = mask(|i| i < self.operator.count && b[i].y < -target);
+                let two = || {
+                    let (i, j) = (strikes.trailing_zeros(), strikes.leading_zeros());
+                    self.two_alone(b, target, i as usize, 7 - j as usize)
+                };
+                let pair = (strikes.count_ones() == 2).then(two).flatten();
+                let pair = pair.inspect(|_| answered("face: two corners as an edge"));
+                let stick = || {
+                    self.all_stick(b, target)
+                        .inspect(|_| answered("face: all stick"))
+                };
+                if let Some(p) = pair.or_else(stick) {
+                    solution.p = p;
+                    return;
+                }
             }
         }
+        self.newton(b, target, limit, solution);
+    }
+
+    /// The smallest impulses that stop three or more corners, if they are in the cones: about the center of the
+    /// corners, with the arms ρ_i, they are a + β × ρ_i, and β is told by S = Σ (|ρ_i|² − ρ_iρ_iᵀ), which tells the twist
+    /// as well.
+    fn all_stick(&self, b: &Corner3, target: f64) -> Option<Corner3> {
+        let (operator, n) = (self.operator, self.operator.count);
+        let part = 1.0 / n as f64;
+        let center = part * operator.lever[..n].iter().sum::<DVec3>();
+        let mean = part * b[..n].iter().sum::<DVec3>();
+        let (mut spread, mut turn) = (DMat3::ZERO, DVec3::ZERO);
+        for i in 0..n {
+            let r = operator.lever[i] - center;
+            spread += DMat3::from_diagonal(DVec3::splat(r.length_squared()))
+                - DMat3::from_cols(r * r.x, r * r.y, r * r.z);
+            turn += r.cross(b[i] - mean);
+        }
+        let inverse = spread.inverse();
+        let omega = -(inverse * turn);
+        let force = (-mean - omega.cross(center)) / operator.inverse_mass();
+        let torque = operator.inverse_inertia().inverse() * omega - center.cross(force);
+        let beta = inverse * torque;
+        let mut p = [DVec3::ZERO; 8];
+        for i in 0..n {
+            p[i] = part * force + beta.cross(operator.lever[i] - center);
+            let t = (p[i].x * p[i].x + p[i].z * p[i].z).sqrt();
+            if p[i].y <= 0.0 || t > self.friction * p[i].y {
+                return None;
+            }
+        }
+        let left = operator.largest(&self.velocities(b, &p));
+        (left <= target).then_some(p)
+    }
+
+    /// Two corners as an edge, if all others leave then.
+    fn two_alone(&self, b: &Corner3, target: f64, i: usize, j: usize) -> Option<Corner3> {
+        let part = self.operator.part(1 << i | 1 << j);
+        let cone = Cone::new(&part, self.friction, self.settings);
+        let mut own = [DVec3::ZERO; 8];
+        (own[0], own[1]) = (b[i], b[j]);
+        let edge = Edge {
+            cone: &cone,
+            b: &own,
+            near: &[DVec3::ZERO; 8],
+            target,
+        };
+        let found = edge.solve()?;
+        let mut p = [DVec3::ZERO; 8];
+        (p[i], p[j]) = found.into();
+        let w = self.velocities(b, &p);
+        let leaves = |w: &DVec3| w.y >= -target;
+        w[..self.operator.count].iter().all(leaves).then_some(p)
     }
 
     /// Accelerated projected gradients (Nesterov 1983; restart after O'Donoghue, Candès, Found. Comput. Math. 15 (2015)
@@ -297,12 +357,12 @@ impl<'a> Cone<'a> {
         solution.p = previous;
     }
 
-    /// b + αWp.
+    /// b + Wp.
     pub(super) fn velocities(&self, b: &Corner3, p: &Corner3) -> Corner3 {
         let (v, omega) = self.operator.twist(p);
         let mut w = *b;
         for i in 0..self.operator.count {
-            w[i] += self.alpha * (v + omega.cross(self.operator.lever[i]));
+            w[i] += v + omega.cross(self.operator.lever[i]);
         }
         w
     }

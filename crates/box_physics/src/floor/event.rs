@@ -117,6 +117,11 @@ impl<const N: usize> Search<N> {
             .all(|k| from[k].max(0.0).sqrt() + to[k].max(0.0).sqrt() >= needed)
     }
 
+    /// Whether the motion over the whole time, which ends at these heights, touches nothing.
+    pub(super) fn is_over(&self, height: &[f64; N]) -> bool {
+        self.lowest(height) >= -self.tolerance && self.clear(&self.start, height, self.time)
+    }
+
     /// Whether looking for dips over so long would take more than the whole budget, however high the corners
     /// are in between: each stretch of τ that is clear has 2√c ≥ τ√(M/2) for its higher end c, so that there are
     /// at least τ√(M/2)/2√c of them.

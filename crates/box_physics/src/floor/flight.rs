@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::FloorContext;
 use super::bounds::{SWING_AHEAD, acceleration_bound, curvature_bound};
+use super::{ContactSettings, Floor, FloorContext};
 use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -36,17 +36,14 @@ pub(super) fn fly<S: Integrate, F: ForceModel>(
 ) -> Flight {
     let (floor, body, force) = (context.floor, context.body, context.force);
     let margin = 2.0 * context.tolerated_height();
-    let clearance = |s: &BodyState, height: f64| {
-        s.position.y - height - world_half_extents(s.rotation, body.half_extents()).y
-    };
-    let before = clearance(state, floor.height);
+    let before = clearance(body, state, floor.height);
     if before <= margin {
         return Flight::Low;
     }
     let mut end = *state;
     spare.clone_from(memory);
     let outcome = S::step(body, &mut end, force, h, spare);
-    let after = clearance(&end, floor.height + floor.velocity.y * h);
+    let after = clearance(body, &end, floor.height + floor.velocity.y * h);
     if after > margin && clears(body, state, force, h, before, after) {
         *state = end;
         core::mem::swap(memory, spare);
@@ -69,14 +66,75 @@ fn clears<F: ForceModel>(
     after: f64,
 ) -> bool {
     if !force.has_wrench() && !force.has_dissipation() {
-        // A larger M without a root.
-        let spin = SWING_AHEAD * state.body_angular_velocity(body).length_squared();
-        let curvature = spin * body.radius() + force.acceleration().y.max(0.0);
-        if before + after >= 0.5 * h * h * curvature {
+        let least = curvature_ahead(body, state, force.acceleration());
+        if before + after >= 0.5 * h * h * least {
             return true;
         }
     }
     let pull = acceleration_bound(body, state, force);
     let curvature = curvature_bound(body, state, pull, force, DVec3::Y);
     before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt()
+}
+
+/// Height of the lowest corner over a plane at `height` \[m\].
+#[inline(always)]
+fn clearance(body: &RigidBox, state: &BodyState, height: f64) -> f64 {
+    state.position.y - height - world_half_extents(state.rotation, body.half_extents()).y
+}
+
+/// A bound M of the upward acceleration of every corner in free flight, larger than that of the event search, without
+/// a root [m/s²].
+#[inline(always)]
+fn curvature_ahead(body: &RigidBox, state: &BodyState, gravity: DVec3) -> f64 {
+    let spin = SWING_AHEAD * state.body_angular_velocity(body).length_squared();
+    spin * body.radius() + if gravity.y > 0.0 { gravity.y } else { 0.0 }
+}
+
+/// The floor below bodies in free flight, for the loop over many of them.
+#[derive(Clone, Copy, Debug)]
+pub struct FloorBelow {
+    /// Its height at the beginning and at the end of the step \[m\].
+    start: f64,
+    end: f64,
+    tolerance: f64,
+    /// Its distance from the origin, for the tolerance \[m\].
+    distance: f64,
+}
+
+impl FloorBelow {
+    /// So far below that nothing meets it.
+    pub(crate) const NONE: Self = Self {
+        start: -1e300,
+        end: -1e300,
+        tolerance: 0.0,
+        distance: 0.0,
+    };
+
+    /// The floor during a step of `h` \[s\].
+    pub fn new(floor: &Floor, settings: &ContactSettings, h: f64) -> Self {
+        Self {
+            start: floor.height,
+            end: floor.height + floor.velocity.y * h,
+            tolerance: settings.tolerance,
+            distance: floor.height.abs(),
+        }
+    }
+
+    /// Whether a body that flew from `before` to `after` under `gravity` in `h` \[s\] was clear of the floor all the time:
+    /// the test of [`step_on_floor`](super::step_on_floor), but for a root. `false` means that it may have met it.
+    #[inline(always)]
+    pub(crate) fn is_clear(
+        &self,
+        body: &RigidBox,
+        before: &BodyState,
+        after: &BodyState,
+        gravity: DVec3,
+        h: f64,
+    ) -> bool {
+        let margin = 2.0 * self.tolerance * (body.radius() + self.distance);
+        let low = clearance(body, before, self.start);
+        let end = clearance(body, after, self.end);
+        let least = 0.5 * h * h * curvature_ahead(body, before, gravity);
+        (low > margin) & (end > margin) & (low + end >= least)
+    }
 }

@@ -104,6 +104,30 @@ pub(super) fn spans_face(set: u8) -> bool {
     FACES.iter().any(|f| (set & f).count_ones() >= 3)
 }
 
+/// How many corners are in the set, and which: opposite ones of a face are neighbors, so that their sums cancel.
+pub(super) fn in_pairs(set: u8) -> (usize, [u8; 8]) {
+    // The bit that all have in common names the face; its opposite corner flips the other two.
+    let flip = match (0..3).find(|&bit| {
+        let ones = FACES[2 * bit + 1];
+        set & ones == set || set & !ones == set
+    }) {
+        Some(bit) => 7 ^ (1 << bit),
+        None => 7,
+    };
+    let (mut count, mut corner, mut left) = (0, [0; 8], set);
+    while left != 0 {
+        let k = left.trailing_zeros() as usize;
+        for j in [k, k ^ flip] {
+            if has(left, j) {
+                corner[count] = j as u8;
+                count += 1;
+                left &= !(1 << j);
+            }
+        }
+    }
+    (count, corner)
+}
+
 /// A few corners and the mass behind them: the operator W with the 3×3 blocks
 /// W_jk = 1/m − [r_j]× I_w⁻¹ [r_k]×, never formed: Wp is the velocity of the corners after the
 /// impulses p, that is, one sum over the corners and one twist.
@@ -111,7 +135,7 @@ pub(super) fn spans_face(set: u8) -> bool {
 pub(super) struct DelassusOperator {
     /// How many corners.
     pub(super) count: usize,
-    /// Their indices; opposite corners of a face are neighbors, so that their sums cancel.
+    /// Their indices, as [`in_pairs`] tells them.
     pub(super) corner: [u8; 8],
     /// Their levers \[m\].
     pub(super) lever: Corner3,
@@ -122,38 +146,22 @@ pub(super) struct DelassusOperator {
 impl DelassusOperator {
     /// The corners `set` of a body whose world axes are `attitude`.
     pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
-        // The bit that all have in common names the face; its opposite corner flips the other two.
-        let flip = match (0..3).find(|&bit| {
-            let ones = FACES[2 * bit + 1];
-            set & ones == set || set & !ones == set
-        }) {
-            Some(bit) => 7 ^ (1 << bit),
-            None => 7,
-        };
         let j = body.inverse_inertia();
         let scaled = DMat3::from_cols(
             attitude.x_axis * j.x,
             attitude.y_axis * j.y,
             attitude.z_axis * j.z,
         );
+        let (count, corner) = in_pairs(set);
         let mut new = Self {
-            count: 0,
-            corner: [0; 8],
+            count,
+            corner,
             lever: [DVec3::ZERO; 8],
             inverse_mass: body.inverse_mass(),
             inverse_inertia: scaled * attitude.transpose(),
         };
-        let mut left = set;
-        while left != 0 {
-            let k = left.trailing_zeros() as usize;
-            for j in [k, k ^ flip] {
-                if has(left, j) {
-                    new.corner[new.count] = j as u8;
-                    new.lever[new.count] = lever[j];
-                    new.count += 1;
-                    left &= !(1 << j);
-                }
-            }
+        for i in 0..count {
+            new.lever[i] = lever[usize::from(corner[i])];
         }
         new
     }
@@ -182,7 +190,12 @@ impl DelassusOperator {
     /// The change of (v, ω) that the impulses p \[N s\] make.
     #[inline]
     pub(super) fn twist(&self, p: &Corner3) -> (DVec3, DVec3) {
-        let (force, torque) = self.resultant(p);
+        self.twist_of(self.resultant(p))
+    }
+
+    /// The change of (v, ω) that an impulse \[N s\] at the center and an angular impulse \[N m s\] make.
+    #[inline]
+    pub(super) fn twist_of(&self, (force, torque): (DVec3, DVec3)) -> (DVec3, DVec3) {
         (force * self.inverse_mass, self.inverse_inertia * torque)
     }
 
@@ -196,41 +209,10 @@ impl DelassusOperator {
         u
     }
 
-    /// p·Wq: of resultants instead of corner by corner.
-    pub(super) fn work(&self, p: &Corner3, q: &Corner3) -> f64 {
-        let ((force, torque), (v, omega)) = (self.resultant(p), self.twist(q));
-        force.dot(v) + torque.dot(omega)
-    }
-
     /// W p.
     #[inline]
     pub(super) fn response(&self, p: &Corner3) -> Corner3 {
         self.velocities(self.twist(p))
-    }
-
-    /// The change of (v, ω) that the impulse p at the i-th corner makes.
-    #[inline]
-    pub(super) fn unit_twist(&self, i: usize, p: DVec3) -> (DVec3, DVec3) {
-        let torque = self.lever[i].cross(p);
-        (p * self.inverse_mass, self.inverse_inertia * torque)
-    }
-
-    /// W_ni of the first two corners' normal velocities for a normal impulse at the i-th [1/kg].
-    #[inline]
-    pub(super) fn normal_column(&self, i: usize) -> [f64; 2] {
-        let (v, omega) = self.unit_twist(i, DVec3::Y);
-        [0, 1].map(|k| v.y + omega.cross(self.lever[k]).y)
-    }
-
-    /// (v_y, ω_z, −ω_x), which tells normal velocities, after normal impulses with these sums of p, x p and z p.
-    pub(super) fn normal_response(&self, s: DVec3) -> DVec3 {
-        let j = &self.inverse_inertia;
-        let (xx, xz, zz) = (j.x_axis.x, j.x_axis.z, j.z_axis.z);
-        DVec3::new(
-            self.inverse_mass * s.x,
-            zz * s.y - xz * s.z,
-            xx * s.z - xz * s.y,
-        )
     }
 
     /// The corners at the places `kept` alone, in the same order.
@@ -260,31 +242,33 @@ impl DelassusOperator {
         self.inverse_mass
     }
 
-    /// αW_ij [1/kg]: the velocity of the i-th corner for an impulse at the j-th.
-    pub(super) fn block(&self, i: usize, j: usize, alpha: f64) -> DMat3 {
-        let (r, at) = (self.lever[i], self.lever[j]);
-        let column = |e: DVec3| {
-            alpha * (e * self.inverse_mass + (self.inverse_inertia * at.cross(e)).cross(r))
-        };
-        DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
+    /// J_w [r_j]×: the change of ω by impulses along the axes at the j-th corner.
+    pub(super) fn swing(&self, j: usize) -> DMat3 {
+        let (r, i) = (self.lever[j], &self.inverse_inertia);
+        DMat3::from_cols(
+            r.z * i.y_axis - r.y * i.z_axis,
+            r.x * i.z_axis - r.z * i.x_axis,
+            r.y * i.x_axis - r.x * i.y_axis,
+        )
     }
 
-    /// An upper bound of the largest eigenvalue of W [1/kg]. W = AAᵀ has the nonzero eigenvalues of
-    /// the 6×6 matrix AᵀA with the diagonal blocks K/m and √J_w Σ(|r|² − rrᵀ) √J_w; for a positive
-    /// semidefinite matrix the sum of the blocks' norms bounds the whole, and the second is similar
-    /// to J_w Σ(|r|² − rrᵀ), whose Frobenius norm bounds its eigenvalues.
+    /// W_ij [1/kg]: the velocity of the i-th corner for an impulse at the j-th, whose [`DelassusOperator::swing`] this is.
+    pub(super) fn block(&self, i: usize, swing: &DMat3) -> DMat3 {
+        let (r, m) = (self.lever[i], self.inverse_mass);
+        DMat3::from_cols(
+            swing.x_axis.cross(r) + DVec3::new(m, 0.0, 0.0),
+            swing.y_axis.cross(r) + DVec3::new(0.0, m, 0.0),
+            swing.z_axis.cross(r) + DVec3::new(0.0, 0.0, m),
+        )
+    }
+
+    /// An upper bound of the largest eigenvalue of W [1/kg]: its trace.
     pub(super) fn norm_bound(&self) -> f64 {
-        let mut spread = DMat3::ZERO;
-        for r in &self.lever[..self.count] {
-            let outer = DMat3::from_cols(*r * r.x, *r * r.y, *r * r.z);
-            spread += DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer;
-        }
-        let block = self.inverse_inertia * spread;
-        let frobenius = (block.x_axis.length_squared()
-            + block.y_axis.length_squared()
-            + block.z_axis.length_squared())
-        .sqrt();
-        self.count as f64 * self.inverse_mass + frobenius
+        let j = &self.inverse_inertia;
+        let trace = j.x_axis.x + j.y_axis.y + j.z_axis.z;
+        let swing = |r: &DVec3| trace * r.length_squared() - r.dot(*j * *r);
+        let swings: f64 = self.lever[..self.count].iter().map(swing).sum();
+        3.0 * self.count as f64 * self.inverse_mass + swings
     }
 
     /// Largest length of a corner's vector.

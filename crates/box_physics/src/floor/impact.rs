@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::cone::{Cone, ConeSolution};
+use super::cone::Cone;
 use super::geometry::{Corner3, Corners, DelassusOperator, spans_face};
 use super::projection::cancel;
 use super::{FloorContext, RestitutionLaw};
@@ -46,33 +46,40 @@ pub(super) fn resolve_impact<F>(
     } = context;
     let attitude = DMat3::from_quat(state.rotation);
     let operator = DelassusOperator::new(body, attitude, &corners.lever, touching);
-    let before = operator.velocities((state.velocity, state.angular_velocity(body)));
+    let twist = (state.velocity, state.angular_velocity(body));
+    let before = operator.velocities(twist);
     let normals = before[..operator.count].iter().map(|u| u.y);
     let fastest = normals.clone().fold(0.0, |a: f64, u| a.max(-u));
     let extreme = normals.fold(0.0, |a: f64, u| a.max(u.abs()));
     let bounces = kind == ImpactKind::Ordinary && fastest > settings.restitution_threshold;
     let e = if bounces { floor.restitution } else { 0.0 };
-    let cone = Cone::new(&operator, 1.0, floor.friction, settings);
-    let solve = |e: f64| newton(&cone, &before[..operator.count], e);
+    let cone = Cone::new(&operator, floor.friction, settings);
 
-    let mut solution = solve(e);
-    let mut iterations = solution.iterations;
-    let mut capped = !solution.converged;
+    let mut solution = cone.solve(&before, &[DVec3::ZERO; 8]);
     let mut repaired = None;
+
     if e > 0.0 {
-        let energetic = settings.restitution == RestitutionLaw::Energetic;
-        let gained = gain(&operator, &before, &solution.p);
+        let plastic = solution;
+        // Newton's law: u⁻ shifted by e·min(u⁻_n, 0) makes it the plain complementarity of the cone problem.
+        let mut shifted = before;
+        for u in &mut shifted[..operator.count] {
+            u.y += e * u.y.min(0.0);
+        }
+        solution = cone.solve(&shifted, &plastic.p);
+        solution.iterations += plastic.iterations;
+        solution.converged &= plastic.converged;
+        let path = Path::new(&operator, twist, &plastic.p, &solution.p);
+
         let tiny = 1e-12 * state.kinetic_energy(body);
-        if energetic || gained > tiny {
-            let plastic = solve(0.0);
-            iterations += plastic.iterations;
-            capped |= !plastic.converged;
-            let lost = gain(&operator, &before, &plastic.p).min(0.0);
-            let allowed = if energetic { (1.0 - e * e) * lost } else { 0.0 };
-            if gained > allowed + tiny {
-                solution.p = within(&operator, &before, &plastic.p, &solution.p, lost - allowed);
-                repaired = (!energetic).then_some(gained);
+        let energetic = settings.restitution == RestitutionLaw::Energetic;
+        let lost = path.lost.min(0.0);
+        let allowed = if energetic { (1.0 - e * e) * lost } else { 0.0 };
+        if path.gained() > allowed + tiny {
+            let part = path.part(allowed);
+            for i in 0..operator.count {
+                solution.p[i] = plastic.p[i] + part * (solution.p[i] - plastic.p[i]);
             }
+            repaired = (!energetic).then_some(path.gained());
         }
     }
     // A landing on a face below the threshold, or the last impact allowed: whatever still leaves the
@@ -90,64 +97,67 @@ pub(super) fn resolve_impact<F>(
             solution.p[i] += held[i];
         }
     }
+
     operator.apply(body, state, &solution.p);
+
     let mut impulse = [DVec3::ZERO; 8];
     for i in 0..operator.count {
         impulse[usize::from(operator.corner[i])] = solution.p[i];
     }
     ImpactOutcome {
         impulse,
-        capped,
+        capped: !solution.converged,
         repaired,
-        iterations,
+        iterations: solution.iterations,
     }
 }
 
-/// Newton's restitution and Coulomb's friction: u⁻ shifted by e·min(u⁻_n, 0) makes the normal law the
-/// plain complementarity of the cone problem.
-fn newton(cone: &Cone, before: &[DVec3], e: f64) -> ConeSolution {
-    let mut b = [DVec3::ZERO; 8];
-    for (b, u) in b.iter_mut().zip(before) {
-        *b = *u + DVec3::Y * (e * u.y.min(0.0));
-    }
-    cone.solve(&b)
+/// The kinetic energy between the plastic solution p₀ and Newton's p₁. Newton's law with friction or several corners may
+/// return more than the part e² of the energy, and even create some (Kane, Levinson 1985; Stronge 1990). Of p₀ + λd,
+/// d = p₁ − p₀, the energy is Aλ² + Bλ + C above that before, with A = ½ d·Wd, B = d·(u⁻ + Wp₀): a quadratic. Every
+/// λ in (0, 1) is inside the cones (they are convex), and not into the floor.
+struct Path {
+    a: f64,
+    b: f64,
+    /// C ≤ 0 \[J\].
+    lost: f64,
 }
 
-/// The kinetic energy that the impulses add: p·u⁻ + ½ p·Wp \[J\].
-fn gain(operator: &DelassusOperator, before: &Corner3, p: &Corner3) -> f64 {
-    operator.dot(p, before) + 0.5 * operator.work(p, p)
-}
+impl Path {
+    fn new(
+        operator: &DelassusOperator,
+        (v, omega): (DVec3, DVec3),
+        plastic: &Corner3,
+        newton: &Corner3,
+    ) -> Self {
+        let first = operator.resultant(plastic);
+        let last = operator.resultant(newton);
+        let way = (last.0 - first.0, last.1 - first.1);
+        let (dv, dw) = operator.twist_of(first);
+        let (av, aw) = operator.twist_of(way);
+        Self {
+            a: 0.5 * (way.0.dot(av) + way.1.dot(aw)),
+            b: way.0.dot(v + dv) + way.1.dot(omega + dw),
+            lost: first.0.dot(v + 0.5 * dv) + first.1.dot(omega + 0.5 * dw),
+        }
+    }
 
-/// Newton's law with friction or several corners may return more than the part e² of the energy, and even create
-/// some (Kane, Levinson 1985; Stronge 1990). Between the plastic solution p₀ and the wanted p₁ the energy is a
-/// quadratic in λ: Aλ² + Bλ + C over what is allowed, with d = p₁ − p₀, A = ½ d·Wd, B = d·(u⁻ + Wp₀) and `c` ≤ 0 the
-/// energy after p₀ less the allowed one. The result is p₀ + λd at its root in (0, 1): inside the cones (they are
-/// convex), and not into the floor.
-fn within(
-    operator: &DelassusOperator,
-    before: &Corner3,
-    plastic: &Corner3,
-    wanted: &Corner3,
-    c: f64,
-) -> Corner3 {
-    let n = operator.count;
-    let mut d = [DVec3::ZERO; 8];
-    for i in 0..n {
-        d[i] = wanted[i] - plastic[i];
+    /// What p₁ adds \[J\].
+    fn gained(&self) -> f64 {
+        self.a + self.b + self.lost
     }
-    let a = 0.5 * operator.work(&d, &d);
-    let b = operator.dot(&d, before) + operator.work(&d, plastic);
-    let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
-    let lambda = if b > 0.0 {
-        -2.0 * c / (b + root)
-    } else if a > 0.0 {
-        (root - b) / (2.0 * a)
-    } else {
-        0.0
-    };
-    let mut p = *plastic;
-    for i in 0..n {
-        p[i] += lambda.clamp(0.0, 1.0) * d[i];
+
+    /// The λ at which so much is added.
+    fn part(&self, allowed: f64) -> f64 {
+        let (a, b, c) = (self.a, self.b, self.lost.min(0.0) - allowed);
+        let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+        let lambda = if b > 0.0 {
+            -2.0 * c / (b + root)
+        } else if a > 0.0 {
+            (root - b) / (2.0 * a)
+        } else {
+            0.0
+        };
+        lambda.clamp(0.0, 1.0)
     }
-    p
 }

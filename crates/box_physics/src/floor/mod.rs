@@ -37,6 +37,7 @@ mod sustained;
 #[cfg(test)]
 mod tests;
 
+pub use flight::FloorBelow;
 pub use material::{CoefficientCombine, Friction, Restitution};
 pub use memory::{ContactReport, ContactState};
 pub use planes::{Plane, PlanesContext, StaticPlane, may_touch_planes, step_on_planes};

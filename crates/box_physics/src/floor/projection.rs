@@ -5,7 +5,7 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::geometry::{Corner3, Corners, DelassusOperator, has};
+use super::geometry::{Corner3, Corners, DelassusOperator, in_pairs, levers, spans_face};
 use crate::body::RigidBox;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
@@ -13,88 +13,154 @@ use crate::state::BodyState;
 /// Impulses p with u + Wp = 0 in the components that `mask` lets through, and none in the others: of least
 /// norm. A corner's mask is Y (the normal alone) or ONE.
 pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -> Corner3 {
+    let n = operator.count;
     let mut p = [DVec3::ZERO; 8];
-    match operator.count {
-        1 => p[0] = cancel_one(operator, u[0], mask[0] == DVec3::ONE),
-        2 => (p[0], p[1]) = cancel_two(operator, u, [0, 1].map(|i| mask[i] == DVec3::ONE)),
-        n => {
-            let normal_only = mask[..n].iter().all(|m| *m == DVec3::Y);
-            let face = normal_only && n <= 4 && operator.spans_face();
-            p = face
-                .then(|| cancel_on_face(operator, u))
-                .flatten()
-                .unwrap_or_else(|| cancel_iteratively(operator, u, mask));
+    let normal_only = mask[..n].iter().all(|m| *m == DVec3::Y);
+    if normal_only && (n <= 2 || operator.spans_face()) {
+        let arm = operator.lever.map(|r| r.cross(DVec3::Y));
+        let turn = |torque: DVec3| operator.inverse_inertia() * torque;
+        if let Some(found) = stop_normals(&arm[..n], operator.inverse_mass(), turn, &u.map(|u| u.y))
+        {
+            return found.map(|p| DVec3::Y * p);
         }
+    }
+    match n {
+        1 => p[0] = -(operator.block(0, &operator.swing(0)).inverse() * u[0]),
+        2 if !normal_only => {
+            (p[0], p[1]) = cancel_two(operator, u, [0, 1].map(|i| mask[i] == DVec3::ONE));
+        }
+        _ => p = cancel_iteratively(operator, u, mask),
     }
     p
 }
 
-/// The normal velocities of three or four corners of a face, which tell three numbers: for three corners their
-/// own; for four, of which opposite ones are neighbors, their mean and the differences of opposite ones, since
-/// loading one diagonal against the other does nothing. Impulses in the same three proportions are the smallest,
-/// and three linear equations tell how much of each. `None` if the corners are as good as on a line.
-fn cancel_on_face(operator: &DelassusOperator, u: &Corner3) -> Option<Corner3> {
-    let arm = |i: usize| DVec3::new(1.0, operator.lever[i].x, operator.lever[i].z);
-    let four = operator.count == 4;
-    let (arms, speeds) = if four {
-        let opposite = |i: usize| (0.5 * (arm(i + 1) - arm(i)), 0.5 * (u[i + 1].y - u[i].y));
-        let ((a, v), (b, w)) = (opposite(0), opposite(2));
-        let mean = 0.5 * ((arm(0) + arm(1)) + (arm(2) + arm(3)));
-        let speed = 0.5 * ((u[0].y + u[1].y) + (u[2].y + u[3].y));
-        ([mean, a, b], DVec3::new(speed, v, w))
-    } else {
-        let speeds = DVec3::new(u[0].y, u[1].y, u[2].y);
-        ([0, 1, 2].map(arm), speeds)
-    };
-    let [a, b, c] = arms.map(|s| operator.normal_response(s));
-    let through = DMat3::from_cols(arms[0], arms[1], arms[2]).transpose();
-    let matrix = through * DMat3::from_cols(a, b, c);
-    let size = matrix.x_axis.x * matrix.y_axis.y * matrix.z_axis.z;
-    let determinant = matrix.determinant();
-    if determinant.is_nan() || determinant <= 1e-10 * size {
-        return None;
-    }
-    let q = -(matrix.inverse() * speeds);
-    let mut p = [DVec3::ZERO; 8];
-    let loads = if four {
-        let q = 0.5 * q;
-        [q.x - q.y, q.x + q.y, q.x - q.z, q.x + q.z]
-    } else {
-        [q.x, q.y, q.z, 0.0]
-    };
-    for (p, load) in p.iter_mut().zip(loads) {
-        p.y = load;
+/// Normal impulses that stop corners with the normal velocities `u`, of least norm: an impulse at a corner turns the
+/// body by `turn` of its `arm`, r × n. Three or four corners must be of one face, and tell three numbers: for three
+/// corners their own; for four, of which opposite ones are neighbors, their mean and the differences of opposite ones,
+/// since loading one diagonal against the other does nothing. Impulses in the same three proportions are the smallest,
+/// and three linear equations tell how much of each. `None` if the corners are as good as on a line, or too many.
+fn stop_normals(
+    arm: &[DVec3],
+    inverse_mass: f64,
+    turn: impl Fn(DVec3) -> DVec3,
+    u: &[f64; 8],
+) -> Option<[f64; 8]> {
+    let mut p = [0.0; 8];
+    match arm.len() {
+        1 => p[0] = -u[0] / (inverse_mass + arm[0].dot(turn(arm[0]))),
+        2 => {
+            let (first, second) = (turn(arm[0]), turn(arm[1]));
+            let a = inverse_mass + arm[0].dot(first);
+            let c = inverse_mass + arm[0].dot(second);
+            let d = inverse_mass + arm[1].dot(second);
+            let inverse = 1.0 / (a * d - c * c);
+            p[0] = inverse * (c * u[1] - d * u[0]);
+            p[1] = inverse * (c * u[0] - a * u[1]);
+        }
+        n @ 3..=4 => {
+            let (mut weight, mut arms) = (DVec3::ONE, [arm[0], arm[1], arm[2]]);
+            let mut speed = DVec3::new(u[0], u[1], u[2]);
+            if n == 4 {
+                weight = DVec3::X * 2.0;
+                arms = [
+                    0.5 * ((arm[0] + arm[1]) + (arm[2] + arm[3])),
+                    0.5 * (arm[1] - arm[0]),
+                    0.5 * (arm[3] - arm[2]),
+                ];
+                let mean = 0.5 * ((u[0] + u[1]) + (u[2] + u[3]));
+                speed = DVec3::new(mean, 0.5 * (u[1] - u[0]), 0.5 * (u[3] - u[2]));
+            }
+            let turns = arms.map(&turn);
+            let column = |k: usize| {
+                let through = DVec3::from_array(arms.map(|a| a.dot(turns[k])));
+                through + weight * (inverse_mass * weight[k])
+            };
+            let matrix = DMat3::from_cols(column(0), column(1), column(2));
+            let size = matrix.x_axis.x * matrix.y_axis.y * matrix.z_axis.z;
+            let determinant = matrix.determinant();
+            if determinant.is_nan() || determinant <= 1e-10 * size {
+                return None;
+            }
+            let q = -(matrix.inverse() * speed);
+            p[..4].copy_from_slice(&if n == 4 {
+                let q = 0.5 * q;
+                [q.x - q.y, q.x + q.y, q.x - q.z, q.x + q.z]
+            } else {
+                [q.x, q.y, q.z, 0.0]
+            });
+        }
+        _ => return None,
     }
     Some(p)
 }
 
-/// u_n + W_nn p_n = 0, or u + Wp = 0.
-fn cancel_one(operator: &DelassusOperator, u: DVec3, whole: bool) -> DVec3 {
-    if whole {
-        -(operator.block(0, 0, 1.0).inverse() * u)
-    } else {
-        DVec3::Y * (-u.y / operator.normal_column(0)[0])
+/// Corners that are held along the normal, seen from the body.
+pub(super) struct HeldNormals {
+    count: usize,
+    pub(super) corner: [u8; 8],
+    /// r_k and r_k × n, body axes \[m\].
+    lever: [DVec3; 8],
+    arm: [DVec3; 8],
+    solvable: bool,
+}
+
+impl HeldNormals {
+    /// The corners `held`.
+    pub(super) fn new(body: &RigidBox, held: u8) -> Self {
+        let (count, corner) = in_pairs(held);
+        let mut lever = [DVec3::ZERO; 8];
+        for i in 0..count {
+            let sign = |bit: u8| if corner[i] >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            lever[i] = DVec3::new(sign(0), sign(1), sign(2)) * body.half_extents();
+        }
+        Self {
+            count,
+            corner,
+            lever,
+            arm: [DVec3::ZERO; 8],
+            solvable: count <= 2 || spans_face(held),
+        }
+    }
+
+    /// Sets the arms for an attitude. The heights of the corners over the floor \[m\], the same to the last bit as those of
+    /// [`Corners`].
+    fn at(&mut self, floor: &Floor, state: &BodyState) -> [f64; 8] {
+        let r = DMat3::from_quat(state.rotation);
+        let n = DVec3::new(r.x_axis.y, r.y_axis.y, r.z_axis.y);
+        let base = state.position.y - floor.height;
+        let mut height = [0.0; 8];
+        for i in 0..self.count {
+            let lever = self.lever[i];
+            self.arm[i] = lever.cross(n);
+            height[i] = base + ((lever.x * n.x + lever.z * n.z) + lever.y * n.y);
+        }
+        height
+    }
+
+    /// The impulses that stop the normal velocities `u`, in the order of the corners: each, their sum, and their
+    /// angular impulse about the center in body axes.
+    pub(super) fn stop(&self, body: &RigidBox, u: &[f64; 8]) -> Option<([f64; 8], f64, DVec3)> {
+        if !self.solvable {
+            return None;
+        }
+        let turn = |torque| body.inverse_inertia() * torque;
+        let p = stop_normals(&self.arm[..self.count], body.inverse_mass(), turn, u)?;
+        let torque = |i: usize| p[i] * self.arm[i];
+        let sum = (p[0] + p[1]) + (p[2] + p[3]);
+        Some((p, sum, (torque(0) + torque(1)) + (torque(2) + torque(3))))
     }
 }
 
 /// Two corners: the linear equations of one after the other.
 fn cancel_two(operator: &DelassusOperator, u: &Corner3, whole: [bool; 2]) -> (DVec3, DVec3) {
-    if whole == [false; 2] {
-        let ([a, c], [_, d]) = (operator.normal_column(0), operator.normal_column(1));
-        let inverse = 1.0 / (a * d - c * c);
-        let normal = |n: f64| DVec3::Y * (inverse * n);
-        return (
-            normal(c * u[1].y - d * u[0].y),
-            normal(c * u[0].y - a * u[1].y),
-        );
-    }
     // First the one that is stopped whole: p_i = −W_ii⁻¹(u_i + W_ij p_j).
     let i = usize::from(!whole[0]);
     let j = 1 - i;
-    let inverse = operator.block(i, i, 1.0).inverse();
-    let cross = operator.block(i, j, 1.0);
+    let swing = operator.swing(j);
+    let inverse = operator.block(i, &operator.swing(i)).inverse();
+    let cross = operator.block(i, &swing);
     let through = cross.transpose() * inverse;
-    let own = operator.block(j, j, 1.0);
+    let own = operator.block(j, &swing);
     let reduced = own - through * cross;
     let rest = u[j] - through * u[i];
     let other = if whole[j] {
@@ -171,43 +237,47 @@ fn cancel_iteratively(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) 
 }
 
 /// Moves and turns the body so that the corners `held` lie on the floor: Newton's method on their
-/// heights. The center moves along the normal only. Returns where the corners are then.
+/// heights. The center moves along the normal only. Returns where the corners are then; `normals`, of the same corners, has
+/// the arms there.
 pub(super) fn project_positions(
     floor: &Floor,
     body: &RigidBox,
     state: &mut BodyState,
     held: u8,
+    normals: &mut HeldNormals,
 ) -> Corners {
-    let mut corners = Corners::at(floor, body, state);
-    for round in 0..3 {
-        let worst = (0..8)
-            .filter(|&k| has(held, k))
-            .fold(0.0, |a: f64, k| a.max(corners.height[k].abs()));
-        if worst <= 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs()) {
+    for round in 0..4 {
+        let height = normals.at(floor, state);
+        let worst = height.iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+        let rounding = 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs());
+        if round == 3 || worst <= rounding {
             break;
         }
-        if round > 0 && held.is_power_of_two() {
+        if round > 0 && normals.count == 1 {
             // What is left of one corner's height, the square of what was, needs no turn.
-            state.position.y -= corners.height[held.trailing_zeros() as usize];
-            corners.rise(floor, state);
+            state.position.y -= height[0];
+            continue;
+        }
+        if let Some((_, shift, turn)) = normals.stop(body, &height) {
+            state.position.y += shift * body.inverse_mass();
+            let turn = turn * body.inverse_inertia();
+            if turn != DVec3::ZERO {
+                state.rotation = compose(state.rotation, exponential_map(turn));
+                state.renormalize();
+            }
             continue;
         }
         let attitude = DMat3::from_quat(state.rotation);
-        let operator = DelassusOperator::new(body, attitude, &corners.lever, held);
-        let mut gap = [DVec3::ZERO; 8];
-        for i in 0..operator.count {
-            gap[i].y = corners.height[usize::from(operator.corner[i])];
-        }
+        let levers = levers(body, attitude, held);
+        let operator = DelassusOperator::new(body, attitude, &levers, held);
+        let gap = height.map(|height| DVec3::Y * height);
         let (shift, turn) = operator.twist(&cancel(&operator, &gap, &[DVec3::Y; 8]));
         state.position += shift;
-        if turn != DVec3::ZERO {
-            // World turn: q ← exp(turn)∘q. The angular momentum keeps its body components.
-            state.rotation = compose(exponential_map(turn), state.rotation);
-            state.renormalize();
-        }
-        corners = Corners::at(floor, body, state);
+        // World turn: q ← exp(turn)∘q. The angular momentum keeps its body components.
+        state.rotation = compose(exponential_map(turn), state.rotation);
+        state.renormalize();
     }
-    corners
+    Corners::at(floor, body, state)
 }
 
 /// Lifts the body so that no corner, of which `corners` knows, is below the floor; never pushes it down.

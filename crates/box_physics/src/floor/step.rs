@@ -214,14 +214,19 @@ fn between_events<F: ForceModel>(
     let tolerance = context.tolerated_height();
     let [first, second] = core::mem::take(&mut contact.spare.0);
     let (mut first, mut second) = (Segment::new(first), Segment::new(second));
-    let mut impulses = ContactReport::default();
+    let mut report = report;
+    if let Some(report) = &mut report {
+        **report = ContactReport::default();
+    }
     let mut remaining = h;
     if let Some(slide) = slid {
         remaining -= slide.time;
         outcome.step = StepOutcome::plain(slide.evaluations);
         let center = context.world_point(state.position, slide.time);
         let corners = Corners::at(floor, body, state);
-        impulses.hold(center, &corners, slide.time, &slide.load);
+        if let Some(report) = &mut report {
+            report.hold(center, &corners, slide.time, &slide.load);
+        }
     }
     let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
     let mut still = None;
@@ -261,10 +266,12 @@ fn between_events<F: ForceModel>(
                 outcome.impacts_capped += 1;
                 ImpactKind::Resting
             };
-            let fastest = (0..8).filter(|&k| has(touching, k)).map(|k| -normal[k]);
-            impulses.strike(h - remaining, fastest.fold(0.0, f64::max));
             let hit = resolve_impact(context, state, &corners, touching, kind);
-            impulses.add(in_world.position, &corners.lever, &hit.impulse);
+            if let Some(report) = &mut report {
+                let fastest = (0..8).filter(|&k| has(touching, k)).map(|k| -normal[k]);
+                report.strike(h - remaining, fastest.fold(0.0, f64::max));
+                report.add(in_world.position, &corners.lever, &hit.impulse);
+            }
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
             outcome.repair(hit.repaired);
@@ -305,7 +312,9 @@ fn between_events<F: ForceModel>(
         if segment.still {
             still = Some(segment.impulse.map(|p| p.y / tau));
             let whole = segment.impulse.map(|p| p * (remaining / tau));
-            impulses.add(in_world.position, &corners.lever, &whole);
+            if let Some(report) = &mut report {
+                report.add(in_world.position, &corners.lever, &whole);
+            }
             break;
         }
         if held != 0 {
@@ -313,8 +322,10 @@ fn between_events<F: ForceModel>(
         }
         corners = segment.corners;
         outcome.repair(segment.repaired);
-        let center = context.world_point(segment.state.position, elapsed + tau);
-        impulses.add(center, &corners.lever, &segment.impulse);
+        if let Some(report) = &mut report {
+            let center = context.world_point(segment.state.position, elapsed + tau);
+            report.add(center, &corners.lever, &segment.impulse);
+        }
         *state = segment.state;
         core::mem::swap(memory, &mut segment.memory);
         remaining = if tau >= remaining {
@@ -329,8 +340,7 @@ fn between_events<F: ForceModel>(
     let now = corners.touching(2.0 * tolerance);
     if let Some(report) = report {
         let center = context.world_point(state.position, h);
-        impulses.end(center, &corners.lever, now);
-        *report = impulses;
+        report.end(center, &corners.lever, now);
     }
     contact.touching = now;
     if let Some(reaction) = still {
@@ -400,16 +410,11 @@ fn move_until_event<'a, F: ForceModel>(
     let context = start.context;
     let (floor, body) = (context.floor, context.body);
     let center = start.state.position.y.max(whole.state.position.y) - floor.height;
-    let search = Search {
+    let mut search = Search {
         watch,
         start: start.corners.height,
         rate: start.normal,
-        // With corners held it tells no more than the velocities at the start.
-        end_rate: if held {
-            [f64::NAN; 8]
-        } else {
-            normal_velocities(body, &whole.state, &whole.corners)
-        },
+        end_rate: [f64::NAN; 8],
         time: tau,
         curvature: curvature_bound(
             body,
@@ -428,6 +433,13 @@ fn move_until_event<'a, F: ForceModel>(
         },
     };
     let height = whole.corners.height;
+    if search.is_over(&height) {
+        return (tau, whole);
+    }
+    if !held {
+        // With corners held it tells no more than the velocities at the start.
+        search.end_rate = normal_velocities(body, &whole.state, &whole.corners);
+    }
     let reached = search.run(whole, height, other, |t, segment| {
         start.spent(outcome, t, segment);
         segment.corners.height

@@ -22,7 +22,7 @@ use super::FloorContext;
 use super::cone::{Cone, ConeSolution};
 use super::frame::Method;
 use super::geometry::{Corner3, Corners, DelassusOperator, has, levers, mask, spans_face};
-use super::projection::{cancel, project_positions, recover_penetration};
+use super::projection::{HeldNormals, cancel, project_positions, recover_penetration};
 use super::slips::{STOPPED, Slips};
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel, Wrench};
@@ -167,9 +167,11 @@ impl<F: ForceModel> Start<'_, F> {
         let still = 1e-9 * operator.largest(&d);
         let slips = |w: DVec3| w.x.abs().max(w.z.abs()) > still;
         let solve = |friction| {
-            let cone = Cone::new(&operator, 0.5, friction, settings);
-            let solution = cone.solve(&d);
+            let cone = Cone::new(&operator, friction, settings);
+            let mut solution = cone.solve(&d, &[DVec3::ZERO; 8]);
             let mean = cone.velocities(&d, &solution.p);
+            // What was found is ½ p.
+            solution.p.iter_mut().for_each(|p| *p *= 2.0);
             (solution, mean)
         };
         // Static friction holds where no corner slips, before or after.
@@ -240,27 +242,26 @@ impl<F: ForceModel> Start<'_, F> {
     fn settle(&self, segment: &mut Segment, held: u8, stuck: u8, tau: f64) {
         let (floor, body) = (self.context.floor, self.context.body);
         let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
-        segment.corners = project_positions(floor, body, &mut segment.state, held);
-        let attitude = DMat3::from_quat(segment.state.rotation);
-        let operator = DelassusOperator::new(body, attitude, &segment.corners.lever, held);
-        let after = operator.velocities(twist(&segment.state));
+        let mut normals = HeldNormals::new(body, held);
+        segment.corners = project_positions(floor, body, &mut segment.state, held, &mut normals);
+        let (velocity_after, omega_after) = twist(&segment.state);
         let (velocity, omega) = twist(&self.state);
 
         // Which corners stick, and when the first slip vanishes.
         let grip = floor.static_friction.unwrap_or(floor.friction);
-        let mut components = [DVec3::Y; 8];
-        for i in 0..operator.count {
-            let p = segment.impulse[usize::from(operator.corner[i])];
+        let (mut components, mut after) = ([DVec3::Y; 8], [DVec3::ZERO; 8]);
+        for i in 0..held.count_ones() as usize {
+            let k = usize::from(normals.corner[i]);
+            after[i] = velocity_after + omega_after.cross(segment.corners.lever[k]);
+            let p = segment.impulse[k];
             let limit = floor.friction * p.y;
             let used = (p.x * p.x + p.z * p.z).sqrt();
-            let sticks = grip > 0.0 && has(stuck, usize::from(operator.corner[i]));
-            let lever = self.corners.lever[usize::from(operator.corner[i])];
-            let slip_before = (velocity + omega.cross(lever)).with_y(0.0);
+            let sticks = grip > 0.0 && has(stuck, k);
+            let slip_before = (velocity + omega.cross(self.corners.lever[k])).with_y(0.0);
             let slip = after[i].with_y(0.0);
             let speed = slip_before.length();
             if speed > self.still_speed {
                 let along = slip_before.dot(slip) / speed;
-                let k = usize::from(operator.corner[i]);
                 if sticks {
                     components[i] = DVec3::ONE; // where it ends if no better moment is found
                     // Unless it stops within no distance to speak of.
@@ -279,10 +280,22 @@ impl<F: ForceModel> Start<'_, F> {
                 components[i] = DVec3::ONE;
             }
         }
-        let correction = cancel(&operator, &after, &components);
-        operator.apply(body, &mut segment.state, &correction);
-        for i in 0..operator.count {
-            segment.impulse[usize::from(operator.corner[i])] += correction[i];
+        let sliding = components == [DVec3::Y; 8];
+        let stopped = sliding.then(|| normals.stop(body, &after.map(|u| u.y)));
+        if let Some((p, sum, torque)) = stopped.flatten() {
+            segment.state.velocity.y += sum * body.inverse_mass();
+            segment.state.angular_momentum += torque;
+            for i in 0..held.count_ones() as usize {
+                segment.impulse[usize::from(normals.corner[i])].y += p[i];
+            }
+        } else {
+            let attitude = DMat3::from_quat(segment.state.rotation);
+            let operator = DelassusOperator::new(body, attitude, &segment.corners.lever, held);
+            let correction = cancel(&operator, &after, &components);
+            operator.apply(body, &mut segment.state, &correction);
+            for i in 0..operator.count {
+                segment.impulse[usize::from(operator.corner[i])] += correction[i];
+            }
         }
         let speed = |s: &BodyState| {
             s.velocity.length() + s.body_angular_velocity(body).length() * body.radius()
@@ -328,8 +341,12 @@ impl<F: ForceModel> FloorContext<'_, F> {
         torque: DVec3,
     ) {
         let momentum = state.rotation * state.angular_momentum + torque;
-        let sine = 0.5 * tau * mean.1;
-        let cosine = (1.0 - sine.length_squared()).max(0.0).sqrt();
+        let mut sine = 0.5 * tau * mean.1;
+        let square = sine.length_squared();
+        if square > 1.0 {
+            sine /= square.sqrt(); // the rule knows no larger turn than π
+        }
+        let cosine = (1.0 - square).max(0.0).sqrt();
         let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
         state.position += tau * mean.0;
         state.velocity += tau * self.force.acceleration() + velocity;

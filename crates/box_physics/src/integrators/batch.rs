@@ -9,7 +9,7 @@
 //!
 //! The loop does not apply to a body whose turn is beyond the polynomials' range, or which has a non-finite
 //! number. Such a body is left unchanged and takes the integrator's plain step, which gives the same bits
-//! where both apply.
+//! where both apply. With a floor below, a body that may meet it in the step is left unchanged as well.
 
 use core::marker::PhantomData;
 use core::ops::Range;
@@ -18,6 +18,7 @@ use glam::{DQuat, DVec3};
 
 use super::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
+use crate::floor::FloorBelow;
 use crate::force::Gravity;
 use crate::math::{SmallArguments, VectorLoop, vectorized};
 use crate::state::BodyState;
@@ -47,6 +48,11 @@ trait Field: Copy {
     fn first(self, count: usize) -> Self;
     /// Gravity of body `i` [m/s²].
     fn at(self, i: usize) -> DVec3;
+    /// Whether body `i` was clear of the floor on its way.
+    #[inline(always)]
+    fn clears(self, _: usize, _: &RigidBox, _: &BodyState, _: &BodyState, _: f64) -> bool {
+        true
+    }
 }
 
 impl Field for DVec3 {
@@ -73,6 +79,34 @@ impl Field for &[DVec3] {
     }
 }
 
+/// Gravity with a floor below.
+#[derive(Clone, Copy)]
+struct Over<G>(G, FloorBelow);
+
+impl<G: Field> Field for Over<G> {
+    #[inline(always)]
+    fn first(self, count: usize) -> Self {
+        Self(self.0.first(count), self.1)
+    }
+
+    #[inline(always)]
+    fn at(self, i: usize) -> DVec3 {
+        self.0.at(i)
+    }
+
+    #[inline(always)]
+    fn clears(
+        self,
+        i: usize,
+        body: &RigidBox,
+        before: &BodyState,
+        after: &BodyState,
+        h: f64,
+    ) -> bool {
+        self.1.is_clear(body, before, after, self.at(i), h)
+    }
+}
+
 /// Consecutive bodies of a table, all in free flight. The slices have equal lengths; elements beyond the
 /// shortest are ignored.
 pub struct Group<'a> {
@@ -86,6 +120,9 @@ pub struct Group<'a> {
     pub gravity: GravityField<'a>,
     /// Receives the indices of bodies whose states would become invalid.
     pub faults: &'a mut Vec<usize>,
+    /// The floor below them, and whether each body may meet it: that body is left unchanged. Only for an integrator
+    /// without branches.
+    pub floor: Option<(FloorBelow, &'a mut [bool])>,
 }
 
 impl Group<'_> {
@@ -94,6 +131,7 @@ impl Group<'_> {
             GravityField::Uniform(_) => usize::MAX,
             GravityField::Each(gravity) => gravity.len(),
         };
+        let most = most.min(self.floor.as_ref().map_or(most, |(_, meets)| meets.len()));
         let shortest = self.bodies.len().min(self.states.len());
         shortest.min(self.memories.len()).min(most)
     }
@@ -128,9 +166,19 @@ impl Group<'_> {
             total += S::step(body, state, &law, h, memory);
         }
         for (k, (state, before)) in states.iter_mut().zip(before).enumerate() {
+            let i = row.start + k;
             if !state.is_valid() {
                 *state = before;
-                self.faults.push(row.start + k);
+                self.faults.push(i);
+            } else if let Some((below, meets)) = &mut self.floor {
+                let gravity = match gravity {
+                    GravityField::Uniform(gravity) => gravity,
+                    GravityField::Each(gravity) => gravity[i],
+                };
+                meets[i] = !below.is_clear(&bodies[k], &before, state, gravity, h);
+                if meets[i] {
+                    *state = before;
+                }
             }
         }
         total
@@ -148,17 +196,22 @@ impl Group<'_> {
         while start < count {
             let block = start..count.min(start + BLOCK);
             let mut refused = [0.0; BLOCK];
-            match self.gravity {
-                GravityField::Uniform(gravity) => {
+            let below = self.floor.as_ref().map(|(below, _)| *below);
+            match (self.gravity, below) {
+                (GravityField::Uniform(gravity), None) => {
                     self.block_in_lanes::<S>(block.clone(), gravity, h, &mut refused);
                 }
-                GravityField::Each(gravity) => {
-                    let gravity = &gravity[block.clone()];
-                    self.block_in_lanes::<S>(block.clone(), gravity, h, &mut refused);
+                (GravityField::Uniform(gravity), Some(below)) => {
+                    let over = Over(gravity, below);
+                    self.block_in_lanes::<S>(block.clone(), over, h, &mut refused);
+                }
+                (GravityField::Each(gravity), below) => {
+                    let over = Over(&gravity[block.clone()], below.unwrap_or(FloorBelow::NONE));
+                    self.block_in_lanes::<S>(block.clone(), over, h, &mut refused);
                 }
             }
             let refused = &refused[..block.len()];
-            let exceptions = refused.iter().sum::<f64>() as u64;
+            let exceptions = refused.iter().filter(|&&refused| refused != 0.0).count() as u64;
             total +=
                 StepOutcome::plain(S::INFO.evaluations.free) * (block.len() as u64 - exceptions);
             if exceptions > 0 {
@@ -192,16 +245,21 @@ impl Group<'_> {
     fn step_refused<S: Integrate>(&mut self, start: usize, refused: &[f64], h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
         for (k, &refused) in refused.iter().enumerate() {
-            if refused != 0.0 {
-                total += self.step_row::<S>(start + k..start + k + 1, h);
+            match &mut self.floor {
+                _ if refused == 0.0 => {}
+                Some((_, meets)) if refused == MEETS => meets[start + k] = true,
+                _ => total += self.step_row::<S>(start + k..start + k + 1, h),
             }
         }
         total
     }
 }
 
+/// What `refused` holds of a body that may meet the floor.
+const MEETS: f64 = 2.0;
+
 /// Steps all bodies. Writes 1 to `refused` for a body that was left unchanged because the loop does not
-/// apply.
+/// apply, and [`MEETS`] for one that may meet the floor.
 struct LaneLoop<'a, S, G> {
     bodies: &'a [RigidBox],
     states: &'a mut [BodyState],
@@ -237,8 +295,10 @@ fn step_each<S: Integrate>(
         let (law, mut none) = (Gravity(gravity.at(i)), MemorySlot::none());
         S::advance(&bodies[i], &mut after, &law, h, &mut none, &mut small);
         let applies = small.all_small() & is_valid(&after);
-        refused[i] = if applies { 0.0 } else { 1.0 };
-        states[i] = choose(applies, &after, &before);
+        let clears = gravity.clears(i, &bodies[i], &before, &after, h);
+        let reason = if clears { 0.0 } else { MEETS };
+        refused[i] = if applies { reason } else { 1.0 };
+        states[i] = choose(applies & clears, &after, &before);
     }
 }
 
@@ -288,6 +348,7 @@ impl Integrator {
             memories,
             gravity: GravityField::Uniform(gravity.0),
             faults: &mut faults,
+            floor: None,
         };
         self.dispatch(All { group, h })
     }
@@ -309,6 +370,7 @@ impl IntegratorVisitor for All<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::floor::{ContactSettings, Floor, FloorContext};
     use crate::rotation::exponential_map;
     use proptest::prelude::*;
 
@@ -354,6 +416,43 @@ mod tests {
             x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, l.x, l.y, l.z,
         ]
         .map(f64::to_bits)
+    }
+
+    /// A step over a floor, by an integrator without branches. Which bodies may meet the floor.
+    struct OverAFloor<'a> {
+        bodies: &'a [RigidBox],
+        states: &'a mut [BodyState],
+        memories: &'a mut [IntegratorMemory],
+        below: FloorBelow,
+        each: bool,
+        h: f64,
+    }
+
+    impl IntegratorVisitor for OverAFloor<'_> {
+        type Output = Option<Vec<bool>>;
+
+        fn visit<S: Integrate>(self) -> Option<Vec<bool>> {
+            let gravity = DVec3::NEG_Y * 9.81;
+            let (own, mut meets) = (
+                vec![gravity; self.bodies.len()],
+                vec![false; self.bodies.len()],
+            );
+            let mut group = Group {
+                bodies: self.bodies,
+                states: self.states,
+                memories: self.memories,
+                gravity: if self.each {
+                    GravityField::Each(&own)
+                } else {
+                    GravityField::Uniform(gravity)
+                },
+                faults: &mut Vec::new(),
+                floor: Some((self.below, &mut meets)),
+            };
+            (!S::BRANCHES)
+                .then(|| S::step_group(&mut group, self.h))
+                .map(|_| meets)
+        }
     }
 
     /// One step by the loop compiled for every x86-64, and by the loop compiled for this processor.
@@ -403,6 +502,48 @@ mod tests {
         ) {
             for integrator in Integrator::ALL {
                 integrator.dispatch(ByInstructionSets { set: &set, gravity, h });
+            }
+        }
+
+        /// Over a floor every integrator leaves alone the bodies that may meet it, and steps the others as without one,
+        /// bit for bit. None of them has an impact.
+        #[test]
+        fn over_a_floor_the_bits_are_those_of_free_flight(
+            set in prop::collection::vec(moving(), 1..150),
+            height in -1.0..0.0_f64,
+            each in any::<bool>(),
+            h in prop_oneof![Just(1.0 / 60.0), 0.001..0.1_f64],
+        ) {
+            let (floor, settings) = (Floor { height, ..Floor::default() }, ContactSettings::DEFAULT);
+            let force = Gravity(DVec3::NEG_Y * 9.81);
+            let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
+            let start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
+            for &integrator in Integrator::ALL {
+                let (mut states, mut free) = (start.clone(), start.clone());
+                let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
+                let Some(meets) = integrator.dispatch(OverAFloor {
+                    bodies: &bodies,
+                    states: &mut states,
+                    memories: &mut memories,
+                    below: FloorBelow::new(&floor, &settings, h),
+                    each,
+                    h,
+                }) else {
+                    continue;
+                };
+                integrator.step_all(&bodies, &mut free, &mut memories, &force, h);
+                for (i, body) in bodies.iter().enumerate() {
+                    let expected = if meets[i] { &start[i] } else { &free[i] };
+                    prop_assert_eq!(bits(&states[i]), bits(expected), "{}", integrator);
+                    if !meets[i] {
+                        let context = FloorContext { floor: &floor, settings: &settings, body, force: &force };
+                        let (mut memory, mut contact) = Default::default();
+                        let outcome = integrator.step_on_floor(
+                            &context, &mut start[i].clone(), h, &mut memory, &mut contact, None,
+                        );
+                        prop_assert_eq!((outcome.impacts, contact.touching()), (0, 0), "{}", integrator);
+                    }
+                }
             }
         }
 

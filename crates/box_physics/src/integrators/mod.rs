@@ -27,8 +27,6 @@ pub use info::{
 pub use memory::{IntegratorMemory, MemorySlot, Remember};
 
 pub(crate) use flows::impulse_step;
-#[cfg(test)]
-pub(crate) use flows::{FreeRotationFlow, kick_drift_kick};
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;

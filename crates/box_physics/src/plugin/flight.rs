@@ -8,11 +8,11 @@ use super::chunks::runs_of;
 use super::components::NearFloor;
 use super::forces::{ForceColumnsContiguousItem, Step};
 use super::integrate::Tally;
+use super::parallel::CHUNK;
 use crate::body::RigidBox;
-use crate::floor::{self, Floor};
+use crate::floor::FloorBelow;
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{GravityField, Group, Integrate, IntegratorMemory, IntegratorVisitor};
-use crate::math::{VectorLoop, vectorized};
 use crate::state::BodyState;
 
 /// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
@@ -26,6 +26,8 @@ pub(crate) struct FreeFlight<'a, 'w, 's> {
     pub(crate) states: &'a mut [BodyState],
     pub(crate) memories: &'a mut [IntegratorMemory],
     pub(crate) near: &'a mut [NearFloor],
+    /// The floor, where the loop over many bodies tests whether they may meet it.
+    pub(crate) below: Option<FloorBelow>,
 }
 
 impl NearFloor {
@@ -34,33 +36,6 @@ impl NearFloor {
     fn leave(&mut self, may_touch: impl FnOnce() -> bool) -> bool {
         self.pending = self.touched || may_touch();
         self.pending
-    }
-}
-
-/// The first question of [`floor::may_touch`] under gravity alone, of many bodies at once: whether the ball
-/// around the box stays above the floor. Then it does not touch.
-struct HighAbove<'a> {
-    floor: &'a Floor,
-    bodies: &'a [RigidBox],
-    states: &'a [BodyState],
-    /// Downwards [m/s²], ≥ 0.
-    pull: f64,
-    h: f64,
-    /// 1 where it does.
-    high: &'a mut [f64],
-}
-
-impl VectorLoop for HighAbove<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let fall = self.h * self.h * self.pull;
-        for ((body, state), high) in self.bodies.iter().zip(self.states).zip(self.high) {
-            let down = self.floor.velocity.y - state.velocity.y;
-            // Half as much again as `may_touch` requires: what is not high is tested there.
-            let drop = self.h * if down > 0.0 { down } else { 0.0 } + 1.5 * fall;
-            let clearance = state.position.y - self.floor.height - body.radius();
-            *high = if clearance > drop { 1.0 } else { 0.0 };
-        }
     }
 }
 
@@ -74,10 +49,14 @@ impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
             return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], step));
         }
         let mut tally = Tally::default();
-        let left = match (&step.planes[..], &step.floor) {
-            ([], None) => 0,
-            ([], Some(floor)) => self.leave_to_contact(floor),
-            _ => self.leave_to_planes(),
+        // Without branches, whether a body may meet the floor is found in the loop that steps it.
+        let floor = step.floor.as_ref();
+        let floor = floor.filter(|_| !S::BRANCHES && step.planes.is_empty());
+        self.below = floor.map(|floor| FloorBelow::new(floor, &step.settings, step.h));
+        let left = match self.below {
+            _ if !step.has_contact() => 0,
+            Some(_) => self.leave_to_contact(|_, _, _| false),
+            None => self.leave_to_contact(|body, state, model| step.may_touch(body, state, model)),
         };
         match left {
             0 => self.run::<S>(0..bodies.len(), &mut tally),
@@ -95,47 +74,16 @@ const GATHERED: usize = 64;
 const SHORT: usize = 16;
 
 impl FreeFlight<'_, '_, '_> {
-    /// Marks the bodies that may meet the floor. How many there are.
-    fn leave_to_contact(&mut self, floor: &Floor) -> usize {
-        let (gravity, h) = (self.step.gravity, self.step.h);
-        let mut left = 0;
-        for start in (0..self.near.len()).step_by(GATHERED) {
-            let part = start..self.near.len().min(start + GATHERED);
-            let near = &mut self.near[part.clone()];
-            if near.iter().all(|near| near.touched) {
-                near.iter_mut().for_each(|near| near.pending = true);
-                left += near.len();
-                continue;
-            }
-            let mut high = [0.0; GATHERED];
-            if !self.forces.scales_gravity() {
-                vectorized(HighAbove {
-                    floor,
-                    bodies: &self.bodies[part.clone()],
-                    states: &self.states[part.clone()],
-                    pull: (-gravity.y).max(0.0),
-                    h,
-                    high: &mut high,
-                });
-            }
-            for (i, &high) in part.zip(&high) {
-                let (body, state) = (&self.bodies[i], &self.states[i]);
-                left += usize::from(self.near[i].leave(|| {
-                    let model = Gravity(self.forces.gravity(self.first + i, gravity));
-                    high == 0.0 && floor::may_touch(floor, body, state, &model, h)
-                }));
-            }
-        }
-        left
-    }
-
-    /// The same among several planes.
-    fn leave_to_planes(&mut self) -> usize {
+    /// Marks the bodies that touched floor or planes, or may. How many there are.
+    fn leave_to_contact(
+        &mut self,
+        may_touch: impl Fn(&RigidBox, &BodyState, &Gravity) -> bool,
+    ) -> usize {
         let mut left = 0;
         for (i, near) in self.near.iter_mut().enumerate() {
             let model = Gravity(self.forces.gravity(self.first + i, self.step.gravity));
             let (body, state) = (&self.bodies[i], &self.states[i]);
-            left += usize::from(near.leave(|| self.step.may_touch(body, state, &model)));
+            left += usize::from(near.leave(|| may_touch(body, state, &model)));
         }
         left
     }
@@ -197,15 +145,20 @@ impl FreeFlight<'_, '_, '_> {
         tally: &mut Tally,
     ) {
         let known = tally.faults.len();
+        let mut meets = [false; CHUNK];
         let mut group = Group {
             bodies: &self.bodies[range.clone()],
             states: &mut self.states[range.clone()],
             memories: &mut self.memories[range.clone()],
             gravity,
             faults: &mut tally.faults,
+            floor: self.below.map(|below| (below, &mut meets[..])),
         };
         tally.outcome += S::step_group(&mut group, self.step.h);
-        tally.bodies += range.len() as u64;
+        for (near, meets) in self.near[range.clone()].iter_mut().zip(meets) {
+            near.pending = meets;
+            tally.bodies += u64::from(!meets);
+        }
         for i in &mut tally.faults[known..] {
             *i += self.first + range.start;
         }
@@ -225,18 +178,21 @@ impl FreeFlight<'_, '_, '_> {
                 None => IntegratorMemory::default(),
             });
         let gravity: [DVec3; GATHERED] = core::array::from_fn(|k| self.gravity(place(k)));
+        let mut meets = [false; GATHERED];
         let mut group = Group {
             bodies: &bodies[..chosen.len()],
             states: &mut states,
             memories: &mut memories,
             gravity: GravityField::Each(&gravity),
             faults: &mut tally.faults,
+            floor: self.below.map(|below| (below, &mut meets[..])),
         };
         tally.outcome += S::step_group(&mut group, self.step.h);
-        tally.bodies += chosen.len() as u64;
-        for ((&i, state), memory) in chosen.iter().zip(states).zip(memories) {
+        for (((&i, state), memory), meets) in chosen.iter().zip(states).zip(memories).zip(meets) {
             self.states[i] = state;
             self.memories[i] = memory;
+            self.near[i].pending = meets;
+            tally.bodies += u64::from(!meets);
         }
         for i in &mut tally.faults[known..] {
             *i = self.first + chosen[*i];

@@ -85,6 +85,7 @@ pub(crate) fn integrate(
                         states,
                         memories,
                         near,
+                        below: None,
                     })
                 },
             );

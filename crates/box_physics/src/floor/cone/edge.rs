@@ -1,7 +1,7 @@
 //! Two corners with Coulomb's friction: an edge, the commonest problem that has no closed form.
 //!
 //! Each corner sticks, slides or leaves; every case is a small problem of its own, and the one whose
-//! solution obeys the law is the answer. With A the blocks of αW:
+//! solution obeys the law is the answer. With A the blocks of W:
 //!
 //! - one leaves: p = 0 there, and the other is alone (`single`);
 //! - both slide, along the unit vectors t̂_k: p_k = p_kn s_k, s_k = n − µt̂_k, and w_kn = 0 gives both p_kn
@@ -14,7 +14,7 @@ use glam::{DMat3, DVec3};
 
 use super::super::geometry::Corner3;
 use super::super::projection::{least_along, stopped_along};
-use super::{Cone, project, single};
+use super::{Cone, answered, project, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
@@ -26,6 +26,8 @@ pub(super) struct Edge<'a> {
     /// With the blocks of A.
     pub(super) cone: &'a Cone<'a>,
     pub(super) b: &'a Corner3,
+    /// The impulses of a similar problem, or zero.
+    pub(super) near: &'a Corner3,
     /// |w| to which the law is to hold [m/s].
     pub(super) target: f64,
 }
@@ -58,23 +60,23 @@ impl Edge<'_> {
     pub(super) fn solve(&self) -> Option<[DVec3; 2]> {
         let smooth = self.smooth_normals();
         let likely = usize::from(smooth[1] < smooth[0]);
-        let t = self.first_directions(smooth);
-        // Full friction that turns no slip round is the answer, or near it.
-        let slides = |t| self.sliding(t).is_some_and(|s| s.forward);
+        let start = self.first_directions(smooth);
+        let start = start.and_then(|t| Some((t, self.sliding(t)?)));
         let first = if smooth[likely] <= 0.0 {
             self.one_leaves(likely)
-        } else if t.is_some_and(slides) {
-            self.slide(t)
+        } else if start.as_ref().is_some_and(|(_, s)| s.forward) {
+            // Full friction that turns no slip round is the answer, or near it.
+            self.slide(&start)
         } else {
             self.both_stick()
         };
         first
-            .or_else(|| self.both_stick())
-            .or_else(|| self.slide(t))
-            .or_else(|| self.one_sticks(0))
-            .or_else(|| self.one_sticks(1))
-            .or_else(|| self.one_leaves(likely))
-            .or_else(|| self.one_leaves(1 - likely))
+            .inspect(|_| answered("edge: likeliest case"))
+            .or_else(|| self.slide(&start).inspect(|_| answered("edge: both slide")))
+            .or_else(|| {
+                let found = self.one_sticks(0).or_else(|| self.one_sticks(1));
+                found.inspect(|_| answered("edge: one sticks"))
+            })
     }
 
     /// The normal impulses that would stop both corners if there were no friction.
@@ -103,7 +105,12 @@ impl Edge<'_> {
     fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
         let j = 1 - i;
         let mut p = [DVec3::ZERO; 2];
-        p[j] = single::solve(&self.cone.own[j], self.b[j], self.cone.friction)?;
+        p[j] = single::solve(
+            &self.cone.own[j],
+            self.b[j],
+            self.cone.friction,
+            self.near[j],
+        )?;
         self.checked(p)
     }
 
@@ -137,29 +144,33 @@ impl Edge<'_> {
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
         let inverse = self.cone.own[i].inverse();
         let (reduced, b) = self.without(i, &inverse);
-        let slide = single::slide(&reduced, b, self.cone.friction)?;
+        let slide = single::slide(&reduced, b, self.cone.friction, self.near[1 - i])?;
         let mut p = [slide; 2];
         p[i] = -(inverse * (self.b[i] + self.cone.other[i] * slide));
         self.checked(p)
     }
 
-    /// Where the corners slip: before, if that is fast, otherwise after the normal impulses alone. `None` if
-    /// one does not.
+    /// Where the corners slip: against the friction of the similar problem, if both slid there; before, if that is
+    /// fast; otherwise after the normal impulses alone. `None` if one does not.
     fn first_directions(&self, smooth: [f64; 2]) -> Option<[(f64, f64); 2]> {
-        let mut slip = [self.b[0], self.b[1]];
-        if !self.is_fast() {
-            slip = self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)));
-        }
-        let speed = slip.map(|u| (u.x * u.x + u.z * u.z).sqrt());
+        let plane = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
+        let full = |p: DVec3| plane(p) >= (1.0 - 1e-12) * self.cone.friction * p.y && p.y > 0.0;
+        let slip = if full(self.near[0]) && full(self.near[1]) {
+            [-self.near[0], -self.near[1]]
+        } else if self.is_fast() {
+            [self.b[0], self.b[1]]
+        } else {
+            self.velocities(smooth.map(|p| DVec3::Y * p.max(0.0)))
+        };
+        let speed = slip.map(plane);
         let direction = |i: usize| (slip[i].x / speed[i], slip[i].z / speed[i]);
         (speed[0].min(speed[1]) > self.target).then(|| [direction(0), direction(1)])
     }
 
     /// Both slide, first along these directions.
-    fn slide(&self, t: Option<[(f64, f64); 2]>) -> Option<[DVec3; 2]> {
-        let mut t = t?;
+    fn slide(&self, start: &Option<([(f64, f64); 2], Sliding)>) -> Option<[DVec3; 2]> {
+        let (mut t, mut now) = (*start)?;
         for _ in 0..STEPS {
-            let now = self.sliding(t)?;
             let (f, j) = (now.residual, now.slope);
             let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
             let turn = [
@@ -171,16 +182,17 @@ impl Edge<'_> {
                 return None;
             }
             if largest <= 1e-15 {
-                return self.checked(now.p);
+                return (now.wrong <= self.target).then_some(now.p);
             }
             let scale = (LARGEST_TURN / largest).min(1.0);
             for (t, turn) in t.iter_mut().zip(turn) {
                 let step = scale * turn;
                 *t = single::on_circle(t.0 - step * t.1, t.1 + step * t.0);
             }
+            now = self.sliding(t)?;
             // The next would be the square of this.
             if largest <= 1e-8 {
-                return self.checked(self.sliding(t)?.p);
+                return (now.wrong <= self.target).then_some(now.p);
             }
         }
         None
@@ -234,16 +246,23 @@ impl Edge<'_> {
             ],
         ];
         let impulse = |p: f64, (c, s): (f64, f64)| DVec3::new(-mu * p * c, p, -mu * p * s);
+        let (residual, forward) = (
+            [cross(t[0], w0), cross(t[1], w1)],
+            along(t[0], w0).min(along(t[1], w1)),
+        );
+        let across = residual[0].abs().max(residual[1].abs());
         Some(Sliding {
             p: [impulse(p0, t[0]), impulse(p1, t[1])],
-            forward: along(t[0], w0) > 0.0 && along(t[1], w1) > 0.0,
-            residual: [cross(t[0], w0), cross(t[1], w1)],
+            forward: forward > 0.0,
+            residual,
             slope,
+            wrong: (across + (1.0 + mu) * w0.y.abs().max(w1.y.abs())).max(-forward),
         })
     }
 }
 
 /// Both corners sliding along given directions.
+#[derive(Clone, Copy)]
 struct Sliding {
     p: [DVec3; 2],
     /// Whether the slips go along them and not the other way.
@@ -252,4 +271,6 @@ struct Sliding {
     residual: [f64; 2],
     /// Its derivatives by the two angles.
     slope: [[f64; 2]; 2],
+    /// How far this is from the law [m/s].
+    wrong: f64,
 }

@@ -1,10 +1,10 @@
 //! Coulomb's law as an equation, solved by Newton's method on the twist of the body.
 //!
 //! With P the projection of the parent module and any ρ > 0 the law says F = p − P(q) = 0, q = p − ρw,
-//! w = b + αWp. F is piecewise smooth: a corner leaves (q_n ≤ 0), sticks, or slides along q_t, and Newton's method
+//! w = b + Wp. F is piecewise smooth: a corner leaves (q_n ≤ 0), sticks, or slides along q_t, and Newton's method
 //! with the derivative that belongs to that ends quadratically (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92
 //! (1991) 353; Qi, Sun, Math. Program. 58 (1993) 353). All corners act on one body, so that the change of w is that
-//! of a twist ξ, u_k = αG_kξ with G_k the velocity of the corner. Corner by corner the step is then
+//! of a twist ξ, u_k = G_kξ with G_k the velocity of the corner. Corner by corner the step is then
 //!
 //! ```text
 //! leaves  dp = −p
@@ -19,7 +19,7 @@
 use glam::{DMat3, DVec3};
 
 use super::super::geometry::Corner3;
-use super::{Cone, ConeSolution, project};
+use super::{Cone, ConeSolution, answered, project};
 
 /// The part that a step leaves.
 const EPSILON: f64 = 1e-8;
@@ -59,6 +59,10 @@ impl Cone<'_> {
                 _ => self.smooth(b),
             };
             if descend(solution) {
+                answered(match start {
+                    0 => "Newton from zero",
+                    _ => "Newton from the frictionless impulses",
+                });
                 return;
             }
         }
@@ -66,6 +70,7 @@ impl Cone<'_> {
             let steps = steps.min(limit.saturating_sub(solution.iterations));
             self.gradient(b, target, steps, solution);
             if solution.converged || descend(solution) {
+                answered("Newton after gradients");
                 return;
             }
         }
@@ -149,7 +154,7 @@ impl Problem<'_> {
         // In units of the first lever's length, so that forces and torques compare.
         let unit = operator.lever[0].length();
         let (mut c, mut s) = ([DVec3::ZERO; 8], [DMat3::ZERO; 8]);
-        // A = α Σ Gᵀ S G in blocks, and −Σ Gᵀ c
+        // A = Σ Gᵀ S G in blocks, and −Σ Gᵀ c
         let mut a = [[DMat3::ZERO; 2]; 2];
         let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         for i in 0..n {
@@ -161,13 +166,12 @@ impl Problem<'_> {
             let turned = |m: &DMat3| {
                 DMat3::from_cols(r.cross(m.x_axis), r.cross(m.y_axis), r.cross(m.z_axis))
             };
-            let direct = self.cone.alpha * s[i];
-            let arm = turned(&direct.transpose()).transpose(); // −αS [r]×
+            let arm = turned(&s[i].transpose()).transpose(); // −S [r]×
             force -= c[i];
             torque -= r.cross(c[i]);
-            a[0][0] += direct;
+            a[0][0] += s[i];
             a[0][1] += arm;
-            a[1][0] += turned(&direct);
+            a[1][0] += turned(&s[i]);
             a[1][1] += turned(&arm);
         }
         // (1 + A M⁻¹) y = −Σ Gᵀ c for the force and torque y
@@ -186,7 +190,7 @@ impl Problem<'_> {
         let y = eliminate(rows);
         let v = DVec3::new(y[0], y[1], y[2]) * inverse_mass;
         let omega = inverse_inertia * DVec3::new(y[3], y[4], y[5]) / unit;
-        let u = operator.velocities((self.cone.alpha * v, self.cone.alpha * omega));
+        let u = operator.velocities((v, omega));
         let mut step = [DVec3::ZERO; 8];
         for i in 0..n {
             step[i] = -(c[i] + s[i] * u[i]);

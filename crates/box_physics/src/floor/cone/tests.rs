@@ -49,12 +49,12 @@ fn solve(operator: &DelassusOperator, b: &Corner3, mu: f64, max_iterations: u32)
         max_iterations,
         ..ContactSettings::DEFAULT
     };
-    Cone::new(operator, 1.0, mu, &settings).solve(b)
+    Cone::new(operator, mu, &settings).solve(b, &[DVec3::ZERO; 8])
 }
 
 /// b + Wp.
 fn after(operator: &DelassusOperator, b: &Corner3, s: &ConeSolution) -> Corner3 {
-    Cone::new(operator, 1.0, 0.0, &ContactSettings::DEFAULT).velocities(b, &s.p)
+    Cone::new(operator, 0.0, &ContactSettings::DEFAULT).velocities(b, &s.p)
 }
 
 /// How many of `n` impacts were not solved, and how far the others are from the law.
@@ -109,7 +109,7 @@ fn distance_from_the_law(
 #[test]
 fn coulombs_law_holds_for_random_impacts() {
     for mu in [0.0, 0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
-        let (failed, worst) = examine(mu, 2000);
+        let (failed, worst) = examine(mu, 20_000);
         assert_eq!(failed, 0, "mu {mu}");
         // The solver stops at 1e-12 in w; the friction's part of the law sees µ times that.
         assert!(worst <= 1e-10_f64.max(1e-12 * mu), "mu {mu}: {worst:e}");
@@ -142,15 +142,5 @@ fn the_cap_is_the_cap() {
         }
         println!("at most {max_iterations} iterations: {unsolved} of 8000 gave way");
         assert!(unsolved < 2000 && (unsolved > 0 || max_iterations > 10));
-    }
-}
-
-/// By hand: `cargo test --release -- --ignored coulombs_law_by_hand --nocapture`.
-#[test]
-#[ignore = "120 000 impacts; a part of them is solved with every test"]
-fn coulombs_law_by_hand() {
-    for mu in [0.05, 0.3, 0.8, 2.0, 10.0, 1000.0] {
-        let (failed, _) = examine(mu, 20_000);
-        assert!(failed <= usize::from(mu > 10.0), "mu {mu}");
     }
 }

@@ -7,7 +7,7 @@ use glam::DQuat;
 
 use super::contacts::Gaps;
 use super::*;
-use crate::floor::tests::{Fine, G, Random, SIXTIETH, about};
+use crate::floor::tests::{G, Random, SIXTIETH, about};
 use crate::force::Gravity;
 use crate::integrators::{Exact, Rk4, SemiImplicitEuler, Split};
 
@@ -159,7 +159,7 @@ fn storm<S: Integrate>(seed: u64, n: u32, steps: u32, cubes: bool) {
 #[test]
 fn random_throws_in_a_tray_gain_nothing_and_stay_inside() {
     storm::<Split>(1, 1000, 100, true);
-    storm::<Fine>(2, 1000, 100, false);
+    storm::<Split>(2, 1000, 100, false);
 }
 
 /// By hand: `cargo test --release --lib -- --ignored storm_in_a_tray_by_hand --nocapture`.
@@ -168,7 +168,7 @@ fn random_throws_in_a_tray_gain_nothing_and_stay_inside() {
 fn storm_in_a_tray_by_hand() {
     for seed in 10..30 {
         storm::<Split>(seed, 2000, 100, true);
-        storm::<Fine>(seed, 1000, 100, false);
+        storm::<Split>(seed, 1000, 100, false);
     }
 }
 

@@ -16,11 +16,8 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{
-    FreeRotationFlow, Integrate, IntegratorMemory, MemorySlot, StepOutcome, kick_drift_kick,
-};
-use crate::math::{Trigonometry, sin_cos};
-use crate::rotation::free_rotation_order4;
+use crate::integrators::{Integrate, IntegratorMemory};
+use crate::math::sin_cos;
 use crate::state::BodyState;
 
 pub(super) const G: f64 = 9.81;
@@ -110,43 +107,6 @@ impl Scene {
 
 pub(super) fn about(axis: DVec3, angle: f64) -> DQuat {
     crate::rotation::exponential_map(axis * angle)
-}
-
-/// `split` with the free rotation by many small steps of order 4: as good as exact, so that what the
-/// energy does is the contact's doing.
-pub(super) struct Fine;
-
-impl Integrate for Fine {
-    const INFO: crate::integrators::IntegratorInfo = crate::integrators::Split::INFO;
-
-    const BRANCHES: bool = true;
-    type Memory = ();
-
-    fn advance<F: ForceModel>(
-        body: &RigidBox,
-        state: &mut BodyState,
-        force: &F,
-        h: f64,
-        _memory: &mut MemorySlot<'_, Self>,
-        _trigonometry: &mut impl Trigonometry,
-    ) -> StepOutcome {
-        let n = (h * state.body_angular_velocity(body).length() / 0.02)
-            .ceil()
-            .max(1.0);
-        for _ in 0..n as u32 {
-            kick_drift_kick(body, state, force, h / n, &mut Order4);
-        }
-        StepOutcome::plain(n as u32)
-    }
-}
-
-/// Blanes and Moan's composition of order 4.
-struct Order4;
-
-impl FreeRotationFlow for Order4 {
-    fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        free_rotation_order4(body, state, h);
-    }
 }
 
 /// A small generator (Marsaglia's xorshift64*, 2003), so that every run tries the same boxes.
