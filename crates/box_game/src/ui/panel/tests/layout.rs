@@ -204,7 +204,7 @@ fn no_character_is_a_hollow_box() {
         texts.extend([scene.title, scene.lesson].into_iter().chain(scene.hints));
     }
     texts.extend(crate::demo_2012::FAULTS);
-    texts.extend(box_scenarios::dissertation::Stepper::ALL.map(|s| s.fault()));
+    texts.extend(Stepper::ALL.map(|s| s.fault()));
     texts.push_str("☰⏮↶↷⏸ Pause▶⏭⟲◂▸✖↻·…−×½ωγµ");
     let hidden = PanelView {
         hidden: true,
