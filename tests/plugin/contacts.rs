@@ -297,7 +297,8 @@ fn woken_once_and_settled_again() {
             *app.edit(entity) = BodyState::at(DVec3::Y);
         }),
         ("gravity", |app, _| {
-            app.insert_resource(WorldGravity(DVec3::new(9.81, -9.81, 0.0)));
+            // With half the load the brick gains in a tick what friction takes back in one and a half.
+            app.insert_resource(WorldGravity(DVec3::new(9.81, -4.905, 0.0)));
             app.update();
             app.init_resource::<WorldGravity>();
             app.insert_resource(WorldGravity::default());
