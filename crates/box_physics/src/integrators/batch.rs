@@ -247,7 +247,7 @@ impl Group<'_> {
         for (k, &refused) in refused.iter().enumerate() {
             match &mut self.floor {
                 _ if refused == 0.0 => {}
-                Some((_, meets)) if refused == MEETS => meets[start + k] = true,
+                Some((_, meets)) if refused >= MEETS => meets[start + k] = true,
                 _ => total += self.step_row::<S>(start + k..start + k + 1, h),
             }
         }

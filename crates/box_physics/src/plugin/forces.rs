@@ -77,8 +77,7 @@ pub(crate) fn gather_forces(
     (gravity, wind): (Res<WorldGravity>, Option<Res<Wind>>),
     integrator: Res<GlobalIntegrator>,
     floor: Option<Res<Floor>>,
-    settings: Option<Res<ContactSettings>>,
-    contact: Option<Res<ContactEnabled>>,
+    (settings, contact): (Option<Res<ContactSettings>>, Option<Res<ContactEnabled>>),
     statics: Query<PlaneEntity, Without<RigidBox>>,
 ) {
     // Without its plugin a floor is nothing.

@@ -178,7 +178,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
     let response = plot
         .show(ui, |plot| {
             rules(plot, view);
-            bands(plot, quantity, logarithmic);
+            bands(plot, view, quantity, logarithmic);
             // The main box last, over the others.
             for trajectory in view.trajectories.iter().rev() {
                 let width = if trajectory.main_box { 2.5 } else { 1.6 };
@@ -202,21 +202,28 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, logarithmic: bool)
 }
 
 /// On a logarithmic axis of errors: the floor of rounding, and the band in which an error can be seen.
-fn bands(plot: &mut PlotUi<'_>, quantity: Quantity, logarithmic: bool) {
+fn bands(plot: &mut PlotUi<'_>, view: &CompareView, quantity: Quantity, logarithmic: bool) {
     let (Some(visible), true) = (quantity.visible(), logarithmic) else {
         return;
     };
     let dark = plot.ctx().theme() == Theme::Dark;
     let tint = if dark { 255 } else { 0 };
     plot.span(
-        Span::new("visible to the eye", to_axis(visible)..=to_axis(1e6))
+        // Without a name, which it would write across the band; the text below is the same.
+        Span::new("", to_axis(visible)..=to_axis(1e6))
             .axis(Axis::Y)
             .fill(Color32::from_rgba_unmultiplied(tint, tint, tint, 10))
             .border_width(0.0),
     );
     let floor = HLine::new("rounding", to_axis(ROUNDING));
     plot.hline(floor.color(Color32::GRAY).allow_hover(false));
-    let start = plot.plot_bounds().min()[0];
+    // At the oldest sample: at the plot's edge a text would widen the plot in every frame.
+    let lines = view.trajectories.iter().flat_map(|t| &t.lines);
+    let times = lines.filter_map(|(_, points)| points.first().map(|p| p[0]));
+    let start = times.fold(f64::INFINITY, f64::min);
+    if start.is_infinite() {
+        return;
+    }
     for (text, at) in [("rounding", ROUNDING), ("visible to the eye", visible)] {
         let place = PlotPoint::new(start, to_axis(at));
         let label = Text::new(text, place, RichText::new(text).small());

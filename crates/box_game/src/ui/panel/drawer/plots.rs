@@ -170,11 +170,12 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
 pub(super) fn frame<'a>(name: &str) -> Plot<'a> {
     Plot::new(name.to_owned())
         .allow_scroll(false)
-        .x_axis_formatter(|mark, _| number(mark.value))
         // Labels may stand closer than usual: the plots are small.
         .custom_x_axes(vec![
             AxisHints::new_x().label_spacing(Rangef::new(36.0, 60.0)),
         ])
+        // After the axes, which would replace it.
+        .x_axis_formatter(|mark, _| number(mark.value))
         .custom_y_axes(vec![
             AxisHints::new_y().label_spacing(Rangef::new(15.0, 24.0)),
         ])
