@@ -17,7 +17,7 @@ const GAP: u32 = 2;
 /// The layer of what is in every view.
 const COMMON: usize = MOST;
 
-/// The room that the panel leaves for the picture \[pixels\], and how much of it captions cover from its top [points].
+/// The room that the panel leaves for the picture \[pixels\], and how much of it captions cover from its top \[points\].
 /// Without it, views are drawn in one place.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PictureArea(pub URect, pub f32);

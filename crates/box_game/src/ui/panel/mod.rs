@@ -9,7 +9,7 @@
 //! ```
 //!
 //! It draws and asks, and changes nothing but its own [`PanelMemory`]. Every widget that can be used has an accessible
-//! name for people and an id for tests ([`widgets`]). The picture keeps [`SHARE`] of the window: where side panel and
+//! name for people and an id for tests (`widgets`). The picture keeps [`SHARE`] of the window: where side panel and
 //! drawer leave it less, the drawer is lower, and at last the side panel is left out while the drawer is open.
 
 pub(crate) mod decimate;
@@ -48,7 +48,7 @@ use crate::view::style;
 pub struct PanelLayout {
     /// For the picture \[points\]: times `pixels_per_point` for pixels. Never negative in size.
     pub central: Rect,
-    /// How much of it captions cover from its top [points].
+    /// How much of it captions cover from its top \[points\].
     pub captions: f32,
     /// The open plot or table \[points\].
     pub plot: Option<Rect>,
