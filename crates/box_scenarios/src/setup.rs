@@ -206,6 +206,17 @@ impl Setup {
                 allowed,
             })
         };
+        let (tray, thinnest) = (
+            self.floor.map_or(0.0, |floor| floor.tray),
+            self.body.half_extents().min_element(),
+        );
+        if tray > 0.0 && tray < thinnest {
+            return bad(
+                "floor.tray",
+                tray,
+                "0 or at least the smallest half-extent of the box",
+            );
+        }
         if !(self.duration.is_finite() && self.duration > 0.0) {
             return bad("duration", self.duration, "finite and positive");
         }

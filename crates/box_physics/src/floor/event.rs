@@ -32,7 +32,7 @@ pub(super) struct Search<const N: usize> {
     pub(super) curvature: f64,
     /// |c| at which a corner touches \[m\].
     pub(super) tolerance: f64,
-    /// A dip no deeper than this is none \[m\].
+    /// A dip no deeper than this does not count \[m\].
     pub(super) dip: f64,
     /// No corner comes higher than this over the floor \[m\].
     pub(super) highest: f64,

@@ -1,4 +1,4 @@
-//! The surface of a body: friction and restitution of its own, combined with those of the floor. Names, formulas and
+//! The surface of a body: friction and restitution, combined with those of the floor. Names, formulas and
 //! priority of the rules are Avian's; Rapier has the same without the geometric mean.
 
 use super::Floor;
@@ -6,7 +6,7 @@ use super::Floor;
 use crate::ecs::*;
 use crate::error::InvalidValue;
 
-/// How the coefficients of body and floor combine. The floor has no rule of its own: the body's decides.
+/// How the coefficients of body and floor combine. The floor has no rule: the body's decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -256,7 +256,7 @@ fn between_events<F: ForceModel>(
         context.to_world(&mut in_world, elapsed);
         let pull = acceleration_bound(body, &in_world, force);
         let speed = state.velocity.length() + body.radius() * spin_bound(body, state);
-        // A hop lower than the tolerance is none: u²/2A.
+        // A hop u²/2A lower than the tolerance does not count.
         let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
 
         if (0..8).any(|k| has(touching, k) && normal[k] < -hold) {

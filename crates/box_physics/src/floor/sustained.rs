@@ -111,7 +111,7 @@ pub(super) struct Segment {
     /// Impulses over the segment, by corner index \[N s\].
     pub(super) impulse: Corner3,
     pub(super) slips: Slips,
-    /// The box lies still on a face: the state is the start's.
+    /// The box is at rest on a face: the state equals that at the start.
     pub(super) still: bool,
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,

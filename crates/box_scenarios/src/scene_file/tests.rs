@@ -142,6 +142,18 @@ fn dice_are_boxes() {
     plays(&die);
 }
 
+/// Walls between which the box fits in no attitude are refused.
+#[test]
+fn a_tray_leaves_room_for_the_box() {
+    let tray = |half: &str| read(&EXAMPLE.replace("tray: 0.0", &format!("tray: {half}")));
+    let said = tray("0.12").expect_err("too narrow").to_string();
+    assert!(
+        said.contains("floor.tray") && said.contains("0.12"),
+        "{said}"
+    );
+    assert!(tray("0.125").is_ok());
+}
+
 #[test]
 fn complaints_name_file_line_column_and_field() {
     for (from, to, expected) in [

@@ -169,7 +169,7 @@ pub fn dice_tray() -> Scenario {
     Scenario {
         id: "dice-tray",
         title: "Dice tray",
-        lesson: "Dice are thrown against the walls of a tray. In an edge or a corner all contacts are solved together; energy never grows there either, and what lies still does not move by a bit.",
+        lesson: "Dice are thrown against the walls of a tray. In an edge or a corner all contacts are solved together; energy never grows there either, and a die at rest does not move by a bit.",
         hints: [
             "Move [Boxes] to 25 and press [Restart].",
             "Set [Restitution] to 1 and [Friction] to 0: they never stop.",

@@ -46,7 +46,7 @@ pub(super) fn captions(
                 .show(ui, |ui| {
                     ui.set_width(ui.available_width());
                     ui.spacing_mut().item_spacing.y = 2.0;
-                    // A stepper of 2012 is none of the integrators, and has a strip of its own.
+                    // The strip of the 2012 demo shows its stepper, which is not among the integrators.
                     let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
                     if picture.height() > HEADLINE_ROOM && !of_2012 {
                         let words = RichText::new(headline(&view.compare)).heading().strong();

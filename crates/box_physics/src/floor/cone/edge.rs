@@ -1,6 +1,6 @@
 //! Two corners with Coulomb's friction: an edge, the commonest problem that has no closed form.
 //!
-//! Each corner sticks, slides or leaves; every case is a small problem of its own, and the one whose
+//! Each corner sticks, slides or leaves; every case is a small problem, and the one whose
 //! solution obeys the law is the answer. With A the blocks of W:
 //!
 //! - one leaves: p = 0 there, and the other is alone (`single`);

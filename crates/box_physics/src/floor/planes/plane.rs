@@ -10,9 +10,9 @@ use crate::state::BodyState;
 
 /// A plane that bodies stay on one side of: a wall, a ramp, a ceiling. It is infinite and does not move.
 ///
-/// With the plugin it is a component of an entity of its own, which may have a [`Friction`] and a [`Restitution`]
-/// (otherwise those of the default [`Floor`] count; the rule of a body decides how they combine). `point` is best near the place where bodies touch it:
-/// heights over the plane are as sharp as coordinates relative to it.
+/// With the plugin it is a component of a separate entity, which may have a [`Friction`] and a [`Restitution`]
+/// (without them the coefficients are those of the default [`Floor`]). The rule of the body decides how they combine.
+/// Choose `point` near the place where bodies touch the plane: heights over it are as precise as coordinates relative to it.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -59,11 +59,11 @@ use crate::state::BodyState;
     reflect(Component, Default, Clone, PartialEq)
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[doc(alias("half-shape", "wall", "ramp"))]
+#[doc(alias("half-space", "wall", "ramp"))]
 pub struct StaticPlane {
     /// A point of the plane \[m\].
     pub point: DVec3,
-    /// The unit normal: on this side bodies are.
+    /// The unit normal, toward the side of the bodies.
     pub normal: DVec3,
 }
 

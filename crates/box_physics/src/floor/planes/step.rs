@@ -30,7 +30,7 @@ pub(super) struct Among<'a, F> {
 }
 
 impl<F: ForceModel> Among<'_, F> {
-    /// Among planes that move differently nothing lies still.
+    /// Whether a box may rest: no plane moves.
     pub(super) fn may_rest(&self) -> bool {
         let mut velocities = self.planes.iter().map(|plane| plane.surface.velocity);
         velocities.all(|v| v == DVec3::ZERO)
@@ -50,7 +50,7 @@ pub(super) struct Segment {
     /// Impulses over the segment, by pair \[N s\].
     pub(super) impulse: Each,
     pub(super) slips: Slips<PAIRS>,
-    /// The box lies still: the state is the start's.
+    /// The box is at rest: the state equals that at the start.
     pub(super) still: bool,
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,
@@ -151,7 +151,7 @@ pub(super) fn step<F: ForceModel>(
         let normal = normal_velocities(planes, body, state, &gaps);
         let pull = acceleration_bound(body, state, force);
         let speed = state.velocity.length() + body.radius() * spin_bound(body, state);
-        // A hop lower than the tolerance is none: u²/2A.
+        // A hop u²/2A lower than the tolerance does not count.
         let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
 
         if each(touching).any(|i| normal[i] < -hold) {

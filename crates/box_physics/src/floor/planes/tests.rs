@@ -172,7 +172,7 @@ fn storm_in_a_tray_by_hand() {
     }
 }
 
-/// Dice of 16 mm, thrown into a tray of 30 cm, lie still at last, each on a face.
+/// Dice of 16 mm, thrown into a tray of 30 cm, come to rest, each on a face.
 #[test]
 fn dice_come_to_rest() {
     let mut random = Random(5);
@@ -201,6 +201,7 @@ fn dice_come_to_rest() {
 fn elastic_impacts_in_a_closed_box_conserve_energy() {
     let mut random = Random(7);
     let surface = Floor::new(0.0, 1.0, 0.0).expect("valid");
+    let mut worst = 0.0_f64;
     for _ in 0..20 {
         let sides = [DVec3::X, DVec3::Y, DVec3::Z].into_iter();
         let planes = sides.flat_map(|n| [wall(-n, n, &surface), wall(n, -n, &surface)]);
@@ -213,10 +214,12 @@ fn elastic_impacts_in_a_closed_box_conserve_energy() {
         for _ in 0..600 {
             scene.step::<Split>(SIXTIETH);
             let change = scene.energy() / start - 1.0;
+            worst = worst.max(change.abs());
             assert!(change.abs() < 1e-9 && scene.lowest() > -1e-11, "{change:e}");
         }
         assert!(scene.total.impacts > 50 && scene.total.solves_capped == 0);
     }
+    println!("energy changes by {worst:.1e} at most");
 }
 
 /// Every integrator stays inside and comes to rest.
@@ -264,7 +267,8 @@ fn cost_among_planes_by_hand() {
             }
             best = best.min(clock.elapsed().as_secs_f64() / 500.0);
         }
-        println!("{name}: {:.0} ns", best * 1e9);
+        let rests = scene.contact.is_resting(&scene.state);
+        println!("{name}: {:.0} ns, at rest: {rests}", best * 1e9);
     };
     let mut scene = Scene::new(tray(4.0, 0.3, 0.4), DVec3::new(0.5, 0.25, 0.4));
     scene.state.position = DVec3::new(0.0, 0.25, 0.0);
@@ -279,7 +283,8 @@ fn cost_among_planes_by_hand() {
     time("sliding along floor and wall", scene.clone());
     scene.state.velocity = DVec3::ZERO;
     scene.gravity.0.z = 0.1;
-    time("still in the edge, found anew", scene.clone());
+    scene.run::<Split>(SIXTIETH, 60);
+    time("at rest in the edge", scene);
 }
 
 /// Coulomb's law at random contacts with up to three planes.
@@ -346,6 +351,6 @@ fn coulombs_law_holds_with_several_normals() {
             counts[n * 99 / 100],
             counts[n - 1]
         );
-        assert!(failed <= if mu > 1.0 { 20 } else { 0 } && worst < 1e-9);
+        assert!(failed == 0 && worst < 1e-9);
     }
 }
