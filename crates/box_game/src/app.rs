@@ -1,10 +1,11 @@
 //! The game as a list of plugins: without a window, which tests drive, and with its picture.
 
 use bevy::app::ScheduleRunnerPlugin;
+use bevy::asset::AssetEventSystems;
 use bevy::diagnostic::FrameTimeDiagnosticsPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_egui::EguiPlugin;
+use bevy_egui::{EguiPlugin, EguiPostUpdateSet};
 use box_physics::prelude::PhysicsPlugins;
 
 use crate::action::ActionPlugin;
@@ -75,6 +76,11 @@ pub fn build(cli: &Cli) -> std::io::Result<App> {
         PanelPlugin,
         PicturesPlugin,
     ));
+    // A glyph that is new reaches the screen in the frame that shows it, and so the picture of that frame.
+    app.configure_sets(
+        PostUpdate,
+        EguiPostUpdateSet::PostProcessOutput.before(AssetEventSystems),
+    );
     if offscreen {
         // One step per frame, so that a picture shows a known time however slow the renderer is.
         app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1))

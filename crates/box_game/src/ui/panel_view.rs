@@ -1,5 +1,6 @@
 //! Fills the panel's view from the world.
 
+use bevy::camera::RenderTarget;
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -24,6 +25,7 @@ use crate::record::history::{History, frame_time};
 use crate::scene::library::SceneLibrary;
 use crate::scene::session::{MainBox, Session};
 use crate::ui::panel::{DemoView, HistoryView, IntegratorTiming, LogView, MainBoxView, PanelView};
+use crate::view::renderer::PictureTarget;
 
 /// Sources of the view.
 #[derive(SystemParam)]
@@ -38,6 +40,7 @@ pub struct Sources<'w, 's> {
     log: Option<Res<'w, CsvLog>>,
     floor: Option<Res<'w, Floor>>,
     adapter: Option<Res<'w, RenderAdapterInfo>>,
+    target: Res<'w, PictureTarget>,
     library: Res<'w, SceneLibrary>,
     undo: Res<'w, UndoStack>,
     demo: Res<'w, Demo2012>,
@@ -107,10 +110,9 @@ pub fn view(s: &Sources) -> PanelView {
             rows: log.rows(),
             bytes: log.bytes(),
         }),
-        software_rendering: s
-            .adapter
-            .as_ref()
-            .is_some_and(|a| a.device_type == wgpu::DeviceType::Cpu),
+        // An image offscreen is as good from a CPU.
+        software_rendering: matches!(s.target.0, RenderTarget::Window(_))
+            && (s.adapter.as_ref()).is_some_and(|a| a.device_type == wgpu::DeviceType::Cpu),
         notices: session.notices.iter().cloned().collect(),
         preferences: *s.preferences,
         hints: session.scenario.hints.map(str::to_owned),

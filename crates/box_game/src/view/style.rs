@@ -179,7 +179,6 @@ impl IntegratorStyle {
 /// proportional one has no ▲ ◆ ● and no arrows.
 pub fn install(ctx: &Context, light: bool) {
     ctx.set_theme(if light { Theme::Light } else { Theme::Dark });
-    draw_glyphs_ahead(ctx);
     let done = Id::new("box_game style");
     if ctx.data(|data| data.get_temp::<()>(done)).is_some() {
         return;
@@ -199,23 +198,6 @@ pub fn install(ctx: &Context, light: bool) {
             }
         }
         ctx.set_fonts(fonts);
-    }
-}
-
-/// What labels and read-outs may be made of.
-const GLYPHS: &str = " !\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[]^_`abcdefghijklmnopqrstuvwxyz{|}~\
-                      °×·…–−≠✔✖⏰┄●◆■✚▲▼◀▶✱µω½²";
-
-/// Lays every glyph out in the first frames: one that is new reaches the screen a frame late, and a picture would lack
-/// it.
-fn draw_glyphs_ahead(ctx: &Context) {
-    if ctx.cumulative_frame_nr() > 3 {
-        return;
-    }
-    let style = ctx.global_style();
-    let own = [PICTURE_FONT, FontId::proportional(SMALL)];
-    for font in style.text_styles.values().cloned().chain(own) {
-        ctx.fonts_mut(|fonts| fonts.layout_no_wrap(GLYPHS.to_owned(), font, Color32::WHITE));
     }
 }
 

@@ -114,7 +114,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
     };
     let plot = frame("Work–precision")
         .x_axis_label(x_label)
-        .y_axis_label("µs per simulated second")
+        .y_axis_label("cost [µs/s]")
         .x_grid_spacer(marks)
         .y_grid_spacer(marks)
         .x_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
@@ -177,7 +177,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
         .response;
     describe(
         &response,
-        "Largest error against cost per simulated second, both logarithmic: dots for now, lines for the sweep over step sizes",
+        "Largest error against cost (µs of computing per simulated second), both logarithmic: dots for now, lines for the sweep over step sizes",
     );
 }
 
