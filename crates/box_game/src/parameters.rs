@@ -210,11 +210,8 @@ impl Parameter {
     /// A value as typed: a number, or the name of a choice in any case.
     pub fn parse(self, text: &str) -> Option<f64> {
         let text = text.trim();
-        let named = self
-            .info()
-            .choices
-            .iter()
-            .position(|c| c.eq_ignore_ascii_case(text));
+        let mut choices = self.info().choices.iter();
+        let named = choices.position(|c| c.eq_ignore_ascii_case(text));
         let value = named.map_or_else(|| text.parse().ok(), |k| Some(k as f64));
         value.filter(|v: &f64| v.is_finite())
     }

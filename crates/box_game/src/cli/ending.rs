@@ -1,44 +1,17 @@
 //! The end of the program, as the command line sets it.
 
-use std::path::PathBuf;
-
 use bevy::app::AppExit;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyQuarantined, PhysicsClock};
 
-use super::Cli;
+use super::{Cli, DIVERGED};
 use crate::compare::{Comparison, Run};
 use crate::platform;
 use crate::record::screenshot::ScreenshotRequest;
 
-/// Conditions that end the program.
-#[derive(Resource, Clone, Debug, Default)]
-pub(super) struct Ending {
-    /// After this much simulated time \[s\].
-    pub duration: Option<f64>,
-    /// After this many frames.
-    pub frames: Option<u32>,
-    /// A picture of the last frame.
-    pub screenshot: Option<PathBuf>,
-    /// Exit code 3 if a body was quarantined, or the main box or a comparison diverged.
-    pub fail_on_divergence: bool,
-}
-
-impl Ending {
-    /// The conditions of the command line.
-    pub(super) fn of(cli: &Cli) -> Self {
-        Self {
-            duration: cli.duration,
-            frames: cli.frames,
-            screenshot: cli.screenshot.clone(),
-            fail_on_divergence: cli.fail_on_divergence,
-        }
-    }
-}
-
 /// Ends the program on time, and after its picture is on disk.
 pub(super) fn end(
-    (ending, clock, comparison): (Res<Ending>, Res<PhysicsClock>, Option<Res<Comparison>>),
+    (cli, clock, comparison): (Res<Cli>, Res<PhysicsClock>, Res<Comparison>),
     mut quarantined: MessageReader<BodyQuarantined>,
     mut frames: Local<u32>,
     mut asked: Local<Option<u32>>,
@@ -48,26 +21,20 @@ pub(super) fn end(
 ) {
     *frames += 1;
     *diverged |= quarantined.read().next().is_some();
-    let run = comparison.as_ref().and_then(|c| c.run.as_ref());
-    *diverged |= run.is_some_and(Run::any_diverged);
-    let code = if *diverged && ending.fail_on_divergence {
-        AppExit::from_code(3)
+    *diverged |= comparison.run.as_ref().is_some_and(Run::any_diverged);
+    let code = if *diverged && cli.fail_on_divergence {
+        AppExit::from_code(DIVERGED)
     } else {
         AppExit::Success
     };
-    let timed_out = ending
-        .duration
-        .is_some_and(|d| clock.elapsed().as_secs_f64() >= d - 1e-9);
-    let frame_limit = match (&ending.screenshot, ending.frames, ending.duration) {
-        (_, Some(n), _) => Some(n),
-        (Some(_), None, None) => Some(60),
-        _ => None,
-    };
-    let done = timed_out || frame_limit.is_some_and(|n| *frames >= n);
-    if !done {
+    let time = clock.elapsed().as_secs_f64();
+    let timed_out = cli.duration.is_some_and(|d| time >= d - 1e-9);
+    let picture_alone = cli.screenshot.is_some() && cli.duration.is_none();
+    let frame_limit = cli.frames.or(picture_alone.then_some(60));
+    if !(timed_out || frame_limit.is_some_and(|n| *frames >= n)) {
         return;
     }
-    let Some(path) = &ending.screenshot else {
+    let Some(path) = &cli.screenshot else {
         exit.write(code);
         return;
     };

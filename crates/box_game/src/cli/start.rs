@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use box_physics::prelude::GlobalIntegrator;
 use box_scenarios::Scenario;
 
-use super::ending::{Ending, end};
+use super::ending::end;
 use super::{Cli, command_line};
 use crate::action::Plot;
 use crate::compare::Comparison;
@@ -55,7 +55,7 @@ impl Plugin for CommandLinePlugin {
         app.insert_resource(session)
             .insert_resource(library)
             .insert_resource(comparison)
-            .insert_resource(Ending::of(cli))
+            .insert_resource(cli.clone())
             .add_observer(command_line::on_action)
             .add_systems(Update, end);
         set_step(app.world_mut());

@@ -14,7 +14,7 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{
     Balance, Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup,
-    StateError, TimedImpulse, local_error,
+    TimedImpulse, local_error,
 };
 
 use super::flips::{Flips, lateness};
@@ -66,7 +66,7 @@ impl Run {
         let law = Arc::new(Model::of(setup));
         let state = setup.initial;
         let impulses: Arc<[TimedImpulse]> = setup.impulses.as_slice().into();
-        Self {
+        let mut run = Self {
             clock: 0.0,
             step,
             main_box: MainTrack::new(main_box, &law, state),
@@ -79,7 +79,9 @@ impl Run {
             inputs: Inputs::default(),
             checkpoints: VecDeque::new(),
             law,
-        }
+        };
+        run.save();
+        run
     }
 
     /// The state that the run began with.
@@ -126,10 +128,9 @@ impl Run {
     /// box.
     pub fn attitude_says_more(&self) -> bool {
         let comparisons = self.comparisons.iter().map(|r| r.track.now.worst);
-        let (x, a) = [self.main_box.track.now.worst]
-            .into_iter()
-            .chain(comparisons)
-            .fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
+        let (x, a) = comparisons.fold(self.main_box.track.now.worst, |(x, a), w| {
+            (x.max(w.0), a.max(w.1))
+        });
         a.to_radians() >= x / self.law.body.radius()
     }
 
@@ -149,11 +150,8 @@ impl Run {
 
     /// Draws a line.
     pub fn rule(&mut self, t: f64, kind: RuleKind) {
-        let repeated = self
-            .rules
-            .back()
-            .is_some_and(|last| last.kind == kind && t - last.t < RULE_SPACING);
-        if !repeated {
+        let repeats = |last: &Rule| last.kind == kind && t - last.t < RULE_SPACING;
+        if !self.rules.back().is_some_and(repeats) {
             self.rules.push_back(Rule { t, kind });
         }
         if self.rules.len() > RULES {
@@ -179,9 +177,9 @@ impl Run {
         self.rule(t, RuleKind::Input);
     }
 
-    /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` (impulse,
-    /// body point) came since its last step; `pushed` is what they and the scene's own impulses should
-    /// have made of it. If it is elsewhere, somebody put it there, and every comparison is put there too.
+    /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` applies
+    /// those since its last step and returns them. If it is elsewhere, somebody put it there, and every comparison is
+    /// put there too.
     pub fn before_step(
         &mut self,
         t: f64,
@@ -192,11 +190,8 @@ impl Run {
         let margin = 1e-9 * self.step;
         let mut expected = self.main_box.state;
         self.main_box.kicked = false;
-        while let Some(i) = self
-            .impulses
-            .get(self.main_box.next_impulse)
-            .filter(|i| i.t <= t + margin)
-        {
+        let next = |k: usize| self.impulses.get(k).filter(|i| i.t <= t + margin);
+        while let Some(i) = next(self.main_box.next_impulse) {
             expected.apply_impulse_at_body_point(&self.law.body, i.impulse, i.body_point);
             self.main_box.next_impulse += 1;
             self.main_box.kicked = true;
@@ -243,12 +238,8 @@ impl Run {
         if let Some(to) = &to {
             self.reference_flips.observe(to, t);
         }
-        let local: Option<StateError> = match (main_box.reference, to) {
-            (Some(from), Some(to)) if !main_box.kicked => {
-                Some(local_error(integrator, &self.law, from, &to, h))
-            }
-            _ => None,
-        };
+        let ends = main_box.reference.zip(to).filter(|_| !main_box.kicked);
+        let local = ends.map(|(from, to)| local_error(integrator, &self.law, from, &to, h));
         if main_box.diverged.is_none() && main_box.balance.is_exceeded(&self.law, state) {
             let reason = Reason::Energy;
             main_box.diverged = Some(Divergence { t, reason });
@@ -317,8 +308,9 @@ impl Run {
         Some(state)
     }
 
-    /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own integrator, if the comparison
-    /// is where the clock is. Takes what the plugin keeps of the main box and puts there what it should keep.
+    /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own
+    /// integrator, if the comparison is where the clock is. Takes what the plugin keeps of the main box and puts
+    /// there what it should keep.
     pub fn swap(
         &mut self,
         integrator: Integrator,
@@ -354,13 +346,16 @@ impl Run {
             &mut main_box.next_impulse,
         );
         core::mem::swap(&mut runner.reference, &mut main_box.reference);
-        self.checkpoints.clear();
+        self.checkpoints.truncate(1);
         true
     }
 
     /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
     pub fn kept(&self) -> usize {
-        let comparisons: usize = self.comparisons.iter().map(|r| r.track.series.len()).sum();
-        comparisons + self.main_box.track.series.len() + self.rules.len() + self.checkpoints.len()
+        let samples = self.comparisons.iter().map(|r| r.track.series.kept());
+        samples.sum::<usize>()
+            + self.main_box.track.series.kept()
+            + self.rules.len()
+            + self.checkpoints.len()
     }
 }

@@ -75,11 +75,8 @@ impl Runner {
         self.simulation.driver.integrator
     }
 
-    /// One step of `h` \[s\], unless it has diverged.
+    /// One step of `h` \[s\] of a runner that has not diverged.
     pub(crate) fn step(&mut self, h: f64, shared: &mut Shared<'_>) {
-        if self.simulation.diverged.is_some() {
-            return;
-        }
         let t = self.simulation.driver.time;
         let scene = self.simulation.take_impulses(shared.impulses, t + DUE * h);
         if self.take_inputs(shared.inputs, t, h) {
@@ -96,34 +93,23 @@ impl Runner {
         let (now, integrator) = (driver.time, driver.integrator);
         let to = shared.reference.at(now);
         let smooth = !scene && !shared.inputs.any_within(t, now, DUE * h);
-        let local = match (self.reference, to) {
-            (Some(from), Some(to)) if smooth => Some(local_error(
-                integrator,
-                &self.simulation.model,
-                from,
-                &to,
-                h,
-            )),
-            _ => None,
-        };
-        let books = (&*self.simulation.model, &self.simulation.balance);
-        let state = &self.simulation.driver.state;
+        let simulation = &self.simulation;
+        let model = &*simulation.model;
+        let ends = self.reference.zip(to).filter(|_| smooth);
+        let local = ends.map(|(from, to)| local_error(integrator, model, from, &to, h));
+        let (books, state) = ((model, &simulation.balance), &simulation.driver.state);
         self.track.observe(books, state, now, to.as_ref(), local);
         self.reference = to;
     }
 
     fn take_inputs(&mut self, inputs: &Inputs, t: f64, h: f64) -> bool {
-        let mut any = false;
-        while let Some(input) = inputs
-            .get(self.next_input)
-            .filter(|input| input.t <= t + DUE * h)
-        {
+        let (first, due) = (self.next_input, t + DUE * h);
+        while let Some(input) = inputs.get(self.next_input).filter(|i| i.t <= due) {
             self.simulation.change(&input.change);
             self.skew = (t - input.t).max(0.0);
             self.next_input += 1;
-            any = true;
         }
-        any
+        self.next_input > first
     }
 
     /// Puts the comparison into `state` at `t` \[s\] with a new balance.

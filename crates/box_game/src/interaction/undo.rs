@@ -94,16 +94,11 @@ impl Entry {
         let (old, new) = (before.settings, self.settings);
         let event = format!("undo {}", self.what);
         world.resource_mut::<Session>().parameters = new.parameters;
-        let mut effects: Vec<Effect> = Parameter::ALL
-            .into_iter()
-            .filter(|&p| old.parameters.get(p) != new.parameters.get(p))
-            .map(|p| p.info().effect)
-            .collect();
-        if self.moment.is_some() {
-            effects.push(Effect::Restart);
-        }
+        let changed = |p: &Parameter| old.parameters.get(*p) != new.parameters.get(*p);
+        let changes = || Parameter::ALL.into_iter().filter(changed);
         for effect in [Effect::Clock, Effect::Live, Effect::Restart] {
-            if effects.contains(&effect) {
+            let restart = effect == Effect::Restart && self.moment.is_some();
+            if restart || changes().any(|p| p.info().effect == effect) {
                 take_effect(world, effect, event.clone());
             }
         }
@@ -165,21 +160,24 @@ pub fn on_action(action: On<Action>, mut stack: ResMut<UndoStack>, mut commands:
         _ => return,
     };
     stack.last = None;
-    let entry = if undo {
-        stack.past.pop()
+    let stack = &mut *stack;
+    let from = if undo {
+        &mut stack.past
     } else {
-        stack.future.pop()
+        &mut stack.future
+    };
+    let Some(entry) = from.pop() else {
+        return;
     };
     commands.queue(move |world: &mut World| {
-        let Some(before) = entry.map(|entry| entry.swap(world)) else {
-            return;
-        };
-        let mut stack = world.resource_mut::<UndoStack>();
-        if undo {
-            stack.future.push(before);
+        let before = entry.swap(world);
+        let stack = &mut *world.resource_mut::<UndoStack>();
+        let to = if undo {
+            &mut stack.future
         } else {
-            stack.past.push(before);
-        }
+            &mut stack.past
+        };
+        to.push(before);
     });
 }
 

@@ -178,9 +178,6 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
 }
 
 /// Nothing to find out.
-///
-/// # Errors
-/// Never.
 pub fn probe(_: Need) -> Result<(), String> {
     Ok(())
 }
@@ -191,9 +188,6 @@ pub fn log_layer(_: &mut App) -> Option<BoxedLayer> {
 }
 
 /// The same path.
-///
-/// # Errors
-/// Never.
 pub fn absolute(path: &Path) -> io::Result<PathBuf> {
     Ok(path.to_owned())
 }
@@ -209,9 +203,6 @@ pub fn remove(path: &Path) {
 }
 
 /// Nothing to do.
-///
-/// # Errors
-/// Never.
 pub fn create_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
@@ -251,34 +242,22 @@ pub struct SyncedFile(Stream);
 
 impl SyncedFile {
     /// Of a file that was created.
-    ///
-    /// # Errors
-    /// Never.
     pub fn new(file: Stream) -> io::Result<Self> {
         Ok(Self(file))
     }
 
     /// Keeps `bytes`.
-    ///
-    /// # Errors
-    /// Never.
     pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         self.0.write_all(&bytes)
     }
 
     /// Does nothing.
-    ///
-    /// # Errors
-    /// Never.
     pub fn sync(&mut self) -> io::Result<()> {
         Ok(())
     }
 }
 
 /// Begins a download.
-///
-/// # Errors
-/// Never.
 pub fn create(path: &Path) -> io::Result<Stream> {
     files().written.push(path.to_owned());
     Ok(Stream {
@@ -288,9 +267,6 @@ pub fn create(path: &Path) -> io::Result<Stream> {
 }
 
 /// Downloads a file, under its name without folders.
-///
-/// # Errors
-/// Never.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or(path.as_os_str());
     download(&name.to_string_lossy(), bytes);
@@ -346,9 +322,6 @@ impl core::fmt::Debug for Worker {
 
 impl Worker {
     /// Calls `work` once in each frame until it returns `false`.
-    ///
-    /// # Errors
-    /// Never.
     pub fn spawn(work: impl FnMut() -> bool + Send + 'static) -> io::Result<Self> {
         Ok(Self {
             work: Mutex::new(Box::new(work)),

@@ -188,10 +188,8 @@ impl Costs {
         let (k, samples) = &mut self.samples[self.next];
         self.turn.integrator = task.integrators[*k].index();
         let shortest = shortest_sample(task.grain);
-        let sample = self
-            .turn
-            .take(&mut self.snapshot, (SLICE, shortest), task.stopwatch);
-        if let Some(sample) = sample {
+        let length = (SLICE, shortest);
+        if let Some(sample) = self.turn.take(&mut self.snapshot, length, task.stopwatch) {
             samples.push(sample.nanoseconds);
             self.turn = Turn::default();
             self.next = (self.next + 1) % self.samples.len();

@@ -32,9 +32,6 @@ pub struct SyncedFile {
 
 impl SyncedFile {
     /// Starts the thread.
-    ///
-    /// # Errors
-    /// Where the system gives no thread.
     pub fn new(file: File) -> io::Result<Self> {
         let (sender, receiver) = mpsc::sync_channel(BACKLOG);
         let thread = std::thread::Builder::new()
@@ -47,17 +44,11 @@ impl SyncedFile {
     }
 
     /// Hands `bytes` to the thread.
-    ///
-    /// # Errors
-    /// The error that ended the thread.
     pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         self.send(Message::Write(bytes))
     }
 
     /// Waits until everything written so far is on disk.
-    ///
-    /// # Errors
-    /// The error that ended the thread.
     pub fn sync(&mut self) -> io::Result<()> {
         let (done, wait) = mpsc::sync_channel(1);
         self.send(Message::Sync(done))?;
