@@ -123,10 +123,8 @@ pub enum Gesture {
     /// No button is down.
     #[default]
     None,
-    /// It began on the panel.
-    Panel,
-    /// It began on the box: poke or grab.
-    Hand,
+    /// It began on the panel, or on the box: poke or grab.
+    Elsewhere,
     /// It began on the view: turn.
     Orbit,
     /// It began on the view: shift.
@@ -138,14 +136,11 @@ impl Gesture {
     fn next(self, pointer: &Pointer, over_panel: bool, on_box: bool) -> Self {
         match self {
             _ if !(pointer.left || pointer.other) => Self::None,
-            Self::None if pointer.left_pressed || pointer.other_pressed => {
-                match (over_panel, on_box, pointer.other) {
-                    (true, ..) => Self::Panel,
-                    (false, true, _) => Self::Hand,
-                    (false, false, true) => Self::Pan,
-                    (false, false, false) => Self::Orbit,
-                }
-            }
+            Self::None if pointer.left_pressed || pointer.other_pressed => match pointer.other {
+                _ if over_panel || on_box => Self::Elsewhere,
+                true => Self::Pan,
+                false => Self::Orbit,
+            },
             begun => begun,
         }
     }
@@ -186,7 +181,7 @@ pub fn move_camera(
             let shift = transform.rotation * Vec3::new(-pointer.moved.x, pointer.moved.y, 0.0);
             orbit.target += shift * scale;
         }
-        Gesture::None | Gesture::Panel | Gesture::Hand => {}
+        Gesture::None | Gesture::Elsewhere => {}
     }
     if !focus.pointer && !on_box && pointer.notches != 0.0 {
         let fixed = under_cursor(orbit, lens, pointer.at);
@@ -211,11 +206,7 @@ pub fn move_camera(
                 }
             }
             CameraRequest::Look(view) => **orbit = orbit.seen_as(&view),
-            CameraRequest::Frame => {
-                if let Some(at) = at {
-                    orbit.target = at;
-                }
-            }
+            CameraRequest::Frame => orbit.target = at.unwrap_or(orbit.target),
         }
         commands.remove_resource::<CameraRequest>();
     }
@@ -243,10 +234,11 @@ pub fn turn_camera(
 fn under_cursor(orbit: &OrbitCamera, camera: &Camera, cursor: Option<Vec2>) -> Option<Vec3> {
     let eye = orbit.transform();
     let cursor = cursor?;
-    // Not in another view.
-    camera
-        .logical_viewport_rect()
-        .filter(|rect| rect.contains(cursor))?;
+    let rect = camera.logical_viewport_rect()?;
+    if !rect.contains(cursor) {
+        // It is in another view.
+        return None;
+    }
     let ray = camera.viewport_to_world(&eye.into(), cursor).ok()?;
     let along = ray.direction.dot(*eye.forward());
     (along > 0.1).then(|| ray.get_point(orbit.distance / along))
@@ -261,16 +253,28 @@ mod tests {
         let (left, other, pressed) = (1, 2, 4);
         for (before, buttons, over_panel, on_box, after) in [
             // Begins on the panel, moves over the view: still the panel's.
-            (Gesture::None, left + pressed, true, false, Gesture::Panel),
-            (Gesture::Panel, left, false, false, Gesture::Panel),
-            (Gesture::Panel, 0, false, false, Gesture::None),
+            (
+                Gesture::None,
+                left + pressed,
+                true,
+                false,
+                Gesture::Elsewhere,
+            ),
+            (Gesture::Elsewhere, left, false, false, Gesture::Elsewhere),
+            (Gesture::Elsewhere, 0, false, false, Gesture::None),
             // Begins on the view, moves over the panel: still the view's.
             (Gesture::None, left + pressed, false, false, Gesture::Orbit),
             (Gesture::Orbit, left, true, false, Gesture::Orbit),
             (Gesture::None, other + pressed, false, false, Gesture::Pan),
             // Begins on the box: the hand's, until released.
-            (Gesture::None, left + pressed, false, true, Gesture::Hand),
-            (Gesture::Hand, left, true, true, Gesture::Hand),
+            (
+                Gesture::None,
+                left + pressed,
+                false,
+                true,
+                Gesture::Elsewhere,
+            ),
+            (Gesture::Elsewhere, left, true, true, Gesture::Elsewhere),
             // A second button does not take it over.
             (
                 Gesture::Orbit,

@@ -1,7 +1,6 @@
 //! The command line.
 
 pub mod command_line;
-mod ending;
 mod parse;
 pub mod start;
 

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use super::Setting;
 use crate::action::Plot;
 use crate::parameters::{Parameter, SPEEDS, UI_SCALES};
+use crate::platform;
 use crate::scene::library;
 
 /// Reads a step size and checks its range.
@@ -94,7 +95,7 @@ pub(super) fn setting(text: &str) -> Result<Setting, String> {
 }
 
 pub(super) fn png(text: &str) -> Result<PathBuf, String> {
-    library::with_extension(text, "png")
+    platform::with_extension(text, "png")
         .ok_or_else(|| "allowed: a file name that ends in .png".to_owned())
 }
 

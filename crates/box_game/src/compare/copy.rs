@@ -1,15 +1,10 @@
 //! What the open tab shows, as text for the clipboard.
 
-use std::iter;
-
 use bevy::clipboard::Clipboard;
 use bevy::prelude::*;
-use box_physics::prelude::Integrator;
-use box_scenarios::Divergence;
 
 use super::Comparison;
 use super::series::Quantity;
-use super::track::Track;
 use crate::action::Plot;
 use crate::scene::session::Session;
 
@@ -30,9 +25,7 @@ fn window_csv(comparison: &Comparison) -> String {
         return text;
     };
     let window = comparison.settings.window.seconds();
-    let comparisons = run.comparisons.iter().map(|r| (r.integrator(), &r.track));
-    let main_box = (run.main_box.integrator, &run.main_box.track);
-    for (integrator, track) in iter::once(main_box).chain(comparisons) {
+    for (integrator, _, track, _) in run.trajectories() {
         for sample in track.series.recent(window) {
             let values = sample.values.map(figure).join(",");
             text += &format!("{:.9},{integrator},{values}\n", sample.t);
@@ -61,27 +54,16 @@ fn table_csv(comparison: &Comparison) -> String {
     let Some(run) = &comparison.run else {
         return text;
     };
-    let mut row = |integrator: Integrator, dt: f64, track: &Track, end: Option<Divergence>| {
+    for (integrator, step, track, end) in run.trajectories() {
         let (sample, (distance, angle)) = (&track.now.sample, track.now.worst);
         text += &format!(
-            "{integrator},{},{dt},{},{distance:e},{angle:e},{:e},{:e},{}\n",
+            "{integrator},{},{step},{},{distance:e},{angle:e},{:e},{:e},{}\n",
             integrator == run.main_box.integrator,
             sample.t,
             sample.get(Quantity::Energy),
             sample.get(Quantity::Momentum),
             end.map_or_else(String::new, |d| d.t.to_string())
         );
-    };
-    let main_box = &run.main_box;
-    row(
-        main_box.integrator,
-        run.step,
-        &main_box.track,
-        main_box.diverged,
-    );
-    for r in &run.comparisons {
-        let (dt, end) = (r.factor * run.step, r.simulation.diverged);
-        row(r.integrator(), dt, &r.track, end);
     }
     text
 }

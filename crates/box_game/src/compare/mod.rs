@@ -1,12 +1,6 @@
-//! The same scene under several integrators at once, through the same inputs, measured against one trusted
-//! trajectory.
-//!
-//! ```text
-//! the plugin's main box ──┐
-//! comparison, comparison, comparison ───┼── same start, same inputs at the same simulated time ── reference
-//! (core, own clock)   │
-//!                     └── per trajectory: errors, books of energy and momentum, the past
-//! ```
+//! The same scene under several integrators at once: the plugin's main box and the comparisons (the core, each with
+//! its own clock) have the same start and take the same inputs at the same simulated time. Each trajectory has its
+//! errors against one reference, its balance of energy and momentum, and its past.
 //!
 //! - [`run`]: one run of a scene; [`runner`]: a comparison with its clock; [`track`]: what is measured of it.
 //! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;

@@ -7,6 +7,8 @@ mod past;
 pub use main_track::{MainTrack, Rule, RuleKind};
 
 use std::collections::VecDeque;
+use std::iter;
+use std::mem::swap;
 use std::sync::Arc;
 
 use bevy::platform::time::Instant;
@@ -119,6 +121,24 @@ impl Run {
         self.comparisons.iter().map(Runner::integrator)
     }
 
+    /// Every trajectory, the main box's first: integrator, step \[s\], past and present, its end if it was given up.
+    pub fn trajectories(
+        &self,
+    ) -> impl Iterator<Item = (Integrator, f64, &Track, Option<Divergence>)> {
+        let main_box = &self.main_box;
+        let own = (
+            main_box.integrator,
+            self.step,
+            &main_box.track,
+            main_box.diverged,
+        );
+        let comparisons = self.comparisons.iter().map(|r| {
+            let step = r.factor * self.step;
+            (r.integrator(), step, &r.track, r.simulation.diverged)
+        });
+        iter::once(own).chain(comparisons)
+    }
+
     /// The reference at the clock's time, if it is known.
     pub fn trusted(&self) -> Option<&BodyState> {
         self.main_box.reference.as_ref()
@@ -127,10 +147,8 @@ impl Run {
     /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
     /// box.
     pub fn attitude_says_more(&self) -> bool {
-        let comparisons = self.comparisons.iter().map(|r| r.track.now.worst);
-        let (x, a) = comparisons.fold(self.main_box.track.now.worst, |(x, a), w| {
-            (x.max(w.0), a.max(w.1))
-        });
+        let worst = self.trajectories().map(|t| t.2.now.worst);
+        let (x, a) = worst.fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
         a.to_radians() >= x / self.law.body.radius()
     }
 
@@ -144,8 +162,7 @@ impl Run {
 
     /// Whether the main box or a comparison was given up.
     pub fn any_diverged(&self) -> bool {
-        let mut comparisons = self.comparisons.iter();
-        self.main_box.diverged.is_some() || comparisons.any(|r| r.simulation.diverged.is_some())
+        self.trajectories().any(|trajectory| trajectory.3.is_some())
     }
 
     /// Draws a line.
@@ -328,34 +345,27 @@ impl Run {
         if *state != self.main_box.state {
             return false;
         }
-        let main_box = &mut self.main_box;
-        core::mem::swap(&mut runner.simulation.driver.state, state);
-        core::mem::swap(&mut runner.simulation.driver.memory, memory);
-        core::mem::swap(&mut runner.simulation.driver.contact, contact);
-        core::mem::swap(&mut runner.track, &mut main_box.track);
-        core::mem::swap(&mut runner.simulation.balance, &mut main_box.balance);
-        core::mem::swap(&mut runner.simulation.diverged, &mut main_box.diverged);
-        runner.simulation.driver.integrator =
-            core::mem::replace(&mut main_box.integrator, integrator);
+        let (main_box, own) = (&mut self.main_box, &mut runner.simulation);
+        swap(&mut own.driver.state, state);
+        swap(&mut own.driver.memory, memory);
+        swap(&mut own.driver.contact, contact);
+        swap(&mut own.driver.integrator, &mut main_box.integrator);
+        swap(&mut own.balance, &mut main_box.balance);
+        swap(&mut own.diverged, &mut main_box.diverged);
+        swap(&mut own.next_impulse, &mut main_box.next_impulse);
+        swap(&mut runner.track, &mut main_box.track);
+        swap(&mut runner.reference, &mut main_box.reference);
         (main_box.state, main_box.before) = (*state, *state);
         // Both stand at the same input.
         runner.next_input = self.inputs.end();
-        runner.simulation.model = self.law.clone();
-        core::mem::swap(
-            &mut runner.simulation.next_impulse,
-            &mut main_box.next_impulse,
-        );
-        core::mem::swap(&mut runner.reference, &mut main_box.reference);
+        own.model = self.law.clone();
         self.checkpoints.truncate(1);
         true
     }
 
     /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
     pub fn kept(&self) -> usize {
-        let samples = self.comparisons.iter().map(|r| r.track.series.kept());
-        samples.sum::<usize>()
-            + self.main_box.track.series.kept()
-            + self.rules.len()
-            + self.checkpoints.len()
+        let samples: usize = self.trajectories().map(|t| t.2.series.kept()).sum();
+        samples + self.rules.len() + self.checkpoints.len()
     }
 }

@@ -64,6 +64,13 @@ pub fn next_free(name: &str, extension: &str) -> io::Result<PathBuf> {
         })
 }
 
+/// The path, if it ends in this extension, in any case.
+pub fn with_extension(text: &str, extension: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(text);
+    let own = path.extension()?;
+    own.eq_ignore_ascii_case(extension).then_some(path)
+}
+
 /// Requirements of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Need {

@@ -12,9 +12,8 @@ use bevy::log::BoxedLayer;
 use bevy::prelude::*;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::{Need, Unavailable, query};
+use super::{Need, Unavailable, query, with_extension};
 use crate::action::{Action, Actions};
-use crate::scene::library::file_path;
 use crate::scene::session::Session;
 
 /// Reason why the CPU usage is unknown, if it is.
@@ -139,7 +138,7 @@ fn open_files(mut actions: ResMut<Actions>, mut session: ResMut<Session>) {
     let given = files().take_given();
     for path in given {
         let path = path.display().to_string();
-        if file_path(&path).is_some() {
+        if with_extension(&path, "ron").is_some() {
             actions.0.push(Action::SelectScene(path));
         } else {
             session.notice(format!("{path}: a scene file ends in .ron"));
@@ -208,15 +207,10 @@ pub fn create_folder(_: &Path) -> io::Result<()> {
 }
 
 /// A file that is written bit by bit: downloaded when it is closed.
+#[derive(Debug)]
 pub struct Stream {
     path: PathBuf,
     bytes: Vec<u8>,
-}
-
-impl core::fmt::Debug for Stream {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{}, {} bytes", self.path.display(), self.bytes.len())
-    }
 }
 
 impl Write for Stream {

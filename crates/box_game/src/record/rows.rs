@@ -53,24 +53,18 @@ pub(super) fn write_rows(
     (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
     main_box: Query<(&BodyState, Has<Quarantined>), With<MainBox>>,
     (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
-    (timings, samples, history): (
-        Option<Res<PhysicsTimings>>,
-        Res<IntegratorSamples>,
-        Res<History>,
-    ),
+    (timings, samples, history): (Res<PhysicsTimings>, Res<IntegratorSamples>, Res<History>),
     (diagnostics, frame, real): (
         Option<Res<DiagnosticsStore>>,
-        Option<Res<FrameCount>>,
-        Option<Res<Time<Real>>>,
+        Res<FrameCount>,
+        Res<Time<Real>>,
     ),
     mut commands: Commands,
 ) {
-    if let Some(timings) = &timings {
-        for &i in Integrator::ALL {
-            let outcome = timings.integrator(i).outcome;
-            session.fallbacks += outcome.fallbacks;
-            session.unconverged += outcome.unconverged;
-        }
+    for &i in Integrator::ALL {
+        let outcome = timings.integrator(i).outcome;
+        session.fallbacks += outcome.fallbacks;
+        session.unconverged += outcome.unconverged;
     }
     let event = core::mem::take(&mut session.events).join("; ");
     let (Some(mut log), Some((state, quarantined))) = (log, main_box.iter().next()) else {
@@ -80,12 +74,11 @@ pub(super) fn write_rows(
         return;
     };
     let substeps = clock.substeps.max(1);
-    let outcome = timings.as_ref().map(|t| t.integrator(integrator.0).outcome);
     let cpu = history.cpu.back();
     let common = Row {
         run_id: session.run_id(),
-        frame: frame.map_or(0, |f| u64::from(f.0)),
-        wall_t_s: real.map(|r| r.elapsed_secs_f64()),
+        frame: u64::from(frame.0),
+        wall_t_s: Some(real.elapsed_secs_f64()),
         cpu_process_pct: cpu.map(|c| c.1),
         cpu_system_pct: cpu.map(|c| c.2),
         frame_ms: frame_time(diagnostics.as_deref()),
@@ -97,7 +90,7 @@ pub(super) fn write_rows(
         sim_t_s: clock.time(),
         dt_s: clock.step() * f64::from(substeps),
         substeps,
-        rhs_evals: outcome.map_or(0, |o| o.evaluations),
+        rhs_evals: timings.integrator(integrator.0).outcome.evaluations,
         contacts: main_box.contacts,
         state: if quarantined {
             Status::Quarantined

@@ -194,14 +194,7 @@ fn load(path: &Path) -> Result<Scenario, String> {
 
 /// The path, if `text` names a file and not a scene.
 pub fn file_path(text: &str) -> Option<PathBuf> {
-    with_extension(text, "ron")
-}
-
-/// The path, if it ends in this extension, in any case.
-pub(crate) fn with_extension(text: &str, extension: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(text);
-    let own = path.extension()?;
-    own.eq_ignore_ascii_case(extension).then_some(path)
+    platform::with_extension(text, "ron")
 }
 
 /// Observes the choice of a scene.

@@ -224,7 +224,7 @@ pub fn sample_integrators(
     mut samples: ResMut<IntegratorSamples>,
     boxes: Query<(&RigidBox, &BodyState, Option<&ContactState>)>,
     comparison: Res<Comparison>,
-    (clock, fixed): (Res<PhysicsClock>, Res<Time<Fixed>>),
+    clock: Res<PhysicsClock>,
     (timings, session): (Res<PhysicsTimings>, Res<Session>),
     time: Res<Time<Real>>,
 ) {
@@ -233,10 +233,9 @@ pub fn sample_integrators(
     };
     let samples = &mut *samples;
     let now = time.elapsed_secs_f64();
-    let h = fixed.timestep().as_secs_f64() / f64::from(clock.substeps.max(1));
     let load = Load {
         scene: session.run_id(),
-        h,
+        h: run.step,
         boxes: boxes.iter().len(),
         floor: run.law.floor.is_some(),
         forced: !run.law.forces.is_gravity_alone(),
@@ -260,7 +259,7 @@ pub fn sample_integrators(
             let boxes = boxes
                 .iter()
                 .map(|b| (b.0, b.1, b.2.cloned().unwrap_or_default()));
-            samples.snapshot = Snapshot::new(boxes, &run.law.forces, floor, h);
+            samples.snapshot = Snapshot::new(boxes, &run.law.forces, floor, run.step);
         }
         let Some(snapshot) = &mut samples.snapshot else {
             return;

@@ -89,13 +89,11 @@ impl Drop for SyncedFile {
 fn serve(mut file: File, receiver: &Receiver<Message>) -> io::Result<()> {
     let mut due: Option<Instant> = None;
     loop {
-        let wait = due.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
-        let message = if due.is_some() && wait.is_zero() {
-            Err(RecvTimeoutError::Timeout)
-        } else {
-            receiver.recv_timeout(wait)
-        };
-        match message {
+        let now = Instant::now();
+        if due.take_if(|at| *at <= now).is_some() {
+            file.sync_data()?;
+        }
+        match receiver.recv_timeout(due.map_or(LONG, |at| at - now)) {
             Ok(Message::Write(bytes)) => {
                 file.write_all(&bytes)?;
                 due.get_or_insert_with(|| Instant::now() + DELAY);
@@ -106,11 +104,7 @@ fn serve(mut file: File, receiver: &Receiver<Message>) -> io::Result<()> {
                 // The caller may have given up waiting.
                 let _ = done.send(());
             }
-            Err(RecvTimeoutError::Timeout) => {
-                if due.take().is_some() {
-                    file.sync_data()?;
-                }
-            }
+            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return file.sync_data(),
         }
     }
