@@ -39,15 +39,6 @@ pub struct Runner {
     pub(crate) logged: u64,
 }
 
-/// A runner without its past.
-#[derive(Clone, Debug)]
-pub(crate) struct Saved {
-    simulation: box_scenarios::Runner,
-    worst: (f64, f64),
-    next_input: u64,
-    reference: Option<BodyState>,
-}
-
 impl Runner {
     /// In `state` at `t` \[s\] under `law`; `next_input` is the number of the first input to come.
     pub(crate) fn new(
@@ -120,28 +111,26 @@ impl Runner {
         self.track.reopen(law, &self.simulation.balance, &state, t);
     }
 
-    pub(crate) fn save(&self) -> Saved {
-        Saved {
+    /// The same without its past, to return to.
+    pub(crate) fn save(&self) -> Self {
+        let now = self.track.now;
+        Self {
             simulation: self.simulation.clone(),
-            worst: self.track.now.worst,
-            next_input: self.next_input,
-            reference: self.reference,
+            track: Track {
+                now,
+                ..Track::default()
+            },
+            ..*self
         }
     }
 
     /// Back to what was saved; the past after that is forgotten.
-    pub(crate) fn restore(&mut self, saved: &Saved) {
+    pub(crate) fn restore(&mut self, saved: &Self) {
         self.simulation = saved.simulation.clone();
-        self.track.now.worst = saved.worst;
+        self.track.now.worst = saved.track.now.worst;
         self.track.rewind(saved.simulation.driver.time);
         self.next_input = saved.next_input;
         self.reference = saved.reference;
         self.logged = self.simulation.driver.totals.steps;
-    }
-}
-
-impl Saved {
-    pub(crate) fn integrator(&self) -> Integrator {
-        self.simulation.driver.integrator
     }
 }

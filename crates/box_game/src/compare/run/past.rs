@@ -7,7 +7,7 @@ use box_scenarios::{Balance, Change, LiveReference, Model};
 
 use super::Run;
 use crate::compare::Quantity;
-use crate::compare::runner::{Runner, SAME, Saved};
+use crate::compare::runner::{Runner, SAME};
 
 /// Distance of the states to which stepping back returns \[s\], and how many there are: four minutes.
 const CHECKPOINT: f64 = 1.0;
@@ -19,7 +19,7 @@ pub(super) struct Checkpoint {
     reference: LiveReference,
     law: Arc<Model>,
     main_box: (Balance, (f64, f64)),
-    comparisons: Vec<Saved>,
+    comparisons: Vec<Runner>,
 }
 
 impl Run {

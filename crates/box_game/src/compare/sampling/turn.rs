@@ -27,7 +27,7 @@ pub struct Turn {
 
 impl Turn {
     /// A new sample of the integrator with this number.
-    pub(super) fn of(integrator: usize) -> Self {
+    pub(crate) fn of(integrator: usize) -> Self {
         Self {
             integrator,
             ..Self::default()

@@ -110,9 +110,8 @@ impl Sweep {
         self.cancel();
         self.shared = Arc::new(Shared::of(&task.integrators));
         self.total = (task.integrators.len() * RATES.len()) as u32;
-        let shared = self.shared.clone();
-        let mut work = Work::new(task);
-        self.worker = Some(Worker::spawn(move || work.slice(&shared))?);
+        let mut work = Work::new(task, &self.shared);
+        self.worker = Some(Worker::spawn(move || work.slice())?);
         Ok(())
     }
 
