@@ -84,7 +84,8 @@ fn parse(text: &str) -> Result<Vec<Beat>, String> {
 /// The script that is being played.
 #[derive(Resource, Clone, Debug)]
 pub struct Script {
-    beats: VecDeque<Beat>,
+    /// What is to come, with its time \[s\].
+    rest: VecDeque<(f64, Action)>,
     began: Option<f64>,
     /// Frames that `Quit` has waited for a picture.
     waited: u32,
@@ -93,8 +94,13 @@ pub struct Script {
 impl Script {
     /// A script of these beats.
     pub fn new(beats: Vec<Beat>) -> Self {
+        let timed = |beat: Beat| {
+            beat.actions
+                .into_iter()
+                .map(move |action| (beat.at, action))
+        };
         Self {
-            beats: beats.into(),
+            rest: beats.into_iter().flat_map(timed).collect(),
             began: None,
             waited: 0,
         }
@@ -120,38 +126,34 @@ pub fn play(
     let now = time.elapsed_secs_f64();
     let began = *script.began.get_or_insert(now);
     let mut asking = false;
-    while let Some(beat) = script.beats.front_mut() {
+    while let Some((at, action)) = script.rest.front() {
         // A step of the clock is not always the same in its last digits.
-        if now - began < beat.at - 1e-6 {
+        if now - began < at - 1e-6 {
             return;
         }
-        while !beat.actions.is_empty() {
-            // A picture asked for in this frame is not counted before the next.
-            if beat.actions[0] == Action::Quit && (pending.0 > 0 || asking) {
-                script.waited += 1;
-                if script.waited > LONGEST_WAIT {
-                    error!("{} pictures were not written", pending.0);
-                    exit.write(AppExit::from_code(1));
-                }
-                return;
+        // A picture asked for in this frame is not counted before the next.
+        if *action == Action::Quit && (pending.0 > 0 || asking) {
+            script.waited += 1;
+            if script.waited > LONGEST_WAIT {
+                error!("{} pictures were not written", pending.0);
+                exit.write(AppExit::from_code(1));
             }
-            let picture = matches!(
-                beat.actions[0],
-                Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
-            );
-            if picture && comparison.is_sweeping() {
-                return;
-            }
-            let action = beat.actions.remove(0);
-            let sweep = action == Action::Compare(CompareAction::StartSweep);
-            actions.0.push(action);
-            asking = true;
-            // What follows must not be in the picture, or must see that the sweep has begun: it waits for the next frame.
-            if picture || sweep {
-                return;
-            }
+            return;
         }
-        script.beats.pop_front();
+        let picture = matches!(
+            action,
+            Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
+        );
+        if picture && comparison.is_sweeping() {
+            return;
+        }
+        let sweep = *action == Action::Compare(CompareAction::StartSweep);
+        actions.0.extend(script.rest.pop_front().map(|next| next.1));
+        asking = true;
+        // What follows must not be in the picture, or must see that the sweep has begun: it waits for the next frame.
+        if picture || sweep {
+            return;
+        }
     }
 }
 
@@ -214,7 +216,7 @@ mod tests {
             assert_eq!(requested(&app), expected);
         }
         app.update();
-        assert!(app.world().resource::<Script>().beats.is_empty());
+        assert!(app.world().resource::<Script>().rest.is_empty());
     }
 
     #[test]
