@@ -138,23 +138,16 @@ impl Window {
 }
 
 /// An integrator in a file: by its id.
-pub mod integrator_id {
+pub(super) mod integrator_id {
     use super::Integrator;
     use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
 
-    /// Writes the id.
-    ///
-    /// # Errors
-    /// The serializer's.
-    pub fn serialize<S: Serializer>(integrator: &Integrator, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(integrator.id())
+    pub(crate) fn serialize<S: Serializer>(i: &Integrator, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(i.id())
     }
 
-    /// Reads the id.
-    ///
-    /// # Errors
-    /// An unknown id; the message lists the known ones.
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
+    /// An unknown id is an error that lists the known ones.
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
         String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
 }
