@@ -19,7 +19,7 @@ const PUSHES: [(GamepadButton, DVec3); 6] = [
 ];
 
 /// Reads the buttons. With the west button held, pushes act off-center.
-pub fn read_buttons(
+pub(super) fn read_buttons(
     pads: Query<&Gamepad>,
     integrator: Res<GlobalIntegrator>,
     mut actions: ResMut<Actions>,
