@@ -36,6 +36,22 @@ fn comparison(app: &App, integrator: Integrator) -> &Runner {
     found.expect("a comparison")
 }
 
+fn main_entity(app: &mut App) -> Entity {
+    let world = app.world_mut();
+    let mut main_box = world.query_filtered::<Entity, With<MainBox>>();
+    main_box.single(world).expect("a main box")
+}
+
+/// What is measured of the main box now.
+fn measured(app: &App, quantity: Quantity) -> f64 {
+    run(app).main_box.track.now.sample.get(quantity)
+}
+
+/// What is measured of the comparison that runs `integrator`.
+fn measured_of(app: &App, integrator: Integrator, quantity: Quantity) -> f64 {
+    comparison(app, integrator).track.now.sample.get(quantity)
+}
+
 /// The state of the comparison that runs `integrator`.
 fn compared(app: &App, integrator: Integrator) -> BodyState {
     comparison(app, integrator).simulation.driver.state
@@ -45,57 +61,40 @@ fn compared(app: &App, integrator: Integrator) -> BodyState {
 /// pushes, changed parameters and contact.
 #[test]
 fn the_main_box_is_its_own_comparison_bit_for_bit() {
-    let scenes = [
+    for (scene, integrator) in [
         "dzhanibekov",
         "bounce",
         "contact",
         "heavy-top",
         "quadratic-drag",
-    ];
-    for scene in scenes {
-        for integrator in [
-            Integrator::Split,
-            Integrator::Rk4,
-            Integrator::SemiImplicitEuler,
-        ] {
-            let mut app = game(&format!("{scene} --integrator midpoint,{integrator}"));
-            // A comparison of `integrator` from the start, and a main box that restarts with the same
-            // integrator.
-            let mut twin = game(&format!("{scene} --integrator {integrator}"));
+    ]
+    .into_iter()
+    .flat_map(|scene| ["split", "rk4", "semi-implicit-euler"].map(|i| (scene, i)))
+    {
+        // A comparison of `integrator` from the start, and a main box under it.
+        let [mut app, mut twin] = [format!("midpoint,{integrator}"), integrator.to_owned()]
+            .map(|list| game(&format!("{scene} --integrator {list}")));
+        let integrator: Integrator = integrator.parse().expect("an id");
+        for k in 0..90 {
             for app in [&mut app, &mut twin] {
-                play(app, 30);
-            }
-            for k in 0..60 {
-                if k == 10 {
+                if k == 40 {
                     // The same impulse for both, independent of the main boxes.
-                    for app in [&mut app, &mut twin] {
-                        let entity = app
-                            .world_mut()
-                            .query_filtered::<Entity, With<MainBox>>()
-                            .single(app.world())
-                            .expect("a main box");
-                        app.world_mut().write_message(ApplyImpulse::at_body_point(
-                            entity,
-                            DVec3::new(0.4, 1.5, -0.3),
-                            DVec3::new(0.2, 0.0, 0.1),
-                        ));
-                    }
+                    let entity = main_entity(app);
+                    app.world_mut().write_message(ApplyImpulse::at_body_point(
+                        entity,
+                        DVec3::new(0.4, 1.5, -0.3),
+                        DVec3::new(0.2, 0.0, 0.1),
+                    ));
                 }
-                if k == 20 {
-                    for app in [&mut app, &mut twin] {
-                        request(app, Action::Set(Parameter::Gravity, 3.0));
-                    }
+                if k == 50 {
+                    request(app, Action::Set(Parameter::Gravity, 3.0));
                 }
                 app.update();
-                twin.update();
-                let driver = &comparison(&app, integrator).simulation.driver;
-                assert_eq!(
-                    driver.state,
-                    main_box(&mut twin),
-                    "{scene} {integrator} {k}"
-                );
-                assert_eq!(driver.time, run(&app).clock);
             }
+            let driver = &comparison(&app, integrator).simulation.driver;
+            let own = main_box(&mut twin);
+            assert_eq!(driver.state, own, "{scene} {integrator} {k}");
+            assert_eq!(driver.time, run(&app).clock);
         }
     }
 }
@@ -107,21 +106,20 @@ fn the_reference_takes_every_push() {
     play(&mut app, 20);
     ask(&mut app, push(DVec3::Y, true));
     play(&mut app, 60);
-    let now = |app: &App| run(app).main_box.track.now.sample;
-    assert!(now(&app).get(Quantity::Position) < 1e-9);
-    assert!(now(&app).get(Quantity::Attitude) < 1e-6);
-    assert!(now(&app).get(Quantity::LocalPosition) < 1e-12);
-    assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
+    assert!(measured(&app, Quantity::Position) < 1e-9);
+    assert!(measured(&app, Quantity::Attitude) < 1e-6);
+    assert!(measured(&app, Quantity::LocalPosition) < 1e-12);
+    assert!(measured(&app, Quantity::Energy).abs() < 1e-12);
     assert!(run(&app).reference.is_trusted());
-    let euler = comparison(&app, Integrator::ExplicitEuler).track.now.sample;
-    assert!(euler.get(Quantity::Position) > 0.05);
-    assert!(euler.get(Quantity::Energy).abs() > 1e-4);
+    let euler = Integrator::ExplicitEuler;
+    assert!(measured_of(&app, euler, Quantity::Position) > 0.05);
+    assert!(measured_of(&app, euler, Quantity::Energy).abs() > 1e-4);
     assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Input));
     // A changed parameter, too.
     ask(&mut app, Action::Set(Parameter::Gravity, 1.5));
     play(&mut app, 30);
-    assert!(now(&app).get(Quantity::Position) < 1e-9);
-    assert!(now(&app).get(Quantity::Energy).abs() < 1e-12);
+    assert!(measured(&app, Quantity::Position) < 1e-9);
+    assert!(measured(&app, Quantity::Energy).abs() < 1e-12);
 }
 
 /// A teleport of the main box moves every comparison.
@@ -129,16 +127,13 @@ fn the_reference_takes_every_push() {
 fn a_teleport_takes_the_comparisons_along() {
     let mut app = game("throw --integrator split,explicit-euler");
     play(&mut app, 20);
-    let mut query = app
-        .world_mut()
-        .query_filtered::<&mut Transform, With<MainBox>>();
-    for mut transform in query.iter_mut(app.world_mut()) {
-        transform.translation.y = 30.0;
-    }
+    let entity = main_entity(&mut app);
+    let pose = app.world_mut().get_mut::<Transform>(entity);
+    pose.expect("a pose").translation.y = 30.0;
     app.update();
     let euler = compared(&app, Integrator::ExplicitEuler);
     assert!((euler.position.y - 30.0).abs() < 0.5, "{}", euler.position);
-    assert!(run(&app).main_box.track.now.sample.get(Quantity::Position) < 1e-9);
+    assert!(measured(&app, Quantity::Position) < 1e-9);
 }
 
 /// A comparison that is added in flight is simulated from the start with all inputs so far.
@@ -155,15 +150,10 @@ fn a_late_comparison_catches_up_with_all_inputs() {
     early.update();
     play(&mut early, 20);
     play(&mut late, 20);
-    let (a, b) = (
-        comparison(&early, Integrator::Rk4),
-        comparison(&late, Integrator::Rk4),
-    );
-    assert_eq!(a.simulation.driver.time, b.simulation.driver.time);
+    let [a, b] = [&early, &late].map(|app| &comparison(app, Integrator::Rk4).simulation.driver);
+    assert_eq!(a.time, b.time);
     // The step boundaries are sums of steps, so the push may be off by rounding.
-    assert!(
-        (a.simulation.driver.state.position - b.simulation.driver.state.position).length() < 1e-9
-    );
+    assert!((a.state.position - b.state.position).length() < 1e-9);
     compare(&mut late, CompareAction::ToggleComparison(Integrator::Rk4));
     assert!(run(&late).comparisons.is_empty());
     compare(&mut late, CompareAction::CompareAll);
@@ -175,19 +165,15 @@ fn a_late_comparison_catches_up_with_all_inputs() {
 fn a_diverged_comparison_stops_at_its_last_good_state() {
     let mut app = game("needle --integrator split,semi-implicit-euler");
     play(&mut app, 200);
-    let lost = comparison(&app, Integrator::SemiImplicitEuler);
-    let t = lost
-        .simulation
-        .diverged
-        .expect("it diverges within three seconds")
-        .t;
-    assert!(t < 3.0 && lost.simulation.driver.state.is_valid());
+    let lost = &comparison(&app, Integrator::SemiImplicitEuler).simulation;
+    let diverged = lost.diverged.expect("it diverges within three seconds");
+    assert!(diverged.t < 3.0 && lost.driver.state.is_valid());
     assert!(run(&app).main_box.diverged.is_none());
     assert!(run(&app).clock > 3.0);
     compare(&mut app, CompareAction::Resync);
-    let back = comparison(&app, Integrator::SemiImplicitEuler);
-    assert!(back.simulation.diverged.is_none());
-    assert!(back.track.now.sample.get(Quantity::Position) < 1e-9);
+    let back = Integrator::SemiImplicitEuler;
+    assert!(comparison(&app, back).simulation.diverged.is_none());
+    assert!(measured_of(&app, back, Quantity::Position) < 1e-9);
 }
 
 /// Making a comparison's integrator the main one swaps the two. Each trajectory stays that of one integrator.
@@ -202,10 +188,10 @@ fn main_box_and_comparison_change_places() {
     ask(&mut app, Action::SetIntegrator(Integrator::ExplicitEuler));
     euler.update();
     assert_eq!(main_box(&mut app), main_box(&mut euler));
-    let split = comparison(&app, Integrator::Split);
-    assert!((split.simulation.driver.state.position - before.position).length() < 1e-12);
-    assert!(split.track.now.sample.get(Quantity::Attitude) < 0.1);
-    assert!(run(&app).main_box.track.now.sample.get(Quantity::Attitude) > 0.1);
+    let split = compared(&app, Integrator::Split);
+    assert!((split.position - before.position).length() < 1e-12);
+    assert!(measured_of(&app, Integrator::Split, Quantity::Attitude) < 0.1);
+    assert!(measured(&app, Quantity::Attitude) > 0.1);
     play(&mut app, 10);
     play(&mut euler, 10);
     assert_eq!(main_box(&mut app), main_box(&mut euler));
@@ -236,26 +222,25 @@ fn equal_evaluations_and_late_inputs() {
     for _ in 0..4 {
         ask(&mut app, push(DVec3::Y, false));
         play(&mut app, 6);
-        let r = comparison(&app, Integrator::Rk4);
-        assert!(run(&app).clock - r.simulation.driver.time < 4.0 / 60.0 + 1e-9);
-        assert!(r.track.now.sample.get(Quantity::LocalPosition) < 1e-6);
+        let driver = &comparison(&app, Integrator::Rk4).simulation.driver;
+        assert!(run(&app).clock - driver.time < 4.0 / 60.0 + 1e-9);
+        assert!(measured_of(&app, Integrator::Rk4, Quantity::LocalPosition) < 1e-6);
     }
-    let mut comparisons = [0, 0];
+    let mut rows = [0, 0];
     for row in log.rows(&mut app) {
-        let number = |name| row[name].parse::<f64>();
-        comparisons[row["trajectory"].parse::<usize>().expect("0 or 1")] += 1;
+        let number = |text: &str| text.parse::<f64>().expect("measured");
+        rows[row["trajectory"].parse::<usize>().expect("0 or 1")] += 1;
         if row["event"].contains(" s late") {
-            let skew = row["event"].split(' ').nth(1).expect("a number");
-            late.push(skew.parse::<f64>().expect("seconds"));
+            late.push(number(row["event"].split(' ').nth(1).expect("a number")));
         }
-        assert!(number("pos_err_m").expect("measured") < 0.6);
-        assert!(number("energy_rel").expect("measured").abs() < 1e-6);
+        assert!(number(&row["pos_err_m"]) < 0.6);
+        assert!(number(&row["energy_rel"]).abs() < 1e-6);
     }
     assert!(late.iter().all(|s| *s > 0.0 && *s < 4.0 / 60.0), "{late:?}");
     assert!(!late.is_empty());
     assert!(
-        comparisons[0] > 60 && comparisons[1] > 30 && comparisons[1] < comparisons[0],
-        "{comparisons:?}"
+        rows[0] > 60 && rows[1] > 30 && rows[1] < rows[0],
+        "{rows:?}"
     );
     compare(&mut app, CompareAction::SetFairness(Fairness::Step));
     app.update();
@@ -351,19 +336,13 @@ fn the_first_run_shows_something_in_five_seconds() {
     let comparison = app.world().resource::<Comparison>();
     assert_eq!(comparison.settings.layout, Layout::Overlaid);
     play(&mut app, 300);
-    assert!(
-        run(&app).main_box.track.now.worst.1 < 1.0,
-        "the main box is right"
-    );
+    let worst = run(&app).main_box.track.now.worst;
+    assert!(worst.1 < 1.0, "the main box is right");
     for r in &run(&app).comparisons {
         assert!(r.track.now.worst.1 > 45.0, "{}", r.integrator());
     }
-    assert!(
-        run(&app)
-            .comparisons
-            .iter()
-            .any(|r| r.track.now.sample.get(Quantity::Energy).abs() > 0.1)
-    );
+    let drift = |r: &Runner| r.track.now.sample.get(Quantity::Energy).abs();
+    assert!(run(&app).comparisons.iter().any(|r| drift(r) > 0.1));
 }
 
 /// Keys: Shift + digit toggles a comparison; V and G cycle through the layouts.

@@ -22,26 +22,17 @@ fn count<C: Component>(app: &mut App) -> usize {
 }
 
 #[test]
-fn the_clock_is_60_hz_by_default() {
-    let app = game("");
-    let step = app.world().resource::<Time<Fixed>>().timestep();
-    assert_eq!(step, Time::<Fixed>::from_hz(60.0).timestep());
-}
-
-#[test]
 fn restart_repeats_the_motion_bit_for_bit() {
     let mut app = game("throw");
-    ask(&mut app, Action::Restart);
-    let mut first = Vec::new();
-    for _ in 0..50 {
-        app.update();
-        first.push(main_box(&mut app));
-    }
-    ask(&mut app, Action::Restart);
-    for expected in first {
-        app.update();
-        assert_eq!(main_box(&mut app), expected);
-    }
+    let [first, second] = [(); 2].map(|()| {
+        ask(&mut app, Action::Restart);
+        let mut next = || {
+            app.update();
+            main_box(&mut app)
+        };
+        [(); 50].map(|()| next())
+    });
+    assert_eq!(first, second);
 }
 
 #[test]
@@ -59,15 +50,15 @@ fn parameters_are_live_or_restart_and_bad_ones_are_refused() {
     assert_eq!(count::<LinearDrag>(&mut app), 0, "no drag, no drag work");
     ask(&mut app, Action::Set(Parameter::Mass, 2.5));
     assert_eq!(of_main_box::<RigidBox>(&mut app).mass(), 2.5);
-    for bad in [
-        Action::Set(Parameter::Mass, -1.0),
-        Action::Set(Parameter::Restitution, 2.0),
-        Action::Set(Parameter::Gravity, f64::NAN),
-        Action::Set(Parameter::HalfX, 0.0),
+    for (parameter, bad) in [
+        (Parameter::Mass, -1.0),
+        (Parameter::Restitution, 2.0),
+        (Parameter::Gravity, f64::NAN),
+        (Parameter::HalfX, 0.0),
     ] {
-        ask(&mut app, bad.clone());
+        ask(&mut app, Action::Set(parameter, bad));
         let said = notice(&app);
-        assert!(said.contains("allowed:"), "{bad:?}: {said}");
+        assert!(said.contains("allowed:"), "{parameter:?} {bad}: {said}");
     }
     ask(&mut app, Action::ResetParameters);
     let session = session(&app);
@@ -77,6 +68,8 @@ fn parameters_are_live_or_restart_and_bad_ones_are_refused() {
 #[test]
 fn step_and_substeps_change_live() {
     let mut app = game("throw");
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    assert_eq!(step, Time::<Fixed>::from_hz(60.0).timestep(), "at first");
     ask(&mut app, Action::Set(Parameter::Step, 1.0 / 120.0));
     ask(&mut app, Action::Set(Parameter::Substeps, 3.0));
     let steps = clock(&app).steps();
@@ -119,10 +112,8 @@ fn every_integrator_is_timed() {
     let samples = app.world().resource::<IntegratorSamples>();
     for &i in Integrator::ALL {
         let cost = samples.cost(i).expect("sampled");
-        assert!(
-            0.0 < cost.min && cost.min <= cost.median && cost.median <= cost.p95,
-            "{i}"
-        );
+        let ordered = cost.min <= cost.median && cost.median <= cost.p95;
+        assert!(0.0 < cost.min && ordered, "{i}");
         assert!(samples.history(i).count() >= 1);
     }
 }
@@ -138,31 +129,26 @@ fn the_log_has_a_row_per_step_with_its_inputs() {
     let mut rows = log.rows(&mut app);
     rows.retain(|r| r["trajectory"] == "0");
     assert_eq!(rows.len(), 4);
-    let (time, event, error) = ("sim_t_s", "event", "pos_err_m");
-    assert!(rows[1][event].contains("integrator rk4"));
-    assert!(rows[2][event].contains("push 0.000 "));
+    assert!(rows[1]["event"].contains("integrator rk4"));
+    assert!(rows[2]["event"].contains("push 0.000 "));
+    let number = |k: usize, column| rows[k][column].parse::<f64>().expect("a number");
     let h = Time::<Fixed>::from_hz(60.0).timestep().as_secs_f64();
-    let first: f64 = rows[0][time].parse().expect("a number");
-    let second: f64 = rows[1][time].parse().expect("a number");
-    assert!((second - first - h).abs() < 1e-12);
+    assert!((number(1, "sim_t_s") - number(0, "sim_t_s") - h).abs() < 1e-12);
     // The reference is known before and after the push, because it also receives the push.
-    for row in &rows {
-        assert!(row[error].parse::<f64>().expect("known") < 1e-9);
-    }
+    assert!((0..4).all(|k| number(k, "pos_err_m") < 1e-9));
 }
 
 #[test]
 fn a_hitch_drops_time_and_reports_it() {
     let mut app = game("throw");
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(
-        std::time::Duration::from_millis(1250),
-    ));
+    let frame = std::time::Duration::from_millis(1250);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(frame));
     let steps = clock(&app).steps();
     app.update();
     let taken = clock(&app).steps() - steps;
     assert!(
         taken <= 16,
-        "{taken} steps of a sixtieth in a frame of a quarter second"
+        "{taken} steps of a sixtieth in a quarter second"
     );
     let dropped = session(&app).dropped;
     assert!((dropped - 1.0).abs() < 1e-9, "{dropped}");
@@ -184,19 +170,16 @@ fn the_log_stays_right_across_a_change_of_the_step() {
     ask(&mut app, Action::Set(Parameter::Substeps, 3.0));
     play(&mut app, 30);
     let mut last = 0.0;
-    let mut rows = 0;
-    for row in log.rows(&mut app) {
-        if row["trajectory"] != "0" {
-            continue;
-        }
+    let mut rows = log.rows(&mut app);
+    rows.retain(|row| row["trajectory"] == "0");
+    for row in &rows {
         let number = |name| row[name].parse::<f64>().expect("a number");
         assert!(number("sim_t_s") > last, "time goes on");
         last = number("sim_t_s");
         assert!(number("pos_err_m") < 1e-9, "at {last}");
         assert!(number("angmom_rel") < 1e-12);
-        rows += 1;
     }
-    assert!(rows >= 30 + 90);
+    assert!(rows.len() >= 30 + 90);
     assert!((clock(&app).time() - last).abs() < 1e-12);
 }
 

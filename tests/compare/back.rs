@@ -65,22 +65,23 @@ fn stepping_back_takes_the_comparisons_along() {
         }
         past.push(note(&mut app));
     }
+    // The step that ended at `t` [s].
+    let at = |t: f64| {
+        let found = past.iter().position(|p| (p.0 - t).abs() < 1e-9);
+        found.expect("a step that was taken")
+    };
     ask(&mut app, Action::TogglePause);
-    let last = past.len() - 1;
     for back in [1, 30, 60] {
         ask(&mut app, Action::StepBack(back));
         app.update();
         let now = note(&mut app);
-        let then = past.iter().find(|p| (p.0 - now.0).abs() < 1e-9);
-        let then = then.expect("a step that was taken");
+        let then = &past[at(now.0)];
         assert_eq!(now.1, then.1, "the main box, {back} back");
         assert_eq!(now.2, then.2, "the comparisons, {back} back");
     }
     // After the push: going back does not repeat it, because the future is new.
-    let now = run(&app).clock;
-    let again = past.iter().position(|p| (p.0 - now).abs() < 1e-9);
-    let again = again.expect("a step that was taken");
-    assert!(again < 100 && last > 100);
+    let again = at(run(&app).clock);
+    assert!(again < 100);
     for expected in &past[again + 1..100] {
         ask(&mut app, Action::Step(1));
         assert_eq!(&note(&mut app), expected);

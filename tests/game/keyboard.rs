@@ -17,15 +17,14 @@ const PERIOD: (KeyCode, &str) = (KeyCode::Period, ".");
 #[test]
 fn keys_push_along_the_box_s_own_axes() {
     for (key, direction) in [
-        ((KeyCode::KeyD, "d"), DVec3::X),
+        (D, DVec3::X),
         ((KeyCode::KeyA, "a"), DVec3::NEG_X),
         ((KeyCode::KeyE, "e"), DVec3::Y),
         ((KeyCode::KeyQ, "q"), DVec3::NEG_Y),
         ((KeyCode::KeyS, "s"), DVec3::Z),
         ((KeyCode::KeyW, "w"), DVec3::NEG_Z),
     ] {
-        let mut app = game("dzhanibekov");
-        app.insert_resource(GlobalIntegrator(Integrator::Rk4));
+        let mut app = game("dzhanibekov --integrator rk4");
         let before = main_box(&mut app);
         press(&mut app, &[key]);
         let after = main_box(&mut app);
@@ -65,38 +64,34 @@ fn a_chord_within_one_slow_frame_counts() {
 #[test]
 fn a_held_key_repeats_ten_times_a_second() {
     let mut app = game("dzhanibekov");
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(
-        std::time::Duration::from_millis(20),
-    ));
+    let frame = std::time::Duration::from_millis(20);
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(frame));
     app.update();
     app.world_mut().resource_mut::<PhysicsClock>().paused = true;
     key(&mut app, KeyCode::KeyD, "d", ButtonState::Pressed);
     // 1.01 s of frames: a push at once, and then every tenth of a second.
     play(&mut app, 51);
-    let events = session(&app).events.clone();
-    let pushes = events.iter().filter(|e| e.starts_with("push")).count();
+    let events = session(&app).events.iter();
+    let pushes = events.filter(|e| e.starts_with("push")).count();
     assert!((10..=11).contains(&pushes), "{pushes}");
 }
 
 #[test]
 fn letters_go_to_the_focused_text_field() {
     let mut app = game("dzhanibekov");
-    app.insert_resource(UiFocus {
-        text: true,
+    let focus = |text| UiFocus {
+        text,
         widget: true,
         pointer: false,
-    });
+    };
+    app.insert_resource(focus(true));
     let before = main_box(&mut app);
     press(&mut app, &[D]);
     press(&mut app, &[P]);
     assert!((main_box(&mut app).velocity - before.velocity).length() < 1e-12);
     assert!(!clock(&app).paused);
     // With a focused slider P still pauses, but the slider receives Space.
-    app.insert_resource(UiFocus {
-        text: false,
-        widget: true,
-        pointer: false,
-    });
+    app.insert_resource(focus(false));
     press(&mut app, &[SPACE]);
     assert!(!clock(&app).paused);
     press(&mut app, &[P]);
@@ -106,14 +101,17 @@ fn letters_go_to_the_focused_text_field() {
 #[test]
 fn digits_switch_integrators_in_flight() {
     let mut app = game("throw");
-    for (digit, code, typed) in [
-        (1, KeyCode::Digit1, "1"),
-        (2, KeyCode::Digit2, "2"),
-        (3, KeyCode::Digit3, "3"),
-        (4, KeyCode::Digit4, "4"),
-        (5, KeyCode::Digit5, "5"),
-    ] {
-        press(&mut app, &[(code, typed)]);
+    for (code, digit) in [
+        KeyCode::Digit1,
+        KeyCode::Digit2,
+        KeyCode::Digit3,
+        KeyCode::Digit4,
+        KeyCode::Digit5,
+    ]
+    .into_iter()
+    .zip(1..)
+    {
+        press(&mut app, &[(code, &digit.to_string())]);
         let expected = box_scenarios::style::integrator_of_key(digit);
         assert_eq!(integrator(&app), expected.expect("has a key"));
     }

@@ -13,14 +13,16 @@ fn settings_child() {
     app.add_plugins(GamePlugin { cli: cli("throw") });
     app.update();
     let kept = *app.world().resource::<Preferences>();
-    println!(
-        "found {} {} {}",
-        kept.ui_scale, kept.show_plots, kept.show_aabb
-    );
-    ask(&mut app, Action::SetUiScale(1.25));
-    ask(&mut app, Action::TogglePlots);
-    ask(&mut app, Action::ToggleAabb);
-    ask(&mut app, Action::Quit);
+    let (scale, plots, aabb) = (kept.ui_scale, kept.show_plots, kept.show_aabb);
+    println!("found {scale} {plots} {aabb}");
+    for action in [
+        Action::SetUiScale(1.25),
+        Action::TogglePlots,
+        Action::ToggleAabb,
+        Action::Quit,
+    ] {
+        ask(&mut app, action);
+    }
     app.update();
 }
 
@@ -29,12 +31,8 @@ fn settings_persist() {
     let folder = tempfile::tempdir().expect("a folder");
     let start = || {
         let output = Command::new(std::env::current_exe().expect("this program"))
-            .args([
-                "--exact",
-                "settings::settings_child",
-                "--ignored",
-                "--nocapture",
-            ])
+            .args(["--exact", "settings::settings_child"])
+            .args(["--ignored", "--nocapture"])
             .env("XDG_CONFIG_HOME", folder.path())
             .env("HOME", folder.path())
             .stdin(Stdio::null())
@@ -43,33 +41,28 @@ fn settings_persist() {
         assert!(output.status.success(), "{output:?}");
         String::from_utf8_lossy(&output.stdout).into_owned()
     };
-    let first = start();
-    assert!(first.contains("found 1 true false"), "{first}");
-    let second = start();
-    assert!(second.contains("found 1.25 false true"), "{second}");
-    let third = start();
-    assert!(
-        third.contains("found 1.25 true false"),
-        "toggled again: {third}"
-    );
+    // Each start toggles both switches.
+    for found in ["1 true false", "1.25 false true", "1.25 true false"] {
+        let said = start();
+        assert!(said.contains(&format!("found {found}")), "{said}");
+    }
     // An invalid file does not prevent the start.
     let file = walk(folder.path()).expect("a settings file");
-    std::fs::write(&file, "[box_game]\nui_scale = 1e30\nshow_plots = true\n").expect("writable");
-    assert!(start().contains("found 2 true"));
-    std::fs::write(&file, "}{ nonsense").expect("writable");
-    assert!(start().contains("found 1 true false"));
+    for (text, found) in [
+        ("[box_game]\nui_scale = 1e30\nshow_plots = true\n", "2 true"),
+        ("}{ nonsense", "1 true false"),
+    ] {
+        std::fs::write(&file, text).expect("writable");
+        let said = start();
+        assert!(said.contains(&format!("found {found}")), "{said}");
+    }
 }
 
 /// The settings file in `folder` or below.
 fn walk(folder: &Path) -> Option<std::path::PathBuf> {
     std::fs::read_dir(folder).ok()?.flatten().find_map(|entry| {
         let path = entry.path();
-        if path.is_dir() {
-            walk(&path)
-        } else {
-            path.extension()
-                .is_some_and(|e| e == "toml")
-                .then_some(path)
-        }
+        let settings = path.extension().is_some_and(|e| e == "toml");
+        walk(&path).or(settings.then_some(path))
     })
 }

@@ -5,12 +5,11 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
+use bevy::input::ButtonState;
 use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
-use bevy::input::{ButtonState, InputPlugin};
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use box_game::action::{Action, Actions, Push};
-use box_game::app::GamePlugin;
+use box_game::app;
 use box_game::cli::Cli;
 use box_game::cli::start::open_files;
 use box_game::record::csv_log::CsvLog;
@@ -34,9 +33,7 @@ pub(crate) fn game(line: &str) -> App {
 }
 
 fn started(cli: Cli) -> App {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli: cli.clone() }))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    let mut app = app::headless(cli.clone());
     // The fixed clock does not run on the first update.
     app.update();
     open_files(&mut app, &cli).expect("files can be opened");
@@ -51,15 +48,11 @@ pub(crate) struct Log {
 
 /// The game with this command line and a CSV log.
 pub(crate) fn logged_game(line: &str) -> (App, Log) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("log.csv");
+    let _folder = tempfile::tempdir().expect("a folder");
+    let path = _folder.path().join("log.csv");
     let mut cli = cli(line);
     cli.log = Some(path.clone());
-    let log = Log {
-        path,
-        _folder: folder,
-    };
-    (started(cli), log)
+    (started(cli), Log { path, _folder })
 }
 
 impl Log {
@@ -92,10 +85,8 @@ pub(crate) fn play(app: &mut App, updates: usize) {
 
 /// Updates until the game ends, at most `updates` times.
 pub(crate) fn play_to_the_end(app: &mut App, updates: usize) -> Option<AppExit> {
-    for _ in 0..updates {
-        if app.should_exit().is_some() {
-            break;
-        }
+    let mut updates = 0..updates;
+    while app.should_exit().is_none() && updates.next().is_some() {
         app.update();
     }
     app.should_exit()

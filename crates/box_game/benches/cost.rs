@@ -5,12 +5,9 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::process::Command;
 
-use bevy::input::InputPlugin;
-use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use box_bench::options::Options;
 use box_bench::suites;
-use box_game::app::GamePlugin;
+use box_game::app;
 use box_game::cli::Cli;
 use box_game::compare::headless::Headless;
 use box_game::compare::sampling::IntegratorSamples;
@@ -67,9 +64,7 @@ type Costs = HashMap<Integrator, f64>;
 fn panel(scene: &str) -> Costs {
     let boxes = BOXES.to_string();
     let cli = Cli::try_parse_from(["box_game", scene, "--boxes", &boxes]).expect("valid");
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli }))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    let mut app = app::headless(cli);
     for _ in 0..FRAMES {
         app.update();
     }

@@ -5,13 +5,10 @@
 use std::time::Instant;
 
 use bevy::ecs::system::SystemState;
-use bevy::input::InputPlugin;
-use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use bevy_egui::egui;
 use box_game::action::compare::CompareAction;
 use box_game::action::{Action, Plot};
-use box_game::app::GamePlugin;
+use box_game::app;
 use box_game::cli::Cli;
 use box_game::scene::session::Session;
 use box_game::ui::panel::{self, PanelMemory};
@@ -23,35 +20,24 @@ const WARM_UP: u32 = 3700;
 /// Frames timed for each tab.
 const FRAMES: usize = 300;
 
-const TABS: [(&str, Plot); 6] = [
-    ("Error", Plot::Error),
-    ("Energy", Plot::Energy),
-    ("Timing", Plot::Timing),
-    ("CPU", Plot::Cpu),
-    ("Work–precision", Plot::WorkPrecision),
-    ("Table", Plot::Table),
-];
-
 fn main() {
     for scene in ["dzhanibekov", "bounce", "spring-orbit"] {
         let integrators = "split,exact,rk4,semi-implicit-euler,engine-rescaled,engine-newton";
         println!("{scene}, main box and 5 comparisons: a frame [ms], least and median of {FRAMES}");
-        measure(&[scene, "--integrator", integrators], WARM_UP, &TABS);
+        measure(&[scene, "--integrator", integrators], WARM_UP, &Plot::ALL);
     }
     for boxes in ["1000", "10000"] {
         println!(
             "load, {boxes} boxes, from the throw on, main box and 2 comparisons: a frame [ms], least and median of {FRAMES}"
         );
-        measure(&["load", "--boxes", boxes], 5, &TABS[2..3]);
+        measure(&["load", "--boxes", boxes], 5, &[(Plot::Timing, "timing")]);
     }
 }
 
 /// Frames of a scene under each of `tabs`, after the first `warm_up`.
-fn measure(arguments: &[&str], warm_up: u32, tabs: &[(&str, Plot)]) {
+fn measure(arguments: &[&str], warm_up: u32, tabs: &[(Plot, &str)]) {
     let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid arguments");
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli }))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    let mut app = app::headless(cli);
     for _ in 0..warm_up {
         app.update();
     }
@@ -61,7 +47,7 @@ fn measure(arguments: &[&str], warm_up: u32, tabs: &[(&str, Plot)]) {
     app.world_mut()
         .trigger(Action::Compare(CompareAction::StartSweep));
     app.world_mut().flush();
-    for &(name, plot) in tabs {
+    for &(plot, name) in tabs {
         app.world_mut().resource_mut::<Session>().plot = plot;
         let mut times = Vec::with_capacity(FRAMES);
         let (mut systems, mut drawing) = (f64::INFINITY, f64::INFINITY);

@@ -3,6 +3,7 @@
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::AssetEventSystems;
 use bevy::diagnostic::FrameTimeDiagnosticsPlugin;
+use bevy::input::InputPlugin;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet};
@@ -50,6 +51,14 @@ impl Plugin for GamePlugin {
             },
         ));
     }
+}
+
+/// The game without window, picture and panel, as tests and benchmarks run it: each update is one tick.
+pub fn headless(cli: Cli) -> App {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli }))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    app
 }
 
 /// The game with its picture, in a window or offscreen.

@@ -6,12 +6,11 @@ use std::process::ExitCode;
 use bevy::app::AppExit;
 use box_game::app;
 use box_game::cli::{self, Cli};
-use box_game::compare::headless::{self, Headless};
+use box_game::compare::headless::Headless;
 use box_game::platform::{self, Need};
 use box_game::scene::library;
 use box_game::scene::session::Session;
 use box_physics::prelude::Integrator;
-use box_scenarios::Scenario;
 use clap::Parser;
 
 fn main() -> ExitCode {
@@ -42,7 +41,7 @@ fn main() -> ExitCode {
     if let Err(missing) = platform::check(need) {
         platform::complain(&missing.to_string());
         if cli.offscreen || cli.screenshot.is_some() || cli.script.is_some() {
-            return cli::no_display();
+            return ExitCode::from(cli::NO_DISPLAY);
         }
         platform::complain(
             "\nRunning the comparison without a window instead (as with --headless):\n",
@@ -66,32 +65,9 @@ fn fail(reason: &str, code: u8) -> ExitCode {
 
 /// The comparison without a window.
 fn compare(cli: &Cli) -> ExitCode {
-    let id = cli.scene.as_deref().unwrap_or("throw");
-    let scenario = match library::open(id) {
-        Ok(scenario) => scenario,
+    let headless = match headless(cli) {
+        Ok(headless) => headless,
         Err(error) => return fail(&error, 2),
-    };
-    let mut scenario = match wished(scenario, cli) {
-        Ok(scenario) => scenario,
-        Err(error) => return fail(&error, 2),
-    };
-    if let Some(duration) = cli.duration {
-        scenario.setup.duration = duration;
-    }
-    let headless = Headless {
-        scenario,
-        integrators: if cli.integrator.is_empty() {
-            Integrator::ALL.to_vec()
-        } else {
-            cli.integrator.clone()
-        },
-        dt: cli.dt,
-        substeps: cli.substeps,
-        log: cli
-            .log
-            .clone()
-            .unwrap_or_else(|| headless::default_log().to_owned()),
-        seed: cli.seed,
     };
     let table = match headless.run() {
         Ok(table) => table,
@@ -108,17 +84,30 @@ fn compare(cli: &Cli) -> ExitCode {
     ));
     let mut results = table.result.integrators.iter();
     if cli.fail_on_divergence && results.any(|r| r.status.is_diverged()) {
-        return cli::diverged();
+        return ExitCode::from(cli::DIVERGED);
     }
     said
 }
 
-/// The scene with the parameters of `--set`.
-fn wished(mut scenario: Scenario, cli: &Cli) -> Result<Scenario, String> {
+/// What the command line compares: its scene, with the parameters of `--set`.
+fn headless(cli: &Cli) -> Result<Headless, String> {
+    let mut scenario = library::open(cli.scene.as_deref().unwrap_or("throw"))?;
     let mut session = Session::new(scenario.clone(), cli.seed);
     for (parameter, value) in cli.parameters() {
         session.parameters.set(parameter, value)?;
     }
     scenario.setup = session.setup();
-    Ok(scenario)
+    scenario.setup.duration = cli.duration.unwrap_or(scenario.setup.duration);
+    let log = cli.log.clone();
+    Ok(Headless {
+        scenario,
+        integrators: match &cli.integrator[..] {
+            [] => Integrator::ALL.to_vec(),
+            chosen => chosen.to_vec(),
+        },
+        dt: cli.dt,
+        substeps: cli.substeps,
+        log: log.unwrap_or_else(|| "comparison.csv".into()),
+        seed: cli.seed,
+    })
 }

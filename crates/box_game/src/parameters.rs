@@ -83,66 +83,29 @@ pub struct Info {
 }
 
 impl Info {
-    /// A parameter from 0 to 1 that acts live; the methods below change what differs.
-    const fn new(
-        id: &'static str,
-        label: &'static str,
-        unit: &'static str,
-        hint: &'static str,
-    ) -> Self {
-        Self {
-            id,
-            label,
-            unit,
-            hint,
-            slider: (0.0, 1.0),
-            range: (0.0, 1.0),
-            logarithmic: false,
-            integer: false,
-            effect: Effect::Live,
-            choices: &[],
-        }
-    }
+    /// A number from 0 to 1 that acts live.
+    const LIVE: Self = Self {
+        id: "",
+        label: "",
+        unit: "",
+        hint: "",
+        slider: (0.0, 1.0),
+        range: (0.0, 1.0),
+        logarithmic: false,
+        integer: false,
+        effect: Effect::Live,
+        choices: &[],
+    };
 
-    const fn linear(self, slider: (f64, f64), range: (f64, f64)) -> Self {
-        Self {
-            slider,
-            range,
-            ..self
-        }
-    }
-
-    const fn logarithmic(self, slider: (f64, f64), range: (f64, f64)) -> Self {
-        Self {
-            logarithmic: true,
-            ..self.linear(slider, range)
-        }
-    }
-
-    const fn integer(self) -> Self {
-        Self {
-            integer: true,
-            ..self
-        }
-    }
-
-    const fn choice(self, choices: &'static [&'static str]) -> Self {
-        let last = (choices.len() - 1) as f64;
-        Self {
-            choices,
-            ..self.linear((0.0, last), (0.0, last)).integer()
-        }
-    }
-
-    const fn effect(self, effect: Effect) -> Self {
-        Self { effect, ..self }
-    }
-
-    const fn half_extent(id: &'static str, label: &'static str, hint: &'static str) -> Self {
-        Self::new(id, label, "m", hint)
-            .logarithmic((0.0025, 5.0), (1e-4, 1e3))
-            .effect(Effect::Restart)
-    }
+    /// A half-extent of the box.
+    const HALF: Self = Self {
+        unit: "m",
+        slider: (0.0025, 5.0),
+        range: (1e-4, 1e3),
+        logarithmic: true,
+        effect: Effect::Restart,
+        ..Self::LIVE
+    };
 }
 
 impl Parameter {
@@ -169,33 +132,50 @@ impl Parameter {
     pub const fn info(self) -> Info {
         const STEP: (f64, f64) = (1.0 / 1920.0, 0.5);
         const PARTS: (f64, f64) = (1.0, 64.0);
+        const LIVE: Info = Info::LIVE;
         match self {
-            Self::Step => Info::new("dt", "dt", "s", "Step size. Type 0.01, 1/60 or 60 Hz.")
-                .logarithmic(STEP, STEP).effect(Effect::Clock),
-            Self::Substeps => Info::new("substeps", "Substeps", "", "Equal parts of each step.")
-                .logarithmic(PARTS, PARTS).integer().effect(Effect::Clock),
-            Self::Gravity => Info::new("gravity", "Gravity", "m/s²", "Downward acceleration.")
-                .linear((0.0, 30.0), (-1e4, 1e4)),
-            Self::Restitution => Info::new("restitution", "Restitution", "",
-                "Speed after a bounce over the speed before it: 0 stays down, 1 keeps bouncing."),
-            Self::RestitutionLaw => Info::new("restitution-law", "Impact law", "",
-                "Energetic: an impact returns at most e² of the energy. Newton: the speed of each corner is reversed times e.")
-                .choice(&["Energetic", "Newton"]),
-            Self::Friction => Info::new("friction", "Friction", "", "Coulomb friction coefficient of the floor.")
-                .linear((0.0, 2.0), (0.0, 1e3)),
-            Self::LinearDrag => Info::new("linear-drag", "Linear drag", "N s/m", "Force against the velocity, c₁ v.")
-                .logarithmic((0.0, 100.0), (0.0, 1e6)),
-            Self::AngularDamping => Info::new("angular-damping", "Ang. damping", "1/s",
-                "Torque against the angular momentum, γ L.").logarithmic((0.0, 10.0), (0.0, 1e6)),
-            Self::HalfX => Info::half_extent("half-x", "Half-size x", "Half the size along the box's x axis."),
-            Self::HalfY => Info::half_extent("half-y", "Half-size y", "Half the size along the box's y axis."),
-            Self::HalfZ => Info::half_extent("half-z", "Half-size z", "Half the size along the box's z axis."),
-            Self::Mass => Info::new("mass", "Mass", "kg", "Mass of the box, uniformly distributed.")
-                .logarithmic((0.0005, 100.0), (1e-6, 1e6)).effect(Effect::Restart),
-            Self::Impulse => Info::new("impulse", "Strength", "N s", "Impulse of one push.")
-                .logarithmic((0.01, 100.0), (0.0, 1e6)).effect(Effect::None),
-            Self::Boxes => Info::new("boxes", "Boxes", "", "Number of boxes. More boxes make the timing steadier.")
-                .logarithmic((1.0, 1e4), (1.0, 1e5)).integer().effect(Effect::Restart),
+            Self::Step => Info {
+                id: "dt", label: "dt", unit: "s", hint: "Step size. Type 0.01, 1/60 or 60 Hz.",
+                slider: STEP, range: STEP, logarithmic: true, effect: Effect::Clock, ..LIVE },
+            Self::Substeps => Info {
+                id: "substeps", label: "Substeps", hint: "Equal parts of each step.",
+                slider: PARTS, range: PARTS, logarithmic: true, integer: true, effect: Effect::Clock, ..LIVE },
+            Self::Gravity => Info {
+                id: "gravity", label: "Gravity", unit: "m/s²", hint: "Downward acceleration.",
+                slider: (0.0, 30.0), range: (-1e4, 1e4), ..LIVE },
+            Self::Restitution => Info {
+                id: "restitution", label: "Restitution",
+                hint: "Speed after a bounce over the speed before it: 0 stays down, 1 keeps bouncing.", ..LIVE },
+            Self::RestitutionLaw => Info {
+                id: "restitution-law", label: "Impact law", integer: true, choices: &["Energetic", "Newton"],
+                hint: "Energetic: an impact returns at most e² of the energy. Newton: the speed of each corner is \
+                    reversed times e.", ..LIVE },
+            Self::Friction => Info {
+                id: "friction", label: "Friction", hint: "Coulomb friction coefficient of the floor.",
+                slider: (0.0, 2.0), range: (0.0, 1e3), ..LIVE },
+            Self::LinearDrag => Info {
+                id: "linear-drag", label: "Linear drag", unit: "N s/m", hint: "Force against the velocity, c₁ v.",
+                slider: (0.0, 100.0), range: (0.0, 1e6), logarithmic: true, ..LIVE },
+            Self::AngularDamping => Info {
+                id: "angular-damping", label: "Ang. damping", unit: "1/s",
+                hint: "Torque against the angular momentum, γ L.",
+                slider: (0.0, 10.0), range: (0.0, 1e6), logarithmic: true, ..LIVE },
+            Self::HalfX => Info {
+                id: "half-x", label: "Half-size x", hint: "Half the size along the box's x axis.", ..Info::HALF },
+            Self::HalfY => Info {
+                id: "half-y", label: "Half-size y", hint: "Half the size along the box's y axis.", ..Info::HALF },
+            Self::HalfZ => Info {
+                id: "half-z", label: "Half-size z", hint: "Half the size along the box's z axis.", ..Info::HALF },
+            Self::Mass => Info {
+                id: "mass", label: "Mass", unit: "kg", hint: "Mass of the box, uniformly distributed.",
+                slider: (0.0005, 100.0), range: (1e-6, 1e6), logarithmic: true, effect: Effect::Restart, ..LIVE },
+            Self::Impulse => Info {
+                id: "impulse", label: "Strength", unit: "N s", hint: "Impulse of one push.",
+                slider: (0.01, 100.0), range: (0.0, 1e6), logarithmic: true, effect: Effect::None, ..LIVE },
+            Self::Boxes => Info {
+                id: "boxes", label: "Boxes", hint: "Number of boxes. More boxes make the timing steadier.",
+                slider: (1.0, 1e4), range: (1.0, 1e5), logarithmic: true, integer: true,
+                effect: Effect::Restart, ..LIVE },
         }
     }
 
@@ -210,11 +190,8 @@ impl Parameter {
     /// A value as typed: a number, or the name of a choice in any case.
     pub fn parse(self, text: &str) -> Option<f64> {
         let text = text.trim();
-        let named = self
-            .info()
-            .choices
-            .iter()
-            .position(|c| c.eq_ignore_ascii_case(text));
+        let mut choices = self.info().choices.iter();
+        let named = choices.position(|c| c.eq_ignore_ascii_case(text));
         let value = named.map_or_else(|| text.parse().ok(), |k| Some(k as f64));
         value.filter(|v: &f64| v.is_finite())
     }
@@ -225,9 +202,8 @@ impl Parameter {
         if let (Some(choice), true) = (info.choices.get(value as usize), value.fract() == 0.0) {
             return format!("{} {choice}", info.id);
         }
-        format!("{} {value} {}", info.id, info.unit)
-            .trim_end()
-            .to_owned()
+        let text = format!("{} {value} {}", info.id, info.unit);
+        text.trim_end().to_owned()
     }
 }
 
@@ -327,18 +303,10 @@ impl Parameters {
         };
         let (low, high) = info.range;
         if parameter.nearest(value) != Some(value) {
-            let whole = if info.integer {
-                "whole numbers from "
-            } else {
-                ""
-            };
-            return Err(format!(
-                "{}: allowed: {whole}{low} to {high} {}",
-                parameter.describe(value),
-                info.unit
-            )
-            .trim_end()
-            .to_owned());
+            let whole = ["", "whole numbers from "][usize::from(info.integer)];
+            let allowed = format!("{whole}{low} to {high} {}", info.unit);
+            let value = parameter.describe(value);
+            return Err(format!("{value}: allowed: {}", allowed.trim_end()));
         }
         *slot = value;
         RigidBox::new(new.half_extents, new.mass)

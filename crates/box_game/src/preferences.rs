@@ -57,14 +57,10 @@ impl Plugin for PreferencesPlugin {
 
 /// Clamps the scale, which a settings file may set to anything.
 pub fn clamp_scale(mut preferences: ResMut<Preferences>) {
-    let (low, high) = UI_SCALES;
     let scale = preferences.ui_scale;
-    let allowed = if scale.is_nan() {
-        1.0
-    } else {
-        scale.clamp(low, high)
-    };
-    if allowed != scale {
+    let scale = if scale.is_nan() { 1.0 } else { scale };
+    let allowed = scale.clamp(UI_SCALES.0, UI_SCALES.1);
+    if allowed != preferences.ui_scale {
         preferences.ui_scale = allowed;
     }
 }

@@ -1,6 +1,7 @@
 //! Actions of the comparison.
 
 use box_physics::prelude::Integrator;
+use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
 /// One action.
@@ -39,7 +40,7 @@ pub enum CompareAction {
 }
 
 /// Layout of the comparisons.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
     /// The main box alone.
@@ -69,12 +70,7 @@ impl Layout {
 
     /// The one after it.
     pub fn next(self) -> Self {
-        match self {
-            Self::Solo => Self::Overlaid,
-            Self::Overlaid => Self::SideBySide,
-            Self::SideBySide => Self::Views,
-            Self::Views => Self::Solo,
-        }
+        Self::ALL[(self as usize + 1) % Self::ALL.len()]
     }
 }
 
@@ -142,23 +138,16 @@ impl Window {
 }
 
 /// An integrator in a file: by its id.
-pub mod integrator_id {
+pub(super) mod integrator_id {
     use super::Integrator;
     use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
 
-    /// Writes the id.
-    ///
-    /// # Errors
-    /// The serializer's.
-    pub fn serialize<S: Serializer>(integrator: &Integrator, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(integrator.id())
+    pub(crate) fn serialize<S: Serializer>(i: &Integrator, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(i.id())
     }
 
-    /// Reads the id.
-    ///
-    /// # Errors
-    /// An unknown id; the message lists the known ones.
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
+    /// An unknown id is an error that lists the known ones.
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
         String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
 }
@@ -168,28 +157,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn requests_can_stand_in_a_file() {
-        let request = CompareAction::ToggleComparison(Integrator::Rk4);
-        let text = ron::to_string(&request).expect("plain data");
-        assert_eq!(text, r#"ToggleComparison("rk4")"#);
-        assert_eq!(ron::from_str::<CompareAction>(&text), Ok(request));
-        let error = ron::from_str::<CompareAction>(r#"ToggleComparison("leapfrog")"#)
-            .expect_err("no such integrator")
-            .to_string();
-        assert!(error.contains("leapfrog"), "{error}");
-        assert_eq!(
-            ron::from_str("SetLayout(side_by_side)"),
-            Ok(CompareAction::SetLayout(Layout::SideBySide))
-        );
-    }
-
-    #[test]
     fn the_key_goes_round_the_layouts() {
-        let mut seen = vec![Layout::default()];
-        while seen.len() <= Layout::ALL.len() {
-            seen.push(seen[seen.len() - 1].next());
-        }
-        assert_eq!(seen[0], seen[Layout::ALL.len()]);
-        assert!(Layout::ALL.iter().all(|l| seen.contains(l)));
+        let mut seen = Layout::ALL.map(Layout::next);
+        seen.rotate_right(1);
+        assert_eq!(seen, Layout::ALL);
     }
 }

@@ -207,26 +207,24 @@ pub struct Film {
 /// A stepper of the dissertation's in a file: by its id.
 mod stepper {
     use super::Stepper;
-    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
+    use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer, de::Error as _};
 
     pub(super) fn serialize<S: Serializer>(s: &Option<Stepper>, to: S) -> Result<S::Ok, S::Error> {
-        match s {
-            Some(stepper) => to.serialize_some(stepper.id()),
-            None => to.serialize_none(),
-        }
+        s.map(Stepper::id).serialize(to)
     }
 
     pub(super) fn deserialize<'de, D>(from: D) -> Result<Option<Stepper>, D::Error>
     where
         D: Deserializer<'de>,
     {
-        let Some(id) = Option::<String>::deserialize(from)? else {
-            return Ok(None);
+        let known = |id: String| {
+            let found = Stepper::ALL.into_iter().find(|s| s.id() == id);
+            found.ok_or_else(|| {
+                let ids = Stepper::ALL.map(Stepper::id).join(", ");
+                D::Error::custom(format!("unknown stepper '{id}'; allowed: {ids}"))
+            })
         };
-        let found = Stepper::ALL.into_iter().find(|s| s.id() == id);
-        found.map(Some).ok_or_else(|| {
-            let ids = Stepper::ALL.map(Stepper::id).join(", ");
-            D::Error::custom(format!("unknown stepper '{id}'; allowed: {ids}"))
-        })
+        let id = Option::<String>::deserialize(from)?;
+        id.map(known).transpose()
     }
 }

@@ -1,7 +1,5 @@
 //! The cameras: an orbit camera, and up to three more that follow it in the layout of views.
 
-#[cfg(feature = "gamepad")]
-mod gamepad;
 pub mod orbit;
 pub mod views;
 
@@ -27,6 +25,6 @@ impl Plugin for CameraPlugin {
             )
             .add_systems(EguiPrimaryContextPass, views::arrange_views);
         #[cfg(feature = "gamepad")]
-        app.add_systems(Update, gamepad::turn_camera.before(orbit::move_camera));
+        app.add_systems(Update, orbit::turn_camera.before(orbit::move_camera));
     }
 }

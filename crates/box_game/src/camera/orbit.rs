@@ -3,6 +3,8 @@
 //! A gesture belongs to whoever it began on, the panel or the view, until the button is released,
 //! wherever that happens.
 
+#[cfg(feature = "gamepad")]
+use bevy::input::gamepad::Gamepad;
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Floor};
 use box_scenarios::SceneView;
@@ -121,10 +123,8 @@ pub enum Gesture {
     /// No button is down.
     #[default]
     None,
-    /// It began on the panel.
-    Panel,
-    /// It began on the box: poke or grab.
-    Hand,
+    /// It began on the panel, or on the box: poke or grab.
+    Elsewhere,
     /// It began on the view: turn.
     Orbit,
     /// It began on the view: shift.
@@ -132,27 +132,17 @@ pub enum Gesture {
 }
 
 impl Gesture {
-    /// Owner of the drag after this frame's button events.
-    pub fn next(
-        self,
-        left: bool,
-        other: bool,
-        just_pressed: bool,
-        over_panel: bool,
-        on_box: bool,
-    ) -> Self {
-        if !(left || other) {
-            return Self::None;
+    /// Owner of the drag after this frame of the pointer.
+    fn next(self, pointer: &Pointer, over_panel: bool, on_box: bool) -> Self {
+        match self {
+            _ if !(pointer.left || pointer.other) => Self::None,
+            Self::None if pointer.left_pressed || pointer.other_pressed => match pointer.other {
+                _ if over_panel || on_box => Self::Elsewhere,
+                true => Self::Pan,
+                false => Self::Orbit,
+            },
+            begun => begun,
         }
-        if self == Self::None && just_pressed {
-            return match (over_panel, on_box, other) {
-                (true, ..) => Self::Panel,
-                (false, true, _) => Self::Hand,
-                (false, false, true) => Self::Pan,
-                (false, false, false) => Self::Orbit,
-            };
-        }
-        self
     }
 }
 
@@ -180,8 +170,7 @@ pub fn move_camera(
 ) {
     let (orbit, transform, lens) = &mut *camera;
     let on_box = *hand != Hand::Idle;
-    let pressed = pointer.left_pressed || pointer.other_pressed;
-    *gesture = gesture.next(pointer.left, pointer.other, pressed, focus.pointer, on_box);
+    *gesture = gesture.next(&pointer, focus.pointer, on_box);
     match *gesture {
         Gesture::Orbit => {
             orbit.yaw -= pointer.moved.x * 0.006;
@@ -192,7 +181,7 @@ pub fn move_camera(
             let shift = transform.rotation * Vec3::new(-pointer.moved.x, pointer.moved.y, 0.0);
             orbit.target += shift * scale;
         }
-        Gesture::None | Gesture::Panel | Gesture::Hand => {}
+        Gesture::None | Gesture::Elsewhere => {}
     }
     if !focus.pointer && !on_box && pointer.notches != 0.0 {
         let fixed = under_cursor(orbit, lens, pointer.at);
@@ -217,25 +206,39 @@ pub fn move_camera(
                 }
             }
             CameraRequest::Look(view) => **orbit = orbit.seen_as(&view),
-            CameraRequest::Frame => {
-                if let Some(at) = at {
-                    orbit.target = at;
-                }
-            }
+            CameraRequest::Frame => orbit.target = at.unwrap_or(orbit.target),
         }
         commands.remove_resource::<CameraRequest>();
     }
     **transform = orbit.transform();
 }
 
+/// The right stick of a gamepad turns the camera, by full deflection at 2.5 rad/s.
+#[cfg(feature = "gamepad")]
+pub fn turn_camera(
+    pads: Query<&Gamepad>,
+    time: Res<Time<Real>>,
+    mut camera: Single<&mut OrbitCamera>,
+) {
+    for pad in &pads {
+        let stick = pad.right_stick();
+        if stick.length() > 0.1 {
+            let turn = stick * 2.5 * time.delta_secs();
+            camera.yaw -= turn.x;
+            camera.pitch = (camera.pitch - turn.y).clamp(-1.5, 1.5);
+        }
+    }
+}
+
 /// The point under the mouse of the plane through the target across the view.
 fn under_cursor(orbit: &OrbitCamera, camera: &Camera, cursor: Option<Vec2>) -> Option<Vec3> {
     let eye = orbit.transform();
     let cursor = cursor?;
-    // Not in another view.
-    camera
-        .logical_viewport_rect()
-        .filter(|rect| rect.contains(cursor))?;
+    let rect = camera.logical_viewport_rect()?;
+    if !rect.contains(cursor) {
+        // It is in another view.
+        return None;
+    }
     let ray = camera.viewport_to_world(&eye.into(), cursor).ok()?;
     let along = ray.direction.dot(*eye.forward());
     (along > 0.1).then(|| ray.get_point(orbit.distance / along))
@@ -247,36 +250,62 @@ mod tests {
 
     #[test]
     fn a_gesture_belongs_to_whoever_it_began_on() {
-        // Begins on the panel, moves over the view: still the panel's.
-        let g = Gesture::None.next(true, false, true, true, false);
-        assert_eq!(g, Gesture::Panel);
-        assert_eq!(g.next(true, false, false, false, false), Gesture::Panel);
-        assert_eq!(g.next(false, false, false, false, false), Gesture::None);
-        // Begins on the view, moves over the panel: still the view's.
-        let g = Gesture::None.next(true, false, true, false, false);
-        assert_eq!(g, Gesture::Orbit);
-        assert_eq!(g.next(true, false, false, true, false), Gesture::Orbit);
-        assert_eq!(
-            Gesture::None.next(false, true, true, false, false),
-            Gesture::Pan
-        );
-        // Begins on the box: the hand's, until released.
-        let hand = Gesture::None.next(true, false, true, false, true);
-        assert_eq!(hand, Gesture::Hand);
-        assert_eq!(hand.next(true, false, false, true, true), Gesture::Hand);
-        // A second button does not take it over.
-        assert_eq!(g.next(true, true, true, false, false), Gesture::Orbit);
+        let (left, other, pressed) = (1, 2, 4);
+        for (before, buttons, over_panel, on_box, after) in [
+            // Begins on the panel, moves over the view: still the panel's.
+            (
+                Gesture::None,
+                left + pressed,
+                true,
+                false,
+                Gesture::Elsewhere,
+            ),
+            (Gesture::Elsewhere, left, false, false, Gesture::Elsewhere),
+            (Gesture::Elsewhere, 0, false, false, Gesture::None),
+            // Begins on the view, moves over the panel: still the view's.
+            (Gesture::None, left + pressed, false, false, Gesture::Orbit),
+            (Gesture::Orbit, left, true, false, Gesture::Orbit),
+            (Gesture::None, other + pressed, false, false, Gesture::Pan),
+            // Begins on the box: the hand's, until released.
+            (
+                Gesture::None,
+                left + pressed,
+                false,
+                true,
+                Gesture::Elsewhere,
+            ),
+            (Gesture::Elsewhere, left, true, true, Gesture::Elsewhere),
+            // A second button does not take it over.
+            (
+                Gesture::Orbit,
+                left + other + pressed,
+                false,
+                false,
+                Gesture::Orbit,
+            ),
+        ] {
+            let [left, other, pressed] = [left, other, pressed].map(|button| buttons & button > 0);
+            let pointer = Pointer {
+                left,
+                other,
+                left_pressed: pressed,
+                ..default()
+            };
+            assert_eq!(before.next(&pointer, over_panel, on_box), after);
+        }
     }
+
+    const CAMERA: OrbitCamera = OrbitCamera {
+        target: Vec3::new(1.0, 2.0, 3.0),
+        yaw: 0.4,
+        pitch: 0.3,
+        distance: 5.0,
+    };
 
     /// The point under the mouse keeps its direction from the camera.
     #[test]
     fn zooming_keeps_the_point_under_the_mouse() {
-        let before = OrbitCamera {
-            target: Vec3::new(1.0, 2.0, 3.0),
-            yaw: 0.4,
-            pitch: 0.3,
-            distance: 5.0,
-        };
+        let before = CAMERA;
         let eye = before.transform();
         let fixed = before.target + eye.right() * 1.5 + eye.up() * 0.5;
         let after = before.zoomed(0.5, Some(fixed));
@@ -298,15 +327,9 @@ mod tests {
 
     #[test]
     fn the_camera_looks_at_its_target() {
-        let orbit = OrbitCamera {
-            target: Vec3::new(1.0, 2.0, 3.0),
-            yaw: 0.4,
-            pitch: 0.3,
-            distance: 5.0,
-        };
-        let t = orbit.transform();
+        let t = CAMERA.transform();
         let seen = t.translation + t.forward() * 5.0;
-        assert!((seen - orbit.target).length() < 1e-5);
+        assert!((seen - CAMERA.target).length() < 1e-5);
         assert!(t.translation.y > 2.0);
     }
 }

@@ -94,11 +94,8 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
         _ => (2, 2),
     };
     // A picture of a few pixels has no room for gaps.
-    let gap = if area.width().min(area.height()) < 8 * GAP {
-        0
-    } else {
-        GAP
-    };
+    let roomy = area.size().min_element() >= 8 * GAP;
+    let gap = if roomy { GAP } else { 0 };
     let part = |length: u32, parts: u32| (length.saturating_sub(gap * (parts - 1)) / parts).max(1);
     let size = UVec2::new(part(area.width(), columns), part(area.height(), rows));
     (0..rows)
@@ -152,11 +149,9 @@ pub fn arrange_views(
         return;
     }
     let cells = cells(area.0, count(&comparison));
-    for mut camera in &mut main {
-        place(&mut camera, cells[0]);
-    }
-    for (view, mut camera) in &mut views {
-        let cell = cells.get(view.0);
+    let further = views.iter_mut().map(|(view, camera)| (view.0, camera));
+    for (k, mut camera) in main.iter_mut().map(|camera| (0, camera)).chain(further) {
+        let cell = cells.get(k);
         if camera.is_active != cell.is_some() {
             camera.is_active = cell.is_some();
         }
@@ -168,11 +163,8 @@ pub fn arrange_views(
 
 /// Only where it changes: the camera's picture is made anew.
 fn place(camera: &mut Mut<Camera>, cell: URect) {
-    let same = camera
-        .viewport
-        .as_ref()
-        .is_some_and(|v| v.physical_position == cell.min && v.physical_size == cell.size());
-    if !same {
+    let here = |v: &Viewport| v.physical_position == cell.min && v.physical_size == cell.size();
+    if !camera.viewport.as_ref().is_some_and(here) {
         camera.viewport = Some(Viewport {
             physical_position: cell.min,
             physical_size: cell.size(),

@@ -3,6 +3,7 @@
 use bevy::clipboard::Clipboard;
 use bevy::prelude::*;
 use box_physics::prelude::GlobalIntegrator;
+use clap::ValueEnum as _;
 
 use crate::action::Action;
 use crate::action::compare::Layout;
@@ -27,18 +28,15 @@ pub fn of(world: &World) -> String {
     let scene = world
         .resource::<SceneLibrary>()
         .path_of(session.scenario.id);
-    let others = comparison.chosen().iter().filter(|&&i| i != integrator);
-    let ids: Vec<_> = [&integrator]
-        .into_iter()
-        .chain(others)
-        .map(|i| i.id())
-        .collect();
+    let mut ids = vec![integrator.id()];
+    let others = comparison.chosen().iter().filter(|i| **i != integrator);
+    ids.extend(others.map(|i| i.id()));
     let mut words = vec![scene.unwrap_or_else(|| session.scenario.id.to_owned())];
     let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
     option("integrator", ids.join(","));
-    let layout = comparison.settings.layout;
-    if layout != Layout::default() {
-        option("layout", layout.name().to_ascii_lowercase());
+    let layout = comparison.settings.layout.to_possible_value();
+    if let Some(layout) = layout.filter(|_| comparison.settings.layout != Layout::default()) {
+        option("layout", layout.get_name().to_owned());
     }
     if session.speed != 1.0 {
         option("speed", session.speed.to_string());

@@ -1,13 +1,12 @@
 //! The command line.
 
 pub mod command_line;
-mod ending;
 mod parse;
 pub mod start;
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
+use bevy::prelude::Resource;
 use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;
@@ -21,7 +20,7 @@ use crate::platform::Need;
 ///
 /// Exit codes: 0 ok, 1 run-time error, 2 usage, 3 diverged with --fail-on-divergence, 4 no display or
 /// GPU although a flag asks for one.
-#[derive(Parser, Clone, Debug)]
+#[derive(Resource, Parser, Clone, Debug)]
 #[command(name = "box_game", version, verbatim_doc_comment)]
 pub struct Cli {
     /// The scene to open with (see --list-scenes), or a scene file (assets/scenes/example.ron explains
@@ -43,7 +42,13 @@ pub struct Cli {
     pub substeps: u32,
 
     /// How the integrators are shown together: solo, overlaid (all in one place), side-by-side or views.
-    #[arg(long, value_name = "LAYOUT", default_value = "overlaid", value_parser = parse::layout)]
+    #[arg(
+        long,
+        value_name = "LAYOUT",
+        default_value = "overlaid",
+        ignore_case = true,
+        hide_possible_values = true
+    )]
     pub layout: Layout,
 
     /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
@@ -144,15 +149,10 @@ impl Cli {
     }
 }
 
-/// Exit code 4: no display or GPU although a flag asks for one.
-pub fn no_display() -> ExitCode {
-    ExitCode::from(4)
-}
-
-/// Exit code 3: an integrator diverged, and --fail-on-divergence was given.
-pub fn diverged() -> ExitCode {
-    ExitCode::from(3)
-}
+/// Exit code: an integrator diverged, and --fail-on-divergence was given.
+pub const DIVERGED: u8 = 3;
+/// Exit code: no display or GPU although a flag asks for one.
+pub const NO_DISPLAY: u8 = 4;
 
 /// The table of `--list-scenes`.
 pub fn scene_list() -> String {
@@ -194,16 +194,9 @@ mod tests {
     /// Text for people: no escapes and no markup of doc comments in any help page.
     #[test]
     fn help_pages_are_plain_text() {
-        fn pages(command: &mut clap::Command, found: &mut Vec<String>) {
-            found.push(command.render_long_help().to_string());
-            found.push(command.render_help().to_string());
-            for sub in command.get_subcommands_mut() {
-                pages(sub, found);
-            }
-        }
-        let mut found = Vec::new();
-        pages(&mut Cli::command(), &mut found);
-        for page in found {
+        let mut command = Cli::command();
+        for page in [command.render_help(), command.render_long_help()] {
+            let page = page.to_string();
             for markup in ["\\", "`", "[[", "]("] {
                 assert!(!page.contains(markup), "{markup} in:\n{page}");
             }
@@ -212,57 +205,37 @@ mod tests {
 
     #[test]
     fn errors_name_option_value_and_what_is_allowed() {
-        let error = |arguments: &[&str]| {
-            Cli::try_parse_from([&["box_game"], arguments].concat())
-                .unwrap_err()
-                .to_string()
-        };
-        let e = error(&["--integrator", "split,leapfrog"]);
-        assert!(
-            e.contains("leapfrog") && e.contains("--integrator") && e.contains("heun-2012"),
-            "{e}"
-        );
-        let e = error(&["--dt", "0"]);
-        assert!(
-            e.contains("--dt") && e.contains("'0'") && e.contains("60hz"),
-            "{e}"
-        );
-        let e = error(&["--dt", "0.7"]);
-        assert!(e.contains("--dt") && e.contains("0.5 s"), "{e}");
-        let e = error(&["nowhere"]);
-        assert!(e.contains("nowhere") && e.contains("dzhanibekov"), "{e}");
-        let e = error(&["--boxes", "0"]);
-        assert!(e.contains("--boxes") && e.contains("1..=100000"), "{e}");
-        let e = error(&["--layout", "tiles"]);
-        assert!(
-            e.contains("--layout") && e.contains("solo, overlaid, side-by-side"),
-            "{e}"
-        );
-        let e = error(&["--plot", "pie"]);
-        assert!(e.contains("--plot") && e.contains("work-precision"), "{e}");
-        let e = error(&["--screenshot", "a.jpg"]);
-        assert!(e.contains(".png"), "{e}");
-        assert!(error(&["--headless", "--offscreen"]).contains("cannot be used with"));
+        for (line, words) in [
+            (
+                "--integrator split,leapfrog",
+                &["leapfrog", "--integrator", "heun-2012"][..],
+            ),
+            ("--dt 0", &["--dt", "'0'", "60hz"]),
+            ("--dt 0.7", &["--dt", "0.5 s"]),
+            ("nowhere", &["nowhere", "dzhanibekov"]),
+            ("--boxes 0", &["--boxes", "1..=100000"]),
+            (
+                "--layout tiles",
+                &["--layout", "solo, overlaid, side-by-side"],
+            ),
+            ("--plot pie", &["--plot", "work-precision"]),
+            ("--screenshot a.jpg", &[".png"]),
+            ("--headless --offscreen", &["cannot be used with"]),
+        ] {
+            let arguments = ["box_game"].into_iter().chain(line.split(' '));
+            let said = Cli::try_parse_from(arguments).unwrap_err().to_string();
+            assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        }
     }
 
     #[test]
     fn a_whole_line() {
-        let cli = Cli::try_parse_from([
-            "box_game",
-            "bounce",
-            "--integrator",
-            "rk4,split",
-            "--dt",
-            "1/120",
-            "--boxes",
-            "10",
-            "--offscreen",
-        ])
-        .expect("valid");
+        let line = "box_game bounce --integrator rk4,split --dt 1/120 --boxes 10 --layout Side-by-Side --offscreen";
+        let cli = Cli::try_parse_from(line.split(' ')).expect("valid");
         assert_eq!(cli.scene.as_deref(), Some("bounce"));
         assert_eq!(cli.integrator, [Integrator::Rk4, Integrator::Split]);
-        assert!(cli.offscreen && cli.boxes == Some(10));
-        assert!(integrator_list().lines().count() == Integrator::ALL.len());
+        assert!(cli.offscreen && cli.boxes == Some(10) && cli.layout == Layout::SideBySide);
+        assert_eq!(integrator_list().lines().count(), Integrator::ALL.len());
         assert!(scene_list().contains("dzhanibekov"));
     }
 }

@@ -6,21 +6,16 @@ use std::str::FromStr;
 
 use super::Setting;
 use crate::action::Plot;
-use crate::compare::Layout;
 use crate::parameters::{Parameter, SPEEDS, UI_SCALES};
+use crate::platform;
 use crate::scene::library;
 
 /// Reads a step size and checks its range.
 pub(super) fn step(text: &str) -> Result<f64, String> {
     let (low, high) = Parameter::Step.info().range;
     let step = box_scenarios::parse_step(text)?;
-    if (low..=high).contains(&step) {
-        Ok(step)
-    } else {
-        Err(format!(
-            "allowed: {low:.5} to {high} s, but this is {step} s"
-        ))
-    }
+    let within = (low..=high).contains(&step).then_some(step);
+    within.ok_or_else(|| format!("allowed: {low:.5} to {high} s, but this is {step} s"))
 }
 
 pub(super) fn scene(text: &str) -> Result<String, String> {
@@ -37,18 +32,6 @@ pub(super) fn plot(text: &str) -> Result<Plot, String> {
         .find(|(_, name)| name.eq_ignore_ascii_case(text.trim()))
         .map(|(plot, _)| plot)
         .ok_or_else(|| format!("allowed: {}", Plot::ALL.map(|(_, name)| name).join(", ")))
-}
-
-pub(super) fn layout(text: &str) -> Result<Layout, String> {
-    Layout::ALL
-        .into_iter()
-        .find(|layout| {
-            layout
-                .name()
-                .replace(' ', "-")
-                .eq_ignore_ascii_case(text.trim())
-        })
-        .ok_or_else(|| "allowed: solo, overlaid, side-by-side, views".to_owned())
 }
 
 pub(super) fn duration(text: &str) -> Result<f64, String> {
@@ -97,11 +80,11 @@ pub(super) fn setting(text: &str) -> Result<Setting, String> {
         let axes = [Parameter::HalfX, Parameter::HalfY, Parameter::HalfZ];
         return Ok(Setting(axes.into_iter().zip(sizes).collect()));
     }
-    let ids = || Parameter::ALL.map(|p| p.info().id);
-    let parameter = Parameter::ALL
-        .into_iter()
-        .find(|p| p.info().id == name.trim())
-        .ok_or_else(|| format!("unknown parameter '{name}'; allowed: {}", ids().join(", ")))?;
+    let ids = Parameter::ALL.map(|p| p.info().id);
+    let known = ids.iter().position(|id| *id == name.trim());
+    let parameter = known
+        .map(|k| Parameter::ALL[k])
+        .ok_or_else(|| format!("unknown parameter '{name}'; allowed: {}", ids.join(", ")))?;
     let value = parameter
         .parse(value)
         .ok_or_else(|| match parameter.info().choices {
@@ -112,15 +95,8 @@ pub(super) fn setting(text: &str) -> Result<Setting, String> {
 }
 
 pub(super) fn png(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        Ok(path)
-    } else {
-        Err("allowed: a file name that ends in .png".to_owned())
-    }
+    platform::with_extension(text, "png")
+        .ok_or_else(|| "allowed: a file name that ends in .png".to_owned())
 }
 
 #[cfg(test)]

@@ -1,18 +1,19 @@
-//! The start of the game, as the command line sets it.
+//! The start and the end of the game, as the command line sets them.
 
 use std::io;
 
 use bevy::prelude::*;
-use box_physics::prelude::GlobalIntegrator;
+use box_physics::prelude::{BodyQuarantined, GlobalIntegrator, PhysicsClock};
 use box_scenarios::Scenario;
 
-use super::ending::{Ending, end};
-use super::{Cli, command_line};
+use super::{Cli, DIVERGED, command_line};
 use crate::action::Plot;
-use crate::compare::Comparison;
+use crate::compare::{Comparison, Run};
 use crate::input::script::{self, Script};
+use crate::platform;
 use crate::preferences::Preferences;
 use crate::record::csv_log::CsvLog;
+use crate::record::screenshot::ScreenshotRequest;
 use crate::scene::clock::{set_speed, set_step};
 use crate::scene::library::{self, SceneLibrary};
 use crate::scene::session::Session;
@@ -55,7 +56,7 @@ impl Plugin for CommandLinePlugin {
         app.insert_resource(session)
             .insert_resource(library)
             .insert_resource(comparison)
-            .insert_resource(Ending::of(cli))
+            .insert_resource(cli.clone())
             .add_observer(command_line::on_action)
             .add_systems(Update, end);
         set_step(app.world_mut());
@@ -79,4 +80,54 @@ pub fn open_files(app: &mut App, cli: &Cli) -> io::Result<()> {
         app.insert_resource(Script::new(beats));
     }
     Ok(())
+}
+
+/// Ends the program on time, and after its picture is on disk.
+fn end(
+    (cli, clock, comparison): (Res<Cli>, Res<PhysicsClock>, Res<Comparison>),
+    mut quarantined: MessageReader<BodyQuarantined>,
+    mut frames: Local<u32>,
+    mut asked: Local<Option<u32>>,
+    mut diverged: Local<bool>,
+    mut commands: Commands,
+    mut exit: MessageWriter<AppExit>,
+) {
+    *frames += 1;
+    *diverged |= quarantined.read().next().is_some();
+    *diverged |= comparison.run.as_ref().is_some_and(Run::any_diverged);
+    let code = if *diverged && cli.fail_on_divergence {
+        AppExit::from_code(DIVERGED)
+    } else {
+        AppExit::Success
+    };
+    let time = clock.elapsed().as_secs_f64();
+    let timed_out = cli.duration.is_some_and(|d| time >= d - 1e-9);
+    let picture_alone = cli.screenshot.is_some() && cli.duration.is_none();
+    let frame_limit = cli.frames.or(picture_alone.then_some(60));
+    if !(timed_out || frame_limit.is_some_and(|n| *frames >= n)) {
+        return;
+    }
+    let Some(path) = &cli.screenshot else {
+        exit.write(code);
+        return;
+    };
+    match *asked {
+        None => {
+            // A picture left from an earlier run must not pass for this one's.
+            platform::remove(path);
+            commands.insert_resource(ScreenshotRequest {
+                path: Some(path.clone()),
+                plot: false,
+            });
+            *asked = Some(*frames);
+        }
+        Some(_) if platform::exists(path) => {
+            exit.write(code);
+        }
+        Some(since) if *frames > since + 600 => {
+            error!("the picture {} was not written", path.display());
+            exit.write(AppExit::from_code(1));
+        }
+        Some(_) => {}
+    }
 }

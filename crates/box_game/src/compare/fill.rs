@@ -6,7 +6,7 @@ use super::{CompareView, Comparison, Quantity, Settings, SweepView, TrajectoryVi
 use crate::action::Plot;
 use crate::compare::sampling::IntegratorSamples;
 use crate::ui::panel::decimate::{NARROW, decimate_to};
-use box_physics::prelude::Integrator;
+use box_physics::prelude::{Floor, Integrator};
 use box_scenarios::Status;
 
 /// Which quantities a tab shows.
@@ -43,6 +43,10 @@ pub fn compare_view(
     };
     let shown = quantities(plot, &settings);
     let window = settings.window.seconds();
+    let line = |track: &Track, quantity| {
+        let points = track.series.points(quantity, window).into_iter();
+        decimate_to(NARROW, points)
+    };
     let trajectory = |integrator: Integrator, track: &Track, dt: f64| TrajectoryView {
         integrator,
         main_box: false,
@@ -56,15 +60,7 @@ pub fn compare_view(
         worst: track.now.worst,
         late: run.late(track),
         energies: track.now.energies,
-        lines: shown
-            .iter()
-            .map(|&q| {
-                (
-                    q,
-                    decimate_to(NARROW, track.series.points(q, window).into_iter()),
-                )
-            })
-            .collect(),
+        lines: shown.iter().map(|&q| (q, line(track, q))).collect(),
     };
     view.trajectories.push(TrajectoryView {
         main_box: true,
@@ -90,11 +86,8 @@ pub fn compare_view(
     view.reference = run.reference.description();
     view.horizon = run.reference.horizon();
     view.rules = run.rules.iter().copied().collect();
-    view.conservative = run.law.is_conservative()
-        && run
-            .law
-            .floor
-            .is_none_or(|f| f.restitution >= 1.0 && f.friction <= 0.0);
+    let ideal = |f: Floor| f.restitution >= 1.0 && f.friction <= 0.0;
+    view.conservative = run.law.is_conservative() && run.law.floor.is_none_or(ideal);
     if boxes > 1 {
         view.note = "The trajectories simulate the first box alone, without the load.".to_owned();
     }

@@ -50,20 +50,21 @@ impl Inputs {
         self.first + self.kept.len() as u64
     }
 
+    /// Those from `t` \[s\] on.
+    pub(crate) fn since(&self, t: f64) -> impl Iterator<Item = &Input> {
+        self.kept.iter().filter(move |input| input.t >= t)
+    }
+
     /// Forgets what happened after `t` \[s\].
     pub(crate) fn rewind(&mut self, t: f64) {
-        while self.kept.back().is_some_and(|input| input.t > t) {
-            self.kept.pop_back();
-        }
+        self.kept.retain(|input| input.t <= t);
     }
 
     /// Whether one lies strictly between two times.
     pub(crate) fn any_within(&self, from: f64, to: f64, margin: f64) -> bool {
-        self.kept
-            .iter()
-            .rev()
-            .take_while(|input| input.t > from + margin)
-            .any(|input| input.t < to - margin)
+        let after = |input: &&Input| input.t > from + margin;
+        let mut late = self.kept.iter().rev().take_while(after);
+        late.any(|input| input.t < to - margin)
     }
 }
 

@@ -1,12 +1,6 @@
-//! The same scene under several integrators at once, through the same inputs, measured against one trusted
-//! trajectory.
-//!
-//! ```text
-//! the plugin's main box ──┐
-//! comparison, comparison, comparison ───┼── same start, same inputs at the same simulated time ── reference
-//! (core, own clock)   │
-//!                     └── per trajectory: errors, books of energy and momentum, the past
-//! ```
+//! The same scene under several integrators at once: the plugin's main box and the comparisons (the core, each with
+//! its own clock) have the same start and take the same inputs at the same simulated time. Each trajectory has its
+//! errors against one reference, its balance of energy and momentum, and its past.
 //!
 //! - [`run`]: one run of a scene; [`runner`]: a comparison with its clock; [`track`]: what is measured of it.
 //! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;
@@ -14,8 +8,7 @@
 //!   memory.
 //! - [`input`]: what is done to all alike.
 //! - [`sweep`]: work–precision in its own thread; [`view`]: what the panel shows.
-//! - [`plugin`]: the Bevy side, [`ComparePlugin`]; any app with a body marked
-//!   [`MainBox`](crate::scene::session::MainBox) can use it.
+//! - [`plugin`]: the Bevy side, [`ComparePlugin`].
 
 pub mod copy;
 pub mod fill;
@@ -26,7 +19,6 @@ pub mod plugin;
 pub mod run;
 pub mod runner;
 pub mod sampling;
-mod scene;
 pub mod series;
 pub mod sweep;
 pub mod track;
@@ -39,14 +31,14 @@ use bevy::ecs::message::MessageCursor;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
-use box_scenarios::{ReferenceSolution, Setup};
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
-pub use plugin::{ComparePlugin, apply, make_main_box};
+pub use plugin::ComparePlugin;
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
 pub use view::{CompareView, Settings, SweepView, TrajectoryView};
 
+use crate::scene::session::Session;
 use sweep::Sweep;
 
 /// Time that comparisons may take of a frame; what they cannot do in it they catch up with later, and the
@@ -74,7 +66,7 @@ pub struct Comparison {
     pub comparisons_ms: f64,
     chosen: Vec<Integrator>,
     /// The scene that `chosen` is for.
-    scene: Option<String>,
+    scene: Option<&'static str>,
     main_box: Option<Entity>,
     pending: Vec<ApplyImpulse>,
     cursor: MessageCursor<ApplyImpulse>,
@@ -85,9 +77,9 @@ pub struct Comparison {
 
 impl Comparison {
     /// Opens on `scene` with these integrators as comparisons.
-    pub fn with_comparisons(scene: &str, comparisons: &[Integrator]) -> Self {
+    pub fn with_comparisons(scene: &'static str, comparisons: &[Integrator]) -> Self {
         let mut comparison = Self {
-            scene: Some(scene.to_owned()),
+            scene: Some(scene),
             ..Self::default()
         };
         comparison.choose(comparisons.iter().copied());
@@ -117,32 +109,24 @@ impl Comparison {
     }
 
     fn toggle(&mut self, integrator: Integrator) {
-        match self.chosen.iter().position(|&i| i == integrator) {
-            Some(k) => {
-                self.chosen.remove(k);
-            }
-            None => self.choose(self.chosen.clone().into_iter().chain([integrator])),
+        if self.chosen.contains(&integrator) {
+            self.chosen.retain(|&i| i != integrator);
+        } else {
+            self.choose(self.chosen.clone().into_iter().chain([integrator]));
         }
     }
 
-    /// A new run. The comparisons stay if it is the same scene, else they are the first `recommended`.
-    fn begin(
-        &mut self,
-        scene: Option<(&str, Vec<Integrator>)>,
-        setup: &Setup,
-        truth: Option<ReferenceSolution>,
-        main_box: Integrator,
-        step: f64,
-    ) {
-        if let Some((scene, recommended)) = scene
-            && self.scene.as_deref() != Some(scene)
-        {
-            self.scene = Some(scene.to_owned());
-            let others = recommended.into_iter().filter(|&i| i != main_box);
+    /// A new run. The comparisons stay if it is the same scene, else they are the first that it recommends.
+    fn begin(&mut self, session: &Session, main_box: Integrator, step: f64) {
+        let scene = &session.scenario;
+        if self.scene != Some(scene.id) {
+            self.scene = Some(scene.id);
+            let others = scene.recommended().into_iter().filter(|&i| i != main_box);
             self.choose(others.take(RECOMMENDED));
             self.sweep.clear();
         }
-        self.run = Some(Run::new(setup, truth, main_box, step));
+        let (setup, truth) = (session.setup(), session.truth.clone());
+        self.run = Some(Run::new(&setup, truth, main_box, step));
         self.fair = None;
         self.pending.clear();
         self.settle();
@@ -153,14 +137,9 @@ impl Comparison {
         let Some(run) = &mut self.run else {
             return;
         };
-        let wanted = || {
-            self.chosen
-                .iter()
-                .copied()
-                .filter(|&i| i != run.main_box.integrator)
-        };
-        if !wanted().eq(run.integrators()) {
-            let wanted: Vec<_> = wanted().collect();
+        let own = run.main_box.integrator;
+        let wanted = self.chosen.iter().copied().filter(|&i| i != own);
+        if !wanted.clone().eq(run.integrators()) {
             run.choose(wanted);
         }
     }
@@ -194,11 +173,8 @@ impl Comparison {
             };
             figure.filter(|f| *f > 0.0 && f.is_finite())
         };
-        let Some(own) = figure(key.2) else {
-            return;
-        };
         let figures: Option<Vec<f64>> = key.1.iter().map(|&i| figure(i)).collect();
-        let Some(figures) = figures else {
+        let (Some(own), Some(figures)) = (figure(key.2), figures) else {
             return;
         };
         let most = FACTORS.1.min((LONGEST_STEP / run.step).max(1.0));

@@ -2,18 +2,18 @@
 
 use std::time::Duration;
 
+use bevy::ecs::system::SystemParam;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
 use box_physics::prelude::{
-    ApplyImpulse, BodyIntegrator, BodyState, ContactPhase, DVec3, FloorContact, GlobalIntegrator,
-    ImpulsePoint, Integrator, IntegratorMemory, PhysicsSchedule, PhysicsSystems, RigidBox,
+    ApplyImpulse, BodyState, ContactPhase, DVec3, FloorContact, GlobalIntegrator, ImpulsePoint,
+    Integrator, IntegratorMemory, PhysicsClock, PhysicsSchedule, PhysicsSystems, RigidBox,
 };
-use box_scenarios::Change;
+use box_scenarios::{Change, Model};
 
-use super::scene::Scene;
 use super::sweep::SweepTask;
-use super::{Comparison, RuleKind, copy};
+use super::{Comparison, RuleKind, Run, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
 use crate::compare::sampling::IntegratorSamples;
@@ -49,13 +49,39 @@ fn on_action(action: On<Action>, mut commands: Commands) {
     match action.event().clone() {
         Action::SetIntegrator(integrator) => commands.queue(move |world: &mut World| {
             make_main_box(world, integrator);
-            if let Some(mut session) = world.get_resource_mut::<Session>() {
-                session.events.push(format!("integrator {integrator}"));
-            }
+            let mut session = world.resource_mut::<Session>();
+            session.events.push(format!("integrator {integrator}"));
         }),
         Action::Compare(CompareAction::Copy) => commands.queue(copy::copy_plot),
         Action::Compare(action) => commands.queue(move |world: &mut World| apply(world, action)),
         _ => {}
+    }
+}
+
+/// The main box and what it is in.
+#[derive(SystemParam)]
+pub(crate) struct Scene<'w, 's> {
+    main_box: Query<'w, 's, (Entity, &'static BodyState, &'static ContactState), With<MainBox>>,
+    integrator: Res<'w, GlobalIntegrator>,
+    clock: Res<'w, PhysicsClock>,
+    fixed: Res<'w, Time<Fixed>>,
+    session: Res<'w, Session>,
+}
+
+impl Scene<'_, '_> {
+    /// The main box, its state and its corners at the floor. A new main box begins a new run.
+    fn main_box(&self, comparison: &mut Comparison) -> Option<(Entity, BodyState, u32)> {
+        let (entity, state, contact) = self.main_box.iter().next()?;
+        if comparison.main_box != Some(entity) {
+            comparison.main_box = Some(entity);
+            comparison.begin(&self.session, self.integrator.0, self.step());
+        }
+        Some((entity, *state, contact.touching().count_ones()))
+    }
+
+    /// The clock's (sub)step \[s\].
+    fn step(&self) -> f64 {
+        self.fixed.timestep().as_secs_f64() / f64::from(self.clock.substeps.max(1))
     }
 }
 
@@ -71,18 +97,16 @@ fn collect_pushes(messages: Res<Messages<ApplyImpulse>>, mut comparison: ResMut<
 fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
     let comparison = &mut *comparison;
     let pending = core::mem::take(&mut comparison.pending);
-    let Some((entity, state, law, integrator)) = scene.main_box() else {
+    let main_box = scene.main_box(comparison);
+    let (Some((entity, state, _)), Some(run)) = (main_box, &mut comparison.run) else {
         return;
     };
-    scene.begin(comparison, (entity, state, &law, integrator));
     let h = scene.clock.step();
     let t = scene.clock.time() - h;
-    let Some(run) = &mut comparison.run else {
-        return;
-    };
     if t < run.clock - 0.5 * h {
         run.rewind(t, &state);
     }
+    let law = Model::of(&scene.session.setup());
     let body = law.body;
     run.before_step(t, law, &state, |expected| {
         let mut changes = Vec::new();
@@ -114,22 +138,18 @@ pub(crate) fn after_step(
     mut comparison: ResMut<Comparison>,
     mut contacts: MessageReader<FloorContact>,
 ) {
-    let Some((entity, state, _, integrator)) = scene.main_box() else {
+    let comparison = &mut *comparison;
+    let main_box = scene.main_box(comparison);
+    let (Some((entity, state, corners)), Some(run)) = (main_box, &mut comparison.run) else {
         return;
     };
     let (t, h) = (scene.clock.time(), scene.clock.step());
-    let met = contacts
-        .read()
-        .filter(|c| c.entity == entity && c.phase == ContactPhase::Began)
-        .count();
+    let began = |c: &FloorContact| c.entity == entity && c.phase == ContactPhase::Began;
     let start = Instant::now();
-    let Some(run) = &mut comparison.run else {
-        return;
-    };
-    if met > 0 {
+    if contacts.read().filter(|c| began(c)).count() > 0 {
         run.rule(t, RuleKind::Contact);
     }
-    run.after_step(t, h, (&state, scene.contacts()), integrator);
+    run.after_step(t, h, (&state, corners), scene.integrator.0);
     comparison.spent += start.elapsed();
     comparison.settle();
     comparison.advance();
@@ -138,7 +158,7 @@ pub(crate) fn after_step(
 /// Between the steps: a new scene, other comparisons, other steps, and what is left to catch up with.
 fn follow(
     scene: Scene,
-    samples: Option<Res<IntegratorSamples>>,
+    samples: Res<IntegratorSamples>,
     mut comparison: ResMut<Comparison>,
     mut commands: Commands,
 ) {
@@ -149,30 +169,23 @@ fn follow(
     }
     comparison.comparisons_ms = comparison.spent.as_secs_f64() * 1e3;
     comparison.spent = Duration::ZERO;
-    let Some((entity, state, law, integrator)) = scene.main_box() else {
+    let main_box = scene.main_box(comparison);
+    let (Some((_, state, _)), Some(run)) = (main_box, &mut comparison.run) else {
         return;
     };
-    scene.begin(comparison, (entity, state, &law, integrator));
-    if let Some(run) = &mut comparison.run {
-        let t = scene.clock.time();
-        if t < run.clock - 0.5 * run.step {
-            // Stepped back while paused.
-            run.rewind(t, &state);
-        }
-        run.set_step(scene.step());
+    let t = scene.clock.time();
+    if t < run.clock - 0.5 * run.step {
+        // Stepped back while paused.
+        run.rewind(t, &state);
     }
+    run.set_step(scene.step());
     comparison.settle();
-    if let Some(samples) = samples {
-        comparison.make_fair(|i| {
-            let min = samples.cost(i)?.min;
-            Some((samples.evaluations(i), min))
-        });
-    }
+    comparison.make_fair(|i| Some((samples.evaluations(i), samples.cost(i)?.min)));
     comparison.advance();
 }
 
 /// Carries out a request.
-pub fn apply(world: &mut World, action: CompareAction) {
+fn apply(world: &mut World, action: CompareAction) {
     if action == CompareAction::Resync {
         return resync(world);
     }
@@ -203,16 +216,14 @@ pub fn apply(world: &mut World, action: CompareAction) {
 
 /// Starts the sweep that was asked for, with the main box's integrator and the comparisons.
 fn start_sweep(world: &mut World) {
-    let session = world.get_resource::<Session>();
-    let setup = session.map(|s| (s.setup(), s.truth.clone()));
-    let samples = world.get_resource::<IntegratorSamples>();
-    let grain = samples.map(IntegratorSamples::grain).unwrap_or_default();
+    let session = world.resource::<Session>();
+    let (setup, truth) = (session.setup(), session.truth.clone());
+    let grain = world.resource::<IntegratorSamples>().grain();
     let boxes = world.query::<&RigidBox>().iter(world).count();
     let mut comparison = world.resource_mut::<Comparison>();
     let Some(run) = &comparison.run else {
         return;
     };
-    let (setup, truth) = setup.unwrap_or_else(|| (run.law.setup(*run.start(), 10.0), None));
     let main_box = run.main_box.integrator;
     let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
     let integrators = [main_box].into_iter().chain(others).collect();
@@ -221,75 +232,57 @@ fn start_sweep(world: &mut World) {
         grain,
         ..SweepTask::new(setup, boxes, integrators)
     };
-    if let Err(error) = comparison.sweep.start(task)
-        && let Some(mut session) = world.get_resource_mut::<Session>()
-    {
+    if let Err(error) = comparison.sweep.start(task) {
+        let mut session = world.resource_mut::<Session>();
         session.notice(format!("sweep: {error}"));
     }
 }
 
 /// Every comparison, and the main box, into the reference's state.
 fn resync(world: &mut World) {
-    let Some(state) = world
-        .resource_mut::<Comparison>()
-        .run
-        .as_mut()
-        .and_then(super::Run::resync)
-    else {
+    let mut comparison = world.resource_mut::<Comparison>();
+    let Some(state) = comparison.run.as_mut().and_then(Run::resync) else {
         return;
     };
-    let mut main_box =
-        world.query_filtered::<(&mut BodyState, Option<&mut Transform>), With<MainBox>>();
-    if let Some((mut now, pose)) = main_box.iter_mut(world).next() {
+    let mut main_box = world.query_filtered::<(&mut BodyState, &mut Transform), With<MainBox>>();
+    if let Some((mut now, mut pose)) = main_box.iter_mut(world).next() {
         *now = state;
-        show(&state, pose);
+        show(&state, &mut pose);
     }
 }
 
 /// The pose as the plugin will write it, at once: the clock may stand.
-fn show(state: &BodyState, pose: Option<Mut<Transform>>) {
-    if let Some(mut pose) = pose {
-        pose.translation = state.position.as_vec3();
-        pose.rotation = state.rotation.as_quat();
-    }
+fn show(state: &BodyState, pose: &mut Transform) {
+    pose.translation = state.position.as_vec3();
+    pose.rotation = state.rotation.as_quat();
 }
 
-/// The integrator moves the main box from now on. Where a comparison runs under it, main box and comparison change places, so
-/// that each trajectory stays one integrator's alone; else the main box carries its state over.
-pub fn make_main_box(world: &mut World, integrator: Integrator) {
-    let swapped = world.resource_scope(|world, mut comparison: Mut<Comparison>| {
+/// The integrator moves the main box from now on. Where a comparison runs under it, main box and comparison change
+/// places, so that each trajectory stays one integrator's alone; else the main box carries its state over.
+fn make_main_box(world: &mut World, integrator: Integrator) {
+    world.resource_scope(|world, mut comparison: Mut<Comparison>| {
         let Some(run) = &mut comparison.run else {
-            return false;
+            return;
         };
         let old = run.main_box.integrator;
         let mut main_box = world.query_filtered::<(
             &mut BodyState,
             &mut IntegratorMemory,
             &mut ContactState,
-            Option<&mut Transform>,
+            &mut Transform,
         ), With<MainBox>>();
-        let Some((mut state, mut memory, mut contact, pose)) = main_box.iter_mut(world).next()
+        let Some((mut state, mut memory, mut contact, mut pose)) = main_box.iter_mut(world).next()
         else {
-            return false;
+            return;
         };
-        let swapped = run.swap(integrator, (&mut state, &mut memory, &mut contact));
-        if swapped {
-            show(&state, pose);
+        if run.swap(integrator, (&mut state, &mut memory, &mut contact)) {
+            show(&state, &mut pose);
             let others = comparison.chosen.clone().into_iter();
             let others: Vec<_> = others.filter(|&i| i != integrator).chain([old]).collect();
             comparison.choose(others);
             // In the order of the menu again.
             comparison.settle();
         }
-        swapped
     });
-    let own = world
-        .query_filtered::<&mut BodyIntegrator, With<MainBox>>()
-        .iter_mut(world)
-        .next()
-        .map(|mut own| own.0 = integrator);
-    if own.is_none() {
-        world.insert_resource(GlobalIntegrator(integrator));
-    }
-    debug!("main_box under {integrator}, swapped: {swapped}");
+    world.insert_resource(GlobalIntegrator(integrator));
 }

@@ -7,6 +7,8 @@ mod past;
 pub use main_track::{MainTrack, Rule, RuleKind};
 
 use std::collections::VecDeque;
+use std::iter;
+use std::mem::swap;
 use std::sync::Arc;
 
 use bevy::platform::time::Instant;
@@ -14,7 +16,7 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{
     Balance, Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup,
-    StateError, TimedImpulse, local_error,
+    TimedImpulse, local_error,
 };
 
 use super::flips::{Flips, lateness};
@@ -66,7 +68,7 @@ impl Run {
         let law = Arc::new(Model::of(setup));
         let state = setup.initial;
         let impulses: Arc<[TimedImpulse]> = setup.impulses.as_slice().into();
-        Self {
+        let mut run = Self {
             clock: 0.0,
             step,
             main_box: MainTrack::new(main_box, &law, state),
@@ -79,7 +81,9 @@ impl Run {
             inputs: Inputs::default(),
             checkpoints: VecDeque::new(),
             law,
-        }
+        };
+        run.save();
+        run
     }
 
     /// The state that the run began with.
@@ -117,6 +121,24 @@ impl Run {
         self.comparisons.iter().map(Runner::integrator)
     }
 
+    /// Every trajectory, the main box's first: integrator, step \[s\], past and present, its end if it was given up.
+    pub fn trajectories(
+        &self,
+    ) -> impl Iterator<Item = (Integrator, f64, &Track, Option<Divergence>)> {
+        let main_box = &self.main_box;
+        let own = (
+            main_box.integrator,
+            self.step,
+            &main_box.track,
+            main_box.diverged,
+        );
+        let comparisons = self.comparisons.iter().map(|r| {
+            let step = r.factor * self.step;
+            (r.integrator(), step, &r.track, r.simulation.diverged)
+        });
+        iter::once(own).chain(comparisons)
+    }
+
     /// The reference at the clock's time, if it is known.
     pub fn trusted(&self) -> Option<&BodyState> {
         self.main_box.reference.as_ref()
@@ -125,11 +147,8 @@ impl Run {
     /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
     /// box.
     pub fn attitude_says_more(&self) -> bool {
-        let comparisons = self.comparisons.iter().map(|r| r.track.now.worst);
-        let (x, a) = [self.main_box.track.now.worst]
-            .into_iter()
-            .chain(comparisons)
-            .fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
+        let worst = self.trajectories().map(|t| t.2.now.worst);
+        let (x, a) = worst.fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
         a.to_radians() >= x / self.law.body.radius()
     }
 
@@ -143,17 +162,13 @@ impl Run {
 
     /// Whether the main box or a comparison was given up.
     pub fn any_diverged(&self) -> bool {
-        let mut comparisons = self.comparisons.iter();
-        self.main_box.diverged.is_some() || comparisons.any(|r| r.simulation.diverged.is_some())
+        self.trajectories().any(|trajectory| trajectory.3.is_some())
     }
 
     /// Draws a line.
     pub fn rule(&mut self, t: f64, kind: RuleKind) {
-        let repeated = self
-            .rules
-            .back()
-            .is_some_and(|last| last.kind == kind && t - last.t < RULE_SPACING);
-        if !repeated {
+        let repeats = |last: &Rule| last.kind == kind && t - last.t < RULE_SPACING;
+        if !self.rules.back().is_some_and(repeats) {
             self.rules.push_back(Rule { t, kind });
         }
         if self.rules.len() > RULES {
@@ -179,9 +194,9 @@ impl Run {
         self.rule(t, RuleKind::Input);
     }
 
-    /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` (impulse,
-    /// body point) came since its last step; `pushed` is what they and the scene's own impulses should
-    /// have made of it. If it is elsewhere, somebody put it there, and every comparison is put there too.
+    /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` applies
+    /// those since its last step and returns them. If it is elsewhere, somebody put it there, and every comparison is
+    /// put there too.
     pub fn before_step(
         &mut self,
         t: f64,
@@ -192,11 +207,8 @@ impl Run {
         let margin = 1e-9 * self.step;
         let mut expected = self.main_box.state;
         self.main_box.kicked = false;
-        while let Some(i) = self
-            .impulses
-            .get(self.main_box.next_impulse)
-            .filter(|i| i.t <= t + margin)
-        {
+        let next = |k: usize| self.impulses.get(k).filter(|i| i.t <= t + margin);
+        while let Some(i) = next(self.main_box.next_impulse) {
             expected.apply_impulse_at_body_point(&self.law.body, i.impulse, i.body_point);
             self.main_box.next_impulse += 1;
             self.main_box.kicked = true;
@@ -243,12 +255,8 @@ impl Run {
         if let Some(to) = &to {
             self.reference_flips.observe(to, t);
         }
-        let local: Option<StateError> = match (main_box.reference, to) {
-            (Some(from), Some(to)) if !main_box.kicked => {
-                Some(local_error(integrator, &self.law, from, &to, h))
-            }
-            _ => None,
-        };
+        let ends = main_box.reference.zip(to).filter(|_| !main_box.kicked);
+        let local = ends.map(|(from, to)| local_error(integrator, &self.law, from, &to, h));
         if main_box.diverged.is_none() && main_box.balance.is_exceeded(&self.law, state) {
             let reason = Reason::Energy;
             main_box.diverged = Some(Divergence { t, reason });
@@ -317,8 +325,9 @@ impl Run {
         Some(state)
     }
 
-    /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own integrator, if the comparison
-    /// is where the clock is. Takes what the plugin keeps of the main box and puts there what it should keep.
+    /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own
+    /// integrator, if the comparison is where the clock is. Takes what the plugin keeps of the main box and puts
+    /// there what it should keep.
     pub fn swap(
         &mut self,
         integrator: Integrator,
@@ -336,31 +345,27 @@ impl Run {
         if *state != self.main_box.state {
             return false;
         }
-        let main_box = &mut self.main_box;
-        core::mem::swap(&mut runner.simulation.driver.state, state);
-        core::mem::swap(&mut runner.simulation.driver.memory, memory);
-        core::mem::swap(&mut runner.simulation.driver.contact, contact);
-        core::mem::swap(&mut runner.track, &mut main_box.track);
-        core::mem::swap(&mut runner.simulation.balance, &mut main_box.balance);
-        core::mem::swap(&mut runner.simulation.diverged, &mut main_box.diverged);
-        runner.simulation.driver.integrator =
-            core::mem::replace(&mut main_box.integrator, integrator);
+        let (main_box, own) = (&mut self.main_box, &mut runner.simulation);
+        swap(&mut own.driver.state, state);
+        swap(&mut own.driver.memory, memory);
+        swap(&mut own.driver.contact, contact);
+        swap(&mut own.driver.integrator, &mut main_box.integrator);
+        swap(&mut own.balance, &mut main_box.balance);
+        swap(&mut own.diverged, &mut main_box.diverged);
+        swap(&mut own.next_impulse, &mut main_box.next_impulse);
+        swap(&mut runner.track, &mut main_box.track);
+        swap(&mut runner.reference, &mut main_box.reference);
         (main_box.state, main_box.before) = (*state, *state);
         // Both stand at the same input.
         runner.next_input = self.inputs.end();
-        runner.simulation.model = self.law.clone();
-        core::mem::swap(
-            &mut runner.simulation.next_impulse,
-            &mut main_box.next_impulse,
-        );
-        core::mem::swap(&mut runner.reference, &mut main_box.reference);
-        self.checkpoints.clear();
+        own.model = self.law.clone();
+        self.checkpoints.truncate(1);
         true
     }
 
     /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
     pub fn kept(&self) -> usize {
-        let comparisons: usize = self.comparisons.iter().map(|r| r.track.series.len()).sum();
-        comparisons + self.main_box.track.series.len() + self.rules.len() + self.checkpoints.len()
+        let samples: usize = self.trajectories().map(|t| t.2.series.kept()).sum();
+        samples + self.rules.len() + self.checkpoints.len()
     }
 }

@@ -39,15 +39,6 @@ pub struct Runner {
     pub(crate) logged: u64,
 }
 
-/// A runner without its past.
-#[derive(Clone, Debug)]
-pub(crate) struct Saved {
-    simulation: box_scenarios::Runner,
-    worst: (f64, f64),
-    next_input: u64,
-    reference: Option<BodyState>,
-}
-
 impl Runner {
     /// In `state` at `t` \[s\] under `law`; `next_input` is the number of the first input to come.
     pub(crate) fn new(
@@ -75,11 +66,8 @@ impl Runner {
         self.simulation.driver.integrator
     }
 
-    /// One step of `h` \[s\], unless it has diverged.
+    /// One step of `h` \[s\] of a runner that has not diverged.
     pub(crate) fn step(&mut self, h: f64, shared: &mut Shared<'_>) {
-        if self.simulation.diverged.is_some() {
-            return;
-        }
         let t = self.simulation.driver.time;
         let scene = self.simulation.take_impulses(shared.impulses, t + DUE * h);
         if self.take_inputs(shared.inputs, t, h) {
@@ -96,34 +84,23 @@ impl Runner {
         let (now, integrator) = (driver.time, driver.integrator);
         let to = shared.reference.at(now);
         let smooth = !scene && !shared.inputs.any_within(t, now, DUE * h);
-        let local = match (self.reference, to) {
-            (Some(from), Some(to)) if smooth => Some(local_error(
-                integrator,
-                &self.simulation.model,
-                from,
-                &to,
-                h,
-            )),
-            _ => None,
-        };
-        let books = (&*self.simulation.model, &self.simulation.balance);
-        let state = &self.simulation.driver.state;
+        let simulation = &self.simulation;
+        let model = &*simulation.model;
+        let ends = self.reference.zip(to).filter(|_| smooth);
+        let local = ends.map(|(from, to)| local_error(integrator, model, from, &to, h));
+        let (books, state) = ((model, &simulation.balance), &simulation.driver.state);
         self.track.observe(books, state, now, to.as_ref(), local);
         self.reference = to;
     }
 
     fn take_inputs(&mut self, inputs: &Inputs, t: f64, h: f64) -> bool {
-        let mut any = false;
-        while let Some(input) = inputs
-            .get(self.next_input)
-            .filter(|input| input.t <= t + DUE * h)
-        {
+        let (first, due) = (self.next_input, t + DUE * h);
+        while let Some(input) = inputs.get(self.next_input).filter(|i| i.t <= due) {
             self.simulation.change(&input.change);
             self.skew = (t - input.t).max(0.0);
             self.next_input += 1;
-            any = true;
         }
-        any
+        self.next_input > first
     }
 
     /// Puts the comparison into `state` at `t` \[s\] with a new balance.
@@ -134,28 +111,26 @@ impl Runner {
         self.track.reopen(law, &self.simulation.balance, &state, t);
     }
 
-    pub(crate) fn save(&self) -> Saved {
-        Saved {
+    /// The same without its past, to return to.
+    pub(crate) fn save(&self) -> Self {
+        let now = self.track.now;
+        Self {
             simulation: self.simulation.clone(),
-            worst: self.track.now.worst,
-            next_input: self.next_input,
-            reference: self.reference,
+            track: Track {
+                now,
+                ..Track::default()
+            },
+            ..*self
         }
     }
 
     /// Back to what was saved; the past after that is forgotten.
-    pub(crate) fn restore(&mut self, saved: &Saved) {
+    pub(crate) fn restore(&mut self, saved: &Self) {
         self.simulation = saved.simulation.clone();
-        self.track.now.worst = saved.worst;
+        self.track.now.worst = saved.track.now.worst;
         self.track.rewind(saved.simulation.driver.time);
         self.next_input = saved.next_input;
         self.reference = saved.reference;
         self.logged = self.simulation.driver.totals.steps;
-    }
-}
-
-impl Saved {
-    pub(crate) fn integrator(&self) -> Integrator {
-        self.simulation.driver.integrator
     }
 }

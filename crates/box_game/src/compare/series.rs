@@ -11,7 +11,7 @@ pub const VISIBLE_DISTANCE: f64 = 0.01;
 const SPACING: f64 = 1.0 / 60.0;
 /// Samples of the last minute, and a few.
 const RECENT: usize = 3700;
-/// Stretches of the whole run.
+/// Stretches of the whole run, an even number.
 const STRETCHES: usize = 1024;
 
 /// What is kept of a comparison.
@@ -45,47 +45,50 @@ impl Quantity {
         Self::Direction,
     ];
 
+    /// Label of its axis, name of its column, times this a value is in the unit of the label, and the size from
+    /// which a person sees it, in that unit.
+    const fn info(self) -> (&'static str, &'static str, f64, Option<f64>) {
+        const DISTANCE: Option<f64> = Some(VISIBLE_DISTANCE);
+        const ANGLE: Option<f64> = Some(VISIBLE_ANGLE);
+        match self {
+            Self::Position => ("position error [m]", "pos_err_m", 1.0, DISTANCE),
+            Self::Attitude => ("attitude error [°]", "rot_err_deg", 1.0, ANGLE),
+            Self::LocalPosition => (
+                "position error of one step [m]",
+                "local_pos_err_m",
+                1.0,
+                DISTANCE,
+            ),
+            Self::LocalAttitude => (
+                "attitude error of one step [°]",
+                "local_rot_err_deg",
+                1.0,
+                ANGLE,
+            ),
+            Self::Energy => ("energy drift [%]", "energy_rel", 100.0, None),
+            Self::Momentum => ("|L| drift [%]", "angmom_rel", 100.0, None),
+            Self::Direction => ("direction of L [°]", "angmom_dir_deg", 1.0, ANGLE),
+        }
+    }
+
     /// As an axis is labeled.
     pub const fn label(self) -> &'static str {
-        match self {
-            Self::Position => "position error [m]",
-            Self::Attitude => "attitude error [°]",
-            Self::LocalPosition => "position error of one step [m]",
-            Self::LocalAttitude => "attitude error of one step [°]",
-            Self::Energy => "energy drift [%]",
-            Self::Momentum => "|L| drift [%]",
-            Self::Direction => "direction of L [°]",
-        }
-    }
-
-    /// Times this a value is in the unit of the label.
-    pub const fn scale(self) -> f64 {
-        match self {
-            Self::Energy | Self::Momentum => 100.0,
-            _ => 1.0,
-        }
-    }
-
-    /// Size from which a person sees it, in the unit of the label, where that can be said.
-    pub const fn visible(self) -> Option<f64> {
-        match self {
-            Self::Position | Self::LocalPosition => Some(VISIBLE_DISTANCE),
-            Self::Attitude | Self::LocalAttitude | Self::Direction => Some(VISIBLE_ANGLE),
-            Self::Energy | Self::Momentum => None,
-        }
+        self.info().0
     }
 
     /// As a column is called.
     pub const fn column(self) -> &'static str {
-        match self {
-            Self::Position => "pos_err_m",
-            Self::Attitude => "rot_err_deg",
-            Self::LocalPosition => "local_pos_err_m",
-            Self::LocalAttitude => "local_rot_err_deg",
-            Self::Energy => "energy_rel",
-            Self::Momentum => "angmom_rel",
-            Self::Direction => "angmom_dir_deg",
-        }
+        self.info().1
+    }
+
+    /// Times this a value is in the unit of the label.
+    pub const fn scale(self) -> f64 {
+        self.info().2
+    }
+
+    /// Size from which a person sees it, in the unit of the label, where that can be said.
+    pub const fn visible(self) -> Option<f64> {
+        self.info().3
     }
 }
 
@@ -114,15 +117,6 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn of(s: &Sample) -> Self {
-        Self {
-            from: s.t,
-            to: s.t,
-            low: s.values,
-            high: s.values,
-        }
-    }
-
     fn add(&mut self, other: &Self) {
         self.to = other.to;
         for k in 0..self.low.len() {
@@ -156,7 +150,12 @@ impl Series {
             self.recent.pop_front();
         }
         self.length = self.length.max(1);
-        let stretch = Stretch::of(&sample);
+        let stretch = Stretch {
+            from: sample.t,
+            to: sample.t,
+            low: sample.values,
+            high: sample.values,
+        };
         match self.whole.last_mut() {
             Some(last) if self.filled < self.length => {
                 last.add(&stretch);
@@ -168,31 +167,21 @@ impl Series {
             }
         }
         if self.whole.len() > STRETCHES {
+            let pairs = self.whole.chunks(2).map(|pair| {
+                let mut first = pair[0];
+                pair[1..].iter().for_each(|s| first.add(s));
+                first
+            });
+            self.whole = pairs.collect();
+            // There was an odd number: the last stands alone and is half full.
+            self.filled = self.length;
             self.length *= 2;
-            self.filled = self.length / 2;
-            self.whole = self
-                .whole
-                .chunks(2)
-                .map(|pair| {
-                    let mut first = pair[0];
-                    pair[1..].iter().for_each(|s| first.add(s));
-                    first
-                })
-                .collect();
-            // An odd one stands alone and is half full at most.
-            self.filled = if STRETCHES.is_multiple_of(2) {
-                self.length / 2
-            } else {
-                self.length
-            };
         }
     }
 
     /// Forgets what was after `t` \[s\].
     pub fn rewind(&mut self, t: f64) {
-        while self.recent.back().is_some_and(|s| s.t > t) {
-            self.recent.pop_back();
-        }
+        self.recent.retain(|s| s.t <= t);
         while self.whole.last().is_some_and(|s| s.to > t) {
             self.whole.pop();
             self.filled = self.length;
@@ -202,33 +191,21 @@ impl Series {
     /// The last `window` \[s\] of one quantity, or everything.
     pub fn points(&self, quantity: Quantity, window: Option<f64>) -> Vec<[f64; 2]> {
         let k = quantity as usize;
-        let end = self.recent.back().map_or(0.0, |s| s.t);
         let recent_is_all = self.whole.first().map(|s| s.from) == self.recent.front().map(|s| s.t);
-        match window {
-            None if !recent_is_all => self
-                .whole
-                .iter()
-                .flat_map(|s| {
-                    let (a, b) = ([s.from, s.low[k]], [s.to, s.high[k]]);
-                    [a, b]
-                })
-                .collect(),
-            _ => {
-                let from = window.map_or(f64::NEG_INFINITY, |w| end - w);
-                let first = self.recent.partition_point(|s| s.t < from);
-                self.recent
-                    .range(first..)
-                    .map(|s| [s.t, s.values[k]])
-                    .collect()
-            }
+        if window.is_none() && !recent_is_all {
+            let ends = |s: &Stretch| [[s.from, s.low[k]], [s.to, s.high[k]]];
+            return self.whole.iter().flat_map(ends).collect();
         }
+        let recent = self.recent(window);
+        recent.map(|s| [s.t, s.values[k]]).collect()
     }
 
     /// The last `window` \[s\] as it was; at most the last minute.
     pub fn recent(&self, window: Option<f64>) -> impl Iterator<Item = &Sample> {
         let end = self.recent.back().map_or(0.0, |s| s.t);
         let from = window.map_or(f64::NEG_INFINITY, |w| end - w);
-        self.recent.iter().filter(move |s| s.t >= from)
+        let first = self.recent.partition_point(|s| s.t < from);
+        self.recent.range(first..)
     }
 
     /// The newest moment.
@@ -237,13 +214,8 @@ impl Series {
     }
 
     /// Samples and stretches in memory.
-    pub fn len(&self) -> usize {
+    pub fn kept(&self) -> usize {
         self.recent.len() + self.whole.len()
-    }
-
-    /// Whether there is nothing.
-    pub fn is_empty(&self) -> bool {
-        self.recent.is_empty()
     }
 }
 
@@ -266,7 +238,7 @@ mod tests {
         for n in 0..36_000 {
             let v = if n == 5000 { 100.0 } else { f64::from(n % 7) };
             series.push(at(f64::from(n) / 60.0, v));
-            largest = largest.max(series.len());
+            largest = largest.max(series.kept());
         }
         assert!(largest <= RECENT + STRETCHES, "{largest}");
         let whole = series.points(Quantity::Energy, None);

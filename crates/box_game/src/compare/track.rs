@@ -46,11 +46,8 @@ pub struct Track {
 impl Track {
     /// At the start.
     pub fn new(model: &Model, balance: &Balance, state: &BodyState, t: f64) -> Self {
-        let mut track = Self {
-            flips: Flips::new(model, state, t),
-            ..Self::default()
-        };
-        track.observe((model, balance), state, t, Some(state), None);
+        let mut track = Self::default();
+        track.reopen(model, balance, state, t);
         track
     }
 
@@ -97,8 +94,9 @@ impl Track {
             ],
         };
         let (position, attitude) = self.now.worst;
-        let kinetic = state.translational_energy(&law.body);
-        let rotational = state.rotational_energy(&law.body);
+        let translation = state.translational_energy(&law.body);
+        let rotation = state.rotational_energy(&law.body);
+        let potential = law.energy(state) - translation - rotation;
         self.now = Measured {
             sample,
             // `max` passes over NaN.
@@ -106,11 +104,7 @@ impl Track {
                 position.max(error.position),
                 attitude.max(error.attitude.to_degrees()),
             ),
-            energies: [
-                kinetic,
-                rotational,
-                law.energy(state) - kinetic - rotational,
-            ],
+            energies: [translation, rotation, potential],
             momentum: left.vector,
         };
         self.flips.observe(state, t);

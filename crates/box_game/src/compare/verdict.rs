@@ -169,10 +169,8 @@ mod tests {
         assert_eq!(of((0.35, 88.2), None, false), "35 cm off");
         assert_eq!(of((3.51, 0.0), None, false), "3.5 m off");
         assert_eq!(of((0.0, 140.0), Some((2, 0.4)), true), "flip 2 0.40 s late");
-        assert_eq!(
-            of((0.0, 140.0), Some((1, -0.4)), true),
-            "flip 1 0.40 s early"
-        );
+        let early = of((0.0, 140.0), Some((1, -0.4)), true);
+        assert_eq!(early, "flip 1 0.40 s early");
     }
 
     #[test]
@@ -199,10 +197,8 @@ mod tests {
         for t in &mut view.trajectories {
             t.worst = (0.0, 1e-13);
         }
-        assert_eq!(
-            headline(&view),
-            "All 3 integrators match the reference so far."
-        );
+        let all = "All 3 integrators match the reference so far.";
+        assert_eq!(headline(&view), all);
         let euler = view.trajectories.last_mut().expect("three");
         euler.worst = (0.0, 88.0);
         euler.now[Quantity::Energy as usize] = 0.33;

@@ -1,7 +1,7 @@
 //! The demo of 2012 on screen: in its scene the main box moves as [`box_scenarios::dissertation`] has it, or,
 //! at the press of a button, as ours.
 
-use std::io::{BufWriter, Write as _};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use bevy::platform::time::Instant;
@@ -98,37 +98,26 @@ impl Demo2012 {
 #[derive(Debug)]
 struct CycleLog {
     path: PathBuf,
-    file: BufWriter<Stream>,
+    file: Stream,
     cycles: u64,
-    flushed: Instant,
 }
 
 impl CycleLog {
-    fn create(path: PathBuf) -> std::io::Result<Self> {
-        let mut file = BufWriter::new(platform::create(&path)?);
-        writeln!(file, "cycle milliseconds stepper")?;
+    fn create(path: PathBuf) -> io::Result<Self> {
+        let mut file = platform::create(&path)?;
+        file.write_all(b"cycle milliseconds stepper\n")?;
         Ok(Self {
-            path,
+            path: platform::absolute(&path)?,
             file,
             cycles: 0,
-            flushed: Instant::now(),
         })
     }
 
-    fn write(&mut self, stepper: Stepper, nanoseconds: u64) -> std::io::Result<()> {
+    fn write(&mut self, stepper: Stepper, nanoseconds: u64) -> io::Result<()> {
         self.cycles += 1;
-        let milliseconds = nanoseconds as f64 * 1e-6;
-        writeln!(
-            self.file,
-            "{} {milliseconds:.6} {}",
-            self.cycles,
-            stepper.id()
-        )?;
-        if self.flushed.elapsed().as_secs() >= 1 {
-            self.flushed = Instant::now();
-            self.file.flush()?;
-        }
-        Ok(())
+        let (cycle, milliseconds) = (self.cycles, nanoseconds as f64 * 1e-6);
+        let line = format!("{cycle} {milliseconds:.6} {}\n", stepper.id());
+        self.file.write_all(line.as_bytes())
     }
 }
 
@@ -178,12 +167,11 @@ fn choose(world: &mut World, stepper: Option<Stepper>) {
     }
     demo.stepper = stepper;
     let text = stepper.map_or("ours", Stepper::id);
-    world
-        .resource_mut::<Session>()
-        .perturb(format!("2012: {text}"));
+    let mut session = world.resource_mut::<Session>();
+    session.perturb(format!("2012: {text}"));
 }
 
-/// The demo's push, where it is in charge: it replaces the motion. Returns whether it is.
+/// The demo's push, where it is in charge: it replaces the motion.
 pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
     let session = world.resource::<Session>();
     let demo = world.resource::<Demo2012>();
@@ -195,48 +183,29 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
         return;
     };
     let mut demo = world.resource_mut::<Demo2012>();
-    let law = Demo::of(&body, None);
-    let state = demo
-        .state
-        .get_or_insert_with(|| State::new(&body, &initial));
-    law.push(state, Demo::force_for(impulse), body_point);
+    let start = || State::new(&body, &initial);
+    let state = demo.state.get_or_insert_with(start);
+    Demo::of(&body, None).push(state, Demo::force_for(impulse), body_point);
 }
 
 /// Starts or ends the log of cycle times.
 fn toggle_log(world: &mut World) {
     let mut demo = world.resource_mut::<Demo2012>();
-    let text = match demo.log.take() {
-        Some(log) => format!(
-            "log of 2012 closed: {} ({} cycles)",
-            log.path.display(),
-            log.cycles
-        ),
-        None => match next_log() {
-            Ok(log) => {
-                let text = format!("log of 2012: {}", log.path.display());
-                demo.log = Some(log);
-                text
-            }
+    let text = if let Some(CycleLog { path, cycles, .. }) = demo.log.take() {
+        format!("log of 2012 closed: {} ({cycles} cycles)", path.display())
+    } else {
+        match platform::next_free("cycles-2012", "txt").and_then(CycleLog::create) {
+            Ok(log) => format!("log of 2012: {}", demo.log.insert(log).path.display()),
             Err(error) => format!("log of 2012: {error}"),
-        },
+        }
     };
     world.resource_mut::<Session>().notice(text);
 }
 
-fn next_log() -> std::io::Result<CycleLog> {
-    let free = (1..10_000)
-        .map(|n| PathBuf::from(format!("cycles-2012-{n:02}.txt")))
-        .find(|p| !p.exists())
-        .ok_or_else(|| std::io::Error::other("cycles-2012-01.txt to -9999.txt are taken"))?;
-    CycleLog::create(std::path::absolute(free)?)
-}
-
 fn main_box(world: &mut World) -> Option<(RigidBox, BodyState)> {
-    world
-        .query_filtered::<(&RigidBox, &BodyState), With<MainBox>>()
-        .iter(world)
-        .next()
-        .map(|(body, state)| (*body, *state))
+    let mut boxes = world.query_filtered::<(&RigidBox, &BodyState), With<MainBox>>();
+    let (body, state) = boxes.iter(world).next()?;
+    Some((*body, *state))
 }
 
 #[cfg(test)]

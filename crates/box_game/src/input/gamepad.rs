@@ -19,7 +19,7 @@ const PUSHES: [(GamepadButton, DVec3); 6] = [
 ];
 
 /// Reads the buttons. With the west button held, pushes act off-center.
-pub fn read_buttons(
+pub(super) fn read_buttons(
     pads: Query<&Gamepad>,
     integrator: Res<GlobalIntegrator>,
     mut actions: ResMut<Actions>,
@@ -35,16 +35,13 @@ pub fn read_buttons(
             }
         }
         let count = Integrator::ALL.len();
-        for (button, by) in [
-            (GamepadButton::LeftTrigger, count - 1),
-            (GamepadButton::RightTrigger, 1),
-        ] {
-            if pad.just_pressed(button) {
-                let next = (integrator.0.index() + by) % count;
-                actions.0.push(Action::SetIntegrator(Integrator::ALL[next]));
-            }
-        }
+        let next = |by| Integrator::ALL[(integrator.0.index() + by) % count];
         for (button, action) in [
+            (
+                GamepadButton::LeftTrigger,
+                Action::SetIntegrator(next(count - 1)),
+            ),
+            (GamepadButton::RightTrigger, Action::SetIntegrator(next(1))),
             (GamepadButton::Start, Action::TogglePause),
             (GamepadButton::Select, Action::Restart),
         ] {

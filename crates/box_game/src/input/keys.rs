@@ -16,7 +16,7 @@ use crate::platform;
 use crate::scene::session::Session;
 
 /// Interval at which a held push repeats \[s\].
-pub(super) const REPEAT: f32 = 0.1;
+const REPEAT: f32 = 0.1;
 
 /// The pushes: key and direction.
 const PUSHES: [(KeyCode, DVec3); 6] = [
@@ -66,19 +66,21 @@ pub(super) fn read_keys(
         })
     };
 
-    if keys.just_pressed(KeyCode::F1) {
-        actions.push(Action::ToggleHelp);
-    }
-    if platform::SCREENSHOT_KEY.is_some_and(|key| keys.just_pressed(key)) {
-        actions.push(Action::Screenshot);
-    }
+    let pressed = |key: &(KeyCode, Action)| keys.just_pressed(key.0).then(|| key.1.clone());
+    let screenshot = platform::SCREENSHOT_KEY.map(|key| (key, Action::Screenshot));
+    let help = (KeyCode::F1, Action::ToggleHelp);
+    actions.extend(
+        [Some(help), screenshot]
+            .iter()
+            .flatten()
+            .filter_map(pressed),
+    );
     if control {
-        if keys.just_pressed(KeyCode::KeyQ) {
-            actions.push(Action::Quit);
-        }
-        if keys.just_pressed(KeyCode::KeyO) {
-            actions.push(Action::TogglePicker);
-        }
+        let program = [
+            (KeyCode::KeyQ, Action::Quit),
+            (KeyCode::KeyO, Action::TogglePicker),
+        ];
+        actions.extend(program.iter().filter_map(pressed));
         // A text field has an undo of its own.
         if typed("z") && !focus.text {
             actions.push(if shift { Action::Redo } else { Action::Undo });
@@ -122,11 +124,9 @@ pub(super) fn read_keys(
     }
     // A digit key means its place, whatever it types, except with AltGr: [ is AltGr + 8 on a German keyboard.
     let alt_gr = held_down([KeyCode::AltRight; 2]);
-    let digit = DIGITS
-        .into_iter()
-        .zip(1..)
-        .find(|(key, _)| !alt_gr && keys.just_pressed(*key));
-    if let Some(integrator) = digit.and_then(|(_, digit)| integrator_of_key(digit)) {
+    let digit = DIGITS.iter().position(|key| keys.just_pressed(*key));
+    let digit = digit.filter(|_| !alt_gr).map(|k| k as u8 + 1);
+    if let Some(integrator) = digit.and_then(integrator_of_key) {
         actions.push(if shift {
             Action::Compare(CompareAction::ToggleComparison(integrator))
         } else {
@@ -160,24 +160,18 @@ pub(super) fn read_keys(
             actions.push(action);
         }
     }
-    for (key, action) in [
+    let view = [
         (KeyCode::Backspace, Action::Restart),
         (KeyCode::Home, Action::HomeCamera),
-    ] {
-        if keys.just_pressed(key) {
-            actions.push(action);
-        }
-    }
+    ];
+    actions.extend(view.iter().filter_map(pressed));
     // A focused widget keeps the keys that move within it.
     if !focus.widget {
-        if keys.just_pressed(KeyCode::Space) {
-            actions.push(Action::TogglePause);
-        }
-        if keys.just_pressed(KeyCode::ArrowRight) {
-            actions.push(Action::Step(steps));
-        }
-        if keys.just_pressed(KeyCode::ArrowLeft) {
-            actions.push(Action::StepBack(steps));
-        }
+        let clock = [
+            (KeyCode::Space, Action::TogglePause),
+            (KeyCode::ArrowRight, Action::Step(steps)),
+            (KeyCode::ArrowLeft, Action::StepBack(steps)),
+        ];
+        actions.extend(clock.iter().filter_map(pressed));
     }
 }

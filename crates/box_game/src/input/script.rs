@@ -50,9 +50,8 @@ pub fn load(path: &Path) -> Result<Vec<Beat>, String> {
     let read = || {
         let bytes = platform::read(path, MAX_BYTES + 1)?;
         if bytes.len() as u64 > MAX_BYTES {
-            return Err(std::io::Error::other(format!(
-                "longer than {MAX_BYTES} bytes"
-            )));
+            let text = format!("longer than {MAX_BYTES} bytes");
+            return Err(std::io::Error::other(text));
         }
         String::from_utf8(bytes).map_err(std::io::Error::other)
     };
@@ -85,7 +84,8 @@ fn parse(text: &str) -> Result<Vec<Beat>, String> {
 /// The script that is being played.
 #[derive(Resource, Clone, Debug)]
 pub struct Script {
-    beats: VecDeque<Beat>,
+    /// What is to come, with its time \[s\].
+    rest: VecDeque<(f64, Action)>,
     began: Option<f64>,
     /// Frames that `Quit` has waited for a picture.
     waited: u32,
@@ -94,16 +94,16 @@ pub struct Script {
 impl Script {
     /// A script of these beats.
     pub fn new(beats: Vec<Beat>) -> Self {
+        let timed = |beat: Beat| {
+            beat.actions
+                .into_iter()
+                .map(move |action| (beat.at, action))
+        };
         Self {
-            beats: beats.into(),
+            rest: beats.into_iter().flat_map(timed).collect(),
             began: None,
             waited: 0,
         }
-    }
-
-    /// No action is left.
-    pub fn is_over(&self) -> bool {
-        self.beats.is_empty()
     }
 }
 
@@ -116,7 +116,7 @@ pub fn play(
     script: Option<ResMut<Script>>,
     time: Res<Time<Real>>,
     pending: Res<PendingPictures>,
-    comparison: Option<Res<Comparison>>,
+    comparison: Res<Comparison>,
     mut actions: ResMut<Actions>,
     mut exit: MessageWriter<AppExit>,
 ) {
@@ -126,39 +126,34 @@ pub fn play(
     let now = time.elapsed_secs_f64();
     let began = *script.began.get_or_insert(now);
     let mut asking = false;
-    while let Some(beat) = script.beats.front_mut() {
+    while let Some((at, action)) = script.rest.front() {
         // A step of the clock is not always the same in its last digits.
-        if now - began < beat.at - 1e-6 {
+        if now - began < at - 1e-6 {
             return;
         }
-        while !beat.actions.is_empty() {
-            // A picture asked for in this frame is not counted before the next.
-            if beat.actions[0] == Action::Quit && (pending.0 > 0 || asking) {
-                script.waited += 1;
-                if script.waited > LONGEST_WAIT {
-                    error!("{} pictures were not written", pending.0);
-                    exit.write(AppExit::from_code(1));
-                }
-                return;
+        // A picture asked for in this frame is not counted before the next.
+        if *action == Action::Quit && (pending.0 > 0 || asking) {
+            script.waited += 1;
+            if script.waited > LONGEST_WAIT {
+                error!("{} pictures were not written", pending.0);
+                exit.write(AppExit::from_code(1));
             }
-            let picture = matches!(
-                beat.actions[0],
-                Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
-            );
-            let sweeping = comparison.as_ref().is_some_and(|c| c.is_sweeping());
-            if picture && sweeping {
-                return;
-            }
-            let action = beat.actions.remove(0);
-            let sweep = action == Action::Compare(CompareAction::StartSweep);
-            actions.0.push(action);
-            asking = true;
-            // What follows must not be in the picture, or must see that the sweep has begun: it waits for the next frame.
-            if picture || sweep {
-                return;
-            }
+            return;
         }
-        script.beats.pop_front();
+        let picture = matches!(
+            action,
+            Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
+        );
+        if picture && comparison.is_sweeping() {
+            return;
+        }
+        let sweep = *action == Action::Compare(CompareAction::StartSweep);
+        actions.0.extend(script.rest.pop_front().map(|next| next.1));
+        asking = true;
+        // What follows must not be in the picture, or must see that the sweep has begun: it waits for the next frame.
+        if picture || sweep {
+            return;
+        }
     }
 }
 
@@ -168,6 +163,7 @@ mod tests {
     use box_scenarios::Scenario;
 
     use super::*;
+    use crate::compare::Layout;
     use crate::compare::sweep::SweepTask;
 
     #[test]
@@ -180,73 +176,73 @@ mod tests {
                 SetCamera((yaw: 10, pitch: 20, distance: 6)),
                 SelectPlot(timing), SetDemo("2012-rk4"), SetDemo(None), Grab(None), Restart, Quit,
             ]),
+            (at: 2, actions: [Compare(ToggleComparison("rk4")), Compare(SetLayout(side_by_side))]),
         ]"#;
         let beats = parse(text).expect("a script");
-        assert_eq!(beats.len(), 2);
+        assert_eq!(beats.len(), 3);
+        let rk4 = CompareAction::ToggleComparison(Integrator::Rk4);
+        let layout = CompareAction::SetLayout(Layout::SideBySide);
+        assert_eq!(beats[2].actions, [rk4.into(), layout.into()]);
         let written = ron::to_string(&beats).expect("plain data");
+        assert!(written.contains(r#"ToggleComparison("rk4")"#), "{written}");
         let again: Vec<Beat> = ron::from_str(&written).expect("own text");
         assert_eq!(again, beats);
     }
 
-    #[test]
-    fn what_follows_a_picture_is_not_in_it() {
-        let actions = vec![
-            Action::TogglePause,
-            Action::ScreenshotTo("a.png".into()),
-            Action::Restart,
-            Action::Quit,
-        ];
+    /// Plays these actions at once, while `pictures` are not on disk yet.
+    fn playing(actions: &[Action], pictures: u32) -> App {
+        let actions = actions.to_vec();
         let mut app = App::new();
         app.init_resource::<Time<Real>>()
-            .init_resource::<PendingPictures>()
+            .insert_resource(PendingPictures(pictures))
             .init_resource::<Actions>()
+            .init_resource::<Comparison>()
             .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
             .add_systems(Update, play);
+        app
+    }
+
+    fn requested(app: &App) -> usize {
+        app.world().resource::<Actions>().0.len()
+    }
+
+    #[test]
+    fn what_follows_a_picture_is_not_in_it() {
+        let picture = Action::ScreenshotTo("a.png".into());
+        let actions = [Action::TogglePause, picture, Action::Restart, Action::Quit];
+        let mut app = playing(&actions, 0);
         for expected in [2, 3, 4] {
             app.update();
-            assert_eq!(app.world().resource::<Actions>().0.len(), expected);
+            assert_eq!(requested(&app), expected);
         }
         app.update();
-        assert!(app.world().resource::<Script>().is_over());
+        assert!(app.world().resource::<Script>().rest.is_empty());
     }
 
     #[test]
     fn a_picture_waits_for_the_sweep() {
         let setup = Scenario::find("heavy-top").expect("a scene").setup;
-        let mut comparison = Comparison::default();
         let task = SweepTask::new(setup, 1, Integrator::ALL.to_vec());
+        let mut app = playing(&[Action::ScreenshotTo("a.png".into())], 0);
+        let mut comparison = app.world_mut().resource_mut::<Comparison>();
         comparison.sweep.start(task).expect("a thread");
-        let actions = vec![Action::ScreenshotTo("a.png".into())];
-        let mut app = App::new();
-        app.init_resource::<Time<Real>>()
-            .init_resource::<PendingPictures>()
-            .init_resource::<Actions>()
-            .insert_resource(comparison)
-            .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
-            .add_systems(Update, play);
         app.update();
-        assert!(app.world().resource::<Actions>().0.is_empty());
+        assert_eq!(requested(&app), 0);
         app.world_mut().resource_mut::<Comparison>().sweep.cancel();
         app.update();
-        assert_eq!(app.world().resource::<Actions>().0.len(), 1);
+        assert_eq!(requested(&app), 1);
     }
 
     #[test]
     fn a_picture_that_never_arrives_ends_the_program_with_an_error() {
-        let actions = vec![Action::Quit];
-        let mut app = App::new();
-        app.init_resource::<Time<Real>>()
-            .insert_resource(PendingPictures(1))
-            .init_resource::<Actions>()
-            .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
-            .add_systems(Update, play);
+        let mut app = playing(&[Action::Quit], 1);
         for _ in 0..LONGEST_WAIT {
             app.update();
         }
         assert_eq!(app.should_exit(), None);
         app.update();
         assert_eq!(app.should_exit(), Some(AppExit::from_code(1)));
-        assert!(app.world().resource::<Actions>().0.is_empty());
+        assert_eq!(requested(&app), 0);
     }
 
     #[test]
@@ -256,6 +252,8 @@ mod tests {
         assert!(said.starts_with("2:") && said.contains("Fly"), "{said}");
         let said = error("[(at: 0, actions: [SetIntegrator(\"leapfrog\")])]");
         assert!(said.contains("leapfrog") && said.contains("rk4"), "{said}");
+        let said = error("[(at: 0, actions: [Compare(ToggleComparison(\"leapfrog\"))])]");
+        assert!(said.contains("leapfrog"), "{said}");
         assert!(error("[(at: 2, actions: []), (at: 1, actions: [])]").contains("beat 2: at"));
         assert!(error("[(at: inf, actions: [])]").contains("finite"));
         assert!(load(Path::new("/nowhere.ron")).is_err());

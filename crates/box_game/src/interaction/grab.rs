@@ -21,11 +21,11 @@ use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneStarted;
 
 /// Undamped frequency of a box held at its center \[Hz\]: fast to follow, slow to jerk.
-pub const FREQUENCY: f64 = 7.5;
+const FREQUENCY: f64 = 7.5;
 /// Share of critical damping.
-pub const DAMPING: f64 = 1.0;
+const DAMPING: f64 = 1.0;
 /// The largest force, in weights of the box at 9.81 m/s²: enough to whirl it, not to shoot it away.
-pub const FORCE_CAP: f64 = 100.0;
+const FORCE_CAP: f64 = 100.0;
 
 /// The grab in progress.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -48,7 +48,7 @@ pub fn release(_: On<SceneStarted>, mut grip: ResMut<Grip>) {
 }
 
 /// The impulse \[N s\] (world axes, at the held point) of a step of `h` \[s\].
-pub fn impulse(hold: &Hold, body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {
+fn impulse(hold: &Hold, body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {
     let mass = body.mass();
     let rate = core::f64::consts::TAU * FREQUENCY;
     let (stiffness, damping) = (mass * rate * rate, 2.0 * DAMPING * mass * rate);

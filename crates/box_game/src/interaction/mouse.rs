@@ -44,55 +44,35 @@ pub enum Hand {
     Canceled,
 }
 
-/// The mouse in one frame.
-#[derive(Clone, Copy, Debug)]
-pub struct Mouse {
-    /// The cursor [logical pixels], if it is over the window.
-    pub at: Option<Vec2>,
-    /// The left button went down.
-    pub pressed: bool,
-    /// The left button went up, or is up.
-    pub released: bool,
-    /// Notches of the wheel.
-    pub scroll: f64,
-    /// The cursor is over the panel.
-    pub over_panel: bool,
-    /// Escape was pressed.
-    pub escape: bool,
-}
-
 impl Hand {
-    /// After this frame. `aim` gives the point of the box under the cursor, `anchor` the point of the
+    /// After this frame of the pointer, which may be over the panel. `aim` gives the point of the box under the cursor, `anchor` the point of the
     /// world under it at a depth.
     pub fn next(
         self,
-        mouse: Mouse,
+        pointer: &Pointer,
+        over_panel: bool,
         aim: impl FnOnce() -> Option<Hit>,
         anchor: impl FnOnce(f64) -> Option<DVec3>,
         depth: impl FnOnce(DVec3) -> f64,
         out: &mut Vec<Action>,
     ) -> Self {
         match self {
-            Self::Pressed { .. } | Self::Dragging { .. } if mouse.escape => Self::Canceled,
-            Self::Canceled if mouse.released => Self::Idle,
+            Self::Pressed { .. } | Self::Dragging { .. } if pointer.canceled => Self::Canceled,
+            Self::Canceled if !pointer.left => Self::Idle,
             Self::Canceled => Self::Canceled,
-            Self::Idle => {
-                if !mouse.pressed || mouse.over_panel {
-                    return Self::Idle;
-                }
-                match (aim(), mouse.at) {
-                    (Some(hit), Some(at)) => Self::Pressed {
-                        hit,
-                        at,
-                        strength: 1.0,
-                    },
-                    _ => Self::Idle,
-                }
-            }
+            Self::Idle if over_panel || !pointer.left_pressed => Self::Idle,
+            Self::Idle => match (aim(), pointer.at) {
+                (Some(hit), Some(at)) => Self::Pressed {
+                    hit,
+                    at,
+                    strength: 1.0,
+                },
+                _ => Self::Idle,
+            },
             Self::Pressed { hit, at, strength } => {
-                let factor = NOTCH.powf(mouse.scroll);
+                let factor = NOTCH.powf(f64::from(pointer.notches));
                 let strength = (strength * factor).clamp(STRENGTH.0, STRENGTH.1);
-                if mouse.released {
+                if !pointer.left {
                     out.push(Action::Poke(Poke {
                         body_point: hit.point,
                         normal: hit.normal,
@@ -100,7 +80,7 @@ impl Hand {
                     }));
                     return Self::Idle;
                 }
-                if mouse.at.is_some_and(|now| now.distance(at) > CLICK) {
+                if pointer.at.is_some_and(|now| now.distance(at) > CLICK) {
                     return Self::Dragging {
                         body_point: hit.point,
                         depth: depth(hit.point),
@@ -109,7 +89,7 @@ impl Hand {
                 Self::Pressed { hit, at, strength }
             }
             Self::Dragging { body_point, depth } => {
-                if mouse.released {
+                if !pointer.left {
                     out.push(Action::Grab(None));
                     return Self::Idle;
                 }
@@ -141,13 +121,9 @@ pub fn use_mouse(
         .at
         .and_then(|at| camera.viewport_to_world(view, at).ok());
     let box_now = main_box.iter().next();
-    let mouse = Mouse {
-        at: pointer.at,
-        pressed: pointer.left_pressed,
-        released: !pointer.left,
-        scroll: f64::from(pointer.notches),
-        over_panel: focus.pointer,
-        escape: pointer.canceled || keys.just_pressed(KeyCode::Escape),
+    let pointer = Pointer {
+        canceled: pointer.canceled || keys.just_pressed(KeyCode::Escape),
+        ..*pointer
     };
     let (from, along) = ray.map_or((DVec3::ZERO, DVec3::ZERO), |r| {
         (r.origin.as_dvec3(), r.direction.as_dvec3())
@@ -155,7 +131,8 @@ pub fn use_mouse(
     let forward = view.forward().as_dvec3();
     let eye = view.translation().as_dvec3();
     let next = hand.next(
-        mouse,
+        &pointer,
+        focus.pointer,
         || box_now.and_then(|(body, state)| hit(body, state, from, along)),
         |depth| {
             let slope = along.dot(forward);
@@ -206,47 +183,48 @@ mod tests {
         normal: DVec3::Z,
     };
 
-    fn mouse(x: f32) -> Mouse {
-        Mouse {
+    const HOLD: Hand = Hand::Dragging {
+        body_point: ON_BOX.point,
+        depth: 7.0,
+    };
+
+    /// The pointer at `x` with the left button down.
+    fn held(x: f32) -> Pointer {
+        Pointer {
             at: Some(Vec2::new(x, 0.0)),
-            pressed: false,
-            released: false,
-            scroll: 0.0,
-            over_panel: false,
-            escape: false,
+            left: true,
+            ..default()
         }
     }
 
-    fn step(hand: Hand, mouse: Mouse, aim: Option<Hit>) -> (Hand, Vec<Action>) {
+    fn pressed() -> Pointer {
+        Pointer {
+            left_pressed: true,
+            ..held(0.0)
+        }
+    }
+
+    fn step(hand: Hand, pointer: Pointer, aim: Option<Hit>) -> (Hand, Vec<Action>) {
+        over(false, hand, pointer, aim)
+    }
+
+    fn over(panel: bool, hand: Hand, pointer: Pointer, aim: Option<Hit>) -> (Hand, Vec<Action>) {
         let mut out = Vec::new();
-        let next = hand.next(
-            mouse,
-            || aim,
-            |depth| Some(DVec3::Z * depth),
-            |_| 7.0,
-            &mut out,
-        );
+        let anchor = |depth| Some(DVec3::Z * depth);
+        let next = hand.next(&pointer, panel, || aim, anchor, |_| 7.0, &mut out);
         (next, out)
     }
 
     #[test]
     fn a_click_pokes_with_the_strength_scrolled() {
-        let down = Mouse {
-            pressed: true,
-            ..mouse(0.0)
-        };
-        let (hand, out) = step(Hand::Idle, down, Some(ON_BOX));
+        let (hand, out) = step(Hand::Idle, pressed(), Some(ON_BOX));
         assert!(matches!(hand, Hand::Pressed { .. }) && out.is_empty());
-        let wheel = Mouse {
-            scroll: 2.0,
-            ..mouse(2.0)
+        let wheel = Pointer {
+            notches: 2.0,
+            ..held(2.0)
         };
         let (hand, _) = step(hand, wheel, None);
-        let up = Mouse {
-            released: true,
-            ..mouse(2.0)
-        };
-        let (hand, out) = step(hand, up, None);
+        let (hand, out) = step(hand, Pointer::default(), None);
         assert_eq!(hand, Hand::Idle);
         let [Action::Poke(poke)] = out[..] else {
             panic!("{out:?}");
@@ -257,71 +235,41 @@ mod tests {
 
     #[test]
     fn a_drag_grabs_until_released_wherever_that_is() {
-        let down = Mouse {
-            pressed: true,
-            ..mouse(0.0)
-        };
-        let (hand, _) = step(Hand::Idle, down, Some(ON_BOX));
-        let (hand, out) = step(hand, mouse(20.0), None);
-        assert!(matches!(hand, Hand::Dragging { depth: 7.0, .. }) && out.is_empty());
+        let (hand, _) = step(Hand::Idle, pressed(), Some(ON_BOX));
+        assert_eq!(step(hand, held(20.0), None), (HOLD, vec![]));
         // Over the panel it is still the hand's.
-        let over_panel = Mouse {
-            over_panel: true,
-            ..mouse(400.0)
-        };
-        let (hand, out) = step(hand, over_panel, None);
-        assert_eq!(
-            out,
-            [Action::Grab(Some(Hold {
-                body_point: ON_BOX.point,
-                anchor: DVec3::Z * 7.0
-            }))]
-        );
-        let outside = Mouse {
-            at: None,
-            released: true,
-            ..mouse(0.0)
-        };
-        assert_eq!(
-            step(hand, outside, None),
-            (Hand::Idle, vec![Action::Grab(None)])
-        );
+        let grab = Action::Grab(Some(Hold {
+            body_point: ON_BOX.point,
+            anchor: DVec3::Z * 7.0,
+        }));
+        assert_eq!(over(true, HOLD, held(400.0), None), (HOLD, vec![grab]));
+        let released = (Hand::Idle, vec![Action::Grab(None)]);
+        assert_eq!(step(HOLD, Pointer::default(), None), released);
     }
 
     #[test]
     fn escape_ends_a_drag_until_the_button_is_pressed_again() {
-        let hold = Hand::Dragging {
-            body_point: ON_BOX.point,
-            depth: 7.0,
+        let escape = Pointer {
+            canceled: true,
+            ..held(20.0)
         };
-        let escape = Mouse {
-            escape: true,
-            ..mouse(20.0)
-        };
-        let (hand, out) = step(hold, escape, None);
-        assert_eq!((hand, &out[..]), (Hand::Canceled, &[][..]));
-        let (hand, out) = step(hand, mouse(30.0), Some(ON_BOX));
-        assert_eq!((hand, &out[..]), (Hand::Canceled, &[][..]));
-        let up = Mouse {
-            released: true,
-            ..mouse(30.0)
-        };
-        assert_eq!(step(hand, up, None), (Hand::Idle, vec![]));
+        for (hand, pointer, next) in [
+            (HOLD, escape, Hand::Canceled),
+            (Hand::Canceled, held(30.0), Hand::Canceled),
+            (Hand::Canceled, Pointer::default(), Hand::Idle),
+        ] {
+            assert_eq!(step(hand, pointer, Some(ON_BOX)), (next, vec![]));
+        }
     }
 
     #[test]
     fn what_begins_elsewhere_is_not_the_hand_s() {
-        let down = Mouse {
-            pressed: true,
-            ..mouse(0.0)
-        };
-        assert_eq!(step(Hand::Idle, down, None).0, Hand::Idle);
-        let panel = Mouse {
-            over_panel: true,
-            ..down
-        };
-        assert_eq!(step(Hand::Idle, panel, Some(ON_BOX)).0, Hand::Idle);
+        assert_eq!(step(Hand::Idle, pressed(), None).0, Hand::Idle);
+        assert_eq!(
+            over(true, Hand::Idle, pressed(), Some(ON_BOX)).0,
+            Hand::Idle
+        );
         // A drag that began on empty space and comes over the box.
-        assert_eq!(step(Hand::Idle, mouse(5.0), Some(ON_BOX)).0, Hand::Idle);
+        assert_eq!(step(Hand::Idle, held(5.0), Some(ON_BOX)).0, Hand::Idle);
     }
 }

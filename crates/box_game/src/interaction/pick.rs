@@ -64,14 +64,14 @@ mod tests {
         assert_eq!(front.normal, DVec3::Z);
         assert!((front.point - DVec3::new(0.1, 0.2, 0.125)).length() < 1e-12);
         assert!((front.distance - 4.875).abs() < 1e-12);
-        assert_eq!(
-            look(DVec3::new(0.6, 0.0, 5.0), DVec3::NEG_Z),
-            None,
-            "beside"
-        );
-        assert_eq!(look(DVec3::Z * 5.0, DVec3::Z), None, "behind");
-        assert_eq!(look(DVec3::ZERO, DVec3::Z), None, "inside");
-        assert_eq!(look(DVec3::Z * 5.0, DVec3::ZERO), None, "nowhere");
+        for (from, along, why) in [
+            (DVec3::new(0.6, 0.0, 5.0), DVec3::NEG_Z, "beside"),
+            (DVec3::Z * 5.0, DVec3::Z, "behind"),
+            (DVec3::ZERO, DVec3::Z, "inside"),
+            (DVec3::Z * 5.0, DVec3::ZERO, "nowhere"),
+        ] {
+            assert_eq!(look(from, along), None, "{why}");
+        }
     }
 
     #[test]

@@ -154,13 +154,11 @@ mod tests {
             let one = fingers.next(vec![finger(2, 230.0)]);
             assert!(!one.left && !one.other && !one.canceled);
         }
-        assert_eq!(
-            fingers.next(vec![]),
-            Pointer {
-                at: Some(Vec2::new(230.0, 10.0)),
-                ..default()
-            }
-        );
+        let last = Pointer {
+            at: Some(Vec2::new(230.0, 10.0)),
+            ..default()
+        };
+        assert_eq!(fingers.next(vec![]), last);
         assert!(fingers.next(vec![finger(3, 1.0)]).left_pressed);
     }
 }

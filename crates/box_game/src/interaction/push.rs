@@ -56,24 +56,17 @@ fn push_impulse(push: Push, body: &RigidBox, state: &BodyState, strength: f64) -
         push.direction
     };
     // The face whose outward normal is most against the push, in body axes.
-    let a = local.abs();
-    let axis = if a.x >= a.y && a.x >= a.z {
-        DVec3::X
-    } else if a.y >= a.z {
-        DVec3::Y
-    } else {
-        DVec3::Z
-    };
+    let axis = DVec3::AXES[local.abs().max_position()];
     let h = body.half_extents();
     let face = axis * (h * axis) * -local.dot(axis).signum();
     // The edge: off to the side along the next axis.
     let side = DVec3::new(axis.z, axis.x, axis.y);
-    let point = if push.off_center {
-        face + side * h
+    let off = if push.off_center {
+        side * h
     } else {
-        face
+        DVec3::ZERO
     };
-    (state.rotation * local * strength, point)
+    (state.rotation * local * strength, face + off)
 }
 
 #[cfg(test)]
@@ -86,26 +79,19 @@ mod tests {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid");
         let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt());
         let state = BodyState::at_pose(DVec3::ZERO, quarter);
-        let own = Push {
-            direction: DVec3::X,
-            world: false,
-            off_center: false,
+        let pushed = |world, off_center| {
+            let push = Push {
+                direction: DVec3::X,
+                world,
+                off_center,
+            };
+            push_impulse(push, &body, &state, 2.0)
         };
-        let (j, point) = push_impulse(own, &body, &state, 2.0);
+        let (j, point) = pushed(false, false);
         assert!((j - DVec3::Y * 2.0).length() < 1e-15);
         assert_eq!(point, DVec3::NEG_X * 0.5);
-        let (j, _) = push_impulse(Push { world: true, ..own }, &body, &state, 2.0);
-        assert!((j - DVec3::X * 2.0).length() < 1e-15);
+        assert!((pushed(true, false).0 - DVec3::X * 2.0).length() < 1e-15);
         // Off-center: at the edge of the face, so there is a moment about it.
-        let (_, point) = push_impulse(
-            Push {
-                off_center: true,
-                ..own
-            },
-            &body,
-            &state,
-            2.0,
-        );
-        assert_eq!(point, DVec3::new(-0.5, 0.25, 0.0));
+        assert_eq!(pushed(false, true).1, DVec3::new(-0.5, 0.25, 0.0));
     }
 }

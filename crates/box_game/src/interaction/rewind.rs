@@ -31,15 +31,7 @@ pub struct Moment {
     next_impulse: usize,
     demo: Option<dissertation::State>,
     /// Sorted by number.
-    bodies: Vec<Body>,
-}
-
-#[derive(Clone, Debug)]
-struct Body {
-    number: u32,
-    state: BodyState,
-    memory: IntegratorMemory,
-    contact: ContactState,
+    bodies: Vec<(BoxNumber, BodyState, IntegratorMemory, ContactState)>,
 }
 
 impl Moment {
@@ -49,16 +41,13 @@ impl Moment {
         if query.iter(world).len() > MOST_BODIES {
             return None;
         }
-        let mut bodies: Vec<Body> = query
+        let mut bodies: Vec<_> = query
             .iter(world)
-            .map(|(number, state, memory, contact)| Body {
-                number: number.0,
-                state: *state,
-                memory: memory.clone(),
-                contact: contact.clone(),
+            .map(|(&number, &state, memory, contact)| {
+                (number, state, memory.clone(), contact.clone())
             })
             .collect();
-        bodies.sort_unstable_by_key(|b| b.number);
+        bodies.sort_unstable_by_key(|body| body.0);
         Some(Self {
             clock: *world.resource::<PhysicsClock>(),
             next_impulse: world.resource::<Session>().next_impulse,
@@ -87,17 +76,17 @@ impl Moment {
         for (number, body, mut state, mut memory, mut contact, mut transform, mut aabb) in
             query.iter_mut(world)
         {
-            let Ok(at) = self.bodies.binary_search_by_key(&number.0, |b| b.number) else {
+            let Ok(at) = self.bodies.binary_search_by_key(number, |body| body.0) else {
                 continue;
             };
-            let kept = &self.bodies[at];
-            *state = kept.state;
-            memory.clone_from(&kept.memory);
-            *contact = kept.contact.clone();
-            *aabb = WorldAabb::of(body, &kept.state);
+            let (_, kept, then, touched) = &self.bodies[at];
+            *state = *kept;
+            memory.clone_from(then);
+            contact.clone_from(touched);
+            *aabb = WorldAabb::of(body, kept);
             // The pose in f32 is what the plugin would write: no teleport.
-            transform.translation = kept.state.position.as_vec3();
-            transform.rotation = kept.state.rotation.as_quat();
+            transform.translation = kept.position.as_vec3();
+            transform.rotation = kept.rotation.as_quat();
         }
     }
 }
@@ -110,24 +99,14 @@ pub struct Rewind {
 
 impl Rewind {
     /// Number of moments stored.
-    pub fn len(&self) -> usize {
+    pub fn kept(&self) -> usize {
         self.ring.len()
-    }
-
-    /// No moment is stored.
-    pub fn is_empty(&self) -> bool {
-        self.ring.is_empty()
     }
 
     fn push(&mut self, moment: Moment) {
         // A restart or a step back: what was to come is no past.
-        while self
-            .ring
-            .back()
-            .is_some_and(|last| last.clock.steps() >= moment.clock.steps())
-        {
-            self.ring.pop_back();
-        }
+        let future = |last: &mut Moment| last.clock.steps() >= moment.clock.steps();
+        while self.ring.pop_back_if(future).is_some() {}
         let bodies = moment.bodies.len().max(1);
         self.ring.push_back(moment);
         while self.ring.len() > LONGEST.min(BUDGET / bodies) {
@@ -176,19 +155,12 @@ fn step_back(world: &mut World, ticks: u32) {
     world.resource_mut::<PhysicsClock>().paused = true;
     let steps = world.resource::<PhysicsClock>().steps();
     let mut rewind = world.resource_mut::<Rewind>();
-    let mut target = None;
-    let mut left = ticks;
-    while left > 0 {
-        match rewind.ring.pop_back() {
-            // Moments from before a restart.
-            Some(moment) if moment.clock.steps() >= steps => {}
-            Some(moment) => {
-                target = Some(moment);
-                left -= 1;
-            }
-            None => break,
-        }
-    }
+    // Not those from before a restart.
+    let past = core::iter::from_fn(|| rewind.ring.pop_back());
+    let target = past
+        .filter(|moment| moment.clock.steps() < steps)
+        .take(ticks as usize)
+        .last();
     match target {
         Some(moment) => {
             moment.restore(world);

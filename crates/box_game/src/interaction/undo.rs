@@ -16,14 +16,8 @@ const MOST: usize = 100;
 /// Changes of one thing closer than this are one: a slider being dragged.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
 
-/// Settings that undo restores.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Settings {
-    parameters: Parameters,
-    integrator: Integrator,
-    /// Number of the scene's start.
-    run: u32,
-}
+/// Settings that undo restores, and the number of the scene's start.
+type Settings = (Parameters, Integrator, u32);
 
 /// The settings before a change.
 #[derive(Clone, Debug)]
@@ -75,15 +69,10 @@ fn change(action: &Action) -> Option<(&'static str, bool)> {
 impl Entry {
     fn now(world: &mut World, what: &'static str, restarts: bool) -> Self {
         let session = world.resource::<Session>();
-        let settings = Settings {
-            parameters: session.parameters,
-            integrator: world.resource::<GlobalIntegrator>().0,
-            run: session.run,
-        };
-        let moment = restarts.then(|| Moment::now(world)).flatten();
+        let integrator = world.resource::<GlobalIntegrator>().0;
         Self {
-            settings,
-            moment,
+            settings: (session.parameters, integrator, session.run),
+            moment: restarts.then(|| Moment::now(world)).flatten(),
             what,
         }
     }
@@ -91,24 +80,19 @@ impl Entry {
     /// Restores the entry, and returns the settings before.
     fn swap(self, world: &mut World) -> Self {
         let before = Self::now(world, self.what, self.moment.is_some());
-        let (old, new) = (before.settings, self.settings);
+        let ((old, old_integrator, _), (new, integrator, _)) = (before.settings, self.settings);
         let event = format!("undo {}", self.what);
-        world.resource_mut::<Session>().parameters = new.parameters;
-        let mut effects: Vec<Effect> = Parameter::ALL
-            .into_iter()
-            .filter(|&p| old.parameters.get(p) != new.parameters.get(p))
-            .map(|p| p.info().effect)
-            .collect();
-        if self.moment.is_some() {
-            effects.push(Effect::Restart);
-        }
+        world.resource_mut::<Session>().parameters = new;
+        let changed = |p: &Parameter| old.get(*p) != new.get(*p);
+        let changes = || Parameter::ALL.into_iter().filter(changed);
         for effect in [Effect::Clock, Effect::Live, Effect::Restart] {
-            if effects.contains(&effect) {
+            let restart = effect == Effect::Restart && self.moment.is_some();
+            if restart || changes().any(|p| p.info().effect == effect) {
                 take_effect(world, effect, event.clone());
             }
         }
-        if old.integrator != new.integrator {
-            world.trigger(Action::SetIntegrator(new.integrator));
+        if old_integrator != integrator {
+            world.trigger(Action::SetIntegrator(integrator));
         }
         if let Some(moment) = &self.moment {
             moment.restore(world);
@@ -165,21 +149,24 @@ pub fn on_action(action: On<Action>, mut stack: ResMut<UndoStack>, mut commands:
         _ => return,
     };
     stack.last = None;
-    let entry = if undo {
-        stack.past.pop()
+    let stack = &mut *stack;
+    let from = if undo {
+        &mut stack.past
     } else {
-        stack.future.pop()
+        &mut stack.future
+    };
+    let Some(entry) = from.pop() else {
+        return;
     };
     commands.queue(move |world: &mut World| {
-        let Some(before) = entry.map(|entry| entry.swap(world)) else {
-            return;
-        };
-        let mut stack = world.resource_mut::<UndoStack>();
-        if undo {
-            stack.future.push(before);
+        let before = entry.swap(world);
+        let stack = &mut *world.resource_mut::<UndoStack>();
+        let to = if undo {
+            &mut stack.future
         } else {
-            stack.past.push(before);
-        }
+            &mut stack.past
+        };
+        to.push(before);
     });
 }
 

@@ -10,7 +10,7 @@
 //! | CPU usage | of the system | not available |
 //!
 //! The clock is Bevy's (`bevy::platform::time`), and Bevy keeps the preferences (`bevy::settings`): a file, or the
-//! browser's local storage.
+//! browser's local storage. Errors are those of the operating system; a browser has none unless a function says so.
 
 pub mod query;
 
@@ -23,21 +23,22 @@ macro_rules! shipped {
 
 #[cfg(not(target_family = "wasm"))]
 mod native;
+#[cfg(target_family = "wasm")]
+mod web;
+
 #[cfg(not(target_family = "wasm"))]
-pub use native::{
+use native as system;
+#[cfg(target_family = "wasm")]
+use web as system;
+
+pub use system::{
     COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
     check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
     read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
 };
 
-#[cfg(target_family = "wasm")]
-mod web;
-#[cfg(target_family = "wasm")]
-pub use web::{
-    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
-    check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
-    read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
-};
+use std::io;
+use std::path::PathBuf;
 
 use clap::ValueEnum;
 
@@ -51,6 +52,24 @@ const SHIPPED: &[(&str, &str)] = &[
     shipped!("assets/scripts/flip-race.ron"),
     shipped!("assets/scripts/tour.ron"),
 ];
+
+/// The first of `name-01`, `name-02`, … with this extension that does not exist.
+pub fn next_free(name: &str, extension: &str) -> io::Result<PathBuf> {
+    (1..10_000)
+        .map(|n| PathBuf::from(format!("{name}-{n:02}.{extension}")))
+        .find(|path| !exists(path))
+        .ok_or_else(|| {
+            let last = format!("{name}-9999.{extension}");
+            io::Error::other(format!("{name}-01.{extension} to {last} exist"))
+        })
+}
+
+/// The path, if it ends in this extension, in any case.
+pub fn with_extension(text: &str, extension: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(text);
+    let own = path.extension()?;
+    own.eq_ignore_ascii_case(extension).then_some(path)
+}
 
 /// Requirements of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -79,18 +98,10 @@ mod tests {
     #[test]
     fn every_asset_is_shipped() {
         let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
-        let mut found: Vec<_> = ["assets/scenes", "assets/scripts"]
-            .iter()
-            .flat_map(|folder| list(&root.join(folder)))
-            .map(|path| {
-                path.strip_prefix(root)
-                    .expect("inside")
-                    .display()
-                    .to_string()
-            })
-            .collect();
+        let folders = ["assets/scenes", "assets/scripts"].map(|folder| list(&root.join(folder)));
+        let mut found = folders.concat();
         found.sort();
-        let shipped: Vec<_> = SHIPPED.iter().map(|(path, _)| *path).collect();
+        let shipped: Vec<_> = SHIPPED.iter().map(|(path, _)| root.join(path)).collect();
         assert_eq!(shipped, found);
     }
 }

@@ -12,9 +12,8 @@ use bevy::log::BoxedLayer;
 use bevy::prelude::*;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-use super::{Need, Unavailable, query};
+use super::{Need, Unavailable, query, with_extension};
 use crate::action::{Action, Actions};
-use crate::scene::library::file_path;
 use crate::scene::session::Session;
 
 /// Reason why the CPU usage is unknown, if it is.
@@ -139,7 +138,7 @@ fn open_files(mut actions: ResMut<Actions>, mut session: ResMut<Session>) {
     let given = files().take_given();
     for path in given {
         let path = path.display().to_string();
-        if file_path(&path).is_some() {
+        if with_extension(&path, "ron").is_some() {
             actions.0.push(Action::SelectScene(path));
         } else {
             session.notice(format!("{path}: a scene file ends in .ron"));
@@ -178,9 +177,6 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
 }
 
 /// Nothing to find out.
-///
-/// # Errors
-/// Never.
 pub fn probe(_: Need) -> Result<(), String> {
     Ok(())
 }
@@ -191,9 +187,6 @@ pub fn log_layer(_: &mut App) -> Option<BoxedLayer> {
 }
 
 /// The same path.
-///
-/// # Errors
-/// Never.
 pub fn absolute(path: &Path) -> io::Result<PathBuf> {
     Ok(path.to_owned())
 }
@@ -209,23 +202,15 @@ pub fn remove(path: &Path) {
 }
 
 /// Nothing to do.
-///
-/// # Errors
-/// Never.
 pub fn create_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
 /// A file that is written bit by bit: downloaded when it is closed.
+#[derive(Debug)]
 pub struct Stream {
     path: PathBuf,
     bytes: Vec<u8>,
-}
-
-impl core::fmt::Debug for Stream {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "{}, {} bytes", self.path.display(), self.bytes.len())
-    }
 }
 
 impl Write for Stream {
@@ -251,34 +236,22 @@ pub struct SyncedFile(Stream);
 
 impl SyncedFile {
     /// Of a file that was created.
-    ///
-    /// # Errors
-    /// Never.
     pub fn new(file: Stream) -> io::Result<Self> {
         Ok(Self(file))
     }
 
     /// Keeps `bytes`.
-    ///
-    /// # Errors
-    /// Never.
     pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         self.0.write_all(&bytes)
     }
 
     /// Does nothing.
-    ///
-    /// # Errors
-    /// Never.
     pub fn sync(&mut self) -> io::Result<()> {
         Ok(())
     }
 }
 
 /// Begins a download.
-///
-/// # Errors
-/// Never.
 pub fn create(path: &Path) -> io::Result<Stream> {
     files().written.push(path.to_owned());
     Ok(Stream {
@@ -288,9 +261,6 @@ pub fn create(path: &Path) -> io::Result<Stream> {
 }
 
 /// Downloads a file, under its name without folders.
-///
-/// # Errors
-/// Never.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = path.file_name().unwrap_or(path.as_os_str());
     download(&name.to_string_lossy(), bytes);
@@ -346,9 +316,6 @@ impl core::fmt::Debug for Worker {
 
 impl Worker {
     /// Calls `work` once in each frame until it returns `false`.
-    ///
-    /// # Errors
-    /// Never.
     pub fn spawn(work: impl FnMut() -> bool + Send + 'static) -> io::Result<Self> {
         Ok(Self {
             work: Mutex::new(Box::new(work)),

@@ -178,18 +178,14 @@ contacts,state,cpu_process_pct,cpu_system_pct,frame_ms,event";
             assert_eq!(rows.len(), 2 + n as usize);
             assert_eq!(log.bytes(), text.len() as u64);
         }
-        assert!(
-            std::fs::read_to_string(&path)
-                .expect("readable")
-                .contains("# seed: 7")
-        );
+        let text = std::fs::read_to_string(&path).expect("readable");
+        assert!(text.contains("# seed: 7"));
     }
 
     #[test]
     fn an_impossible_path_is_named() {
-        let error = CsvLog::create(Path::new("/nowhere/at/all.csv"), "throw", 1)
-            .err()
-            .expect("no folder");
-        assert!(error.to_string().contains("/nowhere/at/all.csv"));
+        let path = "/nowhere/at/all.csv";
+        let error = CsvLog::create(Path::new(path), "throw", 1).err();
+        assert!(error.expect("no folder").to_string().contains(path));
     }
 }

@@ -29,13 +29,6 @@ impl History {
     }
 }
 
-fn push<T>(ring: &mut VecDeque<T>, point: T) {
-    ring.push_back(point);
-    if ring.len() > LENGTH {
-        ring.pop_front();
-    }
-}
-
 /// Adds this frame.
 pub fn record(
     mut history: ResMut<History>,
@@ -57,7 +50,10 @@ pub fn record(
     if let (Some(store), true) = (diagnostics, due)
         && let Some((process, system)) = platform::cpu_usage(&store)
     {
-        push(&mut history.cpu, (wall, process, system));
+        history.cpu.push_back((wall, process, system));
+        if history.cpu.len() > LENGTH {
+            history.cpu.pop_front();
+        }
     }
 }
 

@@ -9,12 +9,11 @@ use box_physics::prelude::{
 
 use super::csv_log::{CsvLog, Row};
 use super::history::{History, frame_time};
-use super::screenshot::next_free;
 use crate::action::Action;
-use crate::compare::runner::Runner;
 use crate::compare::sampling::IntegratorSamples;
 use crate::compare::track::Track;
 use crate::compare::{Comparison, Quantity};
+use crate::platform;
 use crate::scene::session::{MainBox, Session};
 use box_scenarios::{Model, Status};
 
@@ -37,8 +36,7 @@ pub(super) fn on_action(
         commands.remove_resource::<CsvLog>();
         return;
     }
-    let opened = next_free("run", "csv")
-        .ok_or_else(|| std::io::Error::other("run-01.csv to run-9999.csv exist"))
+    let opened = platform::next_free("run", "csv")
         .and_then(|path| CsvLog::create(&path, session.scenario.id, session.seed));
     match opened {
         Ok(log) => {
@@ -55,24 +53,18 @@ pub(super) fn write_rows(
     (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
     main_box: Query<(&BodyState, Has<Quarantined>), With<MainBox>>,
     (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
-    (timings, samples, history): (
-        Option<Res<PhysicsTimings>>,
-        Res<IntegratorSamples>,
-        Res<History>,
-    ),
+    (timings, samples, history): (Res<PhysicsTimings>, Res<IntegratorSamples>, Res<History>),
     (diagnostics, frame, real): (
         Option<Res<DiagnosticsStore>>,
-        Option<Res<FrameCount>>,
-        Option<Res<Time<Real>>>,
+        Res<FrameCount>,
+        Res<Time<Real>>,
     ),
     mut commands: Commands,
 ) {
-    if let Some(timings) = &timings {
-        for &i in Integrator::ALL {
-            let outcome = timings.integrator(i).outcome;
-            session.fallbacks += outcome.fallbacks;
-            session.unconverged += outcome.unconverged;
-        }
+    for &i in Integrator::ALL {
+        let outcome = timings.integrator(i).outcome;
+        session.fallbacks += outcome.fallbacks;
+        session.unconverged += outcome.unconverged;
     }
     let event = core::mem::take(&mut session.events).join("; ");
     let (Some(mut log), Some((state, quarantined))) = (log, main_box.iter().next()) else {
@@ -82,50 +74,62 @@ pub(super) fn write_rows(
         return;
     };
     let substeps = clock.substeps.max(1);
-    let outcome = timings.as_ref().map(|t| t.integrator(integrator.0).outcome);
     let cpu = history.cpu.back();
     let common = Row {
         run_id: session.run_id(),
-        frame: frame.map_or(0, |f| u64::from(f.0)),
-        wall_t_s: real.map(|r| r.elapsed_secs_f64()),
+        frame: u64::from(frame.0),
+        wall_t_s: Some(real.elapsed_secs_f64()),
         cpu_process_pct: cpu.map(|c| c.1),
         cpu_system_pct: cpu.map(|c| c.2),
         frame_ms: frame_time(diagnostics.as_deref()),
         ..Row::default()
     };
+    let main_box = &run.main_box;
+    let (main_integrator, main_track) = (integrator.0, &main_box.track);
     let mut rows = vec![Row {
         sim_t_s: clock.time(),
         dt_s: clock.step() * f64::from(substeps),
         substeps,
-        rhs_evals: outcome.map_or(0, |o| o.evaluations),
-        contacts: run.main_box.contacts,
+        rhs_evals: timings.integrator(integrator.0).outcome.evaluations,
+        contacts: main_box.contacts,
         state: if quarantined {
             Status::Quarantined
         } else {
-            run.main_box.status()
+            main_box.status()
         },
         event,
         ..measured(
             &common,
-            0,
-            integrator.0,
-            &run.law,
-            state,
-            &run.main_box.track,
+            main_integrator,
+            (&*run.law, state),
+            main_track,
             &samples,
         )
     }];
-    for (k, runner) in run.comparisons.iter_mut().enumerate() {
-        if runner.simulation.driver.totals.steps != runner.logged {
-            rows.push(comparison_row(
-                &common,
-                k as u32 + 1,
-                runner,
-                run.step,
-                &samples,
-            ));
-            runner.logged = runner.simulation.driver.totals.steps;
+    for (trajectory, runner) in (1..).zip(&mut run.comparisons) {
+        let (simulation, track) = (&runner.simulation, &runner.track);
+        let driver = &simulation.driver;
+        if driver.totals.steps == runner.logged {
+            continue;
         }
+        runner.logged = driver.totals.steps;
+        let skew = core::mem::take(&mut runner.skew);
+        let now = (&*simulation.model, &driver.state);
+        rows.push(Row {
+            trajectory,
+            sim_t_s: driver.time,
+            dt_s: runner.factor * run.step,
+            substeps: 1,
+            rhs_evals: driver.totals.evaluations / driver.totals.steps.max(1),
+            contacts: driver.contacts(),
+            state: simulation.status(),
+            event: if skew > 0.0 {
+                format!("input {skew:e} s late")
+            } else {
+                String::new()
+            },
+            ..measured(&common, driver.integrator, now, track, &samples)
+        });
     }
     for row in rows {
         if let Err(error) = log.write(&row) {
@@ -136,53 +140,17 @@ pub(super) fn write_rows(
     }
 }
 
-fn comparison_row(
-    common: &Row,
-    number: u32,
-    runner: &mut Runner,
-    step: f64,
-    samples: &IntegratorSamples,
-) -> Row {
-    let driver = &runner.simulation.driver;
-    let skew = core::mem::take(&mut runner.skew);
-    Row {
-        sim_t_s: driver.time,
-        dt_s: runner.factor * step,
-        substeps: 1,
-        rhs_evals: driver.totals.evaluations / driver.totals.steps.max(1),
-        contacts: driver.contacts(),
-        state: runner.simulation.status(),
-        event: if skew > 0.0 {
-            format!("input {skew:e} s late")
-        } else {
-            String::new()
-        },
-        ..measured(
-            common,
-            number,
-            driver.integrator,
-            &runner.simulation.model,
-            &driver.state,
-            &runner.track,
-            samples,
-        )
-    }
-}
-
 /// The columns that every trajectory has.
 fn measured(
     common: &Row,
-    trajectory: u32,
     integrator: Integrator,
-    law: &Model,
-    state: &BodyState,
+    (law, state): (&Model, &BodyState),
     track: &Track,
     samples: &IntegratorSamples,
 ) -> Row {
     let cost = samples.cost(integrator);
     let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
     Row {
-        trajectory,
         integrator: integrator.id().to_owned(),
         step_ns_min: cost.map(|c| c.min),
         step_ns_med: cost.map(|c| c.median),

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use bevy::ecs::system::SystemParam;
 use bevy::image::ImageFormat;
 use bevy::prelude::*;
 use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
@@ -58,43 +59,40 @@ pub fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands:
     commands.insert_resource(ScreenshotRequest { path, plot });
 }
 
+/// What takes pictures.
+#[derive(SystemParam)]
+pub struct Capture<'w, 's> {
+    target: Res<'w, PictureTarget>,
+    session: ResMut<'w, Session>,
+    pending: ResMut<'w, PendingPictures>,
+    commands: Commands<'w, 's>,
+}
+
 /// Takes the requested picture.
 pub fn take_screenshot(
     request: Option<Res<ScreenshotRequest>>,
-    target: Res<PictureTarget>,
     plot: Res<PlotArea>,
-    mut session: ResMut<Session>,
-    mut pending: ResMut<PendingPictures>,
-    mut commands: Commands,
+    mut capture: Capture,
 ) {
     let Some(request) = request else {
         return;
     };
-    commands.remove_resource::<ScreenshotRequest>();
+    capture.commands.remove_resource::<ScreenshotRequest>();
     let name = if request.plot { "plot" } else { "box_game" };
     // A file that was named needs no notice, which would be in the next picture.
     let named = request.path.is_some();
-    let Some(path) = request.path.clone().or_else(|| next_free(name, "png")) else {
-        session.notice(format!("{name}-01.png to {name}-9999.png exist"));
-        return;
-    };
-    if request.plot && plot.0.is_empty() {
-        session.notice("no plot is open; M opens the plots");
-        return;
+    let path = request.path.clone();
+    match path.map_or_else(|| platform::next_free(name, "png"), Ok) {
+        Err(error) => capture.session.notice(error.to_string()),
+        Ok(_) if request.plot && plot.0.is_empty() => {
+            capture.session.notice("no plot is open; M opens the plots");
+        }
+        Ok(path) => capture.picture(request.plot.then_some(plot.0), path, named),
     }
-    let area = request.plot.then_some(plot.0);
-    capture(&target, area, path, named, &mut pending, &mut commands);
 }
 
 /// Takes the pictures of a series that are due.
-pub fn film(
-    filming: Option<ResMut<Filming>>,
-    time: Res<Time<Real>>,
-    target: Res<PictureTarget>,
-    mut session: ResMut<Session>,
-    mut pending: ResMut<PendingPictures>,
-    mut commands: Commands,
-) {
+pub fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
     let Some(mut filming) = filming else {
         return;
     };
@@ -103,52 +101,42 @@ pub fn film(
     if now < began + f64::from(filming.taken) / filming.film.rate - 1e-6 {
         return;
     }
+    let folder = &filming.film.folder;
     if filming.taken == 0
-        && let Err(error) = platform::create_folder(&filming.film.folder)
+        && let Err(error) = platform::create_folder(folder)
     {
-        session.notice(format!("{}: {error}", filming.film.folder.display()));
-        commands.remove_resource::<Filming>();
+        capture
+            .session
+            .notice(format!("{}: {error}", folder.display()));
+        capture.commands.remove_resource::<Filming>();
         return;
     }
+    let path = folder.join(format!("{:04}.png", filming.taken + 1));
+    capture.picture(None, path, true);
     filming.taken += 1;
-    let path = filming
-        .film
-        .folder
-        .join(format!("{:04}.png", filming.taken));
-    capture(&target, None, path, true, &mut pending, &mut commands);
     if filming.taken >= filming.film.pictures {
-        commands.remove_resource::<Filming>();
+        capture.commands.remove_resource::<Filming>();
     }
 }
 
-/// The first of `name-01`, `name-02`, … with this extension that does not exist.
-pub fn next_free(name: &str, extension: &str) -> Option<PathBuf> {
-    (1..10_000)
-        .map(|n| PathBuf::from(format!("{name}-{n:02}.{extension}")))
-        .find(|path| !platform::exists(path))
-}
-
-fn capture(
-    target: &PictureTarget,
-    area: Option<URect>,
-    path: PathBuf,
-    named: bool,
-    pending: &mut PendingPictures,
-    commands: &mut Commands,
-) {
-    pending.0 += 1;
-    commands.spawn(Screenshot(target.0.clone())).observe(
-        move |captured: On<ScreenshotCaptured>,
-              mut session: ResMut<Session>,
-              mut pending: ResMut<PendingPictures>| {
-            pending.0 = pending.0.saturating_sub(1);
-            match save(&captured.image, area, &path) {
-                Ok(()) if named => info!("picture: {}", path.display()),
-                Ok(()) => session.notice(format!("picture: {}", path.display())),
-                Err(error) => session.notice(format!("picture {}: {error}", path.display())),
-            }
-        },
-    );
+impl Capture<'_, '_> {
+    /// Takes a picture, or the part `area` of it, and saves it at `path`.
+    fn picture(&mut self, area: Option<URect>, path: PathBuf, named: bool) {
+        self.pending.0 += 1;
+        let picture = Screenshot(self.target.0.clone());
+        self.commands.spawn(picture).observe(
+            move |captured: On<ScreenshotCaptured>,
+                  mut session: ResMut<Session>,
+                  mut pending: ResMut<PendingPictures>| {
+                pending.0 = pending.0.saturating_sub(1);
+                match save(&captured.image, area, &path) {
+                    Ok(()) if named => info!("picture: {}", path.display()),
+                    Ok(()) => session.notice(format!("picture: {}", path.display())),
+                    Err(error) => session.notice(format!("picture {}: {error}", path.display())),
+                }
+            },
+        );
+    }
 }
 
 /// Writes a PNG.

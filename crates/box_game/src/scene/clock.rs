@@ -14,13 +14,17 @@ use crate::parameters::SPEEDS;
 pub const LONGEST_FRAME: f64 = 0.25;
 
 /// Observes pause and speed.
-pub fn on_action(action: On<Action>, session: Res<Session>, mut commands: Commands) {
+pub fn on_action(
+    action: On<Action>,
+    session: Res<Session>,
+    mut clock: ResMut<PhysicsClock>,
+    mut commands: Commands,
+) {
     let now = session.speed;
+    if *action == Action::TogglePause {
+        clock.paused ^= true;
+    }
     let speed = match *action {
-        Action::TogglePause => {
-            commands.queue(|world: &mut World| world.resource_mut::<PhysicsClock>().paused ^= true);
-            None
-        }
         Action::SetSpeed(speed) => Some(speed),
         Action::Slower => SPEEDS.into_iter().rfind(|&s| s < now * 0.999),
         Action::Faster => SPEEDS.into_iter().find(|&s| s > now * 1.001),

@@ -16,7 +16,7 @@ const INTERVAL: f64 = 0.5;
 const MOST: usize = 200;
 
 /// Every scene that can be chosen.
-#[derive(Resource, Debug)]
+#[derive(Resource, Debug, Default)]
 pub struct SceneLibrary {
     folder: PathBuf,
     /// The file of the command line, which may be anywhere.
@@ -51,7 +51,7 @@ impl SceneCard {
 }
 
 /// A file and its last content.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct SceneFile {
     path: PathBuf,
     stamp: Option<Stamp>,
@@ -60,15 +60,19 @@ struct SceneFile {
     error: Option<String>,
 }
 
+impl SceneFile {
+    fn has(&self, id: &str) -> bool {
+        self.scene.as_ref().is_some_and(|scene| scene.id == id)
+    }
+}
+
 impl SceneLibrary {
     /// The built-in scenes, the files of `folder` (which need not exist) and `opened`.
     pub fn new(folder: impl Into<PathBuf>, opened: Option<PathBuf>) -> Self {
         let mut library = Self {
             folder: folder.into(),
             opened,
-            files: Vec::new(),
-            menu: Vec::new(),
-            looked: None,
+            ..Self::default()
         };
         library.refresh();
         library
@@ -89,22 +93,15 @@ impl SceneLibrary {
     /// # Errors
     /// A sentence that lists the scenes, or names the error in the file.
     pub fn find(&self, text: &str) -> Result<Scenario, String> {
-        let file = self.files.iter().find_map(|f| {
-            let scene = f.scene.as_ref()?;
-            (scene.id == text || f.path == Path::new(text)).then(|| scene.clone())
-        });
-        match file {
-            Some(scene) => Ok(scene),
-            None => open(text),
-        }
+        let named = |f: &&SceneFile| f.has(text) || f.path == Path::new(text);
+        let file = self.files.iter().find(named);
+        let scene = file.and_then(|f| f.scene.clone());
+        scene.map_or_else(|| open(text), Ok)
     }
 
     /// The path of the file in which the scene with this id stands, if it is not built in.
     pub fn path_of(&self, id: &str) -> Option<String> {
-        let file = self
-            .files
-            .iter()
-            .find(|f| f.scene.as_ref().is_some_and(|scene| scene.id == id))?;
+        let file = self.files.iter().find(|f| f.has(id))?;
         Some(file.path.display().to_string())
     }
 
@@ -115,10 +112,8 @@ impl SceneLibrary {
 
     /// Reads every changed file. Returns the ids of the scenes whose content changed.
     pub fn refresh(&mut self) -> Vec<&'static str> {
-        let mut paths: Vec<PathBuf> = platform::list(&self.folder)
-            .into_iter()
-            .filter(|path| path.extension().is_some_and(|e| e == "ron"))
-            .collect();
+        let mut paths = platform::list(&self.folder);
+        paths.retain(|path| path.extension().is_some_and(|e| e == "ron"));
         paths.sort();
         paths.truncate(MOST);
         let listed = |path: &PathBuf| paths.iter().any(|p| same_file(p, path));
@@ -134,15 +129,13 @@ impl SceneLibrary {
                 continue;
             }
             let read = self.read(&path);
-            let at = known.unwrap_or_else(|| {
+            let at = known.unwrap_or(self.files.len());
+            if known.is_none() {
                 self.files.push(SceneFile {
                     path,
-                    stamp,
-                    scene: None,
-                    error: None,
+                    ..SceneFile::default()
                 });
-                self.files.len() - 1
-            });
+            }
             let file = &mut self.files[at];
             file.stamp = stamp;
             match read {
@@ -159,22 +152,18 @@ impl SceneLibrary {
         }
         let built_in = Scenario::ALL.iter().map(|build| build());
         let from_files = self.files.iter().filter_map(|f| f.scene.clone());
-        self.menu = built_in
-            .chain(from_files)
-            .map(|scene| SceneCard::of(&scene))
-            .collect();
+        let scenes = built_in.chain(from_files);
+        self.menu = scenes.map(|scene| SceneCard::of(&scene)).collect();
         changed
     }
 
     fn read(&self, path: &Path) -> Result<Scenario, String> {
         let scene = load(path)?;
-        let other =
-            |f: &SceneFile| f.path != path && f.scene.as_ref().is_some_and(|s| s.id == scene.id);
+        let other = |f: &SceneFile| f.path != path && f.has(scene.id);
         if Scenario::ids().contains(&scene.id) || self.files.iter().any(other) {
+            let (file, id) = (path.display(), scene.id);
             return Err(format!(
-                "{}: id: another scene is called '{}' already",
-                path.display(),
-                scene.id
+                "{file}: id: another scene is called '{id}' already"
             ));
         }
         Ok(scene)
@@ -205,11 +194,7 @@ fn load(path: &Path) -> Result<Scenario, String> {
 
 /// The path, if `text` names a file and not a scene.
 pub fn file_path(text: &str) -> Option<PathBuf> {
-    let path = PathBuf::from(text);
-    let ron = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("ron"));
-    ron.then_some(path)
+    platform::with_extension(text, "ron")
 }
 
 /// Observes the choice of a scene.
@@ -250,19 +235,16 @@ pub fn watch_scenes(world: &mut World) {
     let changed = library.refresh();
     let errors = library.errors();
     let playing = world.resource::<Session>().scenario.id;
-    let again = changed
-        .iter()
-        .find(|id| **id == playing)
-        .and_then(|id| world.resource::<SceneLibrary>().find(id).ok());
-    if let Some(scene) = again {
+    let again = world.resource::<SceneLibrary>().find(playing);
+    if let Some(scene) = again.ok().filter(|scene| changed.contains(&scene.id)) {
         let title = scene.title;
         open_scene(world, scene, false);
-        world
-            .resource_mut::<Session>()
-            .notice(format!("{title}: read again"));
+        let mut session = world.resource_mut::<Session>();
+        session.notice(format!("{title}: read again"));
     }
+    let mut session = world.resource_mut::<Session>();
     for error in errors.iter().filter(|e| first || !before.contains(e)) {
-        world.resource_mut::<Session>().notice(error.clone());
+        session.notice(error);
     }
 }
 
@@ -290,9 +272,8 @@ mod tests {
         // Broken: the last good one stays, and the error has the line.
         std::fs::write(&path, scene("mine", -1.0)).expect("writable");
         assert!(library.refresh().is_empty());
-        assert!(
-            library.errors()[0].contains("mine.ron:1:") && library.errors()[0].contains("mass")
-        );
+        let error = &library.errors()[0];
+        assert!(error.contains("mine.ron:1:") && error.contains("mass"));
         assert_eq!(library.find("mine").expect("kept").setup.body.mass(), 2.0);
         std::fs::write(&path, scene("mine", 33.0)).expect("writable");
         assert_eq!(library.refresh(), ["mine"]);
@@ -306,10 +287,8 @@ mod tests {
         library.refresh();
         assert!(library.find("mine").is_err());
         let error = library.find("moon").expect_err("none");
-        assert!(
-            error.contains("dzhanibekov") && error.contains(".ron"),
-            "{error}"
-        );
+        assert!(error.contains("dzhanibekov"), "{error}");
+        assert!(error.contains(".ron"), "{error}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub struct MainBox;
 pub struct SceneEntity;
 
 /// Number of a box in the scene; 0 is the main box.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BoxNumber(pub u32);
 
 /// The present scene and settings.
@@ -90,7 +90,7 @@ impl Session {
         let text = text.into();
         info!("{text}");
         self.notices.push_back(text);
-        while self.notices.len() > 4 {
+        if self.notices.len() > 4 {
             self.notices.pop_front();
         }
     }

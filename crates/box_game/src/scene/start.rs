@@ -59,11 +59,7 @@ pub fn open_scene(world: &mut World, scenario: Scenario, new: bool) {
 
 /// Starts the scene with the session's parameters: new boxes, clock at zero.
 pub fn start_scene(world: &mut World) {
-    let old: Vec<Entity> = world
-        .query_filtered::<Entity, With<SceneEntity>>()
-        .iter(world)
-        .collect();
-    for entity in old {
+    for entity in entities::<SceneEntity>(world) {
         world.despawn(entity);
     }
     let mut session = world.resource_mut::<Session>();
@@ -88,6 +84,11 @@ pub fn start_scene(world: &mut World) {
     world.trigger(SceneStarted);
 }
 
+fn entities<C: Component>(world: &mut World) -> Vec<Entity> {
+    let mut entities = world.query_filtered::<Entity, With<C>>();
+    entities.iter(world).collect()
+}
+
 /// Sets a parameter, or says why not.
 fn set(world: &mut World, parameter: Parameter, value: f64) {
     let mut session = world.resource_mut::<Session>();
@@ -110,11 +111,7 @@ pub fn take_effect(world: &mut World, effect: Effect, event: String) {
             session.perturb(event);
             let setup = session.setup();
             apply_world(world, &setup);
-            let boxes: Vec<Entity> = world
-                .query_filtered::<Entity, With<SceneEntity>>()
-                .iter(world)
-                .collect();
-            for entity in boxes {
+            for entity in entities::<SceneEntity>(world) {
                 insert_forces(&mut world.entity_mut(entity), &setup.forces);
             }
         }
@@ -128,10 +125,9 @@ fn reset_everything(world: &mut World) {
     world.resource_mut::<PhysicsClock>().paused = false;
     let mut session = world.resource_mut::<Session>();
     let fresh = Session::new(Scenario::default(), session.seed);
-    let (run, notices) = (session.run, core::mem::take(&mut session.notices));
     *session = Session {
-        run,
-        notices,
+        run: session.run,
+        notices: core::mem::take(&mut session.notices),
         ..fresh
     };
     set_speed(world, 1.0);
@@ -148,10 +144,8 @@ pub fn apply_timed_impulses(
     let start = clock.time() - clock.step();
     let impulses = &session.scenario.setup.impulses;
     let mut next = session.next_impulse;
-    while let Some(i) = impulses
-        .get(next)
-        .filter(|i| i.t <= start + 1e-9 * clock.step())
-    {
+    let due = start + 1e-9 * clock.step();
+    while let Some(i) = impulses.get(next).filter(|i| i.t <= due) {
         for (body, mut state) in &mut boxes {
             state.apply_impulse_at_body_point(body, i.impulse, i.body_point);
         }
@@ -166,13 +160,15 @@ pub fn apply_timed_impulses(
 fn apply_world(world: &mut World, setup: &Setup) {
     world.insert_resource(WorldGravity(setup.forces.gravity));
     apply_walls(world, setup);
-    match setup.floor {
-        Some(f) => match Floor::new(f.height, f.restitution, f.friction) {
-            Ok(floor) => world.insert_resource(floor),
-            Err(error) => world
-                .resource_mut::<Session>()
-                .notice(format!("floor: {error}")),
-        },
+    let floor = setup
+        .floor
+        .map(|f| Floor::new(f.height, f.restitution, f.friction));
+    match floor {
+        Some(Ok(floor)) => world.insert_resource(floor),
+        Some(Err(error)) => {
+            let mut session = world.resource_mut::<Session>();
+            session.notice(format!("floor: {error}"));
+        }
         None => {
             world.remove_resource::<Floor>();
         }
@@ -193,64 +189,61 @@ fn apply_walls(world: &mut World, setup: &Setup) {
         Some((friction, Restitution::new(f.restitution).ok()?))
     });
     let shapes = setup.floor.map(|f| f.walls()).unwrap_or_default();
-    let walls: Vec<_> = shapes
+    let walls: Vec<_> = surface
         .into_iter()
-        .zip(surface.into_iter().cycle())
+        .flat_map(|(mu, e)| shapes.iter().map(move |&plane| (plane, mu, e)))
         .collect();
-    let mut old =
-        world.query_filtered::<(Entity, &StaticPlane, &Friction, &Restitution), With<Wall>>();
-    let there: Vec<_> = old
-        .iter(world)
-        .map(|(entity, &plane, &mu, &e)| (entity, (plane, (mu, e))))
-        .collect();
-    if there.iter().map(|(_, wall)| wall).eq(&walls) {
+    let mut old = world.query_filtered::<(&StaticPlane, &Friction, &Restitution), With<Wall>>();
+    let there = old.iter(world).map(|(&plane, &mu, &e)| (plane, mu, e));
+    if there.eq(walls.iter().copied()) {
         return;
     }
-    for (entity, _) in there {
+    for entity in entities::<Wall>(world) {
         world.despawn(entity);
     }
     for wall in walls {
-        world.spawn((Wall, Name::new("wall"), wall.0, wall.1));
+        world.spawn((Wall, Name::new("wall"), wall));
     }
 }
 
 /// Replaces the force components of a body; an absent force has none.
 fn insert_forces(entity: &mut EntityWorldMut, forces: &ForceSet) {
-    entity.remove::<(
-        LinearDrag,
-        QuadraticDrag,
-        AngularDamping,
-        AngularDrag,
-        ExternalForce,
-        BodyTorque,
-        PointForces,
-        Springs,
-    )>();
-    if forces.linear_drag != 0.0 {
-        entity.insert(LinearDrag(forces.linear_drag));
-    }
-    if forces.quadratic_drag != 0.0 {
-        entity.insert(QuadraticDrag(forces.quadratic_drag));
-    }
-    if forces.angular_damping != 0.0 {
-        entity.insert(AngularDamping(forces.angular_damping));
-    }
-    if forces.angular_drag != 0.0 {
-        entity.insert(AngularDrag(forces.angular_drag));
-    }
-    if forces.force != DVec3::ZERO || forces.world_torque != DVec3::ZERO {
-        entity.insert(ExternalForce {
-            force: forces.force,
-            torque: forces.world_torque,
-        });
-    }
-    if forces.body_torque != DVec3::ZERO {
-        entity.insert(BodyTorque(forces.body_torque));
-    }
-    if !forces.point_forces.is_empty() {
-        entity.insert(PointForces(forces.point_forces.clone()));
-    }
-    if !forces.springs.is_empty() {
-        entity.insert(Springs(forces.springs.clone()));
+    let f = forces.clone();
+    let external = ExternalForce {
+        force: f.force,
+        torque: f.world_torque,
+    };
+    keep(entity, LinearDrag(f.linear_drag), f.linear_drag != 0.0);
+    keep(
+        entity,
+        QuadraticDrag(f.quadratic_drag),
+        f.quadratic_drag != 0.0,
+    );
+    keep(
+        entity,
+        AngularDamping(f.angular_damping),
+        f.angular_damping != 0.0,
+    );
+    keep(entity, AngularDrag(f.angular_drag), f.angular_drag != 0.0);
+    keep(entity, external, external != ExternalForce::default());
+    keep(
+        entity,
+        BodyTorque(f.body_torque),
+        f.body_torque != DVec3::ZERO,
+    );
+    keep(
+        entity,
+        PointForces(f.point_forces),
+        !forces.point_forces.is_empty(),
+    );
+    keep(entity, Springs(f.springs), !forces.springs.is_empty());
+}
+
+/// Inserts a component if it is wanted, and removes it otherwise.
+fn keep<C: Component>(entity: &mut EntityWorldMut, component: C, wanted: bool) {
+    if wanted {
+        entity.insert(component);
+    } else {
+        entity.remove::<C>();
     }
 }

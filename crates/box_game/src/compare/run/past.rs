@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use box_physics::prelude::{BodyState, Integrator};
-use box_scenarios::{Balance, Change, LiveReference, Model, ReferenceSolution};
+use box_physics::prelude::BodyState;
+use box_scenarios::{Balance, Change, LiveReference, Model};
 
 use super::Run;
 use crate::compare::Quantity;
-use crate::compare::flips::Flips;
-use crate::compare::runner::{Runner, SAME, Saved};
-use crate::compare::track::Track;
+use crate::compare::runner::{Runner, SAME};
 
 /// Distance of the states to which stepping back returns \[s\], and how many there are: four minutes.
 const CHECKPOINT: f64 = 1.0;
@@ -21,75 +19,53 @@ pub(super) struct Checkpoint {
     reference: LiveReference,
     law: Arc<Model>,
     main_box: (Balance, (f64, f64)),
-    comparisons: Vec<Saved>,
+    comparisons: Vec<Runner>,
 }
 
 impl Run {
-    /// Keeps a checkpoint where the last is old enough.
+    /// Keeps a checkpoint where the last is old enough. The first is the start, which stays.
     pub(super) fn save(&mut self) {
-        let due = self
-            .checkpoints
-            .back()
-            .is_none_or(|last| self.clock >= last.t + CHECKPOINT);
-        if due {
-            let main_box = &self.main_box;
-            self.checkpoints.push_back(Checkpoint {
-                t: self.clock,
-                reference: self.reference.clone(),
-                law: self.law.clone(),
-                main_box: (main_box.balance, main_box.track.now.worst),
-                comparisons: self.comparisons.iter().map(Runner::save).collect(),
-            });
-            if self.checkpoints.len() > CHECKPOINTS {
-                self.checkpoints.pop_front();
-            }
+        let last = self.checkpoints.back();
+        if last.is_some_and(|last| self.clock < last.t + CHECKPOINT) {
+            return;
+        }
+        let main_box = &self.main_box;
+        self.checkpoints.push_back(Checkpoint {
+            t: self.clock,
+            reference: self.reference.clone(),
+            law: self.law.clone(),
+            main_box: (main_box.balance, main_box.track.now.worst),
+            comparisons: self.comparisons.iter().map(Runner::save).collect(),
+        });
+        if self.checkpoints.len() > CHECKPOINTS {
+            self.checkpoints.remove(1);
         }
     }
 
     /// Back to `t` \[s\], where the main box was in `state`: the comparisons return to the checkpoint before it
-    /// (or to the start) and are simulated again up to there.
+    /// and are simulated again up to there.
     pub fn rewind(&mut self, t: f64, state: &BodyState) {
-        let margin = SAME * self.step;
-        self.inputs.rewind(t - margin);
-        while self.checkpoints.back().is_some_and(|c| c.t > t + margin) {
-            self.checkpoints.pop_back();
-        }
-        while self.rules.back().is_some_and(|r| r.t > t + margin) {
-            self.rules.pop_back();
-        }
-        let integrators: Vec<Integrator> = self.integrators().collect();
+        let end = t + SAME * self.step;
+        self.inputs.rewind(t - SAME * self.step);
+        self.rules.retain(|r| r.t <= end);
+        self.checkpoints.retain(|c| c.t == 0.0 || c.t <= end);
         let Some(c) = self.checkpoints.back().cloned() else {
-            // Before the first: again from the start.
-            self.reference = LiveReference::new(
-                &self.start.0,
-                self.start.1,
-                &self.impulses,
-                ReferenceSolution::closed_form(&{
-                    let mut setup = self.start.0.setup(self.start.1, 3600.0);
-                    setup.impulses = self.impulses.to_vec();
-                    setup
-                }),
-                self.step,
-            );
-            self.law = self.start.0.clone();
-            self.comparisons.clear();
-            self.choose(integrators);
-            self.main_box.balance = Balance::new(&self.law, &self.start.1);
-            self.main_box.track = Track::new(&self.law, &self.main_box.balance, &self.start.1, 0.0);
-            self.reference_flips = Flips::new(&self.law, &self.start.1, 0.0);
-            self.arrive(t, state);
             return;
         };
-        self.reference = c.reference.clone();
-        self.law = c.law.clone();
-        let mut comparisons = core::mem::take(&mut self.comparisons);
-        comparisons.retain_mut(|r| {
+        self.reference = c.reference;
+        self.reference.set_clock_step(self.step);
+        self.law = c.law;
+        let kept = self.comparisons.iter().map(|r| (r.integrator(), r.factor));
+        let (integrators, factors): (Vec<_>, Vec<_>) = kept.unzip();
+        self.comparisons.retain_mut(|r| {
             let mut saved = c.comparisons.iter();
             let saved = saved.find(|s| s.integrator() == r.integrator());
             saved.map(|s| r.restore(s)).is_some()
         });
-        self.comparisons = comparisons;
         self.choose(integrators);
+        for (runner, factor) in self.comparisons.iter_mut().zip(factors) {
+            runner.factor = factor;
+        }
         let main_box = &mut self.main_box;
         (main_box.balance, main_box.track.now.worst) = c.main_box;
         self.arrive(t, state);
@@ -99,22 +75,19 @@ impl Run {
     fn arrive(&mut self, t: f64, state: &BodyState) {
         // Inputs since the checkpoint belong to the reference as well.
         let from = self.checkpoints.back().map_or(0.0, |c| c.t);
-        for n in 0..self.inputs.end() {
-            if let Some(input) = self.inputs.get(n).filter(|i| i.t >= from - 1e-12).cloned() {
-                self.reference.push(input.t, &input.change);
-                if let Change::Model(law) = input.change {
-                    self.law = law;
-                }
+        for input in self.inputs.since(from - 1e-12) {
+            self.reference.push(input.t, &input.change);
+            if let Change::Model(law) = &input.change {
+                self.law = law.clone();
             }
         }
         self.clock = t;
         self.main_box.track.rewind(t);
         self.reference_flips.rewind(t);
         // Its own steps since then are not known: what they left over stays as the last sample had it.
-        let left = self.main_box.track.series.last().map_or(0.0, |s| {
-            let energy = s.get(Quantity::Energy);
-            if energy.is_finite() { energy } else { 0.0 }
-        });
+        let last = self.main_box.track.series.last();
+        let left = last.map(|s| s.get(Quantity::Energy));
+        let left = left.filter(|energy| energy.is_finite()).unwrap_or(0.0);
         self.main_box.balance.rebase(&self.law, state, left);
         self.main_box.diverged = self.main_box.diverged.filter(|d| d.t <= t);
         self.main_box.state = *state;

@@ -17,7 +17,7 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_bench::measure::{Cost, Stopwatch, wall_clock};
 use box_bench::snapshot::{LONGEST_SCENE, Sample, Snapshot};
-use box_physics::floor::{ContactSettings, ContactState, Floor};
+use box_physics::floor::ContactState;
 use box_physics::plugin::Stage;
 use box_physics::prelude::{BodyState, Integrator, PhysicsClock, PhysicsTimings, RigidBox};
 
@@ -50,14 +50,10 @@ impl Plugin for SamplingPlugin {
 /// The recent samples of every integrator and of the plugin.
 #[derive(Resource)]
 pub struct IntegratorSamples {
-    recent: Vec<VecDeque<(f64, f64)>>,
-    evaluations: Vec<f64>,
-    /// Sum and number of the samples of this run.
-    run: Vec<(f64, u32)>,
+    /// In the order of [`Integrator::ALL`].
+    each: Vec<Samples>,
     /// Steps of the plugin at this round's snapshot, and whether the round belongs to the run's mean.
     round: (u64, bool),
-    /// Minima over time: (time since start \[s\], ns), per integrator.
-    history: Vec<VecDeque<(f64, f64)>>,
     /// Time since start \[s\], and each stage of one step \[µs\].
     plugin: VecDeque<(f64, [f64; Stage::ALL.len()])>,
     /// Steps of the plugin at its last sample.
@@ -75,10 +71,21 @@ pub struct IntegratorSamples {
     pub budget: Duration,
 }
 
+/// The samples of one integrator: (time since start \[s\], ns).
+#[derive(Clone, Default)]
+struct Samples {
+    recent: VecDeque<(f64, f64)>,
+    /// Minima over time.
+    history: VecDeque<(f64, f64)>,
+    evaluations: f64,
+    /// Sum and number in this run.
+    run: (f64, u32),
+}
+
 /// What the samples belong to.
 #[derive(Clone, Debug, PartialEq)]
 struct Load {
-    scene: Option<String>,
+    scene: String,
     h: f64,
     boxes: usize,
     floor: bool,
@@ -88,13 +95,9 @@ struct Load {
 
 impl Default for IntegratorSamples {
     fn default() -> Self {
-        let n = Integrator::ALL.len();
         Self {
-            recent: vec![VecDeque::new(); n],
-            evaluations: vec![0.0; n],
-            run: vec![(0.0, 0); n],
+            each: vec![Samples::default(); Integrator::ALL.len()],
             round: (0, false),
-            history: vec![VecDeque::new(); n],
             plugin: VecDeque::new(),
             steps: 0,
             turn: Turn::default(),
@@ -111,14 +114,14 @@ impl Default for IntegratorSamples {
 impl IntegratorSamples {
     /// Cost of a body-step \[ns\], of the samples of the last two seconds.
     pub fn cost(&self, integrator: Integrator) -> Option<Cost> {
-        let recent = &self.recent[integrator.index()];
-        let recent: Vec<f64> = recent.iter().map(|s| s.1).collect();
+        let recent = self.each[integrator.index()].recent.iter();
+        let recent: Vec<f64> = recent.map(|s| s.1).collect();
         (!recent.is_empty()).then(|| Cost::of(&recent))
     }
 
     /// Mean of this run's samples [ns per body-step], each of another moment of the scene: what the sweep measures.
     pub fn mean_of_run(&self, integrator: Integrator) -> Option<f64> {
-        let (sum, count) = self.run[integrator.index()];
+        let (sum, count) = self.each[integrator.index()].run;
         (count > 0).then(|| sum / f64::from(count))
     }
 
@@ -139,12 +142,12 @@ impl IntegratorSamples {
 
     /// Force evaluations per body-step, measured.
     pub fn evaluations(&self, integrator: Integrator) -> f64 {
-        self.evaluations[integrator.index()]
+        self.each[integrator.index()].evaluations
     }
 
     /// (time \[s\], minimum ns per body-step), oldest first.
     pub fn history(&self, integrator: Integrator) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.history[integrator.index()].iter().copied()
+        self.each[integrator.index()].history.iter().copied()
     }
 
     /// What each stage of a step took in the plugin \[µs\], the median of the last two seconds; with a coarse clock,
@@ -166,19 +169,13 @@ impl IntegratorSamples {
         self.plugin.iter().map(|step| step.1)
     }
 
-    /// Age \[s\] at `time` \[s\] of the oldest sample that a figure is made from.
-    pub fn oldest(&self, time: f64) -> f64 {
-        let first = self.recent.iter().filter_map(|r| r.front().map(|s| s.0));
-        first
-            .chain(self.plugin.front().map(|s| s.0))
-            .fold(0.0, |age: f64, t| age.max(time - t))
-    }
-
     /// Drops what is too old, or everything if the load is another.
     fn begin(&mut self, time: f64, load: Load) {
         if self.load.as_ref() != Some(&load) {
-            self.recent.iter_mut().for_each(VecDeque::clear);
-            self.run.fill((0.0, 0));
+            for samples in &mut self.each {
+                samples.recent.clear();
+                samples.run = (0.0, 0);
+            }
             self.plugin.clear();
             self.snapshot = None;
             self.turn = Turn::of(self.turn.integrator);
@@ -186,7 +183,7 @@ impl IntegratorSamples {
         }
         let old = |t: f64| time - t > WINDOW;
         let least = usize::from(self.is_coarse());
-        for recent in &mut self.recent {
+        for Samples { recent, .. } in &mut self.each {
             while recent.len() > least && recent.front().is_some_and(|s| old(s.0)) {
                 recent.pop_front();
             }
@@ -197,19 +194,18 @@ impl IntegratorSamples {
     }
 
     fn record(&mut self, integrator: Integrator, time: f64, sample: Sample) {
-        let k = integrator.index();
-        self.recent[k].push_back((time, sample.nanoseconds));
-        self.evaluations[k] = sample.evaluations;
+        let samples = &mut self.each[integrator.index()];
+        samples.recent.push_back((time, sample.nanoseconds));
+        samples.evaluations = sample.evaluations;
         if self.round.1 {
-            self.run[k].0 += sample.nanoseconds;
-            self.run[k].1 += 1;
+            samples.run.0 += sample.nanoseconds;
+            samples.run.1 += 1;
         }
-        if let Some(cost) = self.cost(integrator) {
-            let history = &mut self.history[k];
-            history.push_back((time, cost.min));
-            if history.len() > HISTORY {
-                history.pop_front();
-            }
+        let times = samples.recent.iter().map(|s| s.1);
+        let min = times.fold(f64::INFINITY, f64::min);
+        samples.history.push_back((time, min));
+        if samples.history.len() > HISTORY {
+            samples.history.pop_front();
         }
     }
 
@@ -228,9 +224,8 @@ pub fn sample_integrators(
     mut samples: ResMut<IntegratorSamples>,
     boxes: Query<(&RigidBox, &BodyState, Option<&ContactState>)>,
     comparison: Res<Comparison>,
-    (clock, fixed): (Res<PhysicsClock>, Res<Time<Fixed>>),
-    (floor, settings): (Option<Res<Floor>>, Res<ContactSettings>),
-    (timings, session): (Option<Res<PhysicsTimings>>, Option<Res<Session>>),
+    clock: Res<PhysicsClock>,
+    (timings, session): (Res<PhysicsTimings>, Res<Session>),
     time: Res<Time<Real>>,
 ) {
     let Some(run) = &comparison.run else {
@@ -238,23 +233,15 @@ pub fn sample_integrators(
     };
     let samples = &mut *samples;
     let now = time.elapsed_secs_f64();
-    let h = fixed.timestep().as_secs_f64() / f64::from(clock.substeps.max(1));
-    let duration = session
-        .as_ref()
-        .map_or(LONGEST_SCENE, |s| s.scenario.setup.duration);
-    samples.begin(
-        now,
-        Load {
-            scene: session.map(|s| s.run_id()),
-            h,
-            boxes: boxes.iter().len(),
-            floor: floor.is_some(),
-            forced: !run.law.forces.is_gravity_alone(),
-        },
-    );
-    if let Some(timings) = &timings {
-        samples.record_plugin(now, clock.steps(), timings);
-    }
+    let load = Load {
+        scene: session.run_id(),
+        h: run.step,
+        boxes: boxes.iter().len(),
+        floor: run.law.floor.is_some(),
+        forced: !run.law.forces.is_gravity_alone(),
+    };
+    samples.begin(now, load);
+    samples.record_plugin(now, clock.steps(), &timings);
     let shortest = shortest_sample(samples.grain);
     let budget = if samples.is_coarse() {
         time.delta().mul_f64(SHARE).clamp(BUDGET, MOST)
@@ -265,21 +252,20 @@ pub fn sample_integrators(
     loop {
         let first = samples.turn.integrator == 0 && samples.turn.calls == 0;
         if first || samples.snapshot.is_none() {
-            let within = run.clock < duration.min(LONGEST_SCENE);
+            let end = session.scenario.setup.duration.min(LONGEST_SCENE);
+            let within = run.clock < end;
             samples.round = (clock.steps(), within && clock.steps() != samples.round.0);
-            let floor = floor.as_deref().map(|f| (*f, *settings));
-            let boxes = boxes.iter();
+            let floor = run.law.floor.map(|floor| (floor, run.law.settings));
             let boxes = boxes
-                .map(|(body, state, contact)| (body, state, contact.cloned().unwrap_or_default()));
-            samples.snapshot = Snapshot::new(boxes, &run.law.forces, floor, h);
+                .iter()
+                .map(|b| (b.0, b.1, b.2.cloned().unwrap_or_default()));
+            samples.snapshot = Snapshot::new(boxes, &run.law.forces, floor, run.step);
         }
         let Some(snapshot) = &mut samples.snapshot else {
             return;
         };
-        let part = budget.min(shortest);
-        let sample = samples
-            .turn
-            .take(snapshot, (part, shortest), samples.stopwatch);
+        let (length, stopwatch) = ((budget.min(shortest), shortest), samples.stopwatch);
+        let sample = samples.turn.take(snapshot, length, stopwatch);
         let complete = sample.is_some();
         if let Some(sample) = sample {
             samples.uncertainty = samples.turn.uncertainty(samples.grain);

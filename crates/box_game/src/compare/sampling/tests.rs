@@ -2,7 +2,7 @@ use super::*;
 
 fn load(h: f64) -> Load {
     Load {
-        scene: None,
+        scene: String::new(),
         h,
         boxes: 1,
         floor: false,
@@ -27,7 +27,10 @@ fn nothing_is_older_than_two_seconds_or_of_another_load() {
         samples.begin(time, load(0.1));
         samples.record(split, time, sample(if n < 300 { 900.0 } else { 20.0 }));
         samples.record_plugin(time, n.into(), &PhysicsTimings::default());
-        assert!(samples.oldest(time) <= WINDOW);
+        let recent = samples.each[split.index()].recent.front();
+        let plugin = samples.plugin.front().map(|s| s.0);
+        let oldest = recent.map(|s| s.0).into_iter().chain(plugin);
+        assert!(oldest.map(|t| time - t).all(|age| age <= WINDOW));
     }
     assert_eq!(samples.cost(split), Some(Cost::of(&[20.0])));
     assert!(samples.plugin().is_some());
@@ -58,11 +61,8 @@ fn a_coarse_clock_keeps_its_last_sample() {
 /// plot lie on the lines of the sweep.
 #[test]
 fn dots_lie_on_the_lines_of_the_sweep() {
-    use crate::app::GamePlugin;
     use crate::cli::Cli;
     use crate::compare::sweep::{Sweep, SweepTask};
-    use bevy::input::InputPlugin;
-    use bevy::time::TimeUpdateStrategy;
     use clap::Parser;
 
     const SECONDS: f64 = 3.0;
@@ -77,20 +77,15 @@ fn dots_lie_on_the_lines_of_the_sweep() {
     ] {
         let arguments = ["box_game", scene, "--boxes", &boxes.to_string()];
         let cli = Cli::try_parse_from(arguments).expect("valid");
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, InputPlugin, GamePlugin { cli }))
-            .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+        let mut app = crate::app::headless(cli);
         app.update();
         // Every integrator in every frame, on a clock of 30 ns a body-step or evaluation.
         let stopwatch: Stopwatch = |work| Duration::from_nanos(30 * work());
         let mut samples = app.world_mut().resource_mut::<IntegratorSamples>();
         (samples.stopwatch, samples.budget) = (stopwatch, Duration::from_secs(10));
-        app.world_mut()
-            .resource_mut::<Session>()
-            .scenario
-            .setup
-            .duration = SECONDS;
-        let setup = app.world().resource::<Session>().setup();
+        let mut session = app.world_mut().resource_mut::<Session>();
+        session.scenario.setup.duration = SECONDS;
+        let setup = session.setup();
         for _ in 0..(60.0 * SECONDS) as u32 {
             app.update();
         }
@@ -103,18 +98,13 @@ fn dots_lie_on_the_lines_of_the_sweep() {
         sweep.start(task).expect("a thread");
         sweep.wait();
         for line in sweep.lines() {
-            let at_60_hz = line
-                .points
-                .iter()
-                .find(|p| (p.dt * 60.0 - 1.0).abs() < 1e-9);
+            let mut points = line.points.iter();
+            let at_60_hz = points.find(|p| (p.dt * 60.0 - 1.0).abs() < 1e-9);
             let swept = at_60_hz.expect("a rate of the sweep").cost;
             let live = samples.mean_of_run(line.integrator).expect("sampled") * 60.0;
-            let ratio = live / swept;
-            if (ratio - 1.0).abs() > within {
-                let integrator = line.integrator;
-                wrong.push(format!(
-                    "{scene}, {integrator}: {live:.0} live, {swept:.0} swept"
-                ));
+            if (live / swept - 1.0).abs() > within {
+                let figures = format!("{live:.0} live, {swept:.0} swept");
+                wrong.push(format!("{scene}, {}: {figures}", line.integrator));
             }
         }
     }
@@ -125,11 +115,12 @@ fn dots_lie_on_the_lines_of_the_sweep() {
 fn memory_stays_flat() {
     let mut samples = IntegratorSamples::default();
     for n in 0_u32..10_000 {
-        samples.begin(f64::from(n) * 1e-3, load(0.1));
-        samples.record(Integrator::Split, f64::from(n) * 1e-3, sample(50.0));
-        samples.record_plugin(f64::from(n) * 1e-3, n.into(), &PhysicsTimings::default());
+        let time = f64::from(n) * 1e-3;
+        samples.begin(time, load(0.1));
+        samples.record(Integrator::Split, time, sample(50.0));
+        samples.record_plugin(time, n.into(), &PhysicsTimings::default());
     }
     assert_eq!(samples.history(Integrator::Split).count(), HISTORY);
-    assert!(samples.recent[0].len() <= 2001);
+    assert!(samples.each[Integrator::Split.index()].recent.len() <= 2001);
     assert!(samples.plugin.len() <= STEPS);
 }

@@ -27,7 +27,7 @@ pub struct Turn {
 
 impl Turn {
     /// A new sample of the integrator with this number.
-    pub(super) fn of(integrator: usize) -> Self {
+    pub(crate) fn of(integrator: usize) -> Self {
         Self {
             integrator,
             ..Self::default()
@@ -93,19 +93,13 @@ pub fn shortest_sample(grain: Duration) -> Duration {
 
 /// The smallest difference that the clock shows: the median of a few.
 pub fn measure_grain() -> Duration {
-    let mut last = Instant::now();
-    let mut steps: Vec<Duration> = (0..9)
-        .map(|_| {
-            loop {
-                let now = Instant::now();
-                let step = now - last;
-                if step > Duration::ZERO {
-                    last = now;
-                    return step;
-                }
-            }
-        })
-        .collect();
+    let mut steps = [Duration::ZERO; 9];
+    for step in &mut steps {
+        let last = Instant::now();
+        while step.is_zero() {
+            *step = last.elapsed();
+        }
+    }
     steps.sort();
     steps[steps.len() / 2]
 }
@@ -126,19 +120,13 @@ mod tests {
         let mut snapshot = Snapshot::new(all(), &forces, None, 1.0 / 60.0).expect("a body");
         let grain = Duration::from_micros(100);
         let mut measure = |part: Duration| {
-            let mut best = f64::INFINITY;
-            let mut parts = 0;
+            let (mut best, mut parts) = (f64::INFINITY, 0);
             for _ in 0..5 {
                 let mut turn = Turn::default();
-                let sample = loop {
-                    if let Some(sample) =
-                        turn.take(&mut snapshot, (part, GRAINS * grain), wall_clock)
-                    {
-                        break sample;
-                    }
-                };
+                let mut take = || turn.take(&mut snapshot, (part, GRAINS * grain), wall_clock);
+                let sample = core::iter::from_fn(|| Some(take())).flatten().next();
                 assert!(turn.elapsed >= GRAINS * grain);
-                best = best.min(sample.nanoseconds);
+                best = best.min(sample.expect("complete").nanoseconds);
                 parts = turn.parts.max(parts);
             }
             (best, parts)

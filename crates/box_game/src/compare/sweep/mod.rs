@@ -17,6 +17,7 @@ use work::Work;
 
 /// Rates of the steps [1/s], coarsest first; every step fits a whole number of times into the first.
 pub const RATES: [u32; 8] = [15, 30, 60, 120, 240, 480, 960, 1920];
+
 /// One step size of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepPoint {
@@ -109,9 +110,8 @@ impl Sweep {
         self.cancel();
         self.shared = Arc::new(Shared::of(&task.integrators));
         self.total = (task.integrators.len() * RATES.len()) as u32;
-        let shared = self.shared.clone();
-        let mut work = Work::new(task);
-        self.worker = Some(Worker::spawn(move || work.slice(&shared))?);
+        let mut work = Work::new(task, &self.shared);
+        self.worker = Some(Worker::spawn(move || work.slice())?);
         Ok(())
     }
 
@@ -150,11 +150,8 @@ impl Sweep {
 
     /// The lines so far.
     pub fn lines(&self) -> Vec<SweepLine> {
-        self.shared
-            .lines
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .clone()
+        let lines = self.shared.lines.lock();
+        lines.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// Forgets the lines: they are of another scene.

@@ -78,14 +78,14 @@ fn a_sweep_in_slices_under_a_coarse_clock() {
             grain: Duration::from_micros(100),
             ..task(&setup, &[Integrator::Split, Integrator::Rk4])
         };
-        let (shared, mut slices) = (Shared::of(&task.integrators), 1);
-        let mut work = Work::new(task);
-        while work.slice(&shared) {
+        let (shared, mut slices) = (Arc::new(Shared::of(&task.integrators)), 1);
+        let mut work = Work::new(task, &shared);
+        while work.slice() {
             slices += 1;
         }
         // 16 points of 3 samples of 50 grains are 240 ms: 30 slices of 8 ms.
         assert!(slices >= 20, "{scene}: {slices} slices");
-        let lines = shared.lines.into_inner().expect("not poisoned");
+        let lines = shared.lines.lock().expect("not poisoned");
         assert_eq!(lines.len(), 2);
         let points = lines.iter().flat_map(|l| &l.points);
         assert!(points.clone().all(|p| p.cost > 0.0), "{scene}");

@@ -28,11 +28,9 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
         let variables = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
         let set = |name: &&str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
         if !variables.iter().any(set) {
-            return Err(Unavailable {
-                reason: "There is no display: neither DISPLAY nor WAYLAND_DISPLAY is set."
-                    .to_owned(),
-                advice: NO_DISPLAY,
-            });
+            return Err(no_display(
+                "There is no display: neither DISPLAY nor WAYLAND_DISPLAY is set.",
+            ));
         }
     }
     let what = match need {
@@ -58,13 +56,10 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
             // A display that accepts and never answers.
             let _ = child.kill();
             let _ = child.wait();
-            return Err(Unavailable {
-                reason: format!(
-                    "The display did not answer within {} s.",
-                    PATIENCE.as_secs()
-                ),
-                advice: NO_DISPLAY,
-            });
+            return Err(no_display(&format!(
+                "The display did not answer within {} s.",
+                PATIENCE.as_secs()
+            )));
         }
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -73,6 +68,13 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
             Err(explain(&String::from_utf8_lossy(&output.stderr)))
         }
         _ => Ok(()),
+    }
+}
+
+fn no_display(reason: &str) -> Unavailable {
+    Unavailable {
+        reason: reason.to_owned(),
+        advice: NO_DISPLAY,
     }
 }
 
@@ -97,14 +99,10 @@ fn explain(words: &str) -> Unavailable {
 
 /// The child's part: opens what is needed, or says why not. Panics of the libraries end the process
 /// with their message, which is just as good.
-///
-/// # Errors
-/// The reason, for standard error.
 pub fn probe(need: Need) -> Result<(), String> {
     if need == Need::Window {
-        let event_loop = winit::event_loop::EventLoop::new()
+        winit::event_loop::EventLoop::new()
             .map_err(|e| format!("The display could not be opened: {e}"))?;
-        drop(event_loop);
     }
     let instance =
         wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
@@ -120,21 +118,25 @@ mod tests {
 
     #[test]
     fn reasons_and_advice() {
-        let e =
-            explain("thread main panicked\n  libxkbcommon-x11.so.0: cannot open shared library\n");
-        assert_eq!(
-            e.reason,
-            "libxkbcommon-x11.so.0: cannot open shared library"
-        );
-        assert_eq!(e.advice, NO_LIBRARY);
-        assert_eq!(
-            explain("There is no GPU (no Vulkan adapter)").advice,
-            NO_GPU
-        );
-        assert_eq!(
-            explain("Failed to open display\nnote: run with RUST_BACKTRACE=1").reason,
-            "Failed to open display"
-        );
-        assert_eq!(explain("").advice, NO_DISPLAY);
+        const LIBRARY: &str = "libxkbcommon-x11.so.0: cannot open shared library";
+        const GPU: &str = "There is no GPU (no Vulkan adapter)";
+        const DISPLAY: &str = "Failed to open display";
+        for (words, reason, advice) in [
+            (
+                &*format!("thread main panicked\n  {LIBRARY}\n"),
+                LIBRARY,
+                NO_LIBRARY,
+            ),
+            (GPU, GPU, NO_GPU),
+            (
+                &format!("{DISPLAY}\nnote: run with RUST_BACKTRACE=1"),
+                DISPLAY,
+                NO_DISPLAY,
+            ),
+            ("", "The display could not be opened.", NO_DISPLAY),
+        ] {
+            let said = explain(words);
+            assert_eq!((&*said.reason, said.advice), (reason, advice));
+        }
     }
 }

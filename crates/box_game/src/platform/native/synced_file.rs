@@ -32,9 +32,6 @@ pub struct SyncedFile {
 
 impl SyncedFile {
     /// Starts the thread.
-    ///
-    /// # Errors
-    /// Where the system gives no thread.
     pub fn new(file: File) -> io::Result<Self> {
         let (sender, receiver) = mpsc::sync_channel(BACKLOG);
         let thread = std::thread::Builder::new()
@@ -47,17 +44,11 @@ impl SyncedFile {
     }
 
     /// Hands `bytes` to the thread.
-    ///
-    /// # Errors
-    /// The error that ended the thread.
     pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         self.send(Message::Write(bytes))
     }
 
     /// Waits until everything written so far is on disk.
-    ///
-    /// # Errors
-    /// The error that ended the thread.
     pub fn sync(&mut self) -> io::Result<()> {
         let (done, wait) = mpsc::sync_channel(1);
         self.send(Message::Sync(done))?;
@@ -98,13 +89,11 @@ impl Drop for SyncedFile {
 fn serve(mut file: File, receiver: &Receiver<Message>) -> io::Result<()> {
     let mut due: Option<Instant> = None;
     loop {
-        let wait = due.map_or(LONG, |at| at.saturating_duration_since(Instant::now()));
-        let message = if due.is_some() && wait.is_zero() {
-            Err(RecvTimeoutError::Timeout)
-        } else {
-            receiver.recv_timeout(wait)
-        };
-        match message {
+        let now = Instant::now();
+        if due.take_if(|at| *at <= now).is_some() {
+            file.sync_data()?;
+        }
+        match receiver.recv_timeout(due.map_or(LONG, |at| at - now)) {
             Ok(Message::Write(bytes)) => {
                 file.write_all(&bytes)?;
                 due.get_or_insert_with(|| Instant::now() + DELAY);
@@ -115,11 +104,7 @@ fn serve(mut file: File, receiver: &Receiver<Message>) -> io::Result<()> {
                 // The caller may have given up waiting.
                 let _ = done.send(());
             }
-            Err(RecvTimeoutError::Timeout) => {
-                if due.take().is_some() {
-                    file.sync_data()?;
-                }
-            }
+            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return file.sync_data(),
         }
     }
