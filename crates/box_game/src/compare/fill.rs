@@ -5,7 +5,7 @@ use super::track::Track;
 use super::{CompareView, Comparison, Quantity, Settings, SweepView, TrajectoryView};
 use crate::action::Plot;
 use crate::compare::sampling::IntegratorSamples;
-use crate::ui::panel::decimate::{NARROW, decimate_to};
+use crate::ui::panel::decimate::{NARROW, decimate};
 use box_physics::prelude::Integrator;
 use box_scenarios::Status;
 
@@ -58,12 +58,7 @@ pub fn compare_view(
         energies: track.now.energies,
         lines: shown
             .iter()
-            .map(|&q| {
-                (
-                    q,
-                    decimate_to(NARROW, track.series.points(q, window).into_iter()),
-                )
-            })
+            .map(|&q| (q, decimate(NARROW, &track.series.points(q, window))))
             .collect(),
     };
     view.trajectories.push(TrajectoryView {
