@@ -12,7 +12,7 @@ use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, RigidBox};
 use crate::camera::views::everywhere;
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{MainBox, Session};
-use crate::view::marks::{marked_cuboid, shaded_cuboid};
+use crate::view::marks::cuboid;
 use crate::view::style;
 
 /// Edge of the drawn floor \[m\].
@@ -171,7 +171,7 @@ pub(super) fn dress_boxes(
         let [marked, plain] = match &look.meshes {
             Some((size, meshes)) if *size == half => meshes.clone(),
             _ => {
-                let made = [marked_cuboid(half), shaded_cuboid(half)].map(|mesh| meshes.add(mesh));
+                let made = [true, false].map(|marked| meshes.add(cuboid(half, marked)));
                 look.meshes = Some((half, made.clone()));
                 made
             }

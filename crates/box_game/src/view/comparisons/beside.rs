@@ -12,7 +12,7 @@ use crate::camera::orbit::OrbitCamera;
 use crate::camera::views::{self, PictureArea};
 use crate::compare::{Comparison, Run};
 use crate::scene::session::Session;
-use crate::view::marks::marked_cuboid;
+use crate::view::marks::cuboid;
 
 /// Width of a strip of ground in radii of the box.
 const STRIP: f32 = 2.3;
@@ -49,16 +49,16 @@ pub(super) fn place_pieces(
         return;
     };
     let half = run.law.body.half_extents().as_vec3();
-    let [cuboid, plane] = match &*made {
+    let [solid, plane] = match &*made {
         Some((size, meshes)) if *size == half => meshes.clone(),
         _ => {
             let plane = Plane3d::new(Vec3::Y, Vec2::splat(0.5));
-            let new = [meshes.add(marked_cuboid(half)), meshes.add(plane)];
+            let new = [meshes.add(cuboid(half, true)), meshes.add(plane)];
             *made = Some((half, new.clone()));
             new
         }
     };
-    let mesh = |piece: Piece| if piece.ground { &plane } else { &cuboid };
+    let mesh = |piece: Piece| if piece.ground { &plane } else { &solid };
     let layout = drawn(&comparison, area.is_some());
     let mut missing = wanted(run, layout);
     for (piece, mut transform, mut visibility, mut shape, mut layers) in &mut pieces {

@@ -4,11 +4,10 @@
 use std::sync::Arc;
 
 use bevy::math::Vec3;
-use bevy_egui::Rot2;
+use bevy_egui::egui::emath::Rot2;
 use bevy_egui::egui::text::LayoutJob;
 use bevy_egui::egui::{
-    Color32, Context, Galley, LayerId, Order, Painter, Pos2, Rect, Stroke, TextFormat, Vec2, pos2,
-    vec2,
+    Color32, Context, Galley, LayerId, Order, Painter, Pos2, Rect, Stroke, TextFormat, Vec2, vec2,
 };
 use box_scenarios::dissertation::Stepper;
 
@@ -252,6 +251,7 @@ fn plate(painter: &Painter, label: &Label, corner: Pos2) -> Rect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bevy_egui::egui::pos2;
 
     fn label(at: (f32, f32)) -> Label {
         Label {

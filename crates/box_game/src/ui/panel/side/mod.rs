@@ -3,9 +3,7 @@
 mod integrators;
 mod parameters;
 
-use bevy_egui::egui::{
-    CollapsingHeader, Grid, Label, RichText, ScrollArea, Ui, style::ScrollStyle,
-};
+use bevy_egui::egui::{CollapsingHeader, Grid, Label, ScrollArea, Ui, style::ScrollStyle};
 
 use super::format::{bytes, grouped, quantity};
 use super::view::FIGURES;

@@ -93,16 +93,6 @@ pub(super) fn step(ui: &mut Ui, panel: &mut Panel<'_>) {
     reset(ui, panel, "step", &both);
 }
 
-/// The six buttons: name and direction.
-const PUSHES: [(&str, DVec3); 6] = [
-    ("+x", DVec3::X),
-    ("+y", DVec3::Y),
-    ("+z", DVec3::Z),
-    ("−x", DVec3::NEG_X),
-    ("−y", DVec3::NEG_Y),
-    ("−z", DVec3::NEG_Z),
-];
-
 pub(super) fn push(ui: &mut Ui, panel: &mut Panel<'_>) {
     rows(ui, panel, &[Parameter::Impulse]);
     let strength = number(panel.view.parameters.impulse);
@@ -110,19 +100,16 @@ pub(super) fn push(ui: &mut Ui, panel: &mut Panel<'_>) {
     let off_center = panel.memory.push_off_center || modifiers.shift;
     let world = panel.memory.push_world || modifiers.alt;
     let whose = if world { "the world" } else { "the box" };
-    let place = if off_center {
-        ", at the edge of the face"
-    } else {
-        ""
-    };
-    for half in PUSHES.chunks(3) {
+    let place = ["", ", at the edge of the face"][usize::from(off_center)];
+    let opposite = [DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+    for (sign, directions) in [("+", DVec3::AXES), ("−", opposite)] {
         ui.horizontal(|ui| {
-            for &(name, direction) in half {
+            for (direction, axis) in directions.into_iter().zip(["x", "y", "z"]) {
+                let name = format!("{sign}{axis}");
                 let size = vec2(64.0, ui.spacing().interact_size.y);
-                let button = ui.add_sized(size, Button::new(name));
-                button.widget_info(|| {
-                    WidgetInfo::labeled(WidgetType::Button, true, format!("Push {name}"))
-                });
+                let button = ui.add_sized(size, Button::new(name.as_str()));
+                let accessible = format!("Push {name}");
+                button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &accessible));
                 identify(&button, format!("push {name}"));
                 let hint = format!("{strength} N s along {name} of {whose}{place}.");
                 if button.on_hover_text(hint).clicked() {

@@ -5,58 +5,26 @@ use box_physics::prelude::{DVec3, Integrator};
 use egui_kittest::kittest::NodeT;
 
 use super::{id_of, sample_view, with};
-use crate::action::compare::{CompareAction, Fairness, Layout, Window};
+use crate::action::compare::{CompareAction, Layout, Window};
 use crate::action::{Action, Plot, Push};
 use crate::compare::verdict::short;
 use crate::parameters::Parameter;
 
+/// Requests by one click on the sample, in the words of a script.
+const BUTTONS: &str = "TogglePicker PreviousScene NextScene TogglePause Step(1) StepBack(1) Restart Slower Faster \
+    TogglePlots TogglePanel ToggleHelp ToggleAabb ToggleContacts ToggleAxes FrameCamera HomeCamera Screenshot \
+    ToggleLog CopyCommandLine SavePlot(None) Set(RestitutionLaw,1.0) SelectPlot(error) SelectPlot(timing) \
+    SelectPlot(cpu) SelectPlot(work_precision) SelectPlot(table) Compare(SetLayout(solo)) \
+    Compare(SetLayout(side_by_side)) Compare(SetFairness(evaluations)) Compare(SetFairness(cost)) \
+    Compare(CompareAll) Compare(CompareNone) Compare(Resync) Compare(ToggleLogarithmicEnergy) \
+    Compare(SetWindow(ten)) Compare(Copy)";
+
 #[test]
 fn every_button_asks_for_its_action() {
     let mut person = with(|_| {});
-    person.asks_for([
-        Action::TogglePicker,
-        Action::PreviousScene,
-        Action::NextScene,
-        Action::TogglePause,
-        Action::Step(1),
-        Action::Restart,
-        Action::Slower,
-        Action::Faster,
-        Action::TogglePlots,
-        Action::TogglePanel,
-        Action::ToggleHelp,
-        Action::ToggleAabb,
-        Action::ToggleContacts,
-        Action::ToggleAxes,
-        Action::FrameCamera,
-        Action::HomeCamera,
-        Action::Screenshot,
-        Action::ToggleLog,
-        Action::SavePlot(None),
-        Action::StepBack(1),
-        Action::CopyCommandLine,
-        Action::Set(Parameter::RestitutionLaw, 1.0),
-        Action::Set(Parameter::Step, 1.0 / 30.0),
-        Action::Set(Parameter::Step, 1.0 / 120.0),
-        Action::Set(Parameter::Step, 1.0 / 240.0),
-        Action::SelectPlot(Plot::Error),
-        Action::SelectPlot(Plot::Timing),
-        Action::SelectPlot(Plot::Cpu),
-        Action::SelectPlot(Plot::WorkPrecision),
-        Action::SelectPlot(Plot::Table),
-    ]);
-    person.asks_for([
-        CompareAction::SetLayout(Layout::Solo),
-        CompareAction::SetLayout(Layout::SideBySide),
-        CompareAction::SetFairness(Fairness::Evaluations),
-        CompareAction::SetFairness(Fairness::Cost),
-        CompareAction::CompareAll,
-        CompareAction::CompareNone,
-        CompareAction::Resync,
-        CompareAction::ToggleLogarithmicEnergy,
-        CompareAction::SetWindow(Window::Ten),
-        CompareAction::Copy,
-    ]);
+    let buttons = BUTTONS.split(' ').map(|id| ron::from_str::<Action>(id));
+    person.asks_for(buttons.map(|action| action.expect("an action")));
+    person.asks_for([30.0, 120.0, 240.0].map(|hertz| Action::Set(Parameter::Step, 1.0 / hertz)));
     for chosen in [
         Action::Set(Parameter::Step, 1.0 / 60.0),
         Action::SelectPlot(Plot::Energy),

@@ -7,7 +7,7 @@ mod numbers;
 pub(super) mod sample;
 mod texts;
 
-use bevy_egui::egui::{Event, Key, PointerButton, Pos2, Rect, Ui, Vec2, accesskit::Role, pos2};
+use bevy_egui::egui::{Event, Key, Pos2, Rect, Ui, Vec2, accesskit::Role, pos2};
 use egui_kittest::{
     Harness, Node,
     kittest::{By, NodeT, Queryable},
@@ -102,8 +102,7 @@ impl Person {
 
     /// The control with this id.
     fn find<'a>(&'a self, id: &'a str) -> Node<'a> {
-        let by = By::new().predicate(move |node| node.author_id() == Some(id));
-        self.harness.get(by)
+        self.harness.get(by_id(id))
     }
 
     /// Each of these has a control that asks for it.
@@ -119,8 +118,7 @@ impl Person {
     }
 
     fn has(&self, id: &str) -> bool {
-        let by = By::new().predicate(move |node| node.author_id() == Some(id));
-        self.harness.query_all(by).next().is_some()
+        self.harness.query_all(by_id(id)).next().is_some()
     }
 
     fn sees(&self, name: &str) -> bool {
@@ -146,23 +144,14 @@ impl Person {
     /// Presses, moves and holds.
     fn drag(&mut self, from: Pos2, to: Pos2) -> Vec<Action> {
         self.harness.hover_at(from);
-        self.button(from, PointerButton::Primary, true);
+        self.harness.drag_at(from);
         self.harness.hover_at(to);
         self.asked()
     }
 
     fn release(&mut self, at: Pos2) -> Vec<Action> {
-        self.button(at, PointerButton::Primary, false);
+        self.harness.drop_at(at);
         self.asked()
-    }
-
-    fn button(&self, pos: Pos2, button: PointerButton, pressed: bool) {
-        self.harness.event(Event::PointerButton {
-            pos,
-            button,
-            pressed,
-            modifiers: Default::default(),
-        });
     }
 
     fn type_into(&mut self, id: &str, text: &str) -> Vec<Action> {
@@ -187,6 +176,10 @@ impl Person {
         }
         found
     }
+}
+
+fn by_id(id: &str) -> By<'_> {
+    By::new().predicate(move |node| node.author_id() == Some(id))
 }
 
 /// A place along a rectangle, from 0 at its left to 1 at its right end.

@@ -4,7 +4,7 @@ use bevy_egui::egui::{Key, accesskit::Role, vec2};
 use box_physics::prelude::DVec3;
 use egui_kittest::kittest::NodeT;
 
-use super::{Person, along, with};
+use super::{Person, along, id_of, with};
 use crate::action::Action;
 use crate::parameters::Parameter;
 
@@ -121,32 +121,24 @@ fn a_right_click_resets_one_and_moves_nothing_on_its_way() {
 #[test]
 fn sections_reset_to_the_scene() {
     let mut person = off_default();
-    let set = |values: &[(Parameter, f64)]| -> Vec<Action> {
-        let set = values.iter().map(|&(p, value)| Action::Set(p, value));
-        set.collect()
-    };
-    let step = [(Parameter::Step, 1.0 / 60.0), (Parameter::Substeps, 1.0)];
-    assert_eq!(person.click("Reset step"), set(&step));
-    let world = [
-        (Parameter::Gravity, 9.81),
-        (Parameter::Restitution, 0.5),
-        (Parameter::RestitutionLaw, 0.0),
-        (Parameter::Friction, 0.6),
-        (Parameter::LinearDrag, 0.0),
-        (Parameter::AngularDamping, 0.0),
-    ];
-    assert_eq!(person.click("Reset world"), set(&world));
-    let size = [
-        (Parameter::HalfX, 0.5),
-        (Parameter::HalfY, 0.25),
-        (Parameter::HalfZ, 0.125),
-        (Parameter::Mass, 2.0),
-    ];
-    assert_eq!(person.click("Reset box"), set(&size));
-    let push = [(Parameter::Impulse, 1.0)];
-    assert_eq!(person.click("Reset push"), set(&push));
-    let load = [(Parameter::Boxes, 1.0)];
-    assert_eq!(person.click("Reset load"), set(&load));
+    for (section, actions) in [
+        ("step", "Set(Step,0.016666666666666666) Set(Substeps,1.0)"),
+        (
+            "world",
+            "Set(Gravity,9.81) Set(Restitution,0.5) Set(RestitutionLaw,0.0) Set(Friction,0.6) \
+             Set(LinearDrag,0.0) Set(AngularDamping,0.0)",
+        ),
+        (
+            "box",
+            "Set(HalfX,0.5) Set(HalfY,0.25) Set(HalfZ,0.125) Set(Mass,2.0)",
+        ),
+        ("push", "Set(Impulse,1.0)"),
+        ("load", "Set(Boxes,1.0)"),
+    ] {
+        let asked = person.click(&format!("Reset {section}"));
+        let asked: Vec<_> = asked.iter().map(id_of).collect();
+        assert_eq!(asked.join(" "), actions);
+    }
 }
 
 /// A restart per frame of a drag would be a storm. What does not restart follows the mouse.
