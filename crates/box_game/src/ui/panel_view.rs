@@ -83,7 +83,11 @@ pub fn view(s: &Sources) -> PanelView {
         stages_us: s.samples.plugin(),
         stage_history: s.samples.plugin_steps().collect(),
         frame_time_ms: frame_time(s.diagnostics.as_deref()).unwrap_or(0.0),
-        history: open.then(|| history(s)).unwrap_or_default(),
+        history: if open {
+            history(s)
+        } else {
+            HistoryView::default()
+        },
         compare: compare_view(
             &s.comparison,
             &s.samples,

@@ -22,7 +22,7 @@ const BUTTONS: &str = "TogglePicker PreviousScene NextScene TogglePause Step(1) 
 #[test]
 fn every_button_asks_for_its_action() {
     let mut person = with(|_| {});
-    let buttons = BUTTONS.split(' ').map(|id| ron::from_str::<Action>(id));
+    let buttons = BUTTONS.split(' ').map(ron::from_str::<Action>);
     person.asks_for(buttons.map(|action| action.expect("an action")));
     person.asks_for([30.0, 120.0, 240.0].map(|hertz| Action::Set(Parameter::Step, 1.0 / hertz)));
     for chosen in [
@@ -95,8 +95,8 @@ fn every_integrator_can_be_chosen_and_compared_and_shows_its_cost() {
             "ns per step of a box in this scene: min",
         ]);
         for action in [chosen, compare] {
-            let expected: &[Action] = if active { &[] } else { &[action.clone()] };
-            assert_eq!(person.click_on(action.clone()), expected);
+            let expected = if active { vec![] } else { vec![action.clone()] };
+            assert_eq!(person.click_on(action), expected);
         }
     }
 }
