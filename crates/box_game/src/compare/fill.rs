@@ -5,7 +5,7 @@ use super::track::Track;
 use super::{CompareView, Comparison, Quantity, Settings, SweepView, TrajectoryView};
 use crate::action::Plot;
 use crate::compare::sampling::IntegratorSamples;
-use crate::ui::panel::decimate::{NARROW, decimate_to};
+use crate::ui::panel::decimate::{NARROW, decimate};
 use box_physics::prelude::{Floor, Integrator};
 use box_scenarios::Status;
 
@@ -43,8 +43,6 @@ pub fn compare_view(
     };
     let shown = quantities(plot, &settings);
     let window = settings.window.seconds();
-    let line = |track: &Track, quantity| {
-        let points = track.series.points(quantity, window).into_iter();
         decimate_to(NARROW, points)
     };
     let trajectory = |integrator: Integrator, track: &Track, dt: f64| TrajectoryView {
@@ -60,7 +58,10 @@ pub fn compare_view(
         worst: track.now.worst,
         late: run.late(track),
         energies: track.now.energies,
-        lines: shown.iter().map(|&q| (q, line(track, q))).collect(),
+        lines: shown
+            .iter()
+            .map(|&q| (q, decimate(NARROW, &track.series.points(q, window))))
+            .collect(),
     };
     view.trajectories.push(TrajectoryView {
         main_box: true,

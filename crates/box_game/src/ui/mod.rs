@@ -29,12 +29,9 @@ pub struct PanelPlugin;
 
 impl Plugin for PanelPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<show::PanelState>()
-            .add_systems(Startup, show::spawn_camera)
-            .add_systems(
-                EguiPrimaryContextPass,
-                show::show_panel.before(arrange_views),
-            );
+        let show = show::show_panel.before(arrange_views);
+        app.add_systems(Startup, show::spawn_camera)
+            .add_systems(EguiPrimaryContextPass, show);
     }
 }
 

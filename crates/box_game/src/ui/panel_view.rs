@@ -6,11 +6,9 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 use box_physics::energy::potential_energy;
-use box_physics::prelude::Floor;
 use box_physics::prelude::{
-    BodyState, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox, WorldAabb,
+    BodyState, Floor, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox, WorldAabb,
 };
-
 use box_scenarios::Status;
 
 use crate::compare::Comparison;
@@ -24,7 +22,7 @@ use crate::record::csv_log::CsvLog;
 use crate::record::history::{History, frame_time};
 use crate::scene::library::SceneLibrary;
 use crate::scene::session::{MainBox, Session};
-use crate::ui::panel::{DemoView, HistoryView, IntegratorTiming, LogView, MainBoxView, PanelView};
+use crate::ui::panel::{DemoView, FIGURES, HistoryView, LogView, PanelView};
 use crate::view::renderer::PictureTarget;
 
 /// Sources of the view.
@@ -63,11 +61,11 @@ pub struct Sources<'w, 's> {
 pub fn view(s: &Sources) -> PanelView {
     let session = &*s.session;
     let open = s.preferences.show_plots && !session.hidden;
+    let (figures, state) = main_box(s).unwrap_or_default();
+    let device = s.adapter.as_ref().map(|adapter| adapter.device_type);
     PanelView {
-        scene: session.scenario.id.to_owned(),
-        title: session.scenario.title.to_owned(),
+        scenario: session.scenario.clone(),
         scenes: s.library.scenes().to_vec(),
-        lesson: session.scenario.lesson.to_owned(),
         integrator: s.integrator.0,
         paused: s.clock.paused,
         time: s.clock.elapsed().as_secs_f64(),
@@ -77,14 +75,11 @@ pub fn view(s: &Sources) -> PanelView {
         dropped: session.dropped,
         parameters: session.parameters,
         defaults: session.defaults,
-        main_box: main_box(s),
+        figures,
+        state,
         timings: Integrator::ALL
             .iter()
-            .map(|&integrator| IntegratorTiming {
-                integrator,
-                cost: s.samples.cost(integrator),
-                evaluations: s.samples.evaluations(integrator),
-            })
+            .map(|&i| (s.samples.cost(i), s.samples.evaluations(i)))
             .collect(),
         fallbacks: session.fallbacks,
         unconverged: session.unconverged,
@@ -111,11 +106,10 @@ pub fn view(s: &Sources) -> PanelView {
             bytes: log.bytes(),
         }),
         // An image offscreen is as good from a CPU.
-        software_rendering: matches!(s.target.0, RenderTarget::Window(_))
-            && (s.adapter.as_ref()).is_some_and(|a| a.device_type == wgpu::DeviceType::Cpu),
+        software_rendering: device == Some(wgpu::DeviceType::Cpu)
+            && matches!(s.target.0, RenderTarget::Window(_)),
         notices: session.notices.iter().cloned().collect(),
         preferences: *s.preferences,
-        hints: session.scenario.hints.map(str::to_owned),
         scene_errors: s.library.errors(),
         undoes: s.undo.undoes(),
         redoes: s.undo.redoes(),
@@ -124,35 +118,40 @@ pub fn view(s: &Sources) -> PanelView {
     }
 }
 
-fn main_box(s: &Sources) -> MainBoxView {
-    let Some((body, state, aabb, quarantined)) = s.main_box.iter().next() else {
-        return MainBoxView::default();
-    };
+/// Figures of the main box, and its state.
+fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
+    let (body, state, aabb, quarantined) = s.main_box.iter().next()?;
     let forces = s.session.forces();
     let law = forces.forces(body);
     let floor = s.floor.as_deref().map_or(0.0, |f| f.height);
-    // Potential energy over the floor.
+    let translational = state.translational_energy(body);
+    let rotational = state.rotational_energy(body);
     let base = -body.mass() * law.acceleration.y * floor;
+    let potential = potential_energy(body, state, &law) - base;
+    let figures = [
+        translational,
+        rotational,
+        potential,
+        translational + rotational + potential,
+        state.angular_momentum.length(),
+        state.velocity.length(),
+        state.body_angular_velocity(body).length(),
+        state.position.x,
+        state.position.y,
+        state.position.z,
+    ];
     let touching = match (aabb, &s.floor) {
         (Some(aabb), Some(f)) => f64::from(aabb.0.min.y) <= f.height + 1e-4 * body.radius(),
         _ => false,
     };
     let still = state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO;
-    MainBoxView {
-        translational_energy: state.translational_energy(body),
-        rotational_energy: state.rotational_energy(body),
-        potential_energy: potential_energy(body, state, &law) - base,
-        angular_momentum: state.angular_momentum.length(),
-        speed: state.velocity.length(),
-        spin: state.body_angular_velocity(body).length(),
-        position: state.position,
-        state: match (quarantined, touching, still) {
-            (true, ..) => Status::Quarantined,
-            (_, true, true) => Status::Resting,
-            (_, true, false) => Status::Contact,
-            _ => Status::Ok,
-        },
-    }
+    let status = match (quarantined, touching, still) {
+        (true, ..) => Status::Quarantined,
+        (_, true, true) => Status::Resting,
+        (_, true, false) => Status::Contact,
+        _ => Status::Ok,
+    };
+    Some((figures, status))
 }
 
 fn history(s: &Sources) -> HistoryView {

@@ -21,11 +21,13 @@ use crate::view::renderer::PictureTarget;
 pub(super) struct PanelCamera;
 
 /// State of the panel between frames.
-#[derive(Resource, Default)]
+#[derive(Default)]
 pub(super) struct PanelState {
     memory: PanelMemory,
     /// The scale that the panel has.
     scale: Option<f32>,
+    /// What drawing it cost in the last frame \[ms\].
+    cost: f64,
 }
 
 /// Spawns the panel's camera, which draws over the picture.
@@ -53,7 +55,7 @@ pub(super) fn spawn_camera(
 pub(super) fn show_panel(
     mut contexts: EguiContexts,
     mut sources: Sources,
-    (mut state, mut drawn): (ResMut<PanelState>, Local<f64>),
+    mut state: Local<PanelState>,
     mut actions: ResMut<Actions>,
     mut focus: ResMut<UiFocus>,
     (mut picture, mut plot): (ResMut<PictureArea>, ResMut<PlotArea>),
@@ -62,45 +64,33 @@ pub(super) fn show_panel(
     let start = Instant::now();
     let context = contexts.ctx_mut()?;
     follow_scale(context, &mut state.scale, &mut sources.preferences);
-    let mut ui = egui::Ui::new(
-        context.clone(),
-        "game".into(),
-        egui::UiBuilder::new()
-            .layer_id(egui::LayerId::background())
-            .max_rect(context.viewport_rect()),
-    );
-    let state = &mut *state;
+    let place = egui::UiBuilder::new().layer_id(egui::LayerId::background());
+    let place = place.max_rect(context.viewport_rect());
+    let mut ui = egui::Ui::new(context.clone(), "game".into(), place);
     let mut view = panel_view::view(&sources);
-    view.compare.panel_ms = *drawn;
+    view.compare.panel_ms = state.cost;
     let layout = panel::show(&mut ui, &view, &mut state.memory, &mut actions.0);
+    let pointer = context.pointer_latest_pos();
     *focus = UiFocus {
         text: context.text_edit_focused(),
         widget: context.egui_wants_keyboard_input(),
         pointer: context.egui_wants_pointer_input()
-            || context
-                .pointer_latest_pos()
-                .is_some_and(|p| !layout.central.contains(p)),
+            || pointer.is_some_and(|p| !layout.central.contains(p)),
     };
-    let scale = context.pixels_per_point();
     let whole = camera.physical_target_size().unwrap_or(UVec2::ONE);
-    plot.0 = layout
-        .plot
-        .map_or_else(URect::default, |rect| pixels(rect, scale, whole));
-    *picture = PictureArea(pixels(layout.central, scale, whole), layout.captions);
-    *drawn = start.elapsed().as_secs_f64() * 1e3;
+    let pixels = |rect| pixels(rect, context.pixels_per_point(), whole);
+    plot.0 = layout.plot.map(pixels).unwrap_or_default();
+    *picture = PictureArea(pixels(layout.central), layout.captions);
+    state.cost = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
 }
 
 /// A place on the panel in pixels of the picture, of which at least one is in it.
 fn pixels(rect: egui::Rect, scale: f32, whole: UVec2) -> URect {
-    let least = |at: f32, all: u32| ((at * scale) as u32).min(all.saturating_sub(1));
-    let min = UVec2::new(least(rect.min.x, whole.x), least(rect.min.y, whole.y));
-    let extent =
-        |length: f32, from: u32, all: u32| ((length * scale) as u32).clamp(1, (all - from).max(1));
-    let size = UVec2::new(
-        extent(rect.width(), min.x, whole.x),
-        extent(rect.height(), min.y, whole.y),
-    );
+    let scaled = |x: f32, y: f32| UVec2::new((x * scale) as u32, (y * scale) as u32);
+    let min = scaled(rect.min.x, rect.min.y).min(whole.saturating_sub(UVec2::ONE));
+    let most = (whole - min).max(UVec2::ONE);
+    let size = scaled(rect.width(), rect.height()).clamp(UVec2::ONE, most);
     URect::from_corners(min, min + size)
 }
 

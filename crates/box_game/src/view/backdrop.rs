@@ -1,13 +1,16 @@
-//! A calm background with depth: a sky from a light horizon to a dark zenith, and a floor that fades into it.
+//! A calm background with depth: a sky from a light horizon to a dark zenith, a floor that fades into it, or a lattice
+//! of faint crosses where there is none, and the walls of a scene.
 
 use bevy::camera::visibility::NoFrustumCulling;
 use bevy::light::NotShadowCaster;
 use bevy::mesh::VertexAttributeValues;
 use bevy::pbr::{DistanceFog, FogFalloff};
 use bevy::prelude::*;
+use box_physics::prelude::{Floor, StaticPlane};
 
 use crate::camera::orbit::OrbitCamera;
-use crate::camera::views::everywhere;
+use crate::camera::views::{Everywhere, everywhere};
+use crate::scene::start::Wall;
 
 /// sRGB at the horizon, above and below.
 const HORIZON: [f32; 3] = [0.20, 0.23, 0.28];
@@ -18,6 +21,11 @@ const NADIR: [f32; 3] = [0.09, 0.10, 0.13];
 const FADE: (f32, f32) = (1.8, 8.0);
 /// Radius of the sky in the same.
 const SKY: f32 = 60.0;
+
+/// Crosses of the lattice along each axis, on either side of the middle.
+const REACH: i32 = 3;
+/// Cells of the grid on a wall, along it and up.
+const CELLS: UVec2 = UVec2::new(12, 2);
 
 /// The sky.
 #[derive(Component)]
@@ -92,6 +100,55 @@ pub(super) fn place_backdrop(
     }
 }
 
+/// Distance of the crosses \[m\] for a camera `distance` \[m\] away: the power of two that puts some five
+/// across the picture.
+fn spacing(distance: f32) -> f32 {
+    (distance / 4.0).clamp(1e-3, 1e6).log2().round().exp2()
+}
+
+/// The places \[m\] of the crosses about `target`: fixed in the world, however the camera moves.
+fn lattice(target: Vec3, spacing: f32) -> impl Iterator<Item = Vec3> {
+    let middle = (target / spacing).round();
+    let across = 2 * REACH + 1;
+    (0..across.pow(3)).map(move |k| {
+        let place = IVec3::new(k / (across * across), k / across % across, k % across);
+        (middle + (place - REACH).as_vec3()) * spacing
+    })
+}
+
+/// Draws the lattice where there is no floor, so that motion is visible; fainter toward its edge.
+pub(super) fn draw_lattice(
+    floor: Option<Res<Floor>>,
+    camera: Single<&OrbitCamera>,
+    mut gizmos: Gizmos<Everywhere>,
+) {
+    if floor.is_some() {
+        return;
+    }
+    let spacing = spacing(camera.distance);
+    let reach = REACH as f32 * spacing;
+    for at in lattice(camera.target, spacing) {
+        let nearness = 1.0 - at.distance(camera.target) / reach;
+        if nearness > 0.0 {
+            let color = Color::srgba(0.6, 0.65, 0.75, 0.5 * nearness);
+            gizmos.cross(at, 0.03 * spacing, color);
+        }
+    }
+}
+
+/// Draws each wall of a tray, as a grid from its neighbor to its neighbor.
+pub(super) fn draw_walls(walls: Query<&StaticPlane, With<Wall>>, mut gizmos: Gizmos<Everywhere>) {
+    for wall in &walls {
+        let (foot, normal) = (wall.point.as_vec3(), wall.normal.as_vec3());
+        let cell = 2.0 * foot.with_y(0.0).length() / CELLS.x as f32;
+        let middle = foot + Vec3::Y * (0.5 * cell * CELLS.y as f32);
+        let place = Isometry3d::new(middle, Quat::from_rotation_arc(Vec3::Z, normal));
+        let color = Color::srgba(0.6, 0.65, 0.75, 0.35);
+        let grid = gizmos.grid(place, CELLS, Vec2::splat(cell), color);
+        grid.outer_edges();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,5 +160,15 @@ mod tests {
         assert_eq!(sky(0.0), horizon);
         assert!(sky(1.0).iter().zip(horizon).take(3).all(|(a, b)| *a < b));
         assert!((sky(1e-6)[0] - sky(-1e-6)[0]).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_lattice_stays_where_it_is_while_the_camera_moves() {
+        let near: Vec<Vec3> = lattice(Vec3::new(0.2, 5.1, -0.4), 1.0).collect();
+        let moved: Vec<Vec3> = lattice(Vec3::new(0.9, 5.3, -0.1), 1.0).collect();
+        assert_eq!(near.len(), 343);
+        let shared = near.iter().filter(|p| moved.contains(p)).count();
+        assert_eq!(shared, 6 * 49, "one layer changed");
+        assert_eq!([4.0, 9.0, 24.0].map(spacing), [1.0, 2.0, 8.0]);
     }
 }

@@ -64,16 +64,19 @@ impl Face {
         SIZE * self.right.length().min(self.up.length())
     }
 
+    /// The strokes of its mark in the letter's square.
+    fn letter(&self) -> impl Iterator<Item = Stroke> {
+        let minus = (self.sign < 0.0).then_some(MINUS);
+        let letter = LETTERS[self.axis].iter().copied();
+        letter.chain([UNDERLINE]).chain(minus)
+    }
+
     /// The strokes of its mark, body axes \[m\].
     fn strokes(&self, lift: f32) -> impl Iterator<Item = [Vec3; 2]> {
         let (right, up) = (self.right.normalize_or_zero(), self.up.normalize_or_zero());
         let (size, middle) = (self.size(), self.middle + self.normal * lift);
-        let minus = (self.sign < 0.0).then_some(MINUS);
-        let letter = LETTERS[self.axis].iter().copied();
-        letter
-            .chain([UNDERLINE])
-            .chain(minus)
-            .map(move |stroke| stroke.map(|[x, y]| middle + size * (x * right + y * up)))
+        let place = move |[x, y]: [f32; 2]| middle + size * (x * right + y * up);
+        self.letter().map(move |stroke| stroke.map(place))
     }
 
     /// Opposite faces are far apart in lightness.
@@ -90,18 +93,9 @@ pub(super) fn lines(half: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
         .flat_map(|face| face.strokes(0.0).collect::<Vec<_>>())
 }
 
-/// A cuboid with marks on six faces of different lightness and no color of its own: the material's color says
-/// whose box it is.
-pub(crate) fn marked_cuboid(half: Vec3) -> Mesh {
-    cuboid(half, true)
-}
-
-/// The same without marks, for boxes of the load.
-pub(crate) fn shaded_cuboid(half: Vec3) -> Mesh {
-    cuboid(half, false)
-}
-
-fn cuboid(half: Vec3, marked: bool) -> Mesh {
+/// A cuboid with six faces of different lightness and no color of its own: the material's color says whose box it is.
+/// Boxes of the load have no marks.
+pub(super) fn cuboid(half: Vec3, marked: bool) -> Mesh {
     let (mut places, mut normals, mut colors, mut indices) = (vec![], vec![], vec![], vec![]);
     let mut quad = |normal: Vec3, corners: [Vec3; 4], color: f32| {
         let first = places.len() as u32;
@@ -113,11 +107,8 @@ fn cuboid(half: Vec3, marked: bool) -> Mesh {
     for face in faces(half) {
         let (m, r, u) = (face.middle, face.right, face.up);
         let shade = face.shade();
-        quad(
-            face.normal,
-            [m - r - u, m + r - u, m + r + u, m - r + u],
-            shade,
-        );
+        let corners = [m - r - u, m + r - u, m + r + u, m - r + u];
+        quad(face.normal, corners, shade);
         if !marked {
             continue;
         }
@@ -127,11 +118,8 @@ fn cuboid(half: Vec3, marked: bool) -> Mesh {
             let along = (b - a).normalize_or_zero() * width;
             let aside = face.normal.cross(along);
             let (a, b) = (a - along, b + along);
-            quad(
-                face.normal,
-                [a - aside, b - aside, b + aside, a + aside],
-                ink,
-            );
+            let corners = [a - aside, b - aside, b + aside, a + aside];
+            quad(face.normal, corners, ink);
         }
     }
     Mesh::new(
@@ -152,39 +140,27 @@ mod tests {
     #[test]
     fn marks_lie_on_their_faces_and_tell_them_apart() {
         let half = Vec3::new(0.2, 0.5, 1.0);
-        let mut seen: Vec<Vec<[i32; 4]>> = Vec::new();
+        let mut seen: Vec<Vec<[[i32; 2]; 2]>> = Vec::new();
         for face in faces(half) {
-            for [a, b] in face.strokes(0.0) {
-                for p in [a, b] {
-                    assert!((p.abs().cmple(half + 1e-6)).all(), "{p}");
-                    assert!((p.dot(face.normal) - face.normal.abs().dot(half)).abs() < 1e-6);
-                }
+            for p in face.strokes(0.0).flatten() {
+                assert!((p.abs().cmple(half + 1e-6)).all(), "{p}");
+                assert!((p.dot(face.normal) - face.normal.abs().dot(half)).abs() < 1e-6);
             }
-            assert!(
-                face.right.cross(face.up).dot(face.normal) > 0.0,
-                "seen from outside"
-            );
-            let strokes: Vec<_> = LETTERS[face.axis]
-                .iter()
-                .copied()
-                .chain([UNDERLINE])
-                .chain((face.sign < 0.0).then_some(MINUS))
-                .collect();
-            for turn in 0..4 {
-                let turned = |[x, y]: [f32; 2]| match turn {
-                    0 => [x, y],
-                    1 => [-y, x],
-                    2 => [-x, -y],
-                    _ => [y, -x],
+            let outward = face.right.cross(face.up).dot(face.normal);
+            assert!(outward > 0.0, "seen from outside");
+            for turn in [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y] {
+                let end = |p: [f32; 2]| {
+                    (turn.rotate(p.into()) * 100.0)
+                        .round()
+                        .as_ivec2()
+                        .to_array()
                 };
-                let mut look: Vec<[i32; 4]> = strokes
-                    .iter()
-                    .map(|s| {
-                        let mut ends = s.map(turned).map(|p| p.map(|v| (v * 100.0).round() as i32));
-                        ends.sort_unstable();
-                        [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]
-                    })
-                    .collect();
+                let turned = face.letter().map(|stroke| {
+                    let mut ends = stroke.map(end);
+                    ends.sort_unstable();
+                    ends
+                });
+                let mut look: Vec<_> = turned.collect();
                 look.sort_unstable();
                 assert!(!seen.contains(&look), "{} {}", face.axis, face.sign);
                 seen.push(look);
@@ -195,8 +171,8 @@ mod tests {
     #[test]
     fn a_cuboid_has_six_faces_and_its_marks() {
         let strokes: usize = faces(Vec3::ONE).map(|f| f.strokes(0.0).count()).sum();
-        assert_eq!(shaded_cuboid(Vec3::ONE).count_vertices(), 24);
-        assert_eq!(marked_cuboid(Vec3::ONE).count_vertices(), 24 + 4 * strokes);
+        assert_eq!(cuboid(Vec3::ONE, false).count_vertices(), 24);
+        assert_eq!(cuboid(Vec3::ONE, true).count_vertices(), 24 + 4 * strokes);
         assert_eq!(lines(Vec3::ONE).count(), 3 + 4 + 4);
     }
 }

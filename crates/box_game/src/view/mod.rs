@@ -2,12 +2,10 @@
 
 mod backdrop;
 mod comparisons;
-mod lattice;
 mod marks;
 pub mod renderer;
 pub mod style;
 mod visuals;
-mod walls;
 
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
@@ -27,8 +25,8 @@ impl Plugin for ViewPlugin {
             .add_systems(
                 Update,
                 (
-                    lattice::draw_lattice.after(move_camera),
-                    walls::draw_walls,
+                    backdrop::draw_lattice.after(move_camera),
+                    backdrop::draw_walls,
                     backdrop::place_backdrop.after(move_camera),
                     visuals::place_floor,
                     switch_gizmos.before(BodyGizmosSystems),

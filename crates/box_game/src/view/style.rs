@@ -1,12 +1,12 @@
 //! Style of each integrator for egui, from the table that the report shares ([`mod@box_scenarios::style`]).
 
-use box_physics::prelude::Integrator;
-use box_scenarios::style::{Dash, Marker, Style};
-use egui_plot::{LineStyle, MarkerShape};
-
+use bevy::color::{Color, Luminance as _, Srgba};
 use bevy_egui::egui::{
-    self, Color32, Context, FontDefinitions, FontFamily, FontId, Id, TextStyle, Theme,
+    self, Color32, Context, FontDefinitions, FontFamily, FontId, Id, RichText, TextStyle, Theme, Ui,
 };
+use box_physics::prelude::Integrator;
+use box_scenarios::style::{Dash, Marker};
+use egui_plot::{LineStyle, MarkerShape};
 
 /// The looks of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,50 +14,48 @@ pub struct IntegratorStyle {
     /// sRGB.
     pub rgb: [u8; 3],
     /// Stands before the name in text.
-    pub glyph: &'static str,
+    pub glyph: char,
     /// The same mark in a plot.
     pub marker: MarkerShape,
     /// Dash pattern of lines in a plot.
     pub dash: LineStyle,
 }
 
-impl IntegratorStyle {
-    /// The color for egui.
-    pub const fn color(self) -> Color32 {
-        Color32::from_rgb(self.rgb[0], self.rgb[1], self.rgb[2])
-    }
-}
-
 /// The looks of an integrator: those of the one table in [`mod@box_scenarios::style`], in egui's words.
 pub fn of(integrator: Integrator) -> IntegratorStyle {
-    translate(box_scenarios::style(integrator))
-}
-
-fn translate(style: Style) -> IntegratorStyle {
-    let (glyph, marker) = match style.marker {
-        Marker::Circle => ("●", MarkerShape::Circle),
-        Marker::Diamond => ("◆", MarkerShape::Diamond),
-        Marker::Square => ("■", MarkerShape::Square),
-        Marker::Cross => ("✖", MarkerShape::Cross),
-        Marker::Plus => ("✚", MarkerShape::Plus),
-        Marker::Up => ("▲", MarkerShape::Up),
-        Marker::Down => ("▼", MarkerShape::Down),
-        Marker::Left => ("◀", MarkerShape::Left),
-        Marker::Right => ("▶", MarkerShape::Right),
-        Marker::Asterisk => ("✱", MarkerShape::Asterisk),
-    };
-    let dash = match style.dash {
-        Dash::Solid => LineStyle::Solid,
-        Dash::Dashed => DASHED,
-        Dash::Dotted => DOTTED,
-        Dash::Long => LONG,
-    };
-    look(style.color, glyph, marker, dash)
+    let style = box_scenarios::style(integrator);
+    IntegratorStyle {
+        rgb: style.color,
+        glyph: style.marker.glyph(),
+        marker: match style.marker {
+            Marker::Circle => MarkerShape::Circle,
+            Marker::Diamond => MarkerShape::Diamond,
+            Marker::Square => MarkerShape::Square,
+            Marker::Cross => MarkerShape::Cross,
+            Marker::Plus => MarkerShape::Plus,
+            Marker::Up => MarkerShape::Up,
+            Marker::Down => MarkerShape::Down,
+            Marker::Left => MarkerShape::Left,
+            Marker::Right => MarkerShape::Right,
+            Marker::Asterisk => MarkerShape::Asterisk,
+        },
+        dash: match style.dash {
+            Dash::Solid => LineStyle::Solid,
+            Dash::Dashed => DASHED,
+            Dash::Dotted => LineStyle::Dotted { spacing: 6.0 },
+            Dash::Long => LineStyle::Dashed { length: 18.0 },
+        },
+    }
 }
 
 /// The mark and the name: `■ RK4`.
 pub fn marked_name(integrator: Integrator) -> String {
     format!("{} {}", of(integrator).glyph, integrator.name())
+}
+
+/// Text in the color of an integrator.
+pub(crate) fn in_ink(ui: &Ui, integrator: Integrator, text: impl Into<String>) -> RichText {
+    RichText::new(text).color(of(integrator).ink(ui.ctx().theme()))
 }
 
 /// Text over the picture: on its plate, beside it, right and wrong.
@@ -72,30 +70,21 @@ pub const PICTURE_BAD: Color32 = Color32::from_rgb(0xFF, 0xB4, 0x8F);
 pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xDC);
 
 /// The process in the plot of CPU use.
-pub const PROCESS: IntegratorStyle = look(VERMILION, "●", MarkerShape::Circle, LineStyle::Solid);
+pub const PROCESS: IntegratorStyle = IntegratorStyle {
+    rgb: [0xD5, 0x5E, 0x00],
+    glyph: '●',
+    marker: MarkerShape::Circle,
+    dash: LineStyle::Solid,
+};
 /// The whole computer in the plot of CPU use.
-pub const SYSTEM: IntegratorStyle = look(SKY, "○", MarkerShape::Circle, DASHED);
-
-const SKY: [u8; 3] = [0x56, 0xB4, 0xE9];
-const VERMILION: [u8; 3] = [0xD5, 0x5E, 0x00];
+pub const SYSTEM: IntegratorStyle = IntegratorStyle {
+    rgb: [0x56, 0xB4, 0xE9],
+    glyph: '○',
+    dash: DASHED,
+    ..PROCESS
+};
 
 const DASHED: LineStyle = LineStyle::Dashed { length: 8.0 };
-const LONG: LineStyle = LineStyle::Dashed { length: 18.0 };
-const DOTTED: LineStyle = LineStyle::Dotted { spacing: 6.0 };
-
-const fn look(
-    rgb: [u8; 3],
-    glyph: &'static str,
-    marker: MarkerShape,
-    dash: LineStyle,
-) -> IntegratorStyle {
-    IntegratorStyle {
-        rgb,
-        glyph,
-        marker,
-        dash,
-    }
-}
 
 /// The panel in each theme: ground, fields on it, text, captions, the one accent and text on it.
 struct Palette {
@@ -135,43 +124,40 @@ const SMALL: f32 = 12.0;
 const MONOSPACE: f32 = 13.0;
 
 /// Contrast of text with its ground: WCAG 2.1, 1.4.3.
-const CONTRAST: f64 = 4.5;
-
-/// The relative luminance of a color, 0 to 1 (WCAG 2.1).
-fn luminance(color: Color32) -> f64 {
-    let linear = |c: u8| {
-        let c = f64::from(c) / 255.0;
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
-    };
-    0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
-}
+const CONTRAST: f32 = 4.5;
 
 /// The contrast of two colors, 1 to 21 (WCAG 2.1).
-fn contrast(a: Color32, b: Color32) -> f64 {
+fn contrast(a: Color32, b: Color32) -> f32 {
+    let luminance = |c: Color32| Srgba::rgb_u8(c.r(), c.g(), c.b()).luminance();
     let (a, b) = (luminance(a), luminance(b));
     (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
 impl IntegratorStyle {
+    /// The color for Bevy.
+    pub fn srgb(self) -> Color {
+        let [r, g, b] = self.rgb;
+        Color::srgb_u8(r, g, b)
+    }
+
+    /// The color for egui.
+    pub const fn color(self) -> Color32 {
+        Color32::from_rgb(self.rgb[0], self.rgb[1], self.rgb[2])
+    }
+
     /// The color for text and lines on the panel: the integrator's own, mixed with white or black until it can be read.
     pub fn ink(self, theme: Theme) -> Color32 {
-        let ground = palette(theme).panel;
+        let Palette { panel, text, .. } = palette(theme);
         let end = if theme == Theme::Dark { 255.0 } else { 0.0 };
         let mixed = |k: u8| {
             let share = f64::from(k) / 20.0;
-            let [r, g, b] = self
-                .rgb
-                .map(|c| (f64::from(c) * (1.0 - share) + end * share) as u8);
+            let mix = |c: u8| (f64::from(c) * (1.0 - share) + end * share) as u8;
+            let [r, g, b] = self.rgb.map(mix);
             Color32::from_rgb(r, g, b)
         };
-        let readable = (0..20)
-            .map(mixed)
-            .find(|c| contrast(*c, ground) >= CONTRAST);
-        readable.unwrap_or(palette(theme).text)
+        let mut mixed = (0..20).map(mixed);
+        let readable = mixed.find(|c| contrast(*c, panel) >= CONTRAST);
+        readable.unwrap_or(text)
     }
 }
 
@@ -188,17 +174,14 @@ pub fn install(ctx: &Context, light: bool) {
         ctx.style_mut_of(theme, |style| dress(style, &palette(theme)));
     }
     let mut fonts = FontDefinitions::default();
-    let symbols = fonts.families.get(&FontFamily::Monospace).cloned();
-    if let (Some(symbols), Some(text)) =
-        (symbols, fonts.families.get_mut(&FontFamily::Proportional))
-    {
-        for font in symbols {
-            if !text.contains(&font) {
-                text.push(font);
-            }
+    let symbols = fonts.families[&FontFamily::Monospace].clone();
+    let text = fonts.families.entry(FontFamily::Proportional).or_default();
+    for font in symbols {
+        if !text.contains(&font) {
+            text.push(font);
         }
-        ctx.set_fonts(fonts);
     }
+    ctx.set_fonts(fonts);
 }
 
 /// Text of labels in the picture.
@@ -239,13 +222,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn glyph_and_marker_agree_and_no_two_integrators_share_both_color_and_glyph() {
-        for (k, &a) in Integrator::ALL.iter().enumerate() {
-            let glyph = box_scenarios::style(a).marker.glyph().to_string();
-            assert_eq!(of(a).glyph, glyph);
-            for &b in &Integrator::ALL[..k] {
-                assert!(of(a).rgb != of(b).rgb || of(a).glyph != of(b).glyph);
-                assert!(of(a).rgb != of(b).rgb || of(a).dash != of(b).dash);
+    fn no_two_integrators_share_color_and_mark_or_color_and_dash() {
+        for (k, a) in Integrator::ALL.iter().map(|&i| of(i)).enumerate() {
+            for b in Integrator::ALL[..k].iter().map(|&i| of(i)) {
+                let same = a.marker == b.marker || a.glyph == b.glyph || a.dash == b.dash;
+                assert!(a.rgb != b.rgb || !same);
             }
         }
     }
@@ -263,11 +244,8 @@ mod tests {
                 ("caption in a field", p.weak, p.field),
                 ("selected", Color32::WHITE, p.accent),
             ] {
-                assert!(
-                    contrast(text, ground) >= CONTRAST,
-                    "{theme:?} {name}: {}",
-                    contrast(text, ground)
-                );
+                let contrast = contrast(text, ground);
+                assert!(contrast >= CONTRAST, "{theme:?} {name}: {contrast}");
             }
             for &integrator in Integrator::ALL {
                 let ink = of(integrator).ink(theme);
@@ -278,7 +256,7 @@ mod tests {
         for text in [PICTURE_TEXT, PICTURE_WEAK, PICTURE_GOOD, PICTURE_BAD] {
             assert!(contrast(text, plate) >= CONTRAST, "{text:?}");
         }
-        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-9);
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-5);
     }
 
     /// No text is set smaller than the captions, and captions have 12 points.

@@ -3,15 +3,17 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::CascadeShadowConfigBuilder;
+use bevy::math::Affine2;
 use bevy::mesh::Mesh;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, Integrator, RigidBox};
+use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, RigidBox};
 
 use crate::camera::views::everywhere;
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{MainBox, Session};
-use crate::view::marks::{marked_cuboid, shaded_cuboid};
+use crate::view::marks::cuboid;
+use crate::view::style;
 
 /// Edge of the drawn floor \[m\].
 const FLOOR_SIZE: f32 = 400.0;
@@ -55,24 +57,14 @@ pub(super) fn set_up(
         brightness: 330.0,
         ..default()
     });
-    let mut plane = Plane3d::new(Vec3::Y, Vec2::splat(FLOOR_SIZE / 2.0))
-        .mesh()
-        .build();
     let tiles = FLOOR_SIZE / SQUARES as f32;
-    if let Some(bevy::mesh::VertexAttributeValues::Float32x2(uvs)) =
-        plane.attribute_mut(Mesh::ATTRIBUTE_UV_0)
-    {
-        for uv in uvs {
-            uv[0] *= tiles;
-            uv[1] *= tiles;
-        }
-    }
     commands.spawn((
         FloorSurface,
         everywhere(),
-        Mesh3d(meshes.add(plane)),
+        Mesh3d(meshes.add(Plane3d::new(Vec3::Y, Vec2::splat(FLOOR_SIZE / 2.0)))),
         MeshMaterial3d(materials.add(StandardMaterial {
             base_color_texture: Some(images.add(grid())),
+            uv_transform: Affine2::from_scale(Vec2::splat(tiles)),
             perceptual_roughness: 0.95,
             ..default()
         })),
@@ -104,37 +96,30 @@ fn grid() -> Image {
         (_, true) => fine,
         _ => ground,
     };
-    let mut level: Vec<f32> = (0..TILE * TILE)
-        .map(|texel| f32::max(line(texel % TILE), line(texel / TILE)))
-        .collect();
+    let texels = 0..TILE * TILE;
+    let texels = texels.map(|texel| f32::max(line(texel % TILE), line(texel / TILE)));
+    let mut level: Vec<f32> = texels.collect();
     let mut data: Vec<u8> = Vec::new();
-    let mut edge = TILE as usize;
-    loop {
+    for halvings in 0..=TILE.ilog2() {
+        let edge = (TILE >> halvings) as usize;
         // A little blue.
-        data.extend(
-            level
-                .iter()
-                .flat_map(|&v| [v as u8, (1.05 * v) as u8, (1.17 * v) as u8, 255]),
-        );
-        if edge == 1 {
-            break;
-        }
-        edge /= 2;
-        level = (0..edge * edge)
-            .map(|k| {
-                let (x, y) = (2 * (k % edge), 2 * (k / edge));
-                let width = 2 * edge;
-                let at = |x: usize, y: usize| level[y * width + x];
-                (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0
-            })
-            .collect();
+        let paint = |&v: &f32| [v as u8, (1.05 * v) as u8, (1.17 * v) as u8, 255];
+        data.extend(level.iter().flat_map(paint));
+        // The mean of two by two.
+        let mean = |k: usize| {
+            let corner = 2 * (k / (edge / 2)) * edge + 2 * (k % (edge / 2));
+            let corners = [corner, corner + 1, corner + edge, corner + edge + 1];
+            corners.map(|at| level[at]).iter().sum::<f32>() / 4.0
+        };
+        level = (0..level.len() / 4).map(mean).collect();
     }
+    let size = Extent3d {
+        width: TILE,
+        height: TILE,
+        depth_or_array_layers: 1,
+    };
     let mut image = Image::new(
-        Extent3d {
-            width: TILE,
-            height: TILE,
-            depth_or_array_layers: 1,
-        },
+        size,
         TextureDimension::D2,
         data[..(4 * TILE * TILE) as usize].to_vec(),
         TextureFormat::Rgba8UnormSrgb,
@@ -151,12 +136,6 @@ fn grid() -> Image {
     image
 }
 
-/// The color of a box that `integrator` moves: that of the integrator.
-pub(crate) fn box_color(integrator: Integrator) -> Color {
-    let [r, g, b] = crate::view::style::of(integrator).rgb;
-    Color::srgb_u8(r, g, b)
-}
-
 /// Paints the main box in the color of the integrator that moves it; white where that is none of ours.
 pub(super) fn tint_main_box(
     main_box: Query<Option<&BodyIntegrator>, With<MainBox>>,
@@ -170,7 +149,7 @@ pub(super) fn tint_main_box(
     let integrator = own.map_or(global.0, |own| own.0);
     let wanted = match demo.active(&session) {
         Some(_) => Color::WHITE,
-        None => box_color(integrator),
+        None => style::of(integrator).srgb(),
     };
     let differs = |m: &StandardMaterial| m.base_color != wanted;
     if materials.get(&look.main_box).is_some_and(differs)
@@ -192,19 +171,17 @@ pub(super) fn dress_boxes(
         let [marked, plain] = match &look.meshes {
             Some((size, meshes)) if *size == half => meshes.clone(),
             _ => {
-                let made = [marked_cuboid(half), shaded_cuboid(half)].map(|mesh| meshes.add(mesh));
+                let made = [true, false].map(|marked| meshes.add(cuboid(half, marked)));
                 look.meshes = Some((half, made.clone()));
                 made
             }
         };
-        let (mesh, material) = if main_box {
-            (marked, look.main_box.clone())
-        } else {
-            (plain, look.load.clone())
+        let (mesh, material) = match main_box {
+            true => (marked, look.main_box.clone()),
+            false => (plain, look.load.clone()),
         };
-        commands
-            .entity(entity)
-            .insert((Mesh3d(mesh), MeshMaterial3d(material)));
+        let look = (Mesh3d(mesh), MeshMaterial3d(material));
+        commands.entity(entity).insert(look);
     }
 }
 
@@ -214,20 +191,20 @@ pub(super) fn place_floor(
     mut surface: Single<(&mut Transform, &mut Visibility), With<FloorSurface>>,
 ) {
     let (transform, visibility) = &mut *surface;
-    match floor {
-        Some(floor) => {
-            transform.translation.y = floor.height as f32;
-            visibility.set_if_neq(Visibility::Visible);
-        }
-        None => {
-            visibility.set_if_neq(Visibility::Hidden);
-        }
+    let wanted = match floor {
+        Some(_) => Visibility::Visible,
+        None => Visibility::Hidden,
+    };
+    visibility.set_if_neq(wanted);
+    if let Some(floor) = floor {
+        transform.translation.y = floor.height as f32;
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use box_physics::prelude::Integrator;
 
     /// A box that a system of `Update` spawns is drawn in the same frame, in its integrator's color.
     #[test]
@@ -243,11 +220,11 @@ mod tests {
             main_box: main_box.clone(),
             load,
             meshes: None,
-        });
-        app.insert_resource(GlobalIntegrator(Integrator::Rk4));
-        app.init_resource::<Demo2012>();
-        app.insert_resource(Session::new(box_scenarios::Scenario::default(), 0));
-        app.add_systems(Update, |mut commands: Commands| {
+        })
+        .insert_resource(GlobalIntegrator(Integrator::Rk4))
+        .init_resource::<Demo2012>()
+        .insert_resource(Session::new(box_scenarios::Scenario::default(), 0))
+        .add_systems(Update, |mut commands: Commands| {
             commands.spawn((RigidBox::default(), MainBox));
         });
         app.update();
@@ -256,6 +233,6 @@ mod tests {
         assert_eq!(drawn.iter(world).count(), 1);
         let materials = world.resource::<Assets<StandardMaterial>>();
         let color = materials.get(&main_box).map(|m| m.base_color);
-        assert_eq!(color, Some(box_color(Integrator::Rk4)));
+        assert_eq!(color, Some(style::of(Integrator::Rk4).srgb()));
     }
 }

@@ -9,52 +9,43 @@ pub(super) const MAX_POINTS: usize = 1000;
 /// The same where several plots stand side by side.
 pub(crate) const NARROW: usize = 500;
 
-/// At most [`MAX_POINTS`] points that look like `points`; see [`decimate_to`].
-pub(super) fn decimate(
-    points: impl DoubleEndedIterator<Item = [f64; 2]> + ExactSizeIterator + Clone,
-) -> Vec<[f64; 2]> {
-    decimate_to(MAX_POINTS, points)
-}
-
-/// At most `most` points (10 or more) that look like `points`, which must not go back in x. Points that
-/// are not finite become one gap `[x, NaN]`; see [`segments`].
-pub(crate) fn decimate_to(
-    most: usize,
-    points: impl DoubleEndedIterator<Item = [f64; 2]> + ExactSizeIterator + Clone,
-) -> Vec<[f64; 2]> {
+/// At most `most` points (10 or more) that look like `points`, which must not go back in x. A stretch that
+/// is not finite becomes one gap; see [`segments`].
+pub(crate) fn decimate(most: usize, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     if points.len() <= most {
-        return points.collect();
+        return points.to_vec();
     }
-    let xs = || points.clone().map(|p| p[0]);
-    let (Some(first), Some(last)) = (
-        xs().find(|x| x.is_finite()),
-        xs().rev().find(|x| x.is_finite()),
-    ) else {
+    let mut xs = points.iter().map(|p| p[0]).filter(|x| x.is_finite());
+    let Some(first) = xs.next() else {
         return Vec::new();
     };
-    // Rounded up to a power of two; a line of no width has one bucket.
+    let last = xs.next_back().unwrap_or(first);
     // Each gives at most a minimum, a maximum and a gap, and the range may start inside one.
     let buckets = (most / 3 - 2) as f64;
+    // Rounded up to a power of two; a line of no width has one bucket.
     let width = ((last - first) / buckets).max(1e-300).log2().ceil().exp2();
-    let per_width = 1.0 / width;
-    let mut out = Vec::with_capacity(most);
-    let mut bucket = Bucket::default();
-    let mut place = None;
-    for (k, [x, y]) in points.enumerate() {
-        if !x.is_finite() {
-            bucket.gap.get_or_insert((k, [last, f64::NAN]));
-            continue;
-        }
-        // Towards zero, which is cheaper than down: the two buckets beside x = 0 are one.
-        let here = Some((x * per_width) as i64);
-        if here != place {
-            bucket.flush(&mut out);
-            place = here;
-        }
-        bucket.push(k, [x, y]);
-    }
-    bucket.flush(&mut out);
-    out
+    // Towards zero, which is cheaper than down: the two buckets beside x = 0 are one.
+    let bucket = |x: f64| (x / width) as i64;
+    points
+        .chunk_by(|[a, _], [b, _]| bucket(*a) == bucket(*b) || !(a + b).is_finite())
+        .flat_map(extremes)
+        .collect()
+}
+
+/// The lowest, the highest and the first gap of some points, in their order.
+fn extremes(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 2]> {
+    let finite = |k: &usize| points[*k].iter().all(|v| v.is_finite());
+    let by_height = |a: &usize, b: &usize| points[*a][1].total_cmp(&points[*b][1]);
+    let places = || (0..points.len()).filter(finite);
+    let mut found = [
+        places().min_by(by_height),
+        places().max_by(by_height),
+        (0..points.len()).find(|k| !finite(k)),
+    ];
+    found.sort_unstable();
+    let [a, b, c] = found;
+    let found = [a, b.filter(|_| a != b), c.filter(|_| c != b)];
+    found.into_iter().flatten().map(move |k| points[k])
 }
 
 /// The stretches of a line between its gaps.
@@ -65,51 +56,11 @@ pub(super) fn segments(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]>
 }
 
 /// A staircase: each value holds until the next.
-pub(super) fn staircase(points: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
-    let mut out: Vec<[f64; 2]> = Vec::new();
-    for [x, y] in points {
-        if let Some(&[_, held]) = out.last() {
-            out.push([x, held]);
-        }
-        out.push([x, y]);
-    }
-    out
-}
-
-/// The extreme points of one bucket with their places in the line.
-#[derive(Default)]
-struct Bucket {
-    low: Option<(usize, [f64; 2])>,
-    high: Option<(usize, [f64; 2])>,
-    gap: Option<(usize, [f64; 2])>,
-}
-
-impl Bucket {
-    fn push(&mut self, k: usize, point: [f64; 2]) {
-        if !point[1].is_finite() {
-            self.gap.get_or_insert((k, [point[0], f64::NAN]));
-            return;
-        }
-        if self.low.is_none_or(|(_, low)| point[1] < low[1]) {
-            self.low = Some((k, point));
-        }
-        if self.high.is_none_or(|(_, high)| point[1] >= high[1]) {
-            self.high = Some((k, point));
-        }
-    }
-
-    /// Its points in the order of the line.
-    fn flush(&mut self, out: &mut Vec<[f64; 2]>) {
-        let mut found = [self.low.take(), self.high.take(), self.gap.take()];
-        found.sort_by_key(|point| point.map_or(usize::MAX, |(k, _)| k));
-        let mut previous = None;
-        for (k, point) in found.into_iter().flatten() {
-            if previous != Some(k) {
-                out.push(point);
-                previous = Some(k);
-            }
-        }
-    }
+pub(super) fn staircase(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let steps = points
+        .windows(2)
+        .flat_map(|pair| [[pair[1][0], pair[0][1]], pair[1]]);
+    points.first().copied().into_iter().chain(steps).collect()
 }
 
 #[cfg(test)]
@@ -128,15 +79,15 @@ mod tests {
     #[test]
     fn short_lines_are_untouched() {
         let points = wave(MAX_POINTS);
-        assert_eq!(decimate(points.iter().copied()), points);
-        assert!(decimate(std::iter::empty()).is_empty());
+        assert_eq!(decimate(MAX_POINTS, &points), points);
+        assert!(decimate(MAX_POINTS, &[]).is_empty());
     }
 
     #[test]
     fn long_lines_keep_their_extremes_order_and_budget() {
         for n in [1001, 3000, 10_000, 36_000, 65_537] {
             let points = wave(n);
-            let fewer = decimate(points.iter().copied());
+            let fewer = decimate(MAX_POINTS, &points);
             assert!(
                 fewer.len() <= MAX_POINTS && fewer.len() > 300,
                 "{n}: {}",
@@ -157,8 +108,8 @@ mod tests {
     fn a_growing_line_stands_still() {
         let points = wave(6000);
         let (early, late) = (
-            decimate(points[..5500].iter().copied()),
-            decimate(points.iter().copied()),
+            decimate(MAX_POINTS, &points[..5500]),
+            decimate(MAX_POINTS, &points),
         );
         let settled = early.len() - 2;
         assert_eq!(early[..settled], late[..settled]);
@@ -170,22 +121,26 @@ mod tests {
         points[5000][1] = f64::NAN;
         points[7000][1] = f64::INFINITY;
         points[8000][0] = f64::NAN;
-        let fewer = decimate(points.iter().copied());
+        let fewer = decimate(MAX_POINTS, &points);
         assert!(fewer.len() <= MAX_POINTS);
         assert_eq!(segments(&fewer).count(), 4);
         assert!(segments(&fewer).flatten().flatten().all(|v| v.is_finite()));
         assert_eq!(segments(&[[0.0, f64::NAN]; 3]).count(), 0);
-        assert!(decimate(points.iter().map(|p| [p[0], f64::NAN])).len() <= MAX_POINTS);
-        assert!(decimate(points.iter().map(|_| [f64::NAN; 2])).is_empty());
-        assert_eq!(decimate(points.iter().map(|p| [3.0, p[1]])).len(), 3);
+        let fewer = |change: fn(&[f64; 2]) -> [f64; 2]| {
+            let changed: Vec<_> = points.iter().map(change).collect();
+            decimate(MAX_POINTS, &changed).len()
+        };
+        assert!(fewer(|p| [p[0], f64::NAN]) <= MAX_POINTS);
+        assert_eq!(fewer(|_| [f64::NAN; 2]), 0);
+        assert_eq!(fewer(|p| [3.0, p[1]]), 3);
     }
 
     #[test]
     fn stairs() {
         assert_eq!(
-            staircase([[0.0, 1.0], [1.0, 5.0], [2.0, 2.0]].into_iter()),
+            staircase(&[[0.0, 1.0], [1.0, 5.0], [2.0, 2.0]]),
             [[0.0, 1.0], [1.0, 1.0], [1.0, 5.0], [2.0, 5.0], [2.0, 2.0]]
         );
-        assert!(staircase(std::iter::empty()).is_empty());
+        assert!(staircase(&[]).is_empty());
     }
 }

@@ -2,59 +2,44 @@
 
 /// Four significant digits without trailing zeros: `9.81`, `0.01667`, `1.2e-5`; thousands apart, scientific where that
 /// is shorter.
-///
-/// ```
-/// use box_game::ui::panel::number;
-/// assert_eq!(number(9.81), "9.81");
-/// assert_eq!(number(1.0 / 60.0), "0.01667");
-/// assert_eq!(number(1.234567e-7), "1.235e-7");
-/// assert_eq!(number(f64::NAN), "not a number");
-/// ```
-pub fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let plain = quantity(value);
-    if !value.is_finite() {
-        return plain;
-    }
     let scientific = trimmed(&format!("{value:.3e}"));
-    let shorter = value.abs() >= 99_999.5 && scientific.len() < plain.chars().count();
-    if shorter { scientific } else { trimmed(&plain) }
+    let large = value.is_finite() && value.abs() >= 99_999.5;
+    if large && scientific.len() < plain.chars().count() {
+        scientific
+    } else {
+        trimmed(&plain)
+    }
 }
 
 /// Without the zeros at the end of the fraction.
 fn trimmed(text: &str) -> String {
-    let (mantissa, exponent) = text
-        .split_once('e')
-        .map_or((text, None), |(m, e)| (m, Some(e)));
-    let mantissa = if mantissa.contains('.') {
-        mantissa.trim_end_matches('0').trim_end_matches('.')
-    } else {
-        mantissa
+    let (mantissa, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
+    let mantissa = match mantissa.contains('.') {
+        true => mantissa.trim_end_matches('0').trim_end_matches('.'),
+        false => mantissa,
     };
-    exponent.map_or_else(|| mantissa.to_owned(), |e| format!("{mantissa}e{e}"))
+    format!("{mantissa}{exponent}")
 }
 
 /// Four significant digits with trailing zeros, so that a changing read-out keeps its width.
 pub(super) fn quantity(value: f64) -> String {
-    if value.is_nan() {
-        return "not a number".into();
+    match value.abs() {
+        f64::INFINITY => if value > 0.0 { "∞" } else { "−∞" }.to_owned(),
+        0.0 => "0.000".to_owned(),
+        _ if value.is_nan() => "not a number".to_owned(),
+        size if !(1e-3..999_999.5).contains(&size) => format!("{value:.3e}"),
+        size if size >= 9999.5 => {
+            let sign = if value < 0.0 { "-" } else { "" };
+            format!("{sign}{}", grouped(size.round() as u64))
+        }
+        size => {
+            // log10 of 1e-3…1e4 is −3…4: decimals 0…6.
+            let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
+            format!("{value:.decimals$}")
+        }
     }
-    if value.is_infinite() {
-        return if value > 0.0 { "∞" } else { "−∞" }.into();
-    }
-    let size = value.abs();
-    if size == 0.0 {
-        return "0.000".into();
-    }
-    if !(1e-3..999_999.5).contains(&size) {
-        return format!("{value:.3e}");
-    }
-    if size >= 9999.5 {
-        let sign = if value < 0.0 { "-" } else { "" };
-        return format!("{sign}{}", grouped(size.round() as u64));
-    }
-    // log10 of 1e-3…1e4 is −3…4: decimals 0…6.
-    let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{value:.decimals$}")
 }
 
 /// A step size as people say it: `1/60 s` where that is what it is, else `0.0167 s`.
@@ -71,32 +56,17 @@ pub(super) fn step_size(dt: f64) -> String {
 /// Reads a typed number: `0.5`, `0,5`, `1/60`, `1e-3`, a unit behind the number, and `60 Hz` for a period.
 /// `None` for anything else, and for infinities and NaN.
 pub(super) fn parse(text: &str) -> Option<f64> {
-    let text = text.trim().replace(',', ".").replace('−', "-");
+    let text = text.replace(',', ".").replace('−', "-");
     let text = text.replace('\u{a0}', "");
-    let lower = text.to_ascii_lowercase();
-    let plain = |t: &str| {
-        let t = t.trim();
-        // "1e3" is a number, "5 m/s²" is a number and its unit.
-        let end = (1..=t.len())
-            .rev()
-            .filter(|&k| t.is_char_boundary(k))
-            .find(|&k| t[..k].trim_end().parse::<f64>().is_ok_and(f64::is_finite))?;
-        let unit = t[end..].trim();
-        let unit_like = !unit.starts_with(|c: char| c.is_ascii_digit() || "+-./*^".contains(c));
-        if unit_like {
-            t[..end].trim_end().parse::<f64>().ok()
-        } else {
-            None
-        }
+    let lower = text.trim().to_ascii_lowercase();
+    let fraction = |(over, under): &(&str, &str)| {
+        let digits = under.trim_start();
+        let number = digits.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+        number && over.trim().parse::<f64>().is_ok()
     };
     let value = if let Some(hertz) = lower.strip_suffix("hz") {
         1.0 / plain(hertz)?
-    } else if let Some((over, under)) = text.split_once('/').filter(|(over, under)| {
-        over.trim().parse::<f64>().is_ok()
-            && under
-                .trim()
-                .starts_with(|c: char| c.is_ascii_digit() || c == '.')
-    }) {
+    } else if let Some((over, under)) = text.split_once('/').filter(fraction) {
         plain(over)? / plain(under)?
     } else {
         plain(&text)?
@@ -104,10 +74,21 @@ pub(super) fn parse(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
+/// A number and its unit, if any: "1e3" is a number, "5 m/s²" is a number and its unit.
+fn plain(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let number = |k: usize| text.get(..k)?.trim_end().parse().ok();
+    let number = |k: usize| number(k).filter(|v: &f64| v.is_finite());
+    let end = (1..=text.len()).rev().find(|&k| number(k).is_some())?;
+    let unit = text[end..].trim();
+    let more = unit.starts_with(|c: char| c.is_ascii_digit() || "+-./*^".contains(c));
+    number(end).filter(|_| !more)
+}
+
 /// `1482` as `1 482`, with a narrow no-break space.
 pub(super) fn grouped(value: u64) -> String {
     let digits = value.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3 + 1);
+    let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {
         if k > 0 && (digits.len() - k).is_multiple_of(3) {
             text.push('\u{a0}');
@@ -147,7 +128,10 @@ mod tests {
             (1_234_567.0, "1.235e6", "1.235e6"),
             (0.001, "0.001000", "0.001"),
             (2e-5, "2.000e-5", "2e-5"),
+            (1.0 / 60.0, "0.01667", "0.01667"),
+            (1.234567e-7, "1.235e-7", "1.235e-7"),
             (f64::INFINITY, "∞", "∞"),
+            (f64::NAN, "not a number", "not a number"),
         ] {
             assert_eq!(
                 (quantity(value).as_str(), number(value).as_str()),
@@ -158,11 +142,15 @@ mod tests {
 
     #[test]
     fn step_sizes() {
-        assert_eq!(step_size(1.0 / 60.0), "1/60 s");
-        assert_eq!(step_size(0.0167), "0.0167 s");
-        assert_eq!(step_size(0.5), "1/2 s");
-        assert_eq!(step_size(0.0), "0 s");
-        assert_eq!(step_size(f64::NAN), "not a number s");
+        for (dt, text) in [
+            (1.0 / 60.0, "1/60 s"),
+            (0.0167, "0.0167 s"),
+            (0.5, "1/2 s"),
+            (0.0, "0 s"),
+            (f64::NAN, "not a number s"),
+        ] {
+            assert_eq!(step_size(dt), text);
+        }
     }
 
     #[test]
@@ -193,11 +181,9 @@ mod tests {
 
     #[test]
     fn counts_and_sizes() {
-        assert_eq!(grouped(1_482), "1\u{a0}482");
-        assert_eq!(grouped(7), "7");
-        assert_eq!(grouped(1_234_567), "1\u{a0}234\u{a0}567");
-        assert_eq!(bytes(512), "512 B");
-        assert_eq!(bytes(2048), "2.0 KiB");
-        assert_eq!(bytes(3 << 20), "3.0 MiB");
+        let counts = [7, 1_482, 1_234_567].map(grouped);
+        assert_eq!(counts, ["7", "1\u{a0}482", "1\u{a0}234\u{a0}567"]);
+        let sizes = [512, 2048, 3 << 20].map(bytes);
+        assert_eq!(sizes, ["512 B", "2.0 KiB", "3.0 MiB"]);
     }
 }

@@ -12,18 +12,15 @@
 //! name for people and an id for tests (`widgets`). The picture keeps [`SHARE`] of the window: where side panel and
 //! drawer leave it less, the drawer is lower, and at last the side panel is left out while the drawer is open.
 
+mod axis;
 pub(crate) mod decimate;
-mod demo;
 mod drawer;
 mod format;
 mod keys;
-mod linear_axis;
-mod log_axis;
 mod memory;
 mod overlay;
 mod picker;
 mod row;
-mod sample;
 mod side;
 #[cfg(test)]
 mod tests;
@@ -31,17 +28,17 @@ mod top_bar;
 mod view;
 mod widgets;
 
-pub use format::number;
 pub use keys::KEYS;
-pub use memory::{PanelMemory, Section};
-#[doc(hidden)]
-pub use sample::sample_view;
-pub use view::{DemoView, HistoryView, IntegratorTiming, LogView, MainBoxView, PanelView};
+pub use memory::PanelMemory;
+#[cfg(test)]
+pub(crate) use tests::sample::sample_view;
+pub use view::{DemoView, FIGURES, HistoryView, LogView, PanelView};
 
-use bevy_egui::egui::{Panel, Rect, Ui};
+use bevy_egui::egui::{self, Rect, Ui};
 
 use crate::action::Action;
 use crate::view::style;
+use widgets::Panel;
 
 /// Room that the panel leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,18 +67,19 @@ pub fn show(
     out: &mut Vec<Action>,
 ) -> PanelLayout {
     style::install(ui.ctx(), view.preferences.light);
-    overlay::help(ui, view, memory, out);
-    picker::show(ui, view, memory, out);
+    let panel = &mut Panel { view, memory, out };
+    overlay::help(ui, panel);
+    picker::show(ui, panel);
     let window = ui.available_rect_before_wrap();
     if view.hidden {
-        overlay::hud(ui, view, out);
+        overlay::hud(ui, panel);
         return PanelLayout {
             central: window,
             captions: 0.0,
             plot: None,
         };
     }
-    Panel::top("top bar").show(ui, |ui| top_bar::show(ui, view, out));
+    egui::Panel::top("top bar").show(ui, |ui| top_bar::show(ui, panel));
 
     let open = view.preferences.show_plots;
     // The most that the drawer may have beside a side panel of this width.
@@ -90,25 +88,25 @@ pub fn show(
         ui.available_height() - SHARE * window.area() / width
     };
     if !open || most(ui, SIDE) >= DRAWER_LEAST {
-        Panel::right("side panel")
+        egui::Panel::right("side panel")
             .resizable(false)
             .exact_size(SIDE)
-            .show(ui, |ui| side::show(ui, view, memory, out));
+            .show(ui, |ui| side::show(ui, panel));
     }
     let plot = open.then(|| {
         let most = most(ui, 0.0).max(DRAWER_LEAST);
-        Panel::bottom("drawer")
+        egui::Panel::bottom("drawer")
             .resizable(true)
             .default_size((ui.available_height() * DRAWER).clamp(DRAWER_LEAST, most))
             .size_range(DRAWER_LEAST..=most)
-            .show(ui, |ui| drawer::show(ui, view, memory, out))
+            .show(ui, |ui| drawer::show(ui, panel))
             .inner
     });
     let left = ui.available_rect_before_wrap();
-    let central = Rect::from_min_size(left.min, left.size().max(Default::default()));
+    let central = Rect::from_min_size(left.min, left.size().max(egui::Vec2::ZERO));
     PanelLayout {
         central,
-        captions: overlay::captions(ui, central, view, memory, out),
+        captions: overlay::captions(ui, central, panel),
         plot,
     }
 }

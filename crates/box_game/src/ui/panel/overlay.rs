@@ -1,17 +1,19 @@
-//! Texts over the picture: headline, lesson, notices; the list of keys; and the one line of a hidden panel.
+//! Texts over the picture: headline, lesson, the strip of the 2012 scene, notices; the list of keys; and the one line of a
+//! hidden panel.
 
 use bevy_egui::egui::{
     Area, Frame, Grid, Id, Label, Margin, Modal, Order, Rect, RichText, ScrollArea, TextFormat,
-    TextStyle, TextWrapMode, Theme, Ui, UiBuilder, text::LayoutJob,
+    TextStyle, TextWrapMode, Theme, Ui, text::LayoutJob,
 };
+use box_scenarios::dissertation::Stepper;
 
-use super::demo;
+use super::format::number;
 use super::keys::KEYS;
-use super::memory::PanelMemory;
-use super::view::PanelView;
-use super::widgets::{Text, button, choice, own_button, text, toggle};
+use super::view::DemoView;
+use super::widgets::{Panel, Text, button, text, within};
 use crate::action::Action;
 use crate::compare::verdict::headline;
+use crate::demo_2012::FAULTS;
 use crate::view::style;
 
 /// In a picture lower than this [points] the lesson is left out (beside the strip of 2012 already in the second), and lower
@@ -24,14 +26,30 @@ const NOTICE_STAYS: f64 = 20.0;
 
 /// Headline, lesson, the strip of 2012, errors and the newest notice on a plate over the top of the picture. Returns how
 /// much of the picture they cover [points].
-pub(super) fn captions(
-    ui: &Ui,
-    picture: Rect,
-    view: &PanelView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) -> f32 {
-    let notice = notice(ui, view, memory);
+pub(super) fn captions(ui: &Ui, picture: Rect, panel: &mut Panel<'_>) -> f32 {
+    let content = |ui: &mut Ui| {
+        ui.set_width(ui.available_width());
+        ui.spacing_mut().item_spacing.y = 2.0;
+        let view = panel.view;
+        let room = |least: f32| picture.height() > least;
+        // The strip of the 2012 demo shows its stepper, which is not among the integrators.
+        let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
+        if room(HEADLINE_ROOM) && !of_2012 {
+            let words = RichText::new(headline(&view.compare)).heading().strong();
+            ui.add(Label::new(words).wrap());
+        }
+        if let Some(demo) = &view.demo {
+            strip(ui, demo, room(LESSON_ROOM[0]), panel);
+        }
+        if room(LESSON_ROOM[usize::from(view.demo.is_some())]) {
+            lesson(ui, panel);
+        }
+        for error in &view.scene_errors {
+            let text = RichText::new(format!("⚠ {error}"));
+            ui.add(Label::new(text.color(ui.visuals().error_fg_color)).wrap());
+        }
+        notice(ui, panel);
+    };
     let area = Area::new(Id::new("captions"))
         .order(Order::Middle)
         .fixed_pos(picture.min)
@@ -40,83 +58,61 @@ pub(super) fn captions(
             // The picture is dark in both themes.
             ui.set_style(ui.ctx().style_of(Theme::Dark));
             ui.set_width(picture.width());
-            Frame::new()
-                .fill(style::PICTURE_PLATE)
-                .inner_margin(Margin::symmetric(10, 4))
-                .show(ui, |ui| {
-                    ui.set_width(ui.available_width());
-                    ui.spacing_mut().item_spacing.y = 2.0;
-                    // The strip of the 2012 demo shows its stepper, which is not among the integrators.
-                    let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
-                    if picture.height() > HEADLINE_ROOM && !of_2012 {
-                        let words = RichText::new(headline(&view.compare)).heading().strong();
-                        ui.add(Label::new(words).wrap());
-                    }
-                    demo::show(ui, view, picture.height() > LESSON_ROOM[0], out);
-                    let dismissed = memory.dismissed_lesson.as_ref() == Some(&view.scene);
-                    let lesson = !view.lesson.is_empty() && !dismissed;
-                    if lesson
-                        && picture.height() > LESSON_ROOM[usize::from(view.demo.is_some())]
-                        && self::lesson(ui, view)
-                    {
-                        memory.dismissed_lesson = Some(view.scene.clone());
-                    }
-                    for error in &view.scene_errors {
-                        let color = ui.visuals().error_fg_color;
-                        let text = RichText::new(format!("⚠ {error}")).color(color);
-                        ui.add(Label::new(text).wrap());
-                    }
-                    if let Some(text) = notice
-                        && dismissible(ui, "notice", |ui| {
-                            ui.add(Label::new(text).wrap());
-                        })
-                    {
-                        memory.dismissed_notice = Some((view.notices.len(), text.clone()));
-                    }
-                });
+            let plate = Frame::new().fill(style::PICTURE_PLATE);
+            let plate = plate.inner_margin(Margin::symmetric(10, 4));
+            plate.show(ui, content);
         });
     area.response.rect.height()
 }
 
 /// The newest notice, unless it was dismissed or has been there for long.
-fn notice<'a>(ui: &Ui, view: &'a PanelView, memory: &mut PanelMemory) -> Option<&'a String> {
-    let notice = view.notices.last()?;
-    let shown = (view.notices.len(), notice.clone());
-    let now = ui.input(|i| i.time);
-    let since = match &memory.shown_notice {
-        Some((same, since)) if *same == shown => *since,
-        _ => now,
+fn notice(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let Some(notice) = panel.view.notices.last() else {
+        return;
     };
-    memory.shown_notice = Some((shown.clone(), since));
-    let dismissed = memory.dismissed_notice.as_ref() == Some(&shown);
-    (!dismissed && now - since < NOTICE_STAYS).then_some(notice)
+    let (count, now) = (panel.view.notices.len(), ui.input(|i| i.time));
+    let same = |(n, text, _): &&mut (usize, String, f64)| *n == count && text == notice;
+    let since = match panel.memory.notice.as_mut().filter(same) {
+        Some((.., since)) => since,
+        None => &mut panel.memory.notice.insert((count, notice.clone(), now)).2,
+    };
+    if now - *since < NOTICE_STAYS
+        && dismissible(ui, "notice", |ui| {
+            ui.add(Label::new(notice).wrap());
+        })
+    {
+        *since = f64::NEG_INFINITY;
+    }
 }
 
-/// Lesson and suggestions; returns whether they were dismissed.
-fn lesson(ui: &mut Ui, view: &PanelView) -> bool {
-    let hints: Vec<&str> = (view.hints.iter())
-        .map(String::as_str)
-        .filter(|hint| !hint.is_empty())
-        .collect();
-    let try_this = (!hints.is_empty()).then(|| format!("Try: {}", hints.join("  ·  ")));
-    dismissible(ui, "lesson", |ui| {
-        ui.add(Label::new(&view.lesson).wrap());
-        if let Some(text) = try_this {
-            ui.add(Label::new(controls_in_bold(ui, &text)).wrap());
+/// Lesson and suggestions, until they are dismissed.
+fn lesson(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let scene = &panel.view.scenario;
+    let dismissed = panel.memory.dismissed_lesson.as_deref() == Some(scene.id);
+    if scene.lesson.is_empty() || dismissed {
+        return;
+    }
+    let hints: Vec<&str> = scene.hints.into_iter().filter(|h| !h.is_empty()).collect();
+    let hints = hints.join("  ·  ");
+    let dismiss = dismissible(ui, "lesson", |ui| {
+        ui.add(Label::new(scene.lesson).wrap());
+        if !hints.is_empty() {
+            let hints = controls_in_bold(ui, &format!("Try: {hints}"));
+            ui.add(Label::new(hints).wrap());
         }
-    })
+    });
+    if dismiss {
+        panel.memory.dismissed_lesson = Some(scene.id.to_owned());
+    }
 }
 
 /// A hint with the names of controls, which it has in brackets, in bold.
 fn controls_in_bold(ui: &Ui, hint: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = TextStyle::Body.resolve(ui.style());
-    let (plain, bold) = (
-        ui.visuals().weak_text_color(),
-        ui.visuals().strong_text_color(),
-    );
-    for (k, part) in hint.split(['[', ']']).enumerate() {
-        let color = if k % 2 == 0 { plain } else { bold };
+    let visuals = ui.visuals();
+    let colors = [visuals.weak_text_color(), visuals.strong_text_color()];
+    for (part, color) in hint.split(['[', ']']).zip(colors.into_iter().cycle()) {
         job.append(part, 0.0, TextFormat::simple(font.clone(), color));
     }
     job
@@ -126,7 +122,7 @@ fn controls_in_bold(ui: &Ui, hint: &str) -> LayoutJob {
 fn dismissible(ui: &mut Ui, what: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let name = format!("Dismiss {what}");
     ui.horizontal_top(|ui| {
-        let close = own_button(ui, Text("✖", &name, &format!("{name}.")), &name);
+        let close = button(ui, Text("✖", &name, &format!("{name}.")), &name);
         ui.vertical(|ui| {
             ui.spacing_mut().item_spacing.y = 2.0;
             add(ui);
@@ -136,11 +132,44 @@ fn dismissible(ui: &mut Ui, what: &str, add: impl FnOnce(&mut Ui)) -> bool {
     .inner
 }
 
+/// The strip of the 2012 scene: which of its steppers moves the box, or ours, and what is wrong, where there is `room`.
+fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
+    ui.horizontal_wrapped(|ui| {
+        let of_2012 = Stepper::ALL.map(Some);
+        for stepper in of_2012.into_iter().chain([None]) {
+            let ours = "The plugin, with the integrator selected on the right.";
+            let hint = stepper.map_or(ours, Stepper::fault);
+            let words = text(stepper.map_or("box_physics", Stepper::name), hint);
+            panel.choice(ui, demo.stepper == stepper, words, Action::SetDemo(stepper));
+        }
+        if demo.stepper.is_some() {
+            let name = ["Start cycle log", "Stop cycle log"][usize::from(demo.log.is_some())];
+            let hint = "Write the time of every integration cycle to a text file, as in 2012.";
+            panel.button(ui, text(name, hint), Action::ToggleDemoLog);
+            let cycle = number((demo.cycle_us * 100.0).round() / 100.0);
+            ui.small(format!("last cycle {cycle} µs"));
+            if let Some((path, cycles)) = &demo.log {
+                ui.small(format!("{path} · {cycles} cycles"));
+            }
+        }
+    });
+    let words = match demo.stepper {
+        Some(stepper) => format!("{} All three: {}.", stepper.fault(), FAULTS.join("; ")),
+        None => format!(
+            "{}: pushes add up, the fall is a parabola, contact acts at the corners.",
+            panel.view.integrator.name()
+        ),
+    };
+    if room {
+        ui.add(Label::new(words).wrap());
+    }
+}
+
 /// The list of keys over everything. A click beside it or on Close asks to close it; Esc is left to the
 /// game's own keys, so that one press is one request.
-pub(super) fn help(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
-    if !view.show_help {
-        memory.sure = false;
+pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
+    if !panel.view.show_help {
+        panel.memory.sure = false;
         return;
     }
     let screen = ui.ctx().content_rect();
@@ -149,111 +178,86 @@ pub(super) fn help(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
         let mut close = false;
         ui.horizontal_wrapped(|ui| {
             ui.heading("Keys");
-            close = own_button(
-                ui,
-                text("Close help", "F1 or ? opens it again."),
-                "Close help",
-            );
-            let reset = text(
-                "Reset all parameters",
-                "Restore the scene's own parameters.",
-            );
-            button(ui, reset, Action::ResetParameters, out);
-            reset_everything(ui, memory, out);
+            let words = text("Close help", "F1 or ? opens it again.");
+            close = button(ui, words, "Close help");
+            let hint = "Restore the scene's own parameters.";
+            let reset = text("Reset all parameters", hint);
+            panel.button(ui, reset, Action::ResetParameters);
+            reset_everything(ui, panel);
         });
-        ui.horizontal_wrapped(|ui| scale(ui, view, out));
+        ui.horizontal_wrapped(|ui| scale(ui, panel));
         ui.label("Right-click a slider to reset it. Typed values may exceed the slider's range.");
         let height = (screen.height() - 140.0).max(40.0);
-        ScrollArea::vertical()
-            .max_height(height)
-            .min_scrolled_height(height)
-            .show(ui, keys);
+        let list = ScrollArea::vertical().max_height(height);
+        list.min_scrolled_height(height).show(ui, keys);
         close
     });
     if modal.inner || modal.backdrop_response.clicked() {
-        out.push(Action::ToggleHelp);
+        panel.ask(Action::ToggleHelp);
     }
 }
 
 /// The last rung of the ladder asks once more.
-fn reset_everything(ui: &mut Ui, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+fn reset_everything(ui: &mut Ui, panel: &mut Panel<'_>) {
     let hint = "Restore the first scene and every default.";
-    if !memory.sure {
-        memory.sure = own_button(ui, text("Reset everything…", hint), "reset everything");
+    if !panel.memory.sure {
+        let reset = text("Reset everything…", hint);
+        panel.memory.sure = button(ui, reset, "reset everything");
         return;
     }
-    let before = out.len();
-    button(
-        ui,
-        text("Yes, reset everything", hint),
-        Action::ResetEverything,
-        out,
-    );
-    let no = own_button(ui, text("No", "Change nothing."), "no");
-    memory.sure = !no && out.len() == before;
+    let before = panel.out.len();
+    let yes = text("Yes, reset everything", hint);
+    panel.button(ui, yes, Action::ResetEverything);
+    let no = button(ui, text("No", "Change nothing."), "no");
+    panel.memory.sure = !no && panel.out.len() == before;
 }
 
 /// Scales of the panel by one click.
 const SCALES: [f64; 5] = [0.75, 1.0, 1.25, 1.5, 2.0];
 
-fn scale(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+fn scale(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let preferences = panel.view.preferences;
     ui.label("Panel scale:");
     for scale in SCALES {
-        let chosen = (f64::from(view.preferences.ui_scale) - scale).abs() < 1e-3;
+        let chosen = (f64::from(preferences.ui_scale) - scale).abs() < 1e-3;
         let name = format!("{:.0} %", scale * 100.0);
-        choice(
-            ui,
-            chosen,
-            text(&name, "Scale."),
-            Action::SetUiScale(scale),
-            out,
-        );
+        panel.choice(ui, chosen, text(&name, "Scale."), Action::SetUiScale(scale));
     }
     ui.label("(Ctrl and + or −)");
-    let light = view.preferences.light;
     let theme = text("Light theme", "Light or dark panel.");
-    toggle(ui, light, theme, Action::ToggleTheme, out);
+    panel.toggle(ui, preferences.light, theme, Action::ToggleTheme);
 }
 
 fn keys(ui: &mut Ui) {
-    Grid::new("keys")
-        .num_columns(2)
-        .striped(true)
-        .show(ui, |ui| {
-            for (key, what) in KEYS {
-                ui.add(Label::new(RichText::new(*key).strong()).extend());
-                ui.add(Label::new(*what).wrap());
-                ui.end_row();
-            }
-        });
+    let grid = Grid::new("keys").num_columns(2).striped(true);
+    grid.show(ui, |ui| {
+        for (key, what) in KEYS {
+            ui.add(Label::new(RichText::new(*key).strong()).extend());
+            ui.add(Label::new(*what).wrap());
+            ui.end_row();
+        }
+    });
 }
 
 /// The one line of a hidden panel, over the picture.
-pub(super) fn hud(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+pub(super) fn hud(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let view = panel.view;
     let line = format!(
         "{} · {}{} · t = {:.2} s · {}/step{}",
-        view.title,
+        view.scenario.title,
         style::marked_name(view.integrator),
-        if view.paused { " · PAUSED" } else { "" },
+        ["", " · PAUSED"][usize::from(view.paused)],
         view.time,
         view.step_time(),
-        if view.log.is_some() {
-            " · ● REC"
-        } else {
-            ""
-        },
+        ["", " · ● REC"][usize::from(view.log.is_some())],
     );
     let place = ui.available_rect_before_wrap().shrink(6.0);
-    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
+    within(ui, place, |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-                button(
-                    ui,
-                    text("Show panel", "Show the panel (`)."),
-                    Action::TogglePanel,
-                    out,
-                );
+                let show = text("Show panel", "Show the panel (`).");
+                panel.button(ui, show, Action::TogglePanel);
                 ui.add(Label::new(line).truncate());
             });
         });

@@ -2,38 +2,32 @@
 
 use bevy_egui::egui::{
     Button, Grid, Id, Key, Modal, ScrollArea, TextEdit, TextFormat, TextStyle, TextWrapMode, Ui,
-    WidgetInfo, WidgetType, text::LayoutJob, vec2,
+    Vec2, WidgetInfo, WidgetType, text::LayoutJob,
 };
 
-use super::memory::PanelMemory;
-use super::view::PanelView;
-use super::widgets::{id_of, identify};
+use super::widgets::{Panel, id_of, identify};
 use crate::action::Action;
 use crate::scene::library::SceneCard;
 
 /// Size of a card [points].
-const CARD: bevy_egui::egui::Vec2 = vec2(290.0, 44.0);
+const CARD: Vec2 = Vec2::new(290.0, 44.0);
 
 /// The menu over everything, if it is open. Arrows go through it, Enter takes one; Esc is left to the game's own keys.
-pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+pub(super) fn show(ui: &Ui, panel: &mut Panel<'_>) {
+    let (view, memory) = (panel.view, &mut *panel.memory);
     if !view.show_picker {
         memory.search.clear();
-        let playing = view.scenes.iter().position(|s| s.id == view.scene);
+        let playing = view.scenes.iter().position(|s| s.id == view.scenario.id);
         memory.picked = playing.unwrap_or(0);
         return;
     }
     let screen = ui.ctx().content_rect();
     let columns = ((screen.width() - 80.0) / (CARD.x + 8.0)).clamp(1.0, 3.0) as usize;
     let modal = Modal::new(Id::new("picker")).show(ui.ctx(), |ui| {
-        ui.set_width(
-            (columns as f32 * (CARD.x + 8.0))
-                .min(screen.width() - 60.0)
-                .max(0.0),
-        );
-        let field = TextEdit::singleline(&mut memory.search)
-            .hint_text("Search scenes…")
-            .desired_width(f32::INFINITY);
-        let field = ui.add(field);
+        let width = columns as f32 * (CARD.x + 8.0);
+        ui.set_width(width.min(screen.width() - 60.0).max(0.0));
+        let field = TextEdit::singleline(&mut memory.search).hint_text("Search scenes…");
+        let field = ui.add(field.desired_width(f32::INFINITY));
         field.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "Search scenes"));
         if !field.lost_focus() {
             field.request_focus();
@@ -47,23 +41,22 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
         let last = found.len().saturating_sub(1);
         memory.picked = (memory.picked + usize::from(down)).min(last);
         memory.picked = memory.picked.saturating_sub(usize::from(up));
-        let mut chosen = pressed(Key::Enter)
-            .then(|| found.get(memory.picked))
-            .flatten();
+        let mut chosen = found.get(memory.picked).filter(|_| pressed(Key::Enter));
+        let cards = |ui: &mut Ui| {
+            for (place, k) in found.iter().enumerate() {
+                if card(ui, &view.scenes[*k], place == memory.picked, up || down) {
+                    chosen = Some(k);
+                }
+                if place % columns == columns - 1 {
+                    ui.end_row();
+                }
+            }
+        };
         ScrollArea::vertical()
             .max_height((screen.height() - 160.0).max(40.0))
             .auto_shrink([false, true])
             .show(ui, |ui| {
-                Grid::new("scenes").spacing([8.0, 6.0]).show(ui, |ui| {
-                    for (place, k) in found.iter().enumerate() {
-                        if card(ui, &view.scenes[*k], place == memory.picked, up || down) {
-                            chosen = Some(k);
-                        }
-                        if place % columns == columns - 1 {
-                            ui.end_row();
-                        }
-                    }
-                });
+                Grid::new("scenes").spacing([8.0, 6.0]).show(ui, cards);
                 if found.is_empty() {
                     ui.label("No scene matches.");
                 }
@@ -71,36 +64,31 @@ pub(super) fn show(ui: &Ui, view: &PanelView, memory: &mut PanelMemory, out: &mu
         chosen.copied()
     });
     if let Some(scene) = modal.inner.and_then(|k| view.scenes.get(k)) {
-        out.push(Action::SelectScene(scene.id.clone()));
+        panel.ask(Action::SelectScene(scene.id.clone()));
     } else if modal.backdrop_response.clicked() {
-        out.push(Action::TogglePicker);
+        panel.ask(Action::TogglePicker);
     }
 }
 
 /// Title over what there is to see; returns whether it was clicked.
 fn card(ui: &mut Ui, scene: &SceneCard, picked: bool, moved: bool) -> bool {
     let visuals = ui.visuals();
-    let colors = if picked {
+    let [strong, weak] = if picked {
         [visuals.selection.stroke.color; 2]
     } else {
         [visuals.strong_text_color(), visuals.weak_text_color()]
     };
     let mut job = LayoutJob::default();
-    let mut append = |text: &str, style: TextStyle, color| {
-        job.append(
-            text,
-            0.0,
-            TextFormat::simple(style.resolve(ui.style()), color),
-        );
-    };
-    append(&scene.title, TextStyle::Body, colors[0]);
-    append("\n", TextStyle::Small, colors[1]);
-    append(&scene.watch, TextStyle::Small, colors[1]);
-    let card = Button::selectable(picked, job)
-        .frame_when_inactive(true)
-        .wrap_mode(TextWrapMode::Wrap)
-        .min_size(CARD);
-    let card = ui.add(card);
+    for (text, style, color) in [
+        (scene.title.as_str(), TextStyle::Body, strong),
+        ("\n", TextStyle::Small, weak),
+        (scene.watch.as_str(), TextStyle::Small, weak),
+    ] {
+        let format = TextFormat::simple(style.resolve(ui.style()), color);
+        job.append(text, 0.0, format);
+    }
+    let card = Button::selectable(picked, job).frame_when_inactive(true);
+    let card = ui.add(card.wrap_mode(TextWrapMode::Wrap).min_size(CARD));
     identify(&card, id_of(&Action::SelectScene(scene.id.clone())));
     if picked && moved {
         card.scroll_to_me(None);
@@ -125,19 +113,19 @@ mod tests {
 
     #[test]
     fn words_find_a_scene() {
-        let scenes: Vec<_> = Scenario::ALL
-            .iter()
-            .map(|build| SceneCard::of(&build()))
-            .collect();
-        let first = |pattern: &str| {
-            let found = search(pattern, &scenes);
-            found.first().map(|&k| scenes[k].id.as_str())
-        };
-        assert_eq!(first("dzha"), Some("dzhanibekov"));
-        assert_eq!(first("2012"), Some("dissertation-2012"));
-        assert_eq!(first("SPRING stiff"), Some("stiff-spring"));
-        assert_eq!(first("simplest motion"), Some("ballistic"));
-        assert_eq!(first("xyzzy"), None);
+        let scenes = Scenario::ALL.iter().map(|build| SceneCard::of(&build()));
+        let scenes: Vec<_> = scenes.collect();
+        for (words, first) in [
+            ("dzha", Some("dzhanibekov")),
+            ("2012", Some("dissertation-2012")),
+            ("SPRING stiff", Some("stiff-spring")),
+            ("simplest motion", Some("ballistic")),
+            ("xyzzy", None),
+        ] {
+            let found = search(words, &scenes);
+            let found = found.first().map(|&k| scenes[k].id.as_str());
+            assert_eq!(found, first);
+        }
         assert_eq!(search("", &scenes).len(), scenes.len());
     }
 }

@@ -1,10 +1,10 @@
 //! The bar along the top: which scene, how fast, where in time, and what is out of the ordinary.
 
-use bevy_egui::egui::{Button, ComboBox, Label, RichText, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{Button, ComboBox, Label, RichText, Ui, WidgetInfo, WidgetType, vec2};
 
 use super::format::{grouped, number};
 use super::view::PanelView;
-use super::widgets::{Text, button, choice, id_of, identify, text, toggle};
+use super::widgets::{Panel, Text, id_of, identify, text};
 use crate::action::Action;
 use crate::parameters::SPEEDS;
 
@@ -14,106 +14,78 @@ const BEHIND: f64 = 0.95;
 const NAMED: f32 = 1240.0;
 
 /// Draws the bar: one row, which wraps where it must.
-pub(super) fn show(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let named = ui.available_width() >= NAMED;
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = if named { 6.0 } else { 3.0 };
-        scene(ui, view, named, out);
+        scene(ui, panel, named);
         ui.separator();
-        clock(ui, view, named, out);
+        clock(ui, panel, named);
         ui.separator();
-        speed(ui, view, out);
+        speed(ui, panel);
         ui.separator();
-        windows(ui, view, named, out);
+        windows(ui, panel, named);
         ui.separator();
-        readouts(ui, view, named);
+        readouts(ui, panel.view, named);
     });
 }
 
-fn scene(ui: &mut Ui, view: &PanelView, named: bool, out: &mut Vec<Action>) {
+fn scene(ui: &mut Ui, panel: &mut Panel<'_>, named: bool) {
+    let title = panel.view.scenario.title;
     let width = if named { 190.0 } else { 104.0 };
-    let height = ui.spacing().interact_size.y;
-    let title = Button::new(format!("☰ {}", view.title)).truncate();
-    let title = ui
-        .allocate_ui([width, height].into(), |ui| ui.add(title))
-        .inner;
-    title.widget_info(|| WidgetInfo {
-        current_text_value: Some(view.title.clone()),
+    let size = vec2(width, ui.spacing().interact_size.y);
+    let menu = Button::new(format!("☰ {title}")).truncate();
+    let menu = ui.allocate_ui(size, |ui| ui.add(menu)).inner;
+    menu.widget_info(|| WidgetInfo {
+        current_text_value: Some(title.to_owned()),
         ..WidgetInfo::labeled(WidgetType::Button, true, "Scenes")
     });
-    identify(&title, id_of(&Action::TogglePicker));
-    if title.on_hover_text("Choose a scene (Ctrl+O).").clicked() {
-        out.push(Action::TogglePicker);
+    identify(&menu, id_of(&Action::TogglePicker));
+    if menu.on_hover_text("Choose a scene (Ctrl+O).").clicked() {
+        panel.ask(Action::TogglePicker);
     }
     let previous = Text("◂", "Previous scene", "Previous scene ([)");
-    button(ui, previous, Action::PreviousScene, out);
-    button(
-        ui,
-        Text("▸", "Next scene", "Next scene (])"),
-        Action::NextScene,
-        out,
-    );
+    panel.button(ui, previous, Action::PreviousScene);
+    let next = Text("▸", "Next scene", "Next scene (])");
+    panel.button(ui, next, Action::NextScene);
 }
 
-fn clock(ui: &mut Ui, view: &PanelView, named: bool, out: &mut Vec<Action>) {
-    // Steps per click.
-    let ten = if ui.input(|i| i.modifiers.shift) {
-        10
-    } else {
-        1
+fn clock(ui: &mut Ui, panel: &mut Panel<'_>, named: bool) {
+    let (paused, shift) = (panel.view.paused, ui.input(|i| i.modifiers.shift));
+    let steps = if shift { 10 } else { 1 };
+    let mut button = |sign: &str, name: &str, hint: &str, action: Action| {
+        let both = format!("{sign} {name}");
+        let written = if named { both.as_str() } else { sign };
+        panel.button(ui, Text(written, name, hint), action);
     };
-    let pause = if view.paused {
+    let pause = "Pause or resume (P or Space).";
+    let (sign, name) = if paused {
         ("▶", "Resume")
     } else {
         ("⏸", "Pause")
     };
-    for ((sign, name), hint, action) in [
-        (pause, "Pause or resume (P or Space).", Action::TogglePause),
-        (
-            ("⏮", "Back"),
-            "Step back; pauses (,). With Shift: ten steps.",
-            Action::StepBack(ten),
-        ),
-        (
-            ("⏭", "Step"),
-            "Step forward; pauses (.). With Shift: ten steps.",
-            Action::Step(ten),
-        ),
-        (
-            ("⟲", "Restart"),
-            "Restart the scene with the current parameters (R).",
-            Action::Restart,
-        ),
-    ] {
-        let written = if named {
-            format!("{sign} {name}")
-        } else {
-            sign.to_owned()
-        };
-        button(ui, Text(&written, name, hint), action, out);
-    }
+    button(sign, name, pause, Action::TogglePause);
+    let back = "Step back; pauses (,). With Shift: ten steps.";
+    button("⏮", "Back", back, Action::StepBack(steps));
+    let forward = "Step forward; pauses (.). With Shift: ten steps.";
+    button("⏭", "Step", forward, Action::Step(steps));
+    let restart = "Restart the scene with the current parameters (R).";
+    button("⟲", "Restart", restart, Action::Restart);
 }
 
-fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
-    button(ui, Text("−", "Slower", "Slower (-)"), Action::Slower, out);
-    let target = format!("{}×", number(view.speed));
-    let combo = ComboBox::from_id_salt("speed")
-        .width(56.0)
-        .selected_text(&target)
-        .show_ui(ui, |ui| {
-            for speed in SPEEDS {
-                let name = format!("{}×", number(speed));
-                let hint = "Simulated seconds per second.";
-                choice(
-                    ui,
-                    speed == view.speed,
-                    text(&name, hint),
-                    Action::SetSpeed(speed),
-                    out,
-                );
-            }
-        })
-        .response;
+fn speed(ui: &mut Ui, panel: &mut Panel<'_>) {
+    panel.button(ui, Text("−", "Slower", "Slower (-)"), Action::Slower);
+    let now = panel.view.speed;
+    let target = format!("{}×", number(now));
+    let list = |ui: &mut Ui| {
+        for speed in SPEEDS {
+            let name = format!("{}×", number(speed));
+            let name = text(&name, "Simulated seconds per second.");
+            panel.choice(ui, speed == now, name, Action::SetSpeed(speed));
+        }
+    };
+    let combo = ComboBox::from_id_salt("speed").width(56.0);
+    let combo = combo.selected_text(&target).show_ui(ui, list).response;
     combo.widget_info(|| WidgetInfo {
         label: Some("Speed".into()),
         current_text_value: Some(target.clone()),
@@ -121,62 +93,56 @@ fn speed(ui: &mut Ui, view: &PanelView, out: &mut Vec<Action>) {
     });
     identify(&combo, "speed");
     combo.on_hover_text("Target: simulated seconds per second (default 1× · key 0).");
-    button(ui, Text("+", "Faster", "Faster (=)"), Action::Faster, out);
+    panel.button(ui, Text("+", "Faster", "Faster (=)"), Action::Faster);
 }
 
-fn windows(ui: &mut Ui, view: &PanelView, named: bool, out: &mut Vec<Action>) {
+fn windows(ui: &mut Ui, panel: &mut Panel<'_>, named: bool) {
+    let view = panel.view;
     for (sign, name, what, key, action) in [
         ("↶", "Undo", view.undoes, "Ctrl+Z", Action::Undo),
         ("↷", "Redo", view.redoes, "Ctrl+Shift+Z", Action::Redo),
     ] {
         let hint = format!("{name}: {} ({key}).", what.unwrap_or("nothing"));
         ui.add_enabled_ui(what.is_some(), |ui| {
-            button(ui, Text(sign, name, &hint), action, out);
+            panel.button(ui, Text(sign, name, &hint), action);
         });
     }
     let plots = text("Plots", "Show or hide the plots (M).");
-    toggle(
-        ui,
-        view.preferences.show_plots,
-        plots,
-        Action::TogglePlots,
-        out,
-    );
+    let open = view.preferences.show_plots;
+    panel.toggle(ui, open, plots, Action::TogglePlots);
     if named {
         let hint = "Hide all but one line; the backtick key (`) shows the panel again.";
-        button(ui, text("Hide panel", hint), Action::TogglePanel, out);
+        panel.button(ui, text("Hide panel", hint), Action::TogglePanel);
     }
     let help = text("Help", "Keys, scale and theme (F1 or ?).");
-    toggle(ui, view.show_help, help, Action::ToggleHelp, out);
+    panel.toggle(ui, view.show_help, help, Action::ToggleHelp);
 }
 
 /// The time; and a paused or late clock, a log, a renderer without a GPU.
 fn readouts(ui: &mut Ui, view: &PanelView, named: bool) {
-    let read = |ui: &mut Ui, text: String, hint: &str| {
+    let mut read = |text: &str, hint: &str| {
         ui.add(Label::new(RichText::new(text).monospace()).extend())
             .on_hover_text(hint);
     };
+    let (steps, dropped) = (grouped(view.steps), number(view.dropped));
     let hint = format!(
-        "Simulated time, after {} steps. Dropped by slow frames since the start: {} s.",
-        grouped(view.steps),
-        number(view.dropped)
+        "Simulated time, after {steps} steps. Dropped by slow frames since the start: {dropped} s."
     );
-    read(ui, format!("t = {:.2} s", view.time), &hint);
+    read(&format!("t = {:.2} s", view.time), &hint);
     match view.actual_speed {
-        _ if view.paused => read(ui, "PAUSED".to_owned(), "P or Space resumes."),
+        _ if view.paused => read("PAUSED", "P or Space resumes."),
         Some(speed) if speed < BEHIND * view.speed => {
             let hint = "Measured over the last second: the computer cannot keep up.";
-            read(ui, format!("only {speed:.2}×"), hint);
+            read(&format!("only {speed:.2}×"), hint);
         }
         _ => {}
     }
     if let Some(log) = &view.log {
-        let rows = format!("● REC {}", grouped(log.rows));
-        read(ui, rows, &format!("Rows logged to {}", log.path));
+        let hint = format!("Rows logged to {}", log.path);
+        read(&format!("● REC {}", grouped(log.rows)), &hint);
     }
     if view.software_rendering {
-        let badge = if named { "⚠ no GPU" } else { "⚠" };
         let hint = "Rendering on the CPU: frame times mean little; integrator times are right.";
-        read(ui, badge.to_owned(), hint);
+        read(if named { "⚠ no GPU" } else { "⚠" }, hint);
     }
 }

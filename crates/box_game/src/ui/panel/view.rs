@@ -3,9 +3,9 @@
 
 use box_bench::measure::Cost;
 use box_physics::plugin::Stage;
-use box_physics::prelude::{DVec3, Integrator};
-use box_scenarios::Status;
+use box_physics::prelude::Integrator;
 use box_scenarios::dissertation::Stepper;
+use box_scenarios::{Scenario, Status};
 
 use super::format::number;
 use crate::action::Plot;
@@ -14,17 +14,27 @@ use crate::parameters::Parameters;
 use crate::preferences::Preferences;
 use crate::scene::library::SceneCard;
 
+/// Names and units of the main box's figures; the potential energy is that over the floor, or the origin.
+pub const FIGURES: [(&str, &str); 10] = [
+    ("Translational ½mv²", "J"),
+    ("Rotational ½L·ω", "J"),
+    ("Potential energy", "J"),
+    ("Total energy", "J"),
+    ("Ang. momentum |L|", "kg m²/s"),
+    ("Speed |v|", "m/s"),
+    ("Spin |ω|", "rad/s"),
+    ("Position x", "m"),
+    ("Position y", "m"),
+    ("Position z", "m"),
+];
+
 /// Everything the panel shows in one frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct PanelView {
     /// Every scene, in the order of the menu.
     pub scenes: Vec<SceneCard>,
-    /// Id of the scene being played, which may be in the list no longer.
-    pub scene: String,
-    /// Title of that scene.
-    pub title: String,
-    /// One or two sentences about the scene.
-    pub lesson: String,
+    /// The scene being played, which may be in the list no longer.
+    pub scenario: Scenario,
     /// The integrator in use.
     pub integrator: Integrator,
     /// The clock is paused.
@@ -43,10 +53,13 @@ pub struct PanelView {
     pub parameters: Parameters,
     /// The scene's own, for "reset" and tooltips.
     pub defaults: Parameters,
-    /// State of the main box.
-    pub main_box: MainBoxView,
-    /// Timing of every integrator, in the order of the menu.
-    pub timings: Vec<IntegratorTiming>,
+    /// The main box in numbers, see [`FIGURES`].
+    pub figures: [f64; FIGURES.len()],
+    /// In free flight, at the floor, at rest, or frozen.
+    pub state: Status,
+    /// Of every integrator in the order of the menu: recent samples [ns per body-step], if any, and force evaluations
+    /// per body-step.
+    pub timings: Vec<(Option<Cost>, f64)>,
     /// Body-steps since the start of the scene in which the integrator gave way to `split`.
     pub fallbacks: u64,
     /// Body-steps since then whose iteration ended at its cap.
@@ -75,8 +88,6 @@ pub struct PanelView {
     pub software_rendering: bool,
     /// Messages for the person: the last error or file written, newest last.
     pub notices: Vec<String>,
-    /// Suggestions for this scene.
-    pub hints: [String; 2],
     /// Errors of scene files, a line each.
     pub scene_errors: Vec<String>,
     /// Name of the next change to undo.
@@ -91,16 +102,12 @@ pub struct PanelView {
 
 impl PanelView {
     /// Time of a step in the plugin, as shown: `0.8 µs`.
-    pub fn step_time(&self) -> String {
-        self.stages_us.map_or_else(
-            || "– µs".to_owned(),
-            |stages| {
-                format!(
-                    "{} µs",
-                    number((stages.iter().sum::<f64>() * 10.0).round() / 10.0)
-                )
-            },
-        )
+    pub(super) fn step_time(&self) -> String {
+        let time = |stages: [f64; Stage::ALL.len()]| stages.iter().sum::<f64>();
+        let time = self
+            .stages_us
+            .map(|stages| (time(stages) * 10.0).round() / 10.0);
+        format!("{} µs", time.map_or_else(|| "–".to_owned(), number))
     }
 }
 
@@ -113,38 +120,6 @@ pub struct DemoView {
     pub cycle_us: f64,
     /// The file of its cycle times and their number.
     pub log: Option<(String, u64)>,
-}
-
-/// The main box now.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MainBoxView {
-    /// ½mv² \[J\].
-    pub translational_energy: f64,
-    /// ½L·ω \[J\].
-    pub rotational_energy: f64,
-    /// Potential energy over the floor, or the origin \[J\].
-    pub potential_energy: f64,
-    /// |L| [kg m²/s].
-    pub angular_momentum: f64,
-    /// |v| [m/s].
-    pub speed: f64,
-    /// |ω| [rad/s].
-    pub spin: f64,
-    /// Center \[m\].
-    pub position: DVec3,
-    /// In free flight, at the floor, at rest, or frozen.
-    pub state: Status,
-}
-
-/// Timing of one integrator on the present load.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IntegratorTiming {
-    /// Which.
-    pub integrator: Integrator,
-    /// Of the recent samples [ns per body-step]; `None` before the first.
-    pub cost: Option<Cost>,
-    /// Force evaluations per body-step.
-    pub evaluations: f64,
 }
 
 /// Histories, oldest first; times are seconds since the start of the program or the scene.

@@ -1,9 +1,63 @@
 //! Controls. Each has an id in the accessibility tree by which the tests find it, whatever is written on it: its action
 //! in the words of a script, or a name for what is the panel's own.
 
-use bevy_egui::egui::{Button, Response, TextWrapMode, Ui, WidgetInfo, WidgetType};
+use bevy_egui::egui::{
+    Button, Label, Rect, Response, RichText, TextWrapMode, Ui, UiBuilder, WidgetInfo, WidgetType,
+    accesskit::Node,
+};
 
+use super::memory::PanelMemory;
+use super::view::PanelView;
 use crate::action::Action;
+
+/// What every part of the panel has at hand: what to show, the panel's own state, and the list of requests.
+pub(super) struct Panel<'a> {
+    pub view: &'a PanelView,
+    pub memory: &'a mut PanelMemory,
+    pub out: &'a mut Vec<Action>,
+}
+
+impl Panel<'_> {
+    pub(super) fn ask(&mut self, action: impl Into<Action>) {
+        self.out.push(action.into());
+    }
+
+    /// A button that asks for `action`.
+    pub(super) fn button(&mut self, ui: &mut Ui, text: Text<'_>, action: impl Into<Action>) {
+        let action = action.into();
+        if button(ui, text, &id_of(&action)) {
+            self.ask(action);
+        }
+    }
+
+    /// A button that shows whether it is on, and asks for `action` to change that.
+    pub(super) fn toggle(
+        &mut self,
+        ui: &mut Ui,
+        on: bool,
+        text: Text<'_>,
+        action: impl Into<Action>,
+    ) {
+        let action = action.into();
+        if toggle(ui, on, text, &id_of(&action)) {
+            self.ask(action);
+        }
+    }
+
+    /// One of several: it asks for `action` unless it is chosen already.
+    pub(super) fn choice(
+        &mut self,
+        ui: &mut Ui,
+        chosen: bool,
+        text: Text<'_>,
+        action: impl Into<Action>,
+    ) {
+        let action = action.into();
+        if toggle(ui, chosen, text, &id_of(&action)) && !chosen {
+            self.ask(action);
+        }
+    }
+}
 
 /// The id of a control that asks for `action`: `TogglePause`, `Compare(ToggleComparison("rk4"))`.
 pub(super) fn id_of(action: &Action) -> String {
@@ -12,7 +66,7 @@ pub(super) fn id_of(action: &Action) -> String {
 
 /// Gives a control its id.
 pub(super) fn identify(response: &Response, id: impl Into<String>) {
-    let set = |node: &mut bevy_egui::egui::accesskit::Node| node.set_author_id(id.into());
+    let set = |node: &mut Node| node.set_author_id(id.into());
     response.ctx.accesskit_node_builder(response.id, set);
 }
 
@@ -25,48 +79,8 @@ pub(super) const fn text<'a>(text: &'a str, hint: &'a str) -> Text<'a> {
     Text(text, text, hint)
 }
 
-/// A button that asks for `action`.
-pub(super) fn button(
-    ui: &mut Ui,
-    text: Text<'_>,
-    action: impl Into<Action>,
-    out: &mut Vec<Action>,
-) {
-    let action = action.into();
-    if own_button(ui, text, &id_of(&action)) {
-        out.push(action);
-    }
-}
-
-/// A button that shows whether it is on, and asks for `action` to change that.
-pub(super) fn toggle(
-    ui: &mut Ui,
-    on: bool,
-    text: Text<'_>,
-    action: impl Into<Action>,
-    out: &mut Vec<Action>,
-) {
-    let action = action.into();
-    if own_toggle(ui, on, text, &id_of(&action)) {
-        out.push(action);
-    }
-}
-
-/// One of several: it asks for `action` unless it is chosen already.
-pub(super) fn choice(
-    ui: &mut Ui,
-    chosen: bool,
-    text: Text<'_>,
-    action: impl Into<Action>,
-    out: &mut Vec<Action>,
-) {
-    let mut asked = Vec::new();
-    toggle(ui, chosen, text, action, &mut asked);
-    out.extend(asked.into_iter().filter(|_| !chosen));
-}
-
 /// A button of the panel's own; returns whether it was clicked.
-pub(super) fn own_button(ui: &mut Ui, Text(text, name, hint): Text<'_>, id: &str) -> bool {
+pub(super) fn button(ui: &mut Ui, Text(text, name, hint): Text<'_>, id: &str) -> bool {
     let response = ui.add(Button::new(text).wrap_mode(TextWrapMode::Extend));
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), name));
     identify(&response, id);
@@ -74,14 +88,24 @@ pub(super) fn own_button(ui: &mut Ui, Text(text, name, hint): Text<'_>, id: &str
 }
 
 /// A toggle of the panel's own; returns whether it was clicked.
-pub(super) fn own_toggle(
-    ui: &mut Ui,
-    on: bool,
-    Text(text, name, hint): Text<'_>,
-    id: &str,
-) -> bool {
+pub(super) fn toggle(ui: &mut Ui, on: bool, Text(text, name, hint): Text<'_>, id: &str) -> bool {
     let response = ui.add(Button::selectable(on, text).frame_when_inactive(true));
     response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
     identify(&response, id);
     response.on_hover_text(hint).clicked()
+}
+
+/// Small text in one line, cut where it has no room.
+pub(super) fn note(ui: &mut Ui, text: impl Into<RichText>) -> Response {
+    ui.add(Label::new(text.into().small()).truncate())
+}
+
+/// Widgets in this place.
+pub(super) fn within(ui: &mut Ui, place: Rect, add: impl FnOnce(&mut Ui)) {
+    ui.scope_builder(UiBuilder::new().max_rect(place), add);
+}
+
+/// What a picture shows, in words for screen readers.
+pub(super) fn describe(response: &Response, words: &str) {
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, words));
 }

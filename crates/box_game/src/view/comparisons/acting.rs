@@ -3,9 +3,9 @@
 use bevy::prelude::*;
 use box_physics::aabb::corners;
 use box_physics::force::Frame;
-use box_physics::prelude::BodyState;
 use box_scenarios::Model;
 
+use super::shown::Shown;
 use crate::camera::views::Everywhere;
 use crate::compare::Comparison;
 use crate::preferences::Preferences;
@@ -19,48 +19,41 @@ const WIDEST: f32 = 2.0;
 /// A corner touches within this share of the radius.
 const TOUCHING: f64 = 0.02;
 
-/// The springs and forces of `law` on a box in `state`, its picture shifted by `offset`.
+/// The springs and forces of `law` on a box.
 pub(super) fn draw<G: GizmoConfigGroup>(
     gizmos: &mut Gizmos<G>,
     law: &Model,
-    state: &BodyState,
-    offset: Vec3,
+    trajectory: &Shown<'_>,
     color: Color,
 ) {
     let radius = law.body.radius() as f32;
-    let place = |p: glam::DVec3| p.as_vec3() + offset;
     for spring in &law.forces.springs {
-        let ends = [place(spring.anchor), place(state.point(spring.body_point))];
+        let anchor = spring.anchor.as_vec3() + trajectory.offset;
+        let ends = [anchor, trajectory.place(spring.body_point)];
         gizmos.linestrip(zigzag(ends, WIDTH * radius), color);
-        gizmos
-            .sphere(ends[0], 0.07 * radius, Color::WHITE)
-            .resolution(8);
+        let ball = gizmos.sphere(anchor, 0.07 * radius, Color::WHITE);
+        ball.resolution(8);
     }
     for force in &law.forces.point_forces {
         // A couple may act far outside the box.
         let at = force.body_point.clamp_length_max(law.body.radius());
         let direction = match force.frame {
             Frame::World => force.force,
-            Frame::Body => state.rotation * force.force,
+            Frame::Body => trajectory.state.rotation * force.force,
         };
-        let at = place(state.point(at));
-        gizmos.arrow(
-            at,
-            at + direction.normalize_or_zero().as_vec3() * radius,
-            color,
-        );
+        let at = trajectory.place(at);
+        let end = at + direction.normalize_or_zero().as_vec3() * radius;
+        gizmos.arrow(at, end, color);
     }
 }
 
 /// The points of a spring between two ends.
 fn zigzag([from, to]: [Vec3; 2], width: f32) -> impl Iterator<Item = Vec3> {
-    let aside = (to - from)
-        .try_normalize()
-        .map_or(Vec3::ZERO, |d| d.any_orthonormal_vector());
+    let direction = (to - from).try_normalize();
+    let aside = direction.map_or(Vec3::ZERO, |d| d.any_orthonormal_vector());
     (0..=TURNS + 2).map(move |k| {
         let side = match k {
-            0 | 1 => 0.0,
-            k if k > TURNS => 0.0,
+            k if k <= 1 || k > TURNS => 0.0,
             k if k % 2 == 0 => 1.0,
             _ => -1.0,
         };
@@ -74,16 +67,16 @@ pub(super) fn draw_cones(
     preferences: Res<Preferences>,
     mut gizmos: Gizmos<Everywhere>,
 ) {
-    let Some((run, floor)) = comparison
+    let Some(run) = comparison
         .run
         .as_ref()
-        .and_then(|r| Some((r, r.law.floor?)))
+        .filter(|_| preferences.show_contacts)
     else {
         return;
     };
-    if !preferences.show_contacts || floor.friction <= 0.0 {
+    let Some(floor) = run.law.floor.filter(|floor| floor.friction > 0.0) else {
         return;
-    }
+    };
     let (state, body) = (&run.main_box.state, &run.law.body);
     let height = CONE * body.radius() as f32;
     let color = Color::srgb_u8(240, 228, 66);
@@ -96,9 +89,8 @@ pub(super) fn draw_cones(
         let top = apex + Vec3::Y * height;
         let radius = height * (floor.friction as f32).min(WIDEST);
         let flat = Quat::from_rotation_arc(Vec3::Z, Vec3::Y);
-        gizmos
-            .circle(Isometry3d::new(top, flat), radius, color)
-            .resolution(24);
+        let rim = gizmos.circle(Isometry3d::new(top, flat), radius, color);
+        rim.resolution(24);
         for side in [Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z] {
             gizmos.line(apex, top + radius * side, color);
         }

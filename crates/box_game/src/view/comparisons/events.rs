@@ -1,13 +1,13 @@
 //! What happens, marked where and when it happens: rings at flips and impacts, and the strip of flips.
 
-use bevy::prelude::*;
-use bevy_egui::{EguiContexts, egui};
+use bevy::math::Vec3;
+use bevy_egui::egui::{
+    Align2, Color32, Context, FontId, LayerId, Order, Painter, Rect, Stroke, pos2, vec2,
+};
 
-use super::labels::seen;
-use super::shown::{Shown, drawn, shown, tip};
+use super::shown::Seen;
 use crate::action::compare::Layout;
-use crate::camera::views::{PictureArea, SplitView};
-use crate::compare::{Comparison, RuleKind, Run};
+use crate::compare::RuleKind;
 use crate::view::style;
 
 /// Time that a ring takes to grow and fade \[s\], and its largest radius \[points\].
@@ -26,155 +26,94 @@ fn growth(now: f64, event: f64) -> Option<f32> {
     (0.0..=1.0).contains(&share).then_some(share as f32)
 }
 
-/// Room of the strip in `view`; none without flips, or in a picture that is too low.
-pub(super) fn strip_place(
-    run: &Run,
-    trajectories: &[Shown<'_>],
-    layout: Layout,
-    view: egui::Rect,
-) -> Option<egui::Rect> {
-    let flips = !run.reference_flips.times().is_empty()
-        || trajectories.iter().any(|t| !t.2.flips.times().is_empty());
-    if !flips || view.height() < LOWEST || layout == Layout::Views {
+/// Room of the strip; none without flips, or in a picture that is too low.
+pub(super) fn strip_place(seen: &Seen<'_>) -> Option<Rect> {
+    let (run, trajectories) = (seen.run, &seen.trajectories);
+    let tracks = trajectories.iter().map(|t| &t.track.flips);
+    let mut flips = tracks.chain([&run.reference_flips]);
+    let some = flips.any(|flips| !flips.times().is_empty());
+    if !some || seen.view.height() < LOWEST || seen.layout == Layout::Views {
         return None;
     }
     let height = ROW * (trajectories.len() + 1) as f32 + 26.0;
-    Some(egui::Rect::from_min_max(
-        egui::pos2(view.left() + 10.0, view.bottom() - height - 8.0),
-        egui::pos2(view.right() - 10.0, view.bottom() - 8.0),
-    ))
+    let room = seen.view.shrink2(vec2(10.0, 8.0));
+    Some(room.with_min_y(room.bottom() - height))
 }
 
 /// Draws rings and strip.
-pub(super) fn draw_events(
-    comparison: Res<Comparison>,
-    mut contexts: EguiContexts,
-    camera: Query<(&Camera, &GlobalTransform), (With<Camera3d>, Without<SplitView>)>,
-    window: Query<&Window>,
-    area: Option<Res<PictureArea>>,
-) -> Result {
-    let Some(run) = &comparison.run else {
-        return Ok(());
-    };
-    let layout = drawn(&comparison, area.is_some());
-    let context = contexts.ctx_mut()?;
-    let Some(seen) = seen(context, camera.iter().next(), &window) else {
-        return Ok(());
-    };
-    let painter = context
-        .layer_painter(egui::LayerId::new(egui::Order::Background, "events".into()))
-        .with_clip_rect(seen.view);
-    let ring = |at: Vec3, color: egui::Color32, share: f32| {
+pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
+    let (run, trajectories) = (seen.run, &seen.trajectories);
+    let layer = LayerId::new(Order::Background, "events".into());
+    let painter = context.layer_painter(layer).with_clip_rect(seen.view);
+    let ring = |at: Vec3, color: Color32, share: f32| {
         if let Some(at) = seen.at(at) {
-            let stroke = egui::Stroke::new(3.0, color.gamma_multiply(1.0 - share));
+            let stroke = Stroke::new(3.0, color.gamma_multiply(1.0 - share));
             painter.circle_stroke(at, 6.0 + share * RADIUS, stroke);
         }
     };
-    let tip = tip(run);
-    let trajectories = shown(run, layout);
-    if layout != Layout::Views {
-        for (integrator, state, track, offset, _) in &trajectories {
-            let newest = track.flips.times().last();
-            if let Some(share) = newest.and_then(|&t| growth(track.now.sample.t, t)) {
-                let at = state.point(tip).as_vec3() + *offset;
-                ring(at, style::of(*integrator).color(), share);
+    if seen.layout != Layout::Views {
+        for t in trajectories {
+            let newest = t.track.flips.times().last();
+            if let Some(share) = newest.and_then(|&flip| growth(t.track.now.sample.t, flip)) {
+                let color = style::of(t.integrator).color();
+                ring(t.place(seen.tip), color, share);
             }
         }
-        let impact = run
-            .rules
-            .iter()
-            .rfind(|rule| rule.kind == RuleKind::Contact);
+        let mut rules = run.rules.iter();
+        let impact = rules.rfind(|rule| rule.kind == RuleKind::Contact);
         if let (Some(rule), Some(floor)) = (impact, run.law.floor)
             && let Some(share) = growth(run.clock, rule.t)
         {
-            let mut at = run.main_box.state.position.as_vec3();
-            at.y = floor.height as f32;
-            ring(at, egui::Color32::WHITE, share);
+            let at = run.main_box.state.position.as_vec3();
+            ring(at.with_y(floor.height as f32), Color32::WHITE, share);
         }
     }
-    let Some(place) = strip_place(run, &trajectories, layout, seen.view) else {
-        return Ok(());
-    };
-    let due = run.reference_flips.times();
-    let rows: Vec<(&str, egui::Color32, &[f64])> = [("┄", egui::Color32::WHITE, due)]
-        .into_iter()
-        .chain(trajectories.iter().map(|(integrator, _, track, ..)| {
-            let looks = style::of(*integrator);
-            (looks.glyph, looks.color(), track.flips.times())
-        }))
-        .collect();
-    strip(&painter, place, run.clock, &rows);
-    Ok(())
+    if let Some(place) = strip_place(seen) {
+        let due = ('┄', Color32::WHITE, run.reference_flips.times());
+        let rows = trajectories.iter().map(|t| {
+            let looks = style::of(t.integrator);
+            (looks.glyph, looks.color(), t.track.flips.times())
+        });
+        let rows: Vec<_> = [due].into_iter().chain(rows).collect();
+        strip(&painter, place, run.clock, &rows);
+    }
 }
 
 /// A row of ticks for every trajectory, one a flip, the last seconds from left to right.
-fn strip(
-    painter: &egui::Painter,
-    place: egui::Rect,
-    now: f64,
-    rows: &[(&str, egui::Color32, &[f64])],
-) {
+fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64])]) {
+    let write = |at, anchor, text: &str, color| {
+        painter.text(at, anchor, text, FontId::proportional(12.0), color);
+    };
+    let weak = style::PICTURE_WEAK;
     painter.rect_filled(place, 5.0, style::PICTURE_PLATE);
-    let font = egui::FontId::proportional(12.0);
-    let top = place.top() + 19.0;
-    painter.text(
-        place.min + egui::vec2(8.0, 3.0),
-        egui::Align2::LEFT_TOP,
-        "flips",
-        font.clone(),
-        style::PICTURE_TEXT,
-    );
+    let corner = place.min + vec2(8.0, 3.0);
+    write(corner, Align2::LEFT_TOP, "flips", style::PICTURE_TEXT);
     let start = (now - SPAN).max(0.0);
     let (left, right) = (place.left() + NAMES, place.right() - 12.0);
     let x = |t: f64| left + (right - left) * ((t - start) / SPAN) as f32;
     for second in (start.ceil() as i64)..=((start + SPAN) as i64) {
-        let at = x(second as f64);
-        if second % 2 == 0 && at > place.left() + 48.0 {
-            painter.text(
-                egui::pos2(at, place.top() + 3.0),
-                egui::Align2::CENTER_TOP,
-                format!("{second} s"),
-                font.clone(),
-                style::PICTURE_WEAK,
-            );
+        let at = pos2(x(second as f64), place.top() + 3.0);
+        if second % 2 == 0 && at.x > place.left() + 48.0 {
+            write(at, Align2::CENTER_TOP, &format!("{second} s"), weak);
         }
     }
-    let bottom = top + ROW * rows.len() as f32;
-    painter.vline(
-        x(now),
-        top..=bottom,
-        egui::Stroke::new(1.0, style::PICTURE_WEAK),
-    );
+    let top = place.top() + 19.0;
+    let all = top..=top + ROW * rows.len() as f32;
+    painter.vline(x(now), all.clone(), Stroke::new(1.0, weak));
     for (k, (glyph, color, flips)) in rows.iter().enumerate() {
         let middle = top + (k as f32 + 0.5) * ROW;
-        painter.hline(
-            left..=right,
-            middle,
-            egui::Stroke::new(1.0, style::PICTURE_WEAK.gamma_multiply(0.35)),
-        );
-        let name = egui::pos2(place.left() + 14.0, middle);
-        painter.text(
-            name,
-            egui::Align2::CENTER_CENTER,
-            glyph,
-            font.clone(),
-            *color,
-        );
+        let line = Stroke::new(1.0, weak.gamma_multiply(0.35));
+        painter.hline(left..=right, middle, line);
+        let name = pos2(place.left() + 14.0, middle);
+        write(name, Align2::CENTER_CENTER, &glyph.to_string(), *color);
         for &flip in flips.iter().filter(|&&t| t >= start && t <= now) {
-            let at = x(flip);
             if k == 0 {
                 // When the others should have turned over.
-                painter.vline(
-                    at,
-                    top..=bottom,
-                    egui::Stroke::new(1.0, egui::Color32::WHITE.gamma_multiply(0.5)),
-                );
+                let faint = Color32::WHITE.gamma_multiply(0.5);
+                painter.vline(x(flip), all.clone(), Stroke::new(1.0, faint));
             }
-            painter.vline(
-                at,
-                middle - 6.0..=middle + 6.0,
-                egui::Stroke::new(3.0, *color),
-            );
+            let tick = middle - 6.0..=middle + 6.0;
+            painter.vline(x(flip), tick, Stroke::new(3.0, *color));
         }
     }
 }

@@ -3,28 +3,30 @@
 use std::collections::VecDeque;
 
 use bevy::math::DVec3;
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use box_physics::aabb::corners;
-use box_physics::prelude::{BodyState, Integrator, RigidBox};
-use box_scenarios::Model;
+use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, style};
 
 use super::acting;
 use super::shown::{Shown, color, drawn, pin, shown, tip};
 use crate::action::compare::Layout;
 use crate::camera::views::{Edges, Fourth, HiddenEdges, PictureArea, Pins, Second, Third};
-use crate::compare::{Comparison, Quantity};
+use crate::compare::{Comparison, Quantity, Run};
 use crate::view::marks;
 
 /// Length of a trail \[s\], and its largest number of points.
 const TRAIL: f64 = 1.5;
 const TRAIL_POINTS: usize = 96;
+/// Opacity of an edge behind a face.
+const HIDDEN: f32 = 0.3;
+/// Angle to the reference from which a comparison shows the marks on its faces \[°\].
+const MARKED: f64 = 2.0;
 
-/// Past places of the marked point of every trajectory, newest last; the main box first.
+/// Past places of the marked point of every trajectory, with their times \[s\], newest last.
 #[derive(Resource, Default)]
-pub(super) struct Trails {
-    points: Vec<(Integrator, VecDeque<(f64, Vec3)>)>,
-}
+pub(super) struct Trails(HashMap<Integrator, VecDeque<(f64, Vec3)>>);
 
 /// Follows a point of every trajectory: the center where the box travels, else the end of its pin, which shows
 /// a flip.
@@ -32,41 +34,25 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
     let Some(run) = &comparison.run else {
         return;
     };
-    let tip = tip(run);
-    let now = run.clock;
+    let (tip, now) = (tip(run), run.clock);
     let wanted = shown(run, comparison.settings.layout);
-    trails
-        .points
-        .retain(|(i, _)| wanted.iter().any(|(j, ..)| i == j));
-    for (integrator, state, ..) in wanted {
-        let k = match trails.points.iter().position(|(i, _)| *i == integrator) {
-            Some(k) => k,
-            None => {
-                trails.points.push((integrator, VecDeque::new()));
-                trails.points.len() - 1
-            }
-        };
-        let points = &mut trails.points[k].1;
+    let is_wanted = |i: &Integrator| wanted.iter().any(|t| t.integrator == *i);
+    trails.0.retain(|integrator, _| is_wanted(integrator));
+    for trajectory in wanted {
+        let points = trails.0.entry(trajectory.integrator).or_default();
         // A restart, or a step back.
         while points.back().is_some_and(|(t, _)| *t > now) {
             points.pop_back();
         }
-        if points
-            .back()
-            .is_none_or(|(t, _)| now - t > TRAIL / TRAIL_POINTS as f64)
-        {
-            points.push_back((now, state.point(tip).as_vec3()));
+        let last = points.back().map_or(f64::NEG_INFINITY, |(t, _)| *t);
+        if now - last > TRAIL / TRAIL_POINTS as f64 {
+            points.push_back((now, trajectory.state.point(tip).as_vec3()));
         }
         while points.front().is_some_and(|(t, _)| now - t > TRAIL) {
             points.pop_front();
         }
     }
 }
-
-/// Opacity of an edge behind a face.
-const HIDDEN: f32 = 0.3;
-/// Angle to the reference from which a comparison shows the marks on its faces \[°\].
-const MARKED: f64 = 2.0;
 
 /// Edges, pins and trails of every trajectory, and the reference, each in its view.
 pub(super) fn draw_frames(
@@ -86,33 +72,28 @@ pub(super) fn draw_frames(
         return;
     }
     for (k, trajectory) in shown(run, layout).into_iter().enumerate() {
-        let trail = trails.points.iter().find(|(i, _)| *i == trajectory.0);
         let lines = Lines {
-            law: &run.law,
-            pin: pin(run),
+            run,
             solid: k == 0 || layout != Layout::Overlaid,
-            reference: run
-                .trusted()
-                .filter(|_| k == 0 || layout != Layout::Overlaid),
-            trail: trail.map(|(_, points)| points),
+            trail: trails.0.get(&trajectory.integrator),
+            trajectory,
         };
         match (layout, k) {
-            (Layout::Views, 1) => lines.draw(&mut second, None, trajectory),
-            (Layout::Views, 2) => lines.draw(&mut third, None, trajectory),
-            (Layout::Views, 3) => lines.draw(&mut fourth, None, trajectory),
-            _ => lines.draw(&mut edges, Some((&mut hidden, &mut pins)), trajectory),
+            (Layout::Views, 1) => lines.draw(&mut second, None),
+            (Layout::Views, 2) => lines.draw(&mut third, None),
+            (Layout::Views, 3) => lines.draw(&mut fourth, None),
+            _ => lines.draw(&mut edges, Some((&mut hidden, &mut pins))),
         }
     }
 }
 
 /// Lines of one trajectory.
 struct Lines<'a> {
-    law: &'a Model,
-    pin: Option<[DVec3; 2]>,
+    run: &'a Run,
     /// It has a solid box, not edges alone.
     solid: bool,
-    reference: Option<&'a BodyState>,
     trail: Option<&'a VecDeque<(f64, Vec3)>>,
+    trajectory: Shown<'a>,
 }
 
 impl Lines<'_> {
@@ -120,12 +101,13 @@ impl Lines<'_> {
         &self,
         gizmos: &mut Gizmos<G>,
         mut first: Option<(&mut Gizmos<HiddenEdges>, &mut Gizmos<Pins>)>,
-        (integrator, state, track, offset, status): Shown<'_>,
     ) {
+        let (run, trajectory) = (self.run, &self.trajectory);
+        let half = run.law.body.half_extents();
         // A comparison that was given up is gray.
-        let own = |alpha: f32| match status.is_diverged() {
+        let own = |alpha: f32| match trajectory.status.is_diverged() {
             true => Color::srgba(0.5, 0.5, 0.5, alpha),
-            false => color(integrator, alpha),
+            false => color(trajectory.integrator, alpha),
         };
         let mut line = |[a, b]: [Vec3; 2], color: Color, hidden: bool| {
             gizmos.line(a, b, color);
@@ -134,61 +116,68 @@ impl Lines<'_> {
             }
         };
         let bright = own(1.0).mix(&Color::WHITE, 0.55);
-        let edge = if self.solid { bright } else { own(1.0) };
         // A comparison's edges have the dashes of its integrator, as its curves do.
-        let dash = if self.solid {
-            Dash::Solid
-        } else {
-            style(integrator).dash
+        let (edge, dash) = match self.solid {
+            true => (bright, Dash::Solid),
+            false => (own(1.0), style(trajectory.integrator).dash),
         };
-        for ends in edges(&self.law.body, state, offset) {
-            for piece in pieces(ends, dash) {
+        for ends in edges(half) {
+            for piece in pieces(ends.map(|p| trajectory.place(p)), dash) {
                 line(piece, edge, !self.solid);
             }
         }
-        let apart = track.now.sample.get(Quantity::Attitude);
+        let apart = trajectory.track.now.sample.get(Quantity::Attitude);
         if !self.solid && (apart.is_nan() || apart > MARKED) {
-            for ends in marks::lines(self.law.body.half_extents().as_vec3()) {
-                let place = |p: Vec3| state.point(p.as_dvec3()).as_vec3() + offset;
-                line(ends.map(place), own(1.0), false);
+            for ends in marks::lines(half.as_vec3()) {
+                line(
+                    ends.map(|p| trajectory.place(p.as_dvec3())),
+                    own(1.0),
+                    false,
+                );
             }
         }
-        if let Some(reference) = self.reference {
-            for ends in edges(&self.law.body, reference, offset) {
-                for piece in pieces(ends, Dash::Dashed) {
+        if let Some(state) = run.trusted().filter(|_| self.solid) {
+            let reference = Shown {
+                state,
+                ..*trajectory
+            };
+            for ends in edges(half) {
+                for piece in pieces(ends.map(|p| reference.place(p)), Dash::Dashed) {
                     line(piece, Color::WHITE, true);
                 }
             }
         }
-        acting::draw(gizmos, self.law, state, offset, bright);
-        if let Some(ends) = self.pin {
-            let place = |p: DVec3| state.point(p).as_vec3() + offset;
-            let [inner, outer] = ends.map(place);
-            let [back, far] = ends.map(|p| place(-p));
-            let ball = 0.1 * (outer - inner).length();
+        acting::draw(gizmos, &run.law, trajectory, bright);
+        if let Some(ends) = pin(run) {
             match first {
-                Some((_, pins)) => {
-                    pins.line(inner, outer, bright);
-                    pins.sphere(outer, ball, bright).resolution(8);
-                    pins.line(back, far, own(1.0).darker(0.12));
-                }
-                None => {
-                    gizmos.line(inner, outer, bright);
-                    gizmos.sphere(outer, ball, bright).resolution(8);
-                    gizmos.line(back, far, own(1.0).darker(0.12));
-                }
+                Some((_, pins)) => draw_pin(pins, trajectory, ends, bright, own(1.0)),
+                None => draw_pin(gizmos, trajectory, ends, bright, own(1.0)),
             }
         }
         if let Some(points) = self.trail {
-            let count = points.len().max(2) as f32;
-            gizmos.linestrip_gradient(
-                points
-                    .iter()
-                    .enumerate()
-                    .map(|(n, (_, at))| (*at + offset, own(n as f32 / (count - 1.0)))),
-            );
+            let last = (points.len().max(2) - 1) as f32;
+            let point = |(n, (_, at)): (usize, &(f64, Vec3))| {
+                (*at + trajectory.offset, own(n as f32 / last))
+            };
+            gizmos.linestrip_gradient(points.iter().enumerate().map(point));
         }
     }
+}
+
+/// The pin through a box: a bright end with a ball, and a dark one.
+fn draw_pin<G: GizmoConfigGroup>(
+    gizmos: &mut Gizmos<G>,
+    trajectory: &Shown<'_>,
+    ends: [DVec3; 2],
+    bright: Color,
+    own: Color,
+) {
+    let [inner, outer] = ends.map(|p| trajectory.place(p));
+    let [back, far] = ends.map(|p| trajectory.place(-p));
+    gizmos.line(inner, outer, bright);
+    let ball = 0.1 * (outer - inner).length();
+    gizmos.sphere(outer, ball, bright).resolution(8);
+    gizmos.line(back, far, own.darker(0.12));
 }
 
 /// An edge in the dashes of a line's style.
@@ -203,9 +192,9 @@ fn pieces([a, b]: [Vec3; 2], dash: Dash) -> impl Iterator<Item = [Vec3; 2]> {
     (0..count).map(move |k| [part(k as f32), part(k as f32 + filled)])
 }
 
-/// The twelve edges.
-fn edges(body: &RigidBox, state: &BodyState, offset: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
-    let corners = corners(body.half_extents()).map(|c| state.point(c).as_vec3() + offset);
+/// The twelve edges, body axes \[m\].
+fn edges(half: DVec3) -> impl Iterator<Item = [DVec3; 2]> {
+    let corners = corners(half);
     let ends = (0..8).flat_map(|k| [1, 2, 4].map(|bit| (k, k | bit)));
     ends.filter(|(k, other)| k != other)
         .map(move |(k, other)| [corners[k], corners[other]])
@@ -217,11 +206,8 @@ mod tests {
 
     #[test]
     fn a_box_has_twelve_edges_of_its_size() {
-        let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 1.0).expect("valid");
-        let state = BodyState::at_pose(DVec3::ZERO, bevy::math::DQuat::from_rotation_x(0.7));
-        let lengths: Vec<_> = edges(&body, &state, Vec3::X)
-            .map(|[a, b]| a.distance(b))
-            .collect();
+        let lengths = edges(DVec3::new(0.5, 0.25, 0.125)).map(|[a, b]| a.distance(b));
+        let lengths: Vec<_> = lengths.collect();
         assert_eq!(lengths.len(), 12);
         for size in [1.0, 0.5, 0.25] {
             let count = lengths.iter().filter(|l| (*l - size).abs() < 1e-5);

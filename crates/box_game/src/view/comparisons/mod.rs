@@ -4,23 +4,19 @@
 //! Nothing here is simulated or read back: side by side, only the picture is shifted.
 
 mod acting;
+mod beside;
 mod events;
 mod frames;
 mod labels;
 mod shown;
-mod strips;
 
-use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
-use bevy_egui::EguiPrimaryContextPass;
-use box_physics::prelude::{BodyState, Integrator};
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass};
 
-use crate::action::compare::Layout;
-use crate::camera::views;
+use crate::camera::views::{PictureArea, SplitView};
 use crate::compare::Comparison;
-use crate::view::marks::marked_cuboid;
-use crate::view::visuals::box_color;
-use shown::{drawn, shown};
+use crate::demo_2012::Demo2012;
+use crate::scene::session::Session;
 
 /// Draws the comparisons of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
 /// [`ComparePlugin`](crate::compare::ComparePlugin); labels need `EguiPlugin`.
@@ -32,91 +28,54 @@ impl Plugin for ComparisonsPlugin {
             .add_systems(
                 Update,
                 (
-                    place_comparisons,
-                    strips::place_strips,
-                    strips::step_back,
+                    beside::place_pieces,
+                    beside::step_back,
                     frames::lengthen_trails,
                     frames::draw_frames,
                     acting::draw_cones,
                 )
                     .chain(),
             )
-            .add_systems(
-                EguiPrimaryContextPass,
-                (labels::draw_labels, events::draw_events).chain(),
-            );
+            .add_systems(EguiPrimaryContextPass, draw_overlay);
     }
 }
 
-/// The box of a comparison; once spawned it stays, and is hidden when it is not wanted.
-#[derive(Component, Clone, Copy, Debug)]
-pub(super) struct ComparisonBox(pub Integrator);
-
-/// A solid box for every comparison that is drawn beside the main box; over it, edges do.
-fn place_comparisons(
+/// Draws labels, rings and the strip of flips over the picture.
+fn draw_overlay(
     comparison: Res<Comparison>,
-    mut boxes: Query<(
-        &ComparisonBox,
-        &mut Transform,
-        &mut Visibility,
-        &mut Mesh3d,
-        &mut RenderLayers,
-    )>,
-    area: Option<Res<views::PictureArea>>,
-    (mut meshes, mut materials): (ResMut<Assets<Mesh>>, ResMut<Assets<StandardMaterial>>),
-    mut made: Local<Option<(Vec3, Handle<Mesh>)>>,
-    mut commands: Commands,
-) {
+    session: Option<Res<Session>>,
+    demo: Option<Res<Demo2012>>,
+    mut contexts: EguiContexts,
+    camera: Query<(&Camera, &GlobalTransform), (With<Camera3d>, Without<SplitView>)>,
+    window: Query<&Window>,
+    area: Option<Res<PictureArea>>,
+) -> Result {
     let Some(run) = &comparison.run else {
-        return;
+        return Ok(());
     };
-    let half = run.law.body.half_extents().as_vec3();
-    let mesh = match &*made {
-        Some((size, mesh)) if *size == half => mesh.clone(),
-        _ => {
-            let mesh = meshes.add(marked_cuboid(half));
-            *made = Some((half, mesh.clone()));
-            mesh
-        }
-    };
-    let layout = drawn(&comparison, area.is_some());
-    let wanted = match layout {
-        Layout::SideBySide | Layout::Views => shown(run, layout),
-        Layout::Solo | Layout::Overlaid => Vec::new(),
-    };
-    // With the view that it is seen in alone.
-    let view = |k: usize| if layout == Layout::Views { k } else { 0 };
-    let mut missing: Vec<_> = wanted.iter().enumerate().skip(1).collect();
-    for (drawn_box, mut transform, mut visibility, mut shape, mut layers) in &mut boxes {
-        let found = missing.iter().position(|(_, s)| s.0 == drawn_box.0);
-        let Some(n) = found else {
-            visibility.set_if_neq(Visibility::Hidden);
-            continue;
-        };
-        let (k, (_, state, _, offset, _)) = missing.swap_remove(n);
-        *transform = pose(state, *offset);
-        visibility.set_if_neq(Visibility::Visible);
-        if shape.0 != mesh {
-            shape.0 = mesh.clone();
-        }
-        layers.set_if_neq(views::only(view(k)));
+    let context = contexts.ctx_mut()?;
+    let layout = shown::drawn(&comparison, area.is_some());
+    let scale = window.iter().next().map_or(1.0, Window::scale_factor) / context.pixels_per_point();
+    let seen = camera.iter().next().and_then(|(camera, eye)| {
+        let view = camera.logical_viewport_rect()?;
+        Some(shown::Seen {
+            run,
+            layout,
+            trajectories: shown::shown(run, layout),
+            tip: shown::tip(run),
+            camera,
+            eye,
+            scale,
+            view: shown::points(view, scale),
+        })
+    });
+    if let Some(seen) = seen {
+        // The demo of 2012 moves its box itself.
+        let stepper = demo
+            .zip(session)
+            .and_then(|(d, session)| d.active(&session));
+        labels::draw(context, &seen, area.as_deref(), stepper);
+        events::draw(context, &seen);
     }
-    for (k, (integrator, state, _, offset, _)) in missing {
-        commands.spawn((
-            ComparisonBox(*integrator),
-            Mesh3d(mesh.clone()),
-            MeshMaterial3d(materials.add(StandardMaterial {
-                base_color: box_color(*integrator),
-                perceptual_roughness: 0.6,
-                ..default()
-            })),
-            pose(state, *offset),
-            views::only(view(k)),
-        ));
-    }
-}
-
-fn pose(state: &BodyState, offset: Vec3) -> Transform {
-    Transform::from_translation(state.position.as_vec3() + offset)
-        .with_rotation(state.rotation.as_quat())
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
+use bevy_egui::egui;
 use box_physics::prelude::{BodyState, Integrator};
 use box_scenarios::Status;
 
@@ -14,37 +15,80 @@ use crate::view::style;
 /// Distance of two comparisons in radii of the box.
 const PITCH: f32 = 2.7;
 
-/// A trajectory that is drawn: integrator, state, what is measured of it, by how much its picture is shifted, status.
-pub(super) type Shown<'a> = (Integrator, &'a BodyState, &'a Track, Vec3, Status);
+/// A trajectory that is drawn.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    pub integrator: Integrator,
+    pub state: &'a BodyState,
+    pub track: &'a Track,
+    /// By how much its picture is shifted.
+    pub offset: Vec3,
+    pub status: Status,
+}
+
+impl Shown<'_> {
+    /// The place in the picture of a point in body axes \[m\].
+    pub(super) fn place(&self, point: DVec3) -> Vec3 {
+        self.state.point(point).as_vec3() + self.offset
+    }
+}
+
+/// The picture of the first camera, and what is drawn in it.
+pub(super) struct Seen<'a> {
+    pub run: &'a Run,
+    pub layout: Layout,
+    pub trajectories: Vec<Shown<'a>>,
+    /// The point that labels follow, body axes \[m\].
+    pub tip: DVec3,
+    pub camera: &'a Camera,
+    pub eye: &'a GlobalTransform,
+    /// Points of the panel per logical pixel.
+    pub scale: f32,
+    /// The picture \[points\].
+    pub view: egui::Rect,
+}
+
+impl Seen<'_> {
+    /// A point of the world on the screen.
+    pub(super) fn at(&self, world: Vec3) -> Option<egui::Pos2> {
+        let at = self.camera.world_to_viewport(self.eye, world).ok()?;
+        Some(egui::pos2(at.x * self.scale, at.y * self.scale))
+    }
+}
+
+/// A part of the screen, in points of the panel.
+pub(super) fn points(rect: Rect, scale: f32) -> egui::Rect {
+    let corner = |v: Vec2| egui::Pos2::from((scale * v).to_array());
+    egui::Rect::from_min_max(corner(rect.min), corner(rect.max))
+}
 
 /// Every trajectory that is drawn, the main box's first.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
-    let main_box = (
-        run.main_box.integrator,
-        &run.main_box.state,
-        &run.main_box.track,
-        Vec3::ZERO,
-        run.main_box.status(),
-    );
+    let main_box = Shown {
+        integrator: run.main_box.integrator,
+        state: &run.main_box.state,
+        track: &run.main_box.track,
+        offset: Vec3::ZERO,
+        status: run.main_box.status(),
+    };
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
-    let comparisons = run.comparisons.iter().enumerate().map(|(k, r)| {
-        let offset = match layout {
+    let comparisons = run.comparisons.iter().enumerate().map(|(k, r)| Shown {
+        integrator: r.simulation.driver.integrator,
+        state: &r.simulation.driver.state,
+        track: &r.track,
+        offset: match layout {
             Layout::SideBySide => side * place(k),
             Layout::Solo | Layout::Overlaid | Layout::Views => Vec3::ZERO,
-        };
-        let driver = &r.simulation.driver;
-        let (integrator, state) = (driver.integrator, &driver.state);
-        (integrator, state, &r.track, offset, r.simulation.status())
+        },
+        status: r.simulation.status(),
     });
     let beside = match layout {
         Layout::Solo => 0,
         Layout::Overlaid | Layout::SideBySide => run.comparisons.len(),
         Layout::Views => run.comparisons.len().min(views::MOST - 1),
     };
-    [main_box]
-        .into_iter()
-        .chain(comparisons.take(beside))
-        .collect()
+    let main_box = std::iter::once(main_box);
+    main_box.chain(comparisons.take(beside)).collect()
 }
 
 /// Right, left, right, left of the main box.
@@ -65,8 +109,7 @@ pub(super) fn sideways(run: &Run) -> Vec3 {
 }
 
 pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
-    let [r, g, b] = style::of(integrator).rgb;
-    Color::srgb_u8(r, g, b).with_alpha(alpha)
+    style::of(integrator).srgb().with_alpha(alpha)
 }
 
 /// The layout as it is drawn: views need a room for the picture, and are else drawn in one place.
@@ -114,20 +157,18 @@ mod tests {
             Integrator::ExplicitEuler,
             Integrator::Midpoint,
         ]);
-        let places: Vec<_> = shown(&run, Layout::SideBySide);
+        let places = shown(&run, Layout::SideBySide);
         assert_eq!(places.len(), 4);
         for (k, a) in places.iter().enumerate() {
-            assert_eq!(a.1, &setup.initial);
+            assert_eq!(a.state, &setup.initial);
             // Across the slide, and apart.
-            assert!(a.3.x.abs() < 1e-6 && a.3.y == 0.0);
+            assert!(a.offset.x.abs() < 1e-6 && a.offset.y == 0.0);
             let apart = PITCH * setup.body.radius() as f32 * 0.99;
-            assert!(places[..k].iter().all(|b| a.3.distance(b.3) > apart));
+            let far = |b: &Shown<'_>| a.offset.distance(b.offset) > apart;
+            assert!(places[..k].iter().all(far));
         }
-        assert!(
-            shown(&run, Layout::Overlaid)
-                .iter()
-                .all(|s| s.3 == Vec3::ZERO)
-        );
+        let overlaid = shown(&run, Layout::Overlaid);
+        assert!(overlaid.iter().all(|s| s.offset == Vec3::ZERO));
         assert_eq!(shown(&run, Layout::Solo).len(), 1);
     }
 }

@@ -7,15 +7,15 @@ mod work_precision;
 
 use bevy_egui::egui::{Rect, RichText, Ui};
 
-use super::memory::{Frozen, PanelMemory};
-use super::view::PanelView;
-use super::widgets::{Text, button, choice, text, toggle};
+use super::widgets::{Panel, Text, text};
 use crate::action::compare::{CompareAction, Window};
 use crate::action::{Action, Plot};
-use crate::compare::CompareView;
 
-/// Name and tooltip of every tab.
-const TABS: [(Plot, &str, &str); 6] = [
+/// Time that the plots stay frozen after the pointer has left them \[s\].
+const THAW: f64 = 0.3;
+
+/// Every tab, with its name and tooltip.
+pub(super) const TABS: [(Plot, &str, &str); 6] = [
     (
         Plot::Error,
         "Error",
@@ -44,136 +44,72 @@ const TABS: [(Plot, &str, &str); 6] = [
     ),
 ];
 
-/// Time that the plots stay frozen after the pointer has left them \[s\].
-const THAW: f64 = 0.3;
-
 /// Draws the tabs and the chosen one's content; returns where that is.
-pub(super) fn show(
-    ui: &mut Ui,
-    view: &PanelView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) -> Rect {
+pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) -> Rect {
+    let view = panel.view;
     let now = ui.input(|i| i.time);
-    memory
-        .frozen
-        .take_if(|f| f.until < now || f.plot != view.plot);
+    let frozen = &mut panel.memory.frozen;
+    frozen.take_if(|(held, until)| *until < now || held.plot != view.plot);
     ui.horizontal_wrapped(|ui| {
         for (plot, name, hint) in TABS {
             let accessible = format!("{name} tab");
             let words = Text(name, &accessible, hint);
-            choice(ui, view.plot == plot, words, Action::SelectPlot(plot), out);
+            panel.choice(ui, view.plot == plot, words, Action::SelectPlot(plot));
         }
         ui.separator();
-        tools(ui, &view.compare, view.plot, out);
+        tools(ui, panel);
         let hint = "Save this plot or table as plot-NN.png in the current folder.";
-        button(
-            ui,
-            Text("PNG", "Save plot", hint),
-            Action::SavePlot(None),
-            out,
-        );
-        if memory.frozen.is_some() {
+        panel.button(ui, Text("PNG", "Save plot", hint), Action::SavePlot(None));
+        if panel.memory.frozen.is_some() {
             ui.label(RichText::new("⏸ frozen").strong()).on_hover_text(
                 "The plots are frozen while the pointer is over them; the simulation runs on.",
             );
         }
     });
-    let frozen = memory.frozen.take();
-    // The newest view, but for what was frozen.
-    let held;
-    let shown = match &frozen {
-        Some(f) => {
-            held = PanelView {
-                compare: f.compare.clone(),
-                history: f.history.clone(),
-                ..view.clone()
-            };
-            &held
-        }
-        None => view,
-    };
+    let mut frozen = panel.memory.frozen.take();
+    let shown = frozen.as_ref().map_or(view, |(held, _)| held);
     let place = ui.available_rect_before_wrap();
     match view.plot {
         Plot::Error => compare::error(ui, &shown.compare),
         Plot::Energy => compare::energy(ui, &shown.compare),
         Plot::Timing => plots::timing(ui, shown),
         Plot::Cpu => plots::cpu(ui, shown),
-        Plot::WorkPrecision => work_precision::show(ui, &view.compare, memory, out),
+        Plot::WorkPrecision => work_precision::show(ui, panel),
         Plot::Table => table::show(ui, &view.compare, &view.timings),
     }
-    let over = ui
-        .ctx()
-        .pointer_latest_pos()
-        .is_some_and(|p| place.contains(p) && ui.rect_contains_pointer(place));
-    let freezes = !matches!(view.plot, Plot::Table | Plot::WorkPrecision);
-    memory.frozen = match frozen {
-        Some(f) if over => Some(Frozen {
-            until: now + THAW,
-            ..f
-        }),
-        None if over && freezes => Some(Frozen {
-            plot: view.plot,
-            compare: view.compare.clone(),
-            history: view.history.clone(),
-            until: now + THAW,
-        }),
-        other => other,
-    };
+    let pointer = ui.ctx().pointer_latest_pos();
+    let over = pointer.is_some_and(|p| place.contains(p)) && ui.rect_contains_pointer(place);
+    if over && !matches!(view.plot, Plot::Table | Plot::WorkPrecision) {
+        frozen.get_or_insert_with(|| (view.clone(), 0.0)).1 = now + THAW;
+    }
+    panel.memory.frozen = frozen;
     place
 }
 
 /// Options of the open tab.
-fn tools(ui: &mut Ui, view: &CompareView, plot: Plot, out: &mut Vec<Action>) {
-    let settings = &view.settings;
-    match plot {
-        Plot::Error => {
-            let log = text("log", "Logarithmic axis.");
-            toggle(
-                ui,
-                settings.logarithmic,
-                log,
-                CompareAction::ToggleLogarithmic,
-                out,
-            );
-            let hint = "Error of each step alone, from the reference's state; meaningful even after chaos sets in.";
-            toggle(
-                ui,
-                settings.local,
-                text("per step", hint),
-                CompareAction::ToggleLocal,
-                out,
-            );
-        }
-        Plot::Energy => {
-            let (on, action) = (
-                settings.logarithmic_energy,
-                CompareAction::ToggleLogarithmicEnergy,
-            );
-            toggle(
-                ui,
-                on,
-                text("log", "Magnitude on a logarithmic axis."),
-                action,
-                out,
-            );
-        }
-        _ => {}
+fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let (plot, settings) = (panel.view.plot, &panel.view.compare.settings);
+    if plot == Plot::Error {
+        let (on, log) = (settings.logarithmic, text("log", "Logarithmic axis."));
+        panel.toggle(ui, on, log, CompareAction::ToggleLogarithmic);
+        let hint = "Error of each step alone, from the reference's state; meaningful even after chaos sets in.";
+        let local = text("per step", hint);
+        panel.toggle(ui, settings.local, local, CompareAction::ToggleLocal);
+    }
+    if plot == Plot::Energy {
+        let on = settings.logarithmic_energy;
+        let log = text("log", "Magnitude on a logarithmic axis.");
+        panel.toggle(ui, on, log, CompareAction::ToggleLogarithmicEnergy);
     }
     if matches!(plot, Plot::Error | Plot::Energy) {
         for window in Window::ALL {
             let words = text(window.name(), "Time span shown.");
-            toggle(
-                ui,
-                settings.window == window,
-                words,
-                CompareAction::SetWindow(window),
-                out,
-            );
+            let on = settings.window == window;
+            panel.toggle(ui, on, words, CompareAction::SetWindow(window));
         }
     }
     if !matches!(plot, Plot::Cpu | Plot::Timing) {
         let hint = "Copy the data shown to the clipboard, as CSV.";
-        button(ui, text("Copy CSV", hint), CompareAction::Copy, out);
+        panel.button(ui, text("Copy CSV", hint), CompareAction::Copy);
     }
 }

@@ -1,123 +1,87 @@
-//! The curves. Every plot leaves the wheel to the panel, breaks its lines at what is not a number, and
-//! says in words what it shows, for screen readers.
+//! What all plots share, and the plots of timing and CPU use. Every plot leaves the wheel to the panel, breaks its lines
+//! at what is not a number, and says in words what it shows, for screen readers.
 
-use bevy_egui::egui::{
-    Color32, Label, Rangef, Rect, Response, RichText, ScrollArea, Stroke, TextStyle, Ui, UiBuilder,
-    WidgetInfo, WidgetType, pos2, vec2,
-};
+use bevy_egui::egui::{Rangef, Rect, ScrollArea, Stroke, TextStyle, Ui, pos2, vec2};
 use box_physics::prelude::Integrator;
 use egui_plot::{
-    AxisHints, Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoints, PlotUi, Points,
+    AxisHints, Corner, HoverPosition, Legend, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi,
+    Points, log_grid_spacer,
 };
 
-use super::super::decimate::{decimate, segments, staircase};
+use super::super::axis::{self, ALONG, UPRIGHT, from_axis, to_axis};
+use super::super::decimate::{MAX_POINTS, decimate, segments, staircase};
 use super::super::format::number;
-use super::super::linear_axis;
-use super::super::log_axis::{from_axis, marks, tick, to_axis};
 use super::super::view::PanelView;
+use super::super::widgets::{describe, note, within};
 use crate::compare::verdict::short;
 use crate::view::style::{self, IntegratorStyle};
 
-/// Width of a column of the legend beside the plot [points].
+/// Width of a column of the legend beside the plot, and what the plot keeps beside it [points].
 const LEGEND: f32 = 140.0;
-/// The plot keeps this much beside a legend, or there is none [points].
-const PLOT_BESIDE_LEGEND: f32 = 220.0;
+const PLOT: f32 = 220.0;
 /// A plot lower than this is no use; the drawer scrolls instead.
-const LOWEST: f32 = 90.0;
+pub(super) const LOWEST: f32 = 90.0;
 
-/// Cost of a body-step of every integrator on the scene's bodies, the minimum, on a log axis. The legend stands beside the plot, as
-/// with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
+/// Cost of a body-step of every integrator on the scene's bodies, the minimum, on a log axis. The legend stands beside
+/// the plot, as with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
-    let clock = view
-        .history
-        .grain
-        .map_or_else(String::new, |(grain, part)| {
-            format!(
-                " · clock: steps of {} µs, samples ±{} %",
-                number(grain),
-                number(100.0 * part)
-            )
-        });
-    ui.add(
-        Label::new(
-            RichText::new(format!(
-                "fastest sample of two seconds · plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms{clock}",
-                view.step_time(),
-                short(view.compare.comparisons_ms * 1e3),
-                short(view.compare.panel_ms * 1e3),
-                short(view.frame_time_ms),
-            ))
-            .small(),
-        )
-        .truncate(),
+    let clock = view.history.grain.map(|(grain, part)| {
+        let (grain, part) = (number(grain), number(100.0 * part));
+        format!(" · clock: steps of {grain} µs, samples ±{part} %")
+    });
+    note(
+        ui,
+        format!(
+            "fastest sample of two seconds · plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms{}",
+            view.step_time(),
+            short(view.compare.comparisons_ms * 1e3),
+            short(view.compare.panel_ms * 1e3),
+            short(view.frame_time_ms),
+            clock.unwrap_or_default(),
+        ),
     );
-    let whole = ui.available_rect_before_wrap();
     let line = ui.text_style_height(&TextStyle::Small);
-    let rows = ((whole.height() / line) as usize).max(1);
+    let rows = ((ui.available_height() / line) as usize).max(1);
     let columns = Integrator::ALL.len().div_ceil(rows);
-    let width = LEGEND * columns as f32;
-    let right = if whole.width() - width >= PLOT_BESIDE_LEGEND {
-        whole.right() - width - 8.0
-    } else {
-        whole.right()
-    };
-    if right < whole.right() {
+    let legend = |ui: &mut Ui| {
+        let corner = ui.max_rect().min;
         for (k, &integrator) in Integrator::ALL.iter().enumerate() {
-            let (column, row) = ((k / rows) as f32, (k % rows) as f32);
-            let at = pos2(right + 8.0 + column * LEGEND, whole.top() + row * line);
-            let name = RichText::new(style::marked_name(integrator))
-                .color(style::of(integrator).ink(ui.ctx().theme()));
-            let cell = Rect::from_min_size(at, vec2(LEGEND, line));
-            ui.scope_builder(UiBuilder::new().max_rect(cell), |ui| {
-                ui.add(Label::new(name.small()).truncate());
+            let at = corner + vec2((k / rows) as f32 * LEGEND, (k % rows) as f32 * line);
+            within(ui, Rect::from_min_size(at, vec2(LEGEND, line)), |ui| {
+                let name = style::in_ink(ui, integrator, style::marked_name(integrator));
+                note(ui, name);
             });
         }
-    }
-    let place = Rect::from_min_max(whole.min, pos2(right, whole.bottom()));
-    ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-        scrolled(ui, |ui| timing_plot(ui, view));
+    };
+    with_legend(ui, [LEGEND * columns as f32, PLOT], legend, |ui| {
+        timing_plot(ui, view);
     });
 }
 
 fn timing_plot(ui: &mut Ui, view: &PanelView) {
-    let plot = frame("Timing")
-        .x_axis_label("wall time [s]")
-        .x_grid_spacer(linear_axis::along)
-        .y_axis_label("ns per step of a box")
-        .y_grid_spacer(marks)
-        .y_axis_formatter(|mark, range| tick(mark, *range.start(), *range.end()))
-        .label_formatter(|at| {
-            Some(time_and(at, |y| {
-                format!(
-                    "{} ns per step of a box, the fastest sample",
-                    number(from_axis(y))
-                )
-            }))
-        });
-    let response = plot
-        .show(ui, |plot| {
-            for (&integrator, history) in Integrator::ALL.iter().zip(&view.history.timing) {
-                let mut points = decimate(history.iter().map(|&(t, ns)| [t, ns]));
-                for point in &mut points {
-                    point[1] = to_axis(point[1]);
-                }
-                let width = if integrator == view.integrator {
-                    3.0
-                } else {
-                    1.5
-                };
-                line(
-                    plot,
-                    &style::marked_name(integrator),
-                    &points,
-                    style::of(integrator),
-                    width,
-                );
-            }
+    let axes = [("wall time [s]", false), ("ns per step of a box", true)];
+    let plot = frame("Timing", axes).label_formatter(|at| {
+        let unit = "ns per step of a box, the fastest sample";
+        hover(at, |p| {
+            format!("t = {:.3} s\n{} {unit}", p.x, number(from_axis(p.y)))
         })
-        .response;
+    });
+    let draw = |plot: &mut PlotUi<'_>| {
+        for (&integrator, history) in Integrator::ALL.iter().zip(&view.history.timing) {
+            let points: Vec<_> = history.iter().map(|&(t, ns)| [t, ns]).collect();
+            let points = decimate(MAX_POINTS, &points);
+            let points: Vec<_> = points.iter().map(|&[t, ns]| [t, to_axis(ns)]).collect();
+            let width = if integrator == view.integrator {
+                3.0
+            } else {
+                1.5
+            };
+            let name = style::marked_name(integrator);
+            line(plot, &name, &points, style::of(integrator), width);
+        }
+    };
     describe(
-        &response,
+        &plot.show(ui, draw).response,
         "Minimum of nanoseconds per step of a box under every integrator over wall time, logarithmic",
     );
 }
@@ -128,57 +92,61 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
         ui.label(reason);
         return;
     }
+    let history = &view.history.cpu;
+    let process: Vec<_> = history
+        .iter()
+        .map(|&(t, process, _)| [t, process])
+        .collect();
+    let system: Vec<_> = history.iter().map(|&(t, _, system)| [t, system]).collect();
+    let now = [&process, &system].map(|points| number(points.last().map_or(f64::NAN, |p| p[1])));
+    let legend = Legend::default().position(Corner::LeftTop);
     scrolled(ui, |ui| {
-        let plot = frame("CPU")
-            .legend(
-                Legend::default()
-                    .position(Corner::LeftTop)
-                    .follow_insertion_order(true),
-            )
+        let plot = frame("CPU", [("wall time [s]", false), ("% of all cores", false)])
+            .legend(legend.follow_insertion_order(true))
             .include_y(0.0)
             .include_y(100.0)
-            .x_axis_label("wall time [s]")
-            .x_grid_spacer(linear_axis::along)
-            .y_axis_label("% of all cores")
-            .label_formatter(|at| Some(time_and(at, |y| format!("{} % of all cores", number(y)))));
-        let history = &view.history.cpu;
-        let response = plot
-            .show(ui, |plot| {
-                let process = staircase(history.iter().map(|&(t, process, _)| [t, process]));
-                let system = staircase(history.iter().map(|&(t, _, system)| [t, system]));
-                for (name, points, looks) in [
-                    ("● this process", process, style::PROCESS),
-                    ("○ whole system", system, style::SYSTEM),
-                ] {
-                    line(plot, name, &decimate(points.iter().copied()), looks, 2.0);
-                }
-            })
-            .response;
-        let (process, system) = history
-            .last()
-            .map_or((f64::NAN, f64::NAN), |&(_, p, s)| (p, s));
-        let now = format!(
-            "now {} % this process, {} % whole system",
-            number(process),
-            number(system)
-        );
+            .y_grid_spacer(log_grid_spacer(10))
+            .label_formatter(|at| {
+                hover(at, |p| {
+                    format!("t = {:.3} s\n{} % of all cores", p.x, number(p.y))
+                })
+            });
+        let draw = |plot: &mut PlotUi<'_>| {
+            for (name, points, looks) in [
+                ("● this process", process, style::PROCESS),
+                ("○ whole system", system, style::SYSTEM),
+            ] {
+                line(
+                    plot,
+                    name,
+                    &decimate(MAX_POINTS, &staircase(&points)),
+                    looks,
+                    2.0,
+                );
+            }
+        };
+        let response = plot.show(ui, draw).response;
+        let [process, system] = now;
+        let now = format!("now {process} % this process, {system} % whole system");
         describe(&response, &format!("CPU use over wall time, {now}"));
     });
 }
 
-/// A plot with the settings that all share.
-pub(super) fn frame<'a>(name: &str) -> Plot<'a> {
+/// A plot with the settings that all share: its name, and of each axis the label and whether it is logarithmic.
+pub(super) fn frame<'a>(name: &str, [x, y]: [(&str, bool); 2]) -> Plot<'a> {
+    let hints = |hints: AxisHints<'a>, (label, log): (&str, bool)| {
+        let hints = hints.label(label);
+        hints.formatter(move |mark, range| axis::label(log, mark, range))
+    };
+    // Labels may stand closer than usual: the plots are small.
+    let along = hints(AxisHints::new_x(), x).label_spacing(Rangef::new(36.0, 60.0));
+    let upright = hints(AxisHints::new_y(), y).label_spacing(Rangef::new(15.0, 24.0));
     Plot::new(name.to_owned())
         .allow_scroll(false)
-        // Labels may stand closer than usual: the plots are small.
-        .custom_x_axes(vec![
-            AxisHints::new_x().label_spacing(Rangef::new(36.0, 60.0)),
-        ])
-        // After the axes, which would replace it.
-        .x_axis_formatter(|mark, _| number(mark.value))
-        .custom_y_axes(vec![
-            AxisHints::new_y().label_spacing(Rangef::new(15.0, 24.0)),
-        ])
+        .custom_x_axes(vec![along])
+        .custom_y_axes(vec![upright])
+        .x_grid_spacer(axis::marks(x.1, ALONG))
+        .y_grid_spacer(axis::marks(y.1, UPRIGHT))
         .min_size(vec2(60.0, LOWEST))
         .set_margin_fraction(vec2(0.01, 0.08))
 }
@@ -194,6 +162,23 @@ pub(super) fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
         });
 }
 
+/// A plot and beside it its legend of this width, or none where the plot would keep less than `least` [points].
+pub(super) fn with_legend(
+    ui: &mut Ui,
+    [width, least]: [f32; 2],
+    legend: impl FnOnce(&mut Ui),
+    plot: impl FnOnce(&mut Ui),
+) {
+    let whole = ui.available_rect_before_wrap();
+    let mut place = whole;
+    if whole.width() - width >= least {
+        place.max.x -= width + 8.0;
+        let beside = pos2(place.right() + 8.0, whole.top());
+        within(ui, Rect::from_min_max(beside, whole.max), legend);
+    }
+    within(ui, place, |ui| scrolled(ui, plot));
+}
+
 /// Longest path that is dashed [points]. A noisy line of a thousand points runs up and down for tens of
 /// thousands; its dashes run together and cost more than the rest of the panel.
 const DASHED: f32 = 4000.0;
@@ -206,65 +191,41 @@ pub(super) fn line(
     looks: IntegratorStyle,
     width: f32,
 ) {
-    let color: Color32 = looks.ink(plot.ctx().theme());
+    let color = looks.ink(plot.ctx().theme());
     let dash = if path_length(plot, points) <= DASHED {
         looks.dash
     } else {
         LineStyle::Solid
     };
-    let mut last = None;
     for stretch in segments(points) {
-        last = stretch.last().copied();
-        plot.line(
-            Line::new(name, PlotPoints::new(stretch.to_vec()))
-                .stroke(Stroke::new(width, color))
-                .style(dash),
-        );
+        let line = Line::new(name, PlotPoints::new(stretch.to_vec()));
+        plot.line(line.stroke(Stroke::new(width, color)).style(dash));
     }
-    if let Some(last) = last {
-        let points = PlotPoints::new(vec![last]);
-        plot.points(
-            Points::new(name, points)
-                .shape(looks.marker)
-                .radius(4.5)
-                .color(color),
-        );
+    if let Some(last) = segments(points).last().and_then(|stretch| stretch.last()) {
+        let mark = Points::new(name, *last).shape(looks.marker);
+        plot.points(mark.radius(4.5).color(color));
     }
 }
 
 /// Length of the line on the screen of the last frame [points], without gaps.
 fn path_length(plot: &PlotUi<'_>, points: &[[f64; 2]]) -> f32 {
     let scale = plot.transform().dpos_dvalue();
-    points
-        .windows(2)
-        .map(|pair| {
-            let [dx, dy] = [0, 1].map(|axis| (pair[1][axis] - pair[0][axis]) * scale[axis]);
-            dx.hypot(dy) as f32
-        })
-        .filter(|length| length.is_finite())
-        .sum()
+    let length = |pair: &[[f64; 2]]| {
+        let [dx, dy] = [0, 1].map(|axis| (pair[1][axis] - pair[0][axis]) * scale[axis]);
+        dx.hypot(dy) as f32
+    };
+    let lengths = points.windows(2).map(length);
+    lengths.filter(|length| length.is_finite()).sum()
 }
 
-/// The label at the cursor: name of the line, time, value.
-pub(super) fn time_and(at: &HoverPosition<'_>, value: impl Fn(f64) -> String) -> String {
-    match at {
+/// The label at the cursor: name of the line, and `text` of the point.
+pub(super) fn hover(at: &HoverPosition<'_>, text: impl Fn(&PlotPoint) -> String) -> Option<String> {
+    Some(match at {
         HoverPosition::NearDataPoint {
             plot_name,
             position,
             ..
-        } => {
-            format!(
-                "{plot_name}\nt = {:.3} s\n{}",
-                position.x,
-                value(position.y)
-            )
-        }
-        HoverPosition::Elsewhere { position } => {
-            format!("t = {:.3} s\n{}", position.x, value(position.y))
-        }
-    }
-}
-
-pub(super) fn describe(response: &Response, what: &str) {
-    response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, what));
+        } => format!("{plot_name}\n{}", text(position)),
+        HoverPosition::Elsewhere { position } => text(position),
+    })
 }

@@ -5,8 +5,6 @@ use box_bench::measure::Cost;
 use box_physics::prelude::Integrator;
 
 use super::super::format::{number, quantity, step_size};
-use super::super::view::IntegratorTiming;
-use super::compare::state;
 use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::view::style;
 
@@ -38,113 +36,88 @@ const HEADINGS: [(&str, &str); 12] = [
 ];
 
 /// `timings` are of every integrator; those that are not compared stand below.
-pub(super) fn show(ui: &mut Ui, compare: &CompareView, timings: &[IntegratorTiming]) {
-    ScrollArea::both()
-        .auto_shrink([false, false])
-        .show(ui, |ui| {
-            Grid::new("integrators")
-                .striped(true)
-                .spacing([14.0, 3.0])
-                .show(ui, |ui| {
-                    for (heading, hint) in HEADINGS {
-                        ui.add(Label::new(RichText::new(heading).strong()).extend())
-                            .on_hover_text(hint);
-                    }
-                    ui.end_row();
-                    for trajectory in &compare.trajectories {
-                        trajectory_row(ui, trajectory);
-                        ui.end_row();
-                    }
-                    let beside = |t: &&IntegratorTiming| {
-                        compare
-                            .trajectories
-                            .iter()
-                            .all(|l| l.integrator != t.integrator)
-                    };
-                    for timing in timings.iter().filter(beside) {
-                        other_row(ui, timing);
-                        ui.end_row();
-                    }
-                });
-        });
-}
-
-fn mark(ui: &mut Ui, integrator: Integrator) {
-    let looks = style::of(integrator);
-    // Marks differ in width; the names line up.
-    let mark = Label::new(RichText::new(looks.glyph).color(looks.ink(ui.ctx().theme())));
-    ui.add_sized(vec2(16.0, ui.spacing().interact_size.y), mark);
-}
-
-fn timing(ui: &mut Ui, cost: Option<Cost>, evaluations: f64) {
-    let figures = cost.map_or(["…"; 3].map(str::to_owned), |c| {
-        [c.min, c.median, c.p95].map(quantity)
-    });
-    for figure in figures {
-        ui.label(RichText::new(figure).monospace());
-    }
-    ui.label(RichText::new(number(evaluations)).monospace());
-}
-
-fn trajectory_row(ui: &mut Ui, trajectory: &TrajectoryView) {
-    let info = trajectory.integrator.info();
-    let name = RichText::new(format!(
-        "{}{}",
-        info.name,
-        if trajectory.main_box {
-            " · main box"
-        } else {
-            ""
+pub(super) fn show(ui: &mut Ui, compare: &CompareView, timings: &[(Option<Cost>, f64)]) {
+    let trajectories = &compare.trajectories;
+    let compared = |i: Integrator| trajectories.iter().any(|t| t.integrator == i);
+    let grid = Grid::new("integrators").striped(true).spacing([14.0, 3.0]);
+    let rows = |ui: &mut Ui| {
+        for (heading, hint) in HEADINGS {
+            ui.add(Label::new(RichText::new(heading).strong()).extend())
+                .on_hover_text(hint);
         }
-    ));
+        ui.end_row();
+        for t in trajectories {
+            row(ui, t.integrator, (t.cost, t.evaluations), Some(t));
+        }
+        for (&integrator, &timing) in Integrator::ALL.iter().zip(timings) {
+            if !compared(integrator) {
+                row(ui, integrator, timing, None);
+            }
+        }
+    };
+    let area = ScrollArea::both().auto_shrink([false, false]);
+    area.show(ui, |ui| grid.show(ui, rows));
+}
+
+fn row(
+    ui: &mut Ui,
+    integrator: Integrator,
+    (cost, evaluations): (Option<Cost>, f64),
+    trajectory: Option<&TrajectoryView>,
+) {
+    let info = integrator.info();
     ui.horizontal(|ui| {
-        mark(ui, trajectory.integrator);
-        ui.add(Label::new(name.strong()).extend());
+        let mark = style::in_ink(ui, integrator, style::of(integrator).glyph);
+        // Marks differ in width; the names line up.
+        ui.add_sized(vec2(16.0, ui.spacing().interact_size.y), Label::new(mark));
+        let name = match trajectory {
+            Some(t) if t.main_box => RichText::new(format!("{} · main box", info.name)).strong(),
+            Some(_) => RichText::new(info.name).strong(),
+            None => RichText::new(info.name),
+        };
+        ui.add(Label::new(name).extend());
     });
-    timing(ui, trajectory.cost, trajectory.evaluations);
-    ui.label(RichText::new(step_size(trajectory.dt)).monospace());
+    let figures = cost.map(|c| [c.min, c.median, c.p95].map(quantity));
+    for figure in figures.unwrap_or_else(|| ["…"; 3].map(str::to_owned)) {
+        ui.monospace(figure);
+    }
+    ui.monospace(number(evaluations));
+    let Some(trajectory) = trajectory else {
+        for _ in 0..5 {
+            ui.weak("–");
+        }
+        ui.label(info.orders.rotation.to_string());
+        ui.weak("not simulated");
+        ui.end_row();
+        return;
+    };
+    ui.monospace(step_size(trajectory.dt));
     for q in [
         Quantity::Position,
         Quantity::Attitude,
         Quantity::Energy,
         Quantity::Momentum,
     ] {
-        let value = trajectory.get(q);
-        let text = if value.is_finite() {
-            figure(value)
-        } else {
-            "–".to_owned()
-        };
-        ui.label(RichText::new(text).monospace());
+        ui.monospace(figure(trajectory.get(q)));
     }
     ui.label(info.orders.rotation.to_string());
-    let text = RichText::new(state(trajectory));
-    ui.label(if trajectory.diverged() {
-        text.strong()
-    } else {
-        text
-    });
+    let mut state = trajectory.status.to_string();
+    if trajectory.skew > 0.0 {
+        state += &format!(" · input {} s late", number(trajectory.skew));
+    }
+    let state = RichText::new(state);
+    let diverged = trajectory.diverged();
+    ui.label(if diverged { state.strong() } else { state });
+    ui.end_row();
 }
 
 /// The size of a small error is all that matters: two digits and an exponent.
 fn figure(value: f64) -> String {
-    if value == 0.0 || (0.01..1e4).contains(&value.abs()) {
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if value == 0.0 || (0.01..1e4).contains(&value.abs()) {
         number(value)
     } else {
         format!("{value:.1e}")
     }
-}
-
-fn other_row(ui: &mut Ui, other: &IntegratorTiming) {
-    let info = other.integrator.info();
-    ui.horizontal(|ui| {
-        mark(ui, other.integrator);
-        ui.add(Label::new(info.name).extend());
-    });
-    timing(ui, other.cost, other.evaluations);
-    for _ in 0..5 {
-        ui.weak("–");
-    }
-    ui.label(info.orders.rotation.to_string());
-    ui.weak("not simulated");
 }

@@ -2,54 +2,129 @@
 
 mod integrators;
 mod parameters;
-mod readouts;
 
-use bevy_egui::egui::{CollapsingHeader, ScrollArea, Ui, style::ScrollStyle};
+use bevy_egui::egui::{CollapsingHeader, Grid, Label, ScrollArea, Ui, style::ScrollStyle};
 
-use super::memory::{PanelMemory, Section};
-use super::view::PanelView;
-use super::widgets::identify;
+use super::format::{bytes, grouped, quantity};
+use super::view::FIGURES;
+use super::widgets::{Panel, id_of, identify, text};
 use crate::action::Action;
-use parameters::{BOX, WORLD};
+use crate::platform;
+use parameters::{load, push, size, step, world};
+
+/// Heading, whether it is open at first, and content of each section.
+const SECTIONS: [(&str, bool, fn(&mut Ui, &mut Panel<'_>)); 9] = [
+    ("INTEGRATORS", true, integrators::show),
+    ("VIEW", true, drawn),
+    ("PUSH", true, push),
+    ("WORLD", true, world),
+    ("BOX", false, size),
+    ("STEP", true, step),
+    ("LOAD", false, load),
+    ("NOW", false, now),
+    ("LOG", false, log),
+];
 
 /// Draws every section.
-pub(super) fn show(ui: &mut Ui, view: &PanelView, memory: &mut PanelMemory, out: &mut Vec<Action>) {
+pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     // A bar of its own beside the widgets, not over them.
     ui.spacing_mut().scroll = ScrollStyle::solid();
-    ScrollArea::vertical()
-        .auto_shrink([false, false])
-        .show(ui, |ui| {
-            for section in Section::ALL {
-                let place = section as usize;
-                let header = CollapsingHeader::new(section.title())
-                    .open(Some(memory.open[place]))
-                    .show_unindented(ui, |ui| body(ui, section, view, memory, out))
-                    .header_response;
-                identify(&header, format!("section {}", section.title()));
-                if header.clicked() {
-                    memory.open[place] = !memory.open[place];
-                }
-            }
-        });
+    let sections = |ui: &mut Ui| {
+        for (title, open, content) in SECTIONS {
+            let header = CollapsingHeader::new(title).default_open(open || panel.memory.all_open);
+            let header = header.show_unindented(ui, |ui| {
+                content(ui, panel);
+                ui.add_space(4.0);
+            });
+            identify(&header.header_response, format!("section {title}"));
+        }
+    };
+    let area = ScrollArea::vertical().auto_shrink([false, false]);
+    area.show(ui, sections);
 }
 
-fn body(
-    ui: &mut Ui,
-    section: Section,
-    view: &PanelView,
-    memory: &mut PanelMemory,
-    out: &mut Vec<Action>,
-) {
-    match section {
-        Section::Integrator => integrators::show(ui, view, memory, out),
-        Section::Step => parameters::step(ui, view, memory, out),
-        Section::World => parameters::plain(ui, view, "world", WORLD, memory, out),
-        Section::Box => parameters::plain(ui, view, "box", BOX, memory, out),
-        Section::Push => parameters::push(ui, view, memory, out),
-        Section::View => readouts::drawn(ui, view, out),
-        Section::Load => parameters::load(ui, view, memory, out),
-        Section::Now => readouts::now(ui, view),
-        Section::Log => readouts::log(ui, view, out),
+/// What is drawn.
+fn drawn(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let preferences = panel.view.preferences;
+    let mut switch = |mut on: bool, name: &str, hint: &str, action: Action| {
+        let switch = ui.checkbox(&mut on, name);
+        identify(&switch, id_of(&action));
+        if switch.on_hover_text(hint).changed() {
+            panel.ask(action);
+        }
+    };
+    let hint = "Axis-aligned bounding box of every body.";
+    switch(
+        preferences.show_aabb,
+        "Bounding box (B)",
+        hint,
+        Action::ToggleAabb,
+    );
+    let hint = "Contact points with their impulses, and friction cones: the force stays inside.";
+    switch(
+        preferences.show_contacts,
+        "Contacts (C)",
+        hint,
+        Action::ToggleContacts,
+    );
+    let hint = "The box's own axes and its velocity.";
+    switch(
+        preferences.show_axes,
+        "Axes and velocity (X)",
+        hint,
+        Action::ToggleAxes,
+    );
+    ui.horizontal_wrapped(|ui| {
+        let frame = text("Frame", "Center the view on the box (F).");
+        panel.button(ui, frame, Action::FrameCamera);
+        let home = text("Home", "Reset the view (Home).");
+        panel.button(ui, home, Action::HomeCamera);
+        let screenshot = text("Screenshot", "Save a screenshot (F12).");
+        panel.button(ui, screenshot, Action::Screenshot);
+    });
+}
+
+/// The main box in numbers.
+fn now(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let view = panel.view;
+    let grid = Grid::new("now").num_columns(2).spacing([12.0, 2.0]);
+    grid.show(ui, |ui| {
+        for ((name, unit), value) in FIGURES.into_iter().zip(view.figures) {
+            ui.label(name);
+            ui.monospace(format!("{:>10} {unit}", quantity(value)));
+            ui.end_row();
+        }
+        let fallbacks = "Body-steps delegated to split because the integrator does not apply.";
+        let unconverged = "Body-steps whose iteration reached its limit before its tolerance.";
+        for (name, count, hint) in [
+            ("Fallbacks", view.fallbacks, fallbacks),
+            ("Not converged", view.unconverged, unconverged),
+        ] {
+            ui.label(name).on_hover_text(hint);
+            ui.monospace(format!("{:>10}", grouped(count)))
+                .on_hover_text(hint);
+            ui.end_row();
+        }
+        ui.label("State");
+        ui.strong(view.state.to_string());
+        ui.end_row();
+    });
+}
+
+/// The CSV log.
+fn log(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let log = &panel.view.log;
+    let name = ["Start log", "Stop log"][usize::from(log.is_some())];
+    let words = text(name, "Write every step to a CSV file (L).");
+    panel.button(ui, words, Action::ToggleLog);
+    let what = platform::COPIED;
+    let name = format!("Copy {what}");
+    let hint = format!("Copy the {what} that restores this session to the clipboard.");
+    panel.button(ui, text(&name, &hint), Action::CopyCommandLine);
+    if let Some(log) = log {
+        ui.add(Label::new(&log.path).wrap().selectable(true));
+        ui.label(format!("{} rows · {}", grouped(log.rows), bytes(log.bytes)));
+    } else {
+        ui.label("No log.");
     }
-    ui.add_space(4.0);
 }

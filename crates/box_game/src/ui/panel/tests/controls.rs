@@ -4,57 +4,27 @@ use bevy_egui::egui::{Modifiers, accesskit::Role};
 use box_physics::prelude::{DVec3, Integrator};
 use egui_kittest::kittest::NodeT;
 
-use super::{Person, TALL, id_of, sample_view};
-use crate::action::compare::{CompareAction, Fairness, Layout, Window};
+use super::{id_of, sample_view, with};
+use crate::action::compare::{CompareAction, Layout, Window};
 use crate::action::{Action, Plot, Push};
 use crate::compare::verdict::short;
 use crate::parameters::Parameter;
 
+/// Requests by one click on the sample, in the words of a script.
+const BUTTONS: &str = "TogglePicker PreviousScene NextScene TogglePause Step(1) StepBack(1) Restart Slower Faster \
+    TogglePlots TogglePanel ToggleHelp ToggleAabb ToggleContacts ToggleAxes FrameCamera HomeCamera Screenshot \
+    ToggleLog CopyCommandLine SavePlot(None) Set(RestitutionLaw,1.0) SelectPlot(error) SelectPlot(timing) \
+    SelectPlot(cpu) SelectPlot(work_precision) SelectPlot(table) Compare(SetLayout(solo)) \
+    Compare(SetLayout(side_by_side)) Compare(SetFairness(evaluations)) Compare(SetFairness(cost)) \
+    Compare(CompareAll) Compare(CompareNone) Compare(Resync) Compare(ToggleLogarithmicEnergy) \
+    Compare(SetWindow(ten)) Compare(Copy)";
+
 #[test]
 fn every_button_asks_for_its_action() {
-    let mut person = Person::before(sample_view(), TALL);
-    for action in [
-        Action::TogglePicker,
-        Action::PreviousScene,
-        Action::NextScene,
-        Action::TogglePause,
-        Action::Step(1),
-        Action::Restart,
-        Action::Slower,
-        Action::Faster,
-        Action::TogglePlots,
-        Action::TogglePanel,
-        Action::ToggleHelp,
-        Action::ToggleAabb,
-        Action::ToggleContacts,
-        Action::ToggleAxes,
-        Action::FrameCamera,
-        Action::HomeCamera,
-        Action::Screenshot,
-        Action::ToggleLog,
-        Action::SavePlot(None),
-        Action::Set(Parameter::RestitutionLaw, 1.0),
-        Action::Set(Parameter::Step, 1.0 / 30.0),
-        Action::Set(Parameter::Step, 1.0 / 120.0),
-        Action::Set(Parameter::Step, 1.0 / 240.0),
-        Action::SelectPlot(Plot::Error),
-        Action::SelectPlot(Plot::Timing),
-        Action::SelectPlot(Plot::Cpu),
-        Action::SelectPlot(Plot::WorkPrecision),
-        Action::SelectPlot(Plot::Table),
-        CompareAction::SetLayout(Layout::Solo).into(),
-        CompareAction::SetLayout(Layout::SideBySide).into(),
-        CompareAction::SetFairness(Fairness::Evaluations).into(),
-        CompareAction::SetFairness(Fairness::Cost).into(),
-        CompareAction::CompareAll.into(),
-        CompareAction::CompareNone.into(),
-        CompareAction::Resync.into(),
-        CompareAction::ToggleLogarithmicEnergy.into(),
-        CompareAction::SetWindow(Window::Ten).into(),
-        CompareAction::Copy.into(),
-    ] {
-        assert_eq!(person.click_on(action.clone()), [action]);
-    }
+    let mut person = with(|_| {});
+    let buttons = BUTTONS.split(' ').map(ron::from_str::<Action>);
+    person.asks_for(buttons.map(|action| action.expect("an action")));
+    person.asks_for([30.0, 120.0, 240.0].map(|hertz| Action::Set(Parameter::Step, 1.0 / hertz)));
     for chosen in [
         Action::Set(Parameter::Step, 1.0 / 60.0),
         Action::SelectPlot(Plot::Energy),
@@ -65,99 +35,75 @@ fn every_button_asks_for_its_action() {
 }
 
 #[test]
-fn every_integrator_can_be_ticked_but_the_main_box_s_own() {
-    let mut person = Person::before(sample_view(), TALL);
-    for &integrator in Integrator::ALL {
-        let main_box = integrator == Integrator::default();
-        let toggle = Action::from(CompareAction::ToggleComparison(integrator));
-        let disabled = person.find(&id_of(&toggle)).accesskit_node().is_disabled();
-        assert_eq!(disabled, main_box);
-        let expected = if main_box {
-            vec![]
-        } else {
-            vec![toggle.clone()]
-        };
-        assert_eq!(person.click_on(toggle), expected);
-    }
-}
-
-#[test]
 fn tools_of_the_tabs() {
-    let mut view = sample_view();
-    view.plot = Plot::Error;
-    let mut person = Person::before(view.clone(), TALL);
-    for action in [
+    with(|view| view.plot = Plot::Error).asks_for([
         CompareAction::ToggleLogarithmic,
         CompareAction::ToggleLocal,
         CompareAction::SetWindow(Window::All),
-    ] {
-        assert_eq!(person.click_on(action.clone()), [action.into()]);
-    }
-    view.plot = Plot::WorkPrecision;
-    let mut person = Person::before(view.clone(), TALL);
-    let start = Action::from(CompareAction::StartSweep);
-    assert_eq!(person.click_on(start.clone()), [start]);
+    ]);
+    let mut person = with(|view| view.plot = Plot::WorkPrecision);
+    person.asks_for([CompareAction::StartSweep]);
     assert_eq!(person.click("position error"), [], "the panel's own");
     assert_eq!(person.harness.state().memory.sweep_position, Some(true));
-    view.compare.sweep.running = true;
-    view.compare.sweep.progress = (3, 24);
-    let mut person = Person::before(view.clone(), TALL);
-    let cancel = Action::from(CompareAction::CancelSweep);
-    assert_eq!(person.click_on(cancel.clone()), [cancel]);
+    let sweep = &mut person.view().compare.sweep;
+    (sweep.running, sweep.progress) = (true, (3, 24));
+    person.look();
+    person.asks_for([CompareAction::CancelSweep]);
 }
 
 #[test]
-fn shift_steps_ten() {
-    let mut person = Person::before(sample_view(), TALL);
+fn undo_and_redo_are_buttons_where_there_is_something() {
+    let mut person = with(|view| view.undoes = Some("Gravity"));
+    person.asks_for([Action::Undo]);
+    assert_eq!(person.click_on(Action::Redo), [], "nothing to redo");
+}
+
+#[test]
+fn shift_steps_ten_and_a_list_has_the_speeds() {
+    let mut person = with(|_| {});
     person.find("Step(1)").click_modifiers(Modifiers::SHIFT);
     assert_eq!(person.asked(), [Action::Step(10)]);
-}
-
-#[test]
-fn the_list_of_speeds() {
-    let mut person = Person::before(sample_view(), TALL);
     assert_eq!(person.click("speed"), []);
-    let slow = Action::SetSpeed(0.25);
-    assert_eq!(person.click_on(slow.clone()), [slow]);
+    person.asks_for([Action::SetSpeed(0.25)]);
 }
 
 #[test]
-fn every_integrator_can_be_chosen_and_shows_its_cost() {
-    let mut person = Person::before(sample_view(), TALL);
+fn every_integrator_can_be_chosen_and_compared_and_shows_its_cost() {
+    let mut person = with(|_| {});
     for &integrator in Integrator::ALL {
-        let id = id_of(&Action::SetIntegrator(integrator));
+        let active = integrator == Integrator::default();
+        let compare = Action::from(CompareAction::ToggleComparison(integrator));
+        let disabled = person.find(&id_of(&compare)).accesskit_node().is_disabled();
+        assert_eq!(disabled, active);
+        let chosen = Action::SetIntegrator(integrator);
+        let id = id_of(&chosen);
         let node = person.find(&id);
         assert_eq!(node.accesskit_node().role(), Role::RadioButton);
         let value = node.value().expect("its cost");
         // The minimum, as in sweep and report.
-        let cost = sample_view().timings[integrator.index()]
-            .cost
-            .expect("timed");
-        assert!(
-            value.ends_with(&format!("{} ns", short(cost.min))),
-            "{value}"
-        );
-        let active = integrator == Integrator::default();
+        let cost = sample_view().timings[integrator.index()].0;
+        let cost = format!("{} ns", short(cost.expect("timed").min));
+        assert!(value.ends_with(&cost), "{value}");
         assert_eq!(value.contains("active"), active);
-        let expected: &[Action] = if active {
-            &[]
-        } else {
-            &[Action::SetIntegrator(integrator)]
-        };
         person.find(&id).hover();
         person.look();
         let info = integrator.info();
         assert!(person.sees(info.summary));
-        assert!(person.sees_part(&format!("rotation {}", info.orders.rotation)));
-        assert!(person.sees_part(&format!("{} in free flight", info.evaluations.free)));
-        assert!(person.sees_part("ns per step of a box in this scene: min"));
-        assert_eq!(person.click(&id), expected);
+        person.sees_all(&[
+            &format!("rotation {}", info.orders.rotation),
+            &format!("{} in free flight", info.evaluations.free),
+            "ns per step of a box in this scene: min",
+        ]);
+        for action in [chosen, compare] {
+            let expected = if active { vec![] } else { vec![action.clone()] };
+            assert_eq!(person.click_on(action), expected);
+        }
     }
 }
 
 #[test]
 fn six_pushes_plain_off_center_and_world() {
-    let mut person = Person::before(sample_view(), TALL);
+    let mut person = with(|_| {});
     let push = |direction, world, off_center| {
         [Action::Push(Push {
             direction,
@@ -189,10 +135,9 @@ fn six_pushes_plain_off_center_and_world() {
 
 #[test]
 fn sections_fold() {
-    let mut person = Person::before(sample_view(), TALL);
-    assert!(person.has("gravity"));
-    assert_eq!(person.click("section WORLD"), []);
-    assert!(!person.has("gravity"));
-    person.click("section WORLD");
-    assert!(person.has("gravity"));
+    let mut person = with(|_| {});
+    for open in [false, true] {
+        assert_eq!(person.click("section WORLD"), []);
+        assert_eq!(person.has("gravity"), open);
+    }
 }

@@ -1,24 +1,16 @@
-//! Hints, undo, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
+//! Hints, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
 
 use bevy_egui::egui::{Event, Key};
+use box_scenarios::Scenario;
 use box_scenarios::dissertation::Stepper;
 
-use super::super::{DemoView, PanelView};
-use super::{Person, TALL, id_of, sample_view};
+use super::{demo, id_of, with};
 use crate::action::{Action, Plot};
 use crate::parameters::Parameters;
-use box_scenarios::Scenario;
-
-fn with(change: impl FnOnce(&mut PanelView)) -> Person {
-    let mut view = sample_view();
-    change(&mut view);
-    Person::before(view, TALL)
-}
 
 #[test]
 fn the_lesson_says_what_to_try() {
-    let hints = ["Press [Push +x].".to_owned(), "Drop it.".to_owned()];
-    let person = with(|view| view.hints = hints);
+    let person = with(|view| view.scenario.hints = ["Press [Push +x].", "Drop it."]);
     assert!(person.sees("Try: Press Push +x.  ·  Drop it."));
     assert!(!with(|_| {}).sees_part("Try:"));
 }
@@ -33,97 +25,56 @@ fn every_hint_names_a_control() {
             let person = with(|view| {
                 view.parameters = Parameters::of(&scene);
                 view.plot = plot;
-                view.demo = (scene.id == crate::demo_2012::SCENE).then_some(DemoView {
-                    stepper: Some(Stepper::Heun),
-                    cycle_us: 1.0,
-                    log: None,
-                });
+                view.demo = (scene.id == crate::demo_2012::SCENE).then(demo);
             });
             names.extend(person.nodes().into_iter().map(|(_, name, _)| name));
         }
         for hint in scene.hints {
+            let named = format!("{}: '{hint}'", scene.id);
             let controls: Vec<&str> = hint.split(['[', ']']).skip(1).step_by(2).collect();
-            assert!(
-                !controls.is_empty(),
-                "{}: '{hint}' names no control",
-                scene.id
-            );
+            assert!(!controls.is_empty(), "{named} names no control");
             for control in controls {
                 let with_unit = format!("{control} [");
-                assert!(
-                    names
-                        .iter()
-                        .any(|n| n == control || n.starts_with(&with_unit)),
-                    "{}: '{hint}': no control is called '{control}'",
-                    scene.id
-                );
+                let is_it = |n: &String| n == control || n.starts_with(&with_unit);
+                assert!(names.iter().any(is_it), "{named}: no control '{control}'");
             }
         }
     }
 }
 
 #[test]
-fn back_undo_and_redo_are_buttons() {
-    let mut person = with(|view| view.undoes = Some("Gravity"));
-    for action in [Action::Undo, Action::StepBack(1), Action::CopyCommandLine] {
-        assert_eq!(person.click_on(action.clone()), [action]);
+fn words_arrows_and_enter_choose_a_scene() {
+    for (words, scene) in [(Some("dzh"), "dzhanibekov"), (None, "throw")] {
+        let mut person = with(|view| view.show_picker = true);
+        if let Some(words) = words {
+            person.harness.event(Event::Text(words.to_owned()));
+            person.look();
+            let card = |id: &str| id_of(&Action::SelectScene(id.into()));
+            assert!(person.has(&card("dzhanibekov")) && !person.has(&card("playground")));
+            assert!(person.sees_part("turns over every few seconds."));
+        } else {
+            person.harness.key_press(Key::ArrowDown);
+            person.look();
+        }
+        person.harness.key_press(Key::Enter);
+        let asked = person.asked();
+        let wanted = Action::SelectScene(scene.into());
+        assert_eq!(asked.first(), Some(&wanted), "{asked:?}");
     }
-    assert_eq!(
-        person.click_on(Action::Redo),
-        [],
-        "there is nothing to redo"
-    );
-}
-
-#[test]
-fn words_and_enter_choose_a_scene() {
-    let mut person = with(|view| view.show_picker = true);
-    person.harness.event(Event::Text("dzh".to_owned()));
-    person.look();
-    let card = |id: &str| id_of(&Action::SelectScene(id.into()));
-    assert!(person.has(&card("dzhanibekov")) && !person.has(&card("playground")));
-    assert!(person.sees_part("turns over every few seconds."));
-    person.harness.key_press(Key::Enter);
-    let asked = person.asked();
-    assert_eq!(
-        asked.first(),
-        Some(&Action::SelectScene("dzhanibekov".into())),
-        "{asked:?}"
-    );
-}
-
-#[test]
-fn the_arrows_go_through_the_scenes_found() {
-    let mut person = with(|view| view.show_picker = true);
-    person.harness.key_press(Key::ArrowDown);
-    person.look();
-    person.harness.key_press(Key::Enter);
-    let asked = person.asked();
-    assert_eq!(
-        asked.first(),
-        Some(&Action::SelectScene("throw".into())),
-        "{asked:?}"
-    );
 }
 
 #[test]
 fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
-    let mut demo = DemoView {
-        stepper: Some(Stepper::Heun),
-        cycle_us: 1.25,
-        log: None,
-    };
-    let mut person = with(|view| view.demo = Some(demo.clone()));
-    assert!(person.sees_part(Stepper::Heun.fault()) && person.sees_part("9.81 m/s"));
-    for action in [
+    let mut person = with(|view| view.demo = Some(demo()));
+    person.sees_all(&[Stepper::Heun.fault(), "9.81 m/s"]);
+    person.asks_for([
         Action::SetDemo(Some(Stepper::Rk4)),
         Action::ToggleDemoLog,
         Action::SetDemo(None),
-    ] {
-        assert_eq!(person.click_on(action.clone()), [action]);
-    }
+    ]);
     let chosen = Action::SetDemo(Some(Stepper::Heun));
     assert_eq!(person.click_on(chosen), [], "it is chosen");
+    let mut demo = demo();
     demo.stepper = None;
     let person = with(|view| view.demo = Some(demo));
     assert!(person.sees_part("pushes add up") && !person.sees_part("9.81 m/s,"));
@@ -138,22 +89,16 @@ fn errors_of_scene_files_stay_in_the_window() {
 
 #[test]
 fn everything_is_reset_only_when_sure() {
-    let mut view = sample_view();
-    view.show_help = true;
-    let mut person = Person::before(view, TALL);
-    assert_eq!(person.click("reset everything"), []);
-    assert_eq!(person.click("no"), []);
-    assert_eq!(person.click("reset everything"), []);
-    for action in [Action::ResetEverything, Action::SetUiScale(1.5)] {
-        assert_eq!(person.click_on(action.clone()), [action]);
+    let mut person = with(|view| view.show_help = true);
+    for own in ["reset everything", "no", "reset everything"] {
+        assert_eq!(person.click(own), []);
     }
+    person.asks_for([Action::ResetEverything, Action::SetUiScale(1.5)]);
 }
 
 #[test]
 fn a_notice_goes_by_itself_and_the_lesson_stays() {
-    let mut view = sample_view();
-    view.notices = vec!["picture: a.png".into()];
-    let mut person = Person::before(view, TALL);
+    let mut person = with(|view| view.notices = vec!["picture: a.png".into()]);
     assert!(person.sees("picture: a.png"));
     // Steps of a quarter of a second or less, for half a minute.
     let mut steps = 0;
@@ -163,4 +108,22 @@ fn a_notice_goes_by_itself_and_the_lesson_stays() {
     }
     assert!((3..200).contains(&steps), "{steps}");
     assert!(person.sees_part("Press D to push it"));
+}
+
+#[test]
+fn lesson_and_notice_stay_until_dismissed() {
+    let notices = ["saved a.png", "cannot write b.csv"].map(str::to_owned);
+    let mut person = with(|view| view.notices = notices.into());
+    let lesson = person.view().scenario.lesson;
+    let (saved, failed) = ("saved a.png", "cannot write b.csv");
+    assert!(person.sees(lesson) && person.sees(failed) && !person.sees(saved));
+    assert_eq!(person.click("Dismiss lesson"), []);
+    assert_eq!(person.click("Dismiss notice"), []);
+    assert!(!person.sees(lesson) && !person.sees(failed));
+
+    // Another scene has another lesson; the same notice again is news.
+    person.view().scenario.id = "throw";
+    person.view().notices.push(failed.into());
+    person.look();
+    assert!(person.sees(lesson) && person.sees(failed));
 }

@@ -1,26 +1,18 @@
 //! Nothing outside the window, nothing over anything else, at every size and scale; and nothing a view
 //! may hold makes it fall over.
 
-use bevy_egui::egui::{self, Rect, TextStyle, Vec2, accesskit::Role, vec2};
+use bevy_egui::egui::{self, Rect, TextStyle, Vec2, accesskit::Role, pos2, vec2};
+use box_bench::measure::Cost;
 use box_physics::prelude::DVec3;
+use box_scenarios::dissertation::Stepper;
+use box_scenarios::{Divergence, Reason, Scenario, Status};
 
-use super::super::{DemoView, HistoryView, LogView, PanelLayout, PanelMemory, PanelView, SHARE};
-use super::{Person, TALL, sample_view};
+use super::super::drawer::TABS;
+use super::super::{FIGURES, HistoryView, LogView, PanelLayout, PanelMemory, PanelView, SHARE};
+use super::{Person, TALL, USUAL, demo, sample_view, with};
 use crate::action::{Action, Plot};
 use crate::compare::CompareView;
 use crate::parameters::{Parameter, Parameters};
-use box_bench::measure::Cost;
-use box_scenarios::dissertation::Stepper;
-use box_scenarios::{Divergence, Reason, Status};
-
-const TABS: [Plot; 6] = [
-    Plot::Error,
-    Plot::Energy,
-    Plot::Timing,
-    Plot::Cpu,
-    Plot::WorkPrecision,
-    Plot::Table,
-];
 
 /// 1280×720 at 75, 100, 150 and 200 %, 1920×1080 at 75 and 100 %, a narrow window: points.
 const SIZES: [(f32, f32); 7] = [
@@ -36,18 +28,16 @@ const SIZES: [(f32, f32); 7] = [
 /// Everything at its longest.
 fn long() -> PanelView {
     let mut view = sample_view();
-    view.title = "A scene with a title far longer than any list has room for".into();
-    view.scenes[0].title.clone_from(&view.title);
-    view.lesson =
-        "A lesson of some length that must wrap onto a second line in a narrow window. ".repeat(2);
+    view.scenario.title = "A scene with a title far longer than any list has room for";
+    view.scenes[0].title = view.scenario.title.into();
+    view.scenario.lesson = "A lesson of some length that must wrap onto a second line in a narrow window. \
+         A lesson of some length that must wrap onto a second line in a narrow window. ";
     (view.time, view.steps) = (12_345.678, 9_999_999_999);
     (view.parameters.step, view.parameters.substeps) = (0.012_345, 64.0);
     (view.speed, view.actual_speed) = (0.25, Some(0.12));
+    let folder = "very-long-folder".repeat(6);
     view.log = Some(LogView {
-        path: format!(
-            "/home/somebody/{}/run-0007-of-a-long-name-indeed.csv",
-            "very-long-folder".repeat(6)
-        ),
+        path: format!("/home/somebody/{folder}/run-0007-of-a-long-name-indeed.csv"),
         rows: 123_456_789,
         bytes: 9 << 30,
     });
@@ -63,9 +53,9 @@ fn long() -> PanelView {
         trajectory.now = [-1.234_567e-9; 7];
     }
     view.compare.note = "The trajectories simulate the first box alone, without the load.".into();
-    view.main_box.position = DVec3::splat(-1.234_567e-9);
-    for timing in &mut view.timings {
-        timing.cost = Some(Cost::of(&[123_456.7, 234_567.8, 345_678.9]));
+    view.figures = [-1.234_567e-9; FIGURES.len()];
+    for (cost, _) in &mut view.timings {
+        *cost = Some(Cost::of(&[123_456.7, 234_567.8, 345_678.9]));
     }
     view
 }
@@ -82,12 +72,9 @@ fn leaves(person: &Person) -> Vec<(String, Rect)> {
         Role::SpinButton,
         Role::Image,
     ];
-    person
-        .nodes()
-        .into_iter()
-        .filter(|(role, ..)| kinds.contains(role))
-        .map(|(_, name, rect)| (name, rect))
-        .collect()
+    let nodes = person.nodes().into_iter();
+    let nodes = nodes.filter(|(role, ..)| kinds.contains(role));
+    nodes.map(|(_, name, rect)| (name, rect)).collect()
 }
 
 /// What scrolls may reach beyond the window: the side panel downward, the drawer's table in both directions, and its plots
@@ -100,12 +87,11 @@ fn scrolls(layout: &PanelLayout, rect: Rect, plot: Plot) -> [bool; 2] {
 
 fn check_layout(person: &Person, size: Vec2, what: &str) {
     let screen = Rect::from_min_size(egui::Pos2::ZERO, size);
-    let view = &person.harness.state().view;
-    let layout = person.harness.state().layout.expect("drawn");
+    let (plot, layout) = (person.harness.state().view.plot, person.layout());
     assert!(screen.contains_rect(layout.central), "{what}: {layout:?}");
     let leaves = leaves(person);
     for (k, (name, rect)) in leaves.iter().enumerate() {
-        let [aside, down] = scrolls(&layout, *rect, view.plot);
+        let [aside, down] = scrolls(&layout, *rect, plot);
         let across = screen.left() <= rect.left() && rect.right() <= screen.right() + 0.5;
         let upright = screen.top() <= rect.top() && rect.bottom() <= screen.bottom() + 0.5;
         assert!(
@@ -115,7 +101,7 @@ fn check_layout(person: &Person, size: Vec2, what: &str) {
         for (other, there) in &leaves[..k] {
             let common = rect.shrink(1.0).intersect(there.shrink(1.0));
             // What is scrolled aside is out of sight.
-            let hidden = aside || scrolls(&layout, *there, view.plot)[0];
+            let hidden = aside || scrolls(&layout, *there, plot)[0];
             // This plot has its legend inside.
             let legend = [name, other].iter().any(|n| n.starts_with("CPU use"));
             let apart = hidden || legend || !common.is_positive();
@@ -128,7 +114,7 @@ fn check_layout(person: &Person, size: Vec2, what: &str) {
 #[test]
 fn nothing_is_cut_or_covered() {
     for size in SIZES.into_iter().chain([TALL.into()]) {
-        for plot in TABS {
+        for (plot, ..) in TABS {
             let mut view = long();
             view.plot = plot;
             let person = Person::before(view, size.into());
@@ -141,31 +127,24 @@ fn nothing_is_cut_or_covered() {
 #[test]
 fn every_scene_fits() {
     for size in SIZES {
-        let mut person = Person::with(sample_view(), PanelMemory::default(), size.into());
-        for scene in box_scenarios::Scenario::ALL.iter().map(|build| build()) {
-            for plot in TABS {
-                let view = &mut person.harness.state_mut().view;
-                (view.scene, view.title) = (scene.id.to_owned(), scene.title.to_owned());
-                view.lesson = scene.lesson.to_owned();
-                view.hints = scene.hints.map(str::to_owned);
+        let memory = PanelMemory::default();
+        let mut person = Person::remembering(memory, sample_view(), size.into());
+        for scene in Scenario::ALL.iter().map(|build| build()) {
+            for (plot, ..) in TABS {
+                let view = person.view();
+                view.scenario = scene.clone();
                 view.parameters = Parameters::of(&scene);
                 view.plot = plot;
-                view.demo = (scene.id == crate::demo_2012::SCENE).then_some(DemoView {
-                    stepper: Some(Stepper::Heun),
-                    cycle_us: 1.0,
-                    log: None,
-                });
+                view.demo = (scene.id == crate::demo_2012::SCENE).then(demo);
                 person.harness.run_steps(3);
                 let what = format!("{} {size:?} {plot:?}", scene.id);
                 check_layout(&person, size.into(), &what);
-                let layout = person.harness.state().layout.expect("drawn");
+                let layout = person.layout();
                 let share = layout.central.area() / (size.0 * size.1);
                 // The harness keeps a margin of 8 points, of which the window's share knows nothing.
                 let all = (size.0 - 16.0) * (size.1 - 16.0) / (size.0 * size.1);
-                assert!(
-                    share >= SHARE * all - 1e-3,
-                    "{what}: the picture has {share}"
-                );
+                let enough = share >= SHARE * all - 1e-3;
+                assert!(enough, "{what}: the picture has {share}");
                 let covered = layout.captions / layout.central.height();
                 assert!(covered < 0.5, "{what}: captions cover {covered}");
             }
@@ -175,24 +154,22 @@ fn every_scene_fits() {
 
 #[test]
 fn the_side_panel_opens_wide_enough_and_scrolls() {
-    let person = Person::before(long(), vec2(1280.0, 720.0));
+    let person = Person::before(long(), USUAL);
     let right = |id: &str| person.find(id).rect().right();
     let edge = right("gravity value");
     assert!((edge - right("mass value")).abs() < 1.0);
     assert!(edge < 1280.0 - 16.0 && edge > 1280.0 - 40.0, "{edge}");
     let slider = person.find("gravity").rect();
     assert!(slider.width() > 60.0, "{slider:?}");
-    assert!(
-        person.find("section LOG").rect().top() > 720.0,
-        "below the fold, by scrolling"
-    );
+    let below = person.find("section LOG").rect().top() > 720.0;
+    assert!(below, "by scrolling");
 }
 
 /// Every character shown has a glyph in the fonts that egui brings along.
 #[test]
 fn no_character_is_a_hollow_box() {
     let mut texts = String::new();
-    for plot in TABS {
+    for (plot, ..) in TABS {
         for paused in [false, true] {
             let mut view = long();
             (view.plot, view.paused, view.show_help) = (plot, paused, paused);
@@ -200,36 +177,27 @@ fn no_character_is_a_hollow_box() {
             texts.extend(person.nodes().into_iter().map(|(_, name, _)| name));
         }
     }
-    for scene in box_scenarios::Scenario::ALL.iter().map(|build| build()) {
+    for scene in Scenario::ALL.iter().map(|build| build()) {
         texts.extend([scene.title, scene.lesson].into_iter().chain(scene.hints));
     }
     texts.extend(crate::demo_2012::FAULTS);
     texts.extend(Stepper::ALL.map(|s| s.fault()));
     texts.push_str("☰⏮↶↷⏸ Pause▶⏭⟲◂▸✖↻·…−×½ωγµ");
-    let hidden = PanelView {
-        hidden: true,
-        ..sample_view()
-    };
-    let person = Person::before(hidden, TALL);
+    let person = with(|view| view.hidden = true);
     texts.extend(person.nodes().into_iter().map(|(_, name, _)| name));
 
-    let font = TextStyle::Body.resolve(&person.harness.ctx.global_style());
+    let context = &person.harness.ctx;
+    let font = TextStyle::Body.resolve(&context.global_style());
     let glyph = |c: char| {
-        let galley = person
-            .harness
-            .ctx
-            .fonts_mut(|f| f.layout_no_wrap(c.to_string(), font.clone(), egui::Color32::WHITE));
-        galley.rows[0].glyphs[0].uv_rect
+        let (text, font) = (c.to_string(), font.clone());
+        let galley = context.fonts_mut(|f| f.layout_no_wrap(text, font, egui::Color32::WHITE));
+        let uv = galley.rows[0].glyphs[0].uv_rect;
+        (uv.min, uv.max)
     };
     // A character of no font: what the replacement looks like.
     let hollow = glyph('\u{10fffd}');
     for c in texts.chars().filter(|c| !c.is_whitespace()) {
-        let uv = glyph(c);
-        assert!(
-            uv.min != hollow.min || uv.max != hollow.max,
-            "no glyph for {c} (U+{:04X})",
-            c as u32
-        );
+        assert!(glyph(c) != hollow, "no glyph for {c} (U+{:04X})", c as u32);
     }
 }
 
@@ -240,38 +208,33 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     (broken.time, broken.speed, broken.actual_speed) = (nan, nan, Some(nan));
     broken.parameters.step = nan;
     (broken.stages_us, broken.frame_time_ms, broken.dropped) = (Some([nan; 4]), f64::INFINITY, nan);
-    broken.scene = "deleted".into();
+    broken.scenario.id = "deleted";
     broken.parameters.gravity = nan;
     broken.parameters.friction = Some(f64::INFINITY);
     broken.parameters.half_extents = DVec3::NAN;
-    broken.main_box.position = DVec3::NAN;
-    broken.main_box.speed = f64::NEG_INFINITY;
+    broken.figures = [nan; FIGURES.len()];
+    broken.figures[5] = f64::NEG_INFINITY;
     for (k, timing) in broken.timings.iter_mut().enumerate() {
-        timing.cost = (k % 2 == 0).then(|| Cost::of(&[nan]));
-        timing.evaluations = nan;
+        *timing = ((k % 2 == 0).then(|| Cost::of(&[nan])), nan);
     }
-    let long_run = |k: u32| {
-        if k.is_multiple_of(777) {
-            nan
-        } else {
-            f64::from(k % 97)
-        }
+    let long_run = |k: u32| match k.is_multiple_of(777) {
+        true => nan,
+        false => f64::from(k % 97),
     };
     let integrators = broken.timings.len();
     for trajectory in &mut broken.compare.trajectories {
         trajectory.now = [nan; 7];
         (trajectory.dt, trajectory.energies) = (nan, [nan, f64::INFINITY, -1e300]);
         for (_, points) in &mut trajectory.lines {
-            *points = (0..1000)
-                .map(|k| [f64::from(k) / 60.0, 1e300 * long_run(k)])
-                .collect();
+            let point = |k| [f64::from(k) / 60.0, 1e300 * long_run(k)];
+            *points = (0..1000).map(point).collect();
         }
     }
+    let times = (0..10_000).map(f64::from);
+    let runs = times.zip((0..10_000).map(long_run));
     broken.history = HistoryView {
-        timing: vec![(0..10_000).map(|k| (f64::from(k), long_run(k))).collect(); integrators],
-        cpu: (0..10_000)
-            .map(|k| (f64::from(k), long_run(k), nan))
-            .collect(),
+        timing: vec![runs.clone().collect(); integrators],
+        cpu: runs.map(|(t, run)| (t, run, nan)).collect(),
         no_cpu: None,
         grain: Some((1e300, nan)),
     };
@@ -280,7 +243,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     empty.timings.clear();
     empty.history = HistoryView::default();
     empty.compare = CompareView::default();
-    (empty.actual_speed, empty.lesson) = (None, String::new());
+    (empty.actual_speed, empty.scenario.lesson) = (None, "");
     (empty.parameters.restitution, empty.parameters.friction) = (None, None);
     let mut one_point = sample_view();
     for trajectory in &mut one_point.compare.trajectories {
@@ -289,7 +252,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     one_point.history.cpu = vec![(f64::INFINITY, 1.0, 1.0)];
     one_point.history.no_cpu = Some("CPU usage is not available in a browser");
     for view in [broken, empty, one_point] {
-        for plot in TABS {
+        for (plot, ..) in TABS {
             for hidden in [false, true] {
                 let view = PanelView {
                     plot,
@@ -297,9 +260,9 @@ fn nothing_a_view_may_hold_makes_it_panic() {
                     show_help: hidden,
                     ..view.clone()
                 };
-                let mut person = Person::before(view, vec2(1280.0, 720.0));
+                let mut person = Person::before(view, USUAL);
                 assert_eq!(person.asked(), [], "asks for nothing by itself");
-                person.harness.hover_at(egui::pos2(300.0, 600.0));
+                person.harness.hover_at(pos2(300.0, 600.0));
                 assert_eq!(person.asked(), []);
             }
         }
@@ -309,22 +272,16 @@ fn nothing_a_view_may_hold_makes_it_panic() {
 /// A slider that stands at NaN can still be set.
 #[test]
 fn a_broken_value_can_be_mended() {
-    let mut view = sample_view();
-    view.parameters.gravity = f64::NAN;
-    let mut person = Person::before(view, TALL);
+    let mut person = with(|view| view.parameters.gravity = f64::NAN);
     person.find("gravity").click_secondary();
     assert_eq!(person.asked(), [Action::Set(Parameter::Gravity, 9.81)]);
 }
 
 #[test]
 fn a_window_too_small_for_anything_is_survived() {
-    for size in [
-        Vec2::new(320.0, 200.0),
-        Vec2::new(60.0, 40.0),
-        Vec2::new(1.0, 1.0),
-    ] {
-        let person = Person::with(long(), PanelMemory::default(), size);
-        let central = person.harness.state().layout.expect("drawn").central;
+    for size in [vec2(320.0, 200.0), vec2(60.0, 40.0), vec2(1.0, 1.0)] {
+        let person = Person::remembering(PanelMemory::default(), long(), size);
+        let central = person.layout().central;
         assert!(central.width() >= 0.0 && central.height() >= 0.0);
     }
 }

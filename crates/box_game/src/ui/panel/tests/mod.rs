@@ -4,17 +4,19 @@ mod controls;
 mod interaction;
 mod layout;
 mod numbers;
+pub(super) mod sample;
 mod texts;
 
-use bevy_egui::egui::{Event, Key, PointerButton, Pos2, Rect, Vec2, accesskit::Role, pos2};
+use bevy_egui::egui::{Event, Key, Pos2, Rect, Ui, Vec2, accesskit::Role, pos2};
 use egui_kittest::{
     Harness, Node,
     kittest::{By, NodeT, Queryable},
 };
 
 use super::widgets::id_of;
-use super::{PanelLayout, PanelMemory, PanelView, sample_view, show};
+use super::{DemoView, PanelLayout, PanelMemory, PanelView, sample_view, show};
 use crate::action::Action;
+use box_scenarios::dissertation::Stepper;
 
 /// What the harness carries from frame to frame.
 struct Bench {
@@ -31,29 +33,60 @@ struct Person {
 
 /// Tall enough to show every section without scrolling.
 const TALL: Vec2 = Vec2::new(1280.0, 2400.0);
+/// A usual window.
+const USUAL: Vec2 = Vec2::new(1280.0, 720.0);
+
+/// Before the sample with a change.
+fn with(change: impl FnOnce(&mut PanelView)) -> Person {
+    let mut view = sample_view();
+    change(&mut view);
+    Person::before(view, TALL)
+}
+
+/// The demo of 2012 at work.
+fn demo() -> DemoView {
+    DemoView {
+        stepper: Some(Stepper::Heun),
+        cycle_us: 1.25,
+        log: None,
+    }
+}
 
 impl Person {
+    /// Before a panel with every section open.
     fn before(view: PanelView, size: Vec2) -> Self {
-        Self::with(view, PanelMemory::all_open(), size)
+        let memory = PanelMemory {
+            all_open: true,
+            ..PanelMemory::default()
+        };
+        Self::remembering(memory, view, size)
     }
 
-    fn with(view: PanelView, memory: PanelMemory, size: Vec2) -> Self {
+    fn remembering(memory: PanelMemory, view: PanelView, size: Vec2) -> Self {
         let bench = Bench {
             view,
             memory,
             asked: Vec::new(),
             layout: None,
         };
-        let harness = Harness::builder().with_size(size).build_ui_state(
-            |ui, bench: &mut Bench| {
-                let layout = show(ui, &bench.view, &mut bench.memory, &mut bench.asked);
-                bench.layout = Some(layout);
-            },
-            bench,
-        );
-        let mut person = Self { harness };
+        let draw = |ui: &mut Ui, bench: &mut Bench| {
+            let layout = show(ui, &bench.view, &mut bench.memory, &mut bench.asked);
+            bench.layout = Some(layout);
+        };
+        let harness = Harness::builder().with_size(size);
+        let mut person = Self {
+            harness: harness.build_ui_state(draw, bench),
+        };
         person.look();
         person
+    }
+
+    fn view(&mut self) -> &mut PanelView {
+        &mut self.harness.state_mut().view
+    }
+
+    fn layout(&self) -> PanelLayout {
+        self.harness.state().layout.expect("drawn")
     }
 
     /// Some frames, a second in all: tooltips appear.
@@ -69,8 +102,14 @@ impl Person {
 
     /// The control with this id.
     fn find<'a>(&'a self, id: &'a str) -> Node<'a> {
-        let by = By::new().predicate(move |node| node.author_id() == Some(id));
-        self.harness.get(by)
+        self.harness.get(by_id(id))
+    }
+
+    /// Each of these has a control that asks for it.
+    fn asks_for<A: Into<Action>>(&mut self, actions: impl IntoIterator<Item = A>) {
+        for action in actions.into_iter().map(Into::into) {
+            assert_eq!(self.click_on(action.clone()), [action]);
+        }
     }
 
     /// The control that asks for this.
@@ -79,8 +118,7 @@ impl Person {
     }
 
     fn has(&self, id: &str) -> bool {
-        let by = By::new().predicate(move |node| node.author_id() == Some(id));
-        self.harness.query_all(by).next().is_some()
+        self.harness.query_all(by_id(id)).next().is_some()
     }
 
     fn sees(&self, name: &str) -> bool {
@@ -88,10 +126,14 @@ impl Person {
     }
 
     fn sees_part(&self, part: &str) -> bool {
-        self.harness
-            .query_all_by_label_contains(part)
-            .next()
-            .is_some()
+        let mut found = self.harness.query_all_by_label_contains(part);
+        found.next().is_some()
+    }
+
+    fn sees_all(&self, parts: &[&str]) {
+        for part in parts {
+            assert!(self.sees_part(part), "{part}");
+        }
     }
 
     fn click(&mut self, id: &str) -> Vec<Action> {
@@ -102,23 +144,14 @@ impl Person {
     /// Presses, moves and holds.
     fn drag(&mut self, from: Pos2, to: Pos2) -> Vec<Action> {
         self.harness.hover_at(from);
-        self.button(from, PointerButton::Primary, true);
+        self.harness.drag_at(from);
         self.harness.hover_at(to);
         self.asked()
     }
 
     fn release(&mut self, at: Pos2) -> Vec<Action> {
-        self.button(at, PointerButton::Primary, false);
+        self.harness.drop_at(at);
         self.asked()
-    }
-
-    fn button(&self, pos: Pos2, button: PointerButton, pressed: bool) {
-        self.harness.event(Event::PointerButton {
-            pos,
-            button,
-            pressed,
-            modifiers: Default::default(),
-        });
     }
 
     fn type_into(&mut self, id: &str, text: &str) -> Vec<Action> {
@@ -143,6 +176,10 @@ impl Person {
         }
         found
     }
+}
+
+fn by_id(id: &str) -> By<'_> {
+    By::new().predicate(move |node| node.author_id() == Some(id))
 }
 
 /// A place along a rectangle, from 0 at its left to 1 at its right end.

@@ -1,10 +1,10 @@
 //! Sliders and typed values: units, limits, resets.
 
-use bevy_egui::egui::{Key, accesskit::Role};
+use bevy_egui::egui::{Key, accesskit::Role, vec2};
 use box_physics::prelude::DVec3;
+use egui_kittest::kittest::NodeT;
 
-use super::super::{PanelMemory, PanelView};
-use super::{Person, TALL, along, sample_view};
+use super::{Person, along, id_of, with};
 use crate::action::Action;
 use crate::parameters::Parameter;
 
@@ -28,22 +28,22 @@ fn sliders() -> impl Iterator<Item = Parameter> {
     Parameter::ALL.into_iter().filter(number)
 }
 
-/// A view in which nothing stands at an end or its default.
-fn off_default() -> PanelView {
-    let mut view = sample_view();
-    let p = &mut view.parameters;
-    (p.step, p.substeps) = (0.02, 3.0);
-    (p.gravity, p.restitution, p.friction, p.mass) = (5.0, Some(0.3), Some(0.2), 7.0);
-    (p.linear_drag, p.angular_damping, p.impulse, p.boxes) = (0.4, 0.7, 3.0, 9.0);
-    p.half_extents = DVec3::new(0.7, 0.8, 0.9);
-    view
+/// Before a view in which nothing stands at an end or its default.
+fn off_default() -> Person {
+    with(|view| {
+        let p = &mut view.parameters;
+        (p.step, p.substeps) = (0.02, 3.0);
+        (p.gravity, p.restitution, p.friction, p.mass) = (5.0, Some(0.3), Some(0.2), 7.0);
+        (p.linear_drag, p.angular_damping, p.impulse, p.boxes) = (0.4, 0.7, 3.0, 9.0);
+        p.half_extents = DVec3::new(0.7, 0.8, 0.9);
+    })
 }
 
 #[test]
 fn sliders_reach_their_ends() {
     for parameter in sliders() {
         let ends = parameter.info().slider;
-        let mut person = Person::before(off_default(), TALL);
+        let mut person = off_default();
         let [slider, _] = ids(parameter);
         let rect = person.find(&slider).rect();
         for (share, end) in [(0.0, ends.0), (1.0, ends.1)] {
@@ -52,10 +52,8 @@ fn sliders_reach_their_ends() {
             asked.extend(person.release(at));
             assert!(!asked.is_empty());
             for (set, value) in asked.iter().map(number_of) {
-                assert!(
-                    set == parameter && (value - end).abs() < 1e-9,
-                    "{slider}: {value}"
-                );
+                let there = set == parameter && (value - end).abs() < 1e-9;
+                assert!(there, "{slider}: {value}");
             }
         }
     }
@@ -67,37 +65,30 @@ fn typed_values_may_leave_the_slider_but_not_the_limits() {
         let [_, name] = ids(parameter);
         let (low, high) = parameter.info().range;
         for (text, expected) in [("1e300", high), ("-1e300", low)] {
-            let mut person = Person::before(off_default(), TALL);
-            let asked: Vec<_> = person
-                .type_into(&name, text)
-                .iter()
-                .map(number_of)
-                .collect();
-            assert_eq!(asked, [(parameter, expected)], "{text}");
+            let asked = off_default().type_into(&name, text);
+            assert_eq!(asked, [Action::Set(parameter, expected)], "{text}");
         }
         for text in ["NaN", "inf", "", "box", "1/0"] {
-            let mut person = Person::before(off_default(), TALL);
-            assert_eq!(person.type_into(&name, text), [], "{name} {text}");
+            assert_eq!(off_default().type_into(&name, text), [], "{name} {text}");
         }
     }
-    let mut person = Person::before(off_default(), TALL);
-    assert_eq!(
-        person.type_into("gravity value", "274"),
-        [Action::Set(Parameter::Gravity, 274.0)]
-    );
-    assert_eq!(person.type_into("dt value", "50 Hz"), [], "as it is");
-    assert_eq!(
-        person.type_into("dt value", "1/64"),
-        [Action::Set(Parameter::Step, 1.0 / 64.0)]
-    );
-    let grown = Action::Set(Parameter::HalfZ, 0.25);
-    assert_eq!(person.type_into("half-z value", "0,25"), [grown]);
+    let mut person = off_default();
+    for (name, text, set) in [
+        ("gravity value", "274", Some((Parameter::Gravity, 274.0))),
+        ("dt value", "50 Hz", None),
+        ("dt value", "1/64", Some((Parameter::Step, 1.0 / 64.0))),
+        ("half-z value", "0,25", Some((Parameter::HalfZ, 0.25))),
+    ] {
+        let asked = person.type_into(name, text);
+        let set: Vec<_> = set.map(|(p, v)| Action::Set(p, v)).into_iter().collect();
+        assert_eq!(asked, set, "{name} {text}");
+    }
 }
 
 /// The shown text has four digits; opening and leaving it must not round the value.
 #[test]
 fn looking_is_not_touching() {
-    let mut person = Person::before(sample_view(), TALL);
+    let mut person = with(|_| {});
     for parameter in sliders() {
         let [_, name] = ids(parameter);
         assert_eq!(person.click(&name), []);
@@ -110,20 +101,17 @@ fn looking_is_not_touching() {
 fn a_right_click_resets_one_and_moves_nothing_on_its_way() {
     for parameter in sliders() {
         for name in ids(parameter) {
-            let mut person = Person::before(off_default(), TALL);
+            let mut person = off_default();
             person.find(&name).click_secondary();
             let asked: Vec<_> = person.asked().iter().map(number_of).collect();
-            let defaults = Person::before(sample_view(), TALL);
-            let default = defaults.find(&name);
-            assert_eq!(asked.len(), 1, "{name}: {asked:?}");
-            assert_eq!(asked[0].0, parameter);
-            let shown = egui_kittest::kittest::NodeT::accesskit_node(&default).numeric_value();
+            let mut person = with(|_| {});
+            let default = person.find(&name).accesskit_node().numeric_value();
+            let default = default.expect("a number");
             assert!(
-                shown.is_some_and(|v| (v - asked[0].1).abs() < 1e-12),
-                "{name}: {asked:?} {shown:?}"
+                matches!(asked[..], [(p, v)] if p == parameter && (v - default).abs() < 1e-12),
+                "{name}: {asked:?} {default:?}"
             );
             // Nothing to reset, nothing asked.
-            let mut person = Person::before(sample_view(), TALL);
             person.find(&name).click_secondary();
             assert_eq!(person.asked(), []);
         }
@@ -132,100 +120,71 @@ fn a_right_click_resets_one_and_moves_nothing_on_its_way() {
 
 #[test]
 fn sections_reset_to_the_scene() {
-    let mut person = Person::before(off_default(), TALL);
-    for (name, actions) in [
+    let mut person = off_default();
+    for (section, actions) in [
+        ("step", "Set(Step,0.016666666666666666) Set(Substeps,1.0)"),
         (
-            "Reset step",
-            vec![
-                Action::Set(Parameter::Step, 1.0 / 60.0),
-                Action::Set(Parameter::Substeps, 1.0),
-            ],
+            "world",
+            "Set(Gravity,9.81) Set(Restitution,0.5) Set(RestitutionLaw,0.0) Set(Friction,0.6) \
+             Set(LinearDrag,0.0) Set(AngularDamping,0.0)",
         ),
         (
-            "Reset world",
-            vec![
-                Action::Set(Parameter::Gravity, 9.81),
-                Action::Set(Parameter::Restitution, 0.5),
-                Action::Set(Parameter::RestitutionLaw, 0.0),
-                Action::Set(Parameter::Friction, 0.6),
-                Action::Set(Parameter::LinearDrag, 0.0),
-                Action::Set(Parameter::AngularDamping, 0.0),
-            ],
+            "box",
+            "Set(HalfX,0.5) Set(HalfY,0.25) Set(HalfZ,0.125) Set(Mass,2.0)",
         ),
-        (
-            "Reset box",
-            vec![
-                Action::Set(Parameter::HalfX, 0.5),
-                Action::Set(Parameter::HalfY, 0.25),
-                Action::Set(Parameter::HalfZ, 0.125),
-                Action::Set(Parameter::Mass, 2.0),
-            ],
-        ),
-        ("Reset push", vec![Action::Set(Parameter::Impulse, 1.0)]),
-        ("Reset load", vec![Action::Set(Parameter::Boxes, 1.0)]),
+        ("push", "Set(Impulse,1.0)"),
+        ("load", "Set(Boxes,1.0)"),
     ] {
-        assert_eq!(person.click(name), actions, "{name}");
+        let asked = person.click(&format!("Reset {section}"));
+        let asked: Vec<_> = asked.iter().map(id_of).collect();
+        assert_eq!(asked.join(" "), actions);
     }
 }
 
-/// A restart per frame of a drag would be a storm.
+/// A restart per frame of a drag would be a storm. What does not restart follows the mouse.
 #[test]
 fn what_restarts_waits_for_the_mouse_to_let_go() {
-    for label in ["mass", "boxes", "half-y"] {
-        let mut person = Person::before(off_default(), TALL);
+    for (label, restarts) in [
+        ("mass", true),
+        ("boxes", true),
+        ("half-y", true),
+        ("gravity", false),
+    ] {
+        let mut person = off_default();
         let rect = person.find(label).rect();
-        assert_eq!(
-            person.drag(along(rect, 0.5), along(rect, 0.8)),
-            [],
-            "{label}"
-        );
-        let at = along(rect, 0.8);
-        assert_eq!(person.release(at).len(), 1, "{label}");
-        assert_eq!(person.asked(), [], "{label}");
+        let (from, to) = (along(rect, 0.5), along(rect, 0.8));
+        assert_eq!(person.drag(from, to).is_empty(), restarts, "{label}");
+        if restarts {
+            assert_eq!(person.release(to).len(), 1, "{label}");
+            assert_eq!(person.asked(), [], "{label}");
+        }
     }
-    // What does not restart follows the mouse.
-    let mut person = Person::before(off_default(), TALL);
-    let rect = person.find("gravity").rect();
-    assert!(!person.drag(along(rect, 0.5), along(rect, 0.8)).is_empty());
 }
 
 #[test]
 fn dragging_a_number_moves_it() {
-    let mut person = Person::before(off_default(), TALL);
-    let rect = person.find("gravity value").rect();
-    let (from, to) = (
-        rect.center(),
-        rect.center() + bevy_egui::egui::vec2(40.0, 0.0),
-    );
-    let asked = person.drag(from, to);
-    assert!(
-        matches!(asked.last(), Some(Action::Set(Parameter::Gravity, g)) if *g > 5.0),
-        "{asked:?}"
-    );
+    let mut person = off_default();
+    let from = person.find("gravity value").rect().center();
+    let asked = person.drag(from, from + vec2(40.0, 0.0));
+    let moved = matches!(asked.last(), Some(Action::Set(Parameter::Gravity, g)) if *g > 5.0);
+    assert!(moved, "{asked:?}");
 }
 
 #[test]
 fn tooltips_give_unit_default_and_range() {
     for parameter in sliders() {
         let (label, unit) = (parameter.info().label, parameter.info().unit);
-        let mut person = Person::before(off_default(), TALL);
+        let mut person = off_default();
         person.find(&ids(parameter)[0]).hover();
         person.look();
-        assert!(
-            person.sees_part("right-click resets)") && person.sees_part("Allowed: "),
-            "{label}"
-        );
-        let (_, text, _) = person
-            .nodes()
-            .into_iter()
-            .find(|(_, text, _)| text.contains("right-click resets)"))
-            .expect("just seen");
-        assert!(
-            text.starts_with(label) && text.matches(unit).count() >= 2,
-            "{text}"
-        );
+        assert!(person.sees_part("Allowed: "), "{label}");
+        let mut texts = person.nodes().into_iter().map(|(_, text, _)| text);
+        let text = texts.find(|text| text.contains("right-click resets)"));
+        let text = text.expect(label);
+        let units = text.matches(unit).count();
+        assert!(text.starts_with(label) && units >= 2, "{text}");
     }
-    let mut person = Person::before(sample_view(), TALL);
+    let mut person = with(|_| {});
     person.find("gravity").hover();
     person.look();
     assert!(person.sees("Gravity 9.81 m/s² (default 9.81 m/s² · right-click resets)"));
@@ -233,30 +192,26 @@ fn tooltips_give_unit_default_and_range() {
 
 #[test]
 fn without_a_floor_its_rows_are_absent() {
-    let mut view = sample_view();
-    (view.parameters.restitution, view.parameters.friction) = (None, None);
-    let mut person = Person::before(view, TALL);
+    let mut person = with(|view| {
+        (view.parameters.restitution, view.parameters.friction) = (None, None);
+    });
     assert!(!person.sees_part("Restitution") && !person.sees_part("Friction"));
     let asked = person.click("Reset world");
-    assert!(!asked.iter().any(|a| matches!(
-        a,
-        Action::Set(Parameter::Restitution, _) | Action::Set(Parameter::Friction, _)
-    )));
+    let floor = [Parameter::Restitution, Parameter::Friction];
+    assert!(!asked.iter().any(|a| floor.contains(&number_of(a).0)));
 }
 
 /// A slider or number without a unit is a pure number, and known as such.
 #[test]
 fn every_number_names_its_unit() {
-    let person = Person::with(sample_view(), PanelMemory::all_open(), TALL);
+    let person = with(|_| {});
     let mut rows = 0;
     for (role, name, _) in person.nodes() {
         if role == Role::Slider || role == Role::SpinButton {
             rows += 1;
-            let pure = ["Substeps", "Restitution", "Friction", "Boxes"];
-            assert!(
-                name.contains('[') || pure.iter().any(|pure| name.starts_with(pure)),
-                "{name}"
-            );
+            let mut pure = ["Substeps", "Restitution", "Friction", "Boxes"].into_iter();
+            let named = name.contains('[') || pure.any(|pure| name.starts_with(pure));
+            assert!(named, "{name}");
         }
     }
     assert_eq!(rows, 2 * 13);
