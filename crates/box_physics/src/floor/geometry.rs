@@ -9,24 +9,44 @@ use crate::state::BodyState;
 /// One vector a corner.
 pub(super) type Corner3 = [DVec3; 8];
 
-/// The eight corners at one instant; index bits as in [`crate::aabb::corners`].
-#[derive(Clone, Copy, Default)]
-pub(super) struct Corners {
-    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to the corner \[m\], world axes.
+/// Where the corners are at one instant, over the `N` places where they may touch: the corners themselves over one
+/// floor, pairs of a plane and a corner among several planes. Place i belongs to corner i mod 8.
+#[derive(Clone, Copy)]
+pub(super) struct Places<const N: usize> {
+    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to the corner \[m\], world axes; index bits as in
+    /// [`crate::aabb::corners`].
     pub(super) lever: Corner3,
-    /// c_k = n·(x + r_k) − height \[m\].
-    pub(super) height: [f64; 8],
+    /// c_i = n·(x + r_k) − height \[m\]; infinite where there is no plane.
+    pub(super) height: [f64; N],
+}
+
+/// The corners over one floor.
+pub(super) type Corners = Places<8>;
+
+impl<const N: usize> Places<N> {
+    pub(super) const NONE: Self = Self {
+        lever: [DVec3::ZERO; 8],
+        height: [f64::INFINITY; N],
+    };
+
+    /// The height of the lowest corner \[m\].
+    pub(super) fn lowest(&self) -> f64 {
+        self.height.iter().fold(f64::INFINITY, |a, &c| a.min(c))
+    }
+
+    /// The places not higher than `tolerance` \[m\].
+    pub(super) fn touching(&self, tolerance: f64) -> u64 {
+        set::<N>(|i| self.height[i] <= tolerance)
+    }
 }
 
 impl Corners {
     /// The terms are added in an order in which opposite corners of a level face get levers that
     /// are opposite to the last bit: a flat landing then has a torque of exactly zero.
     pub(super) fn at(floor: &Floor, body: &RigidBox, state: &BodyState) -> Self {
-        let edges = half_edges(body, DMat3::from_quat(state.rotation));
-        let lever = core::array::from_fn(|k| lever(edges, k));
         let mut new = Self {
-            lever,
-            height: [0.0; 8],
+            lever: levers(body, DMat3::from_quat(state.rotation), 0xff),
+            ..Self::NONE
         };
         new.rise(floor, state);
         new
@@ -36,16 +56,6 @@ impl Corners {
     pub(super) fn rise(&mut self, floor: &Floor, state: &BodyState) {
         let base = state.position.y - floor.height;
         self.height = self.lever.map(|r| base + r.y);
-    }
-
-    /// The height of the lowest corner \[m\].
-    pub(super) fn lowest(&self) -> f64 {
-        self.height.iter().fold(f64::INFINITY, |a, &c| a.min(c))
-    }
-
-    /// The corners not higher than `tolerance` \[m\].
-    pub(super) fn touching(&self, tolerance: f64) -> u8 {
-        mask(|k| self.height[k] <= tolerance)
     }
 }
 
@@ -90,13 +100,27 @@ const FACES: [u8; 6] = [
 
 /// The set of the corners for which `f` holds.
 pub(super) fn mask(f: impl Fn(usize) -> bool) -> u8 {
-    (0..8).fold(0, |m, k| if f(k) { m | 1 << k } else { m })
+    set::<8>(f) as u8
 }
 
-/// Whether corner `k` is in the set.
+/// The set of those of `N` places for which `f` holds.
+pub(super) fn set<const N: usize>(f: impl Fn(usize) -> bool) -> u64 {
+    (0..N).fold(0, |set, i| if f(i) { set | 1 << i } else { set })
+}
+
+/// Whether corner or place `k` is in the set.
 #[inline(always)]
-pub(super) fn has(set: u8, k: usize) -> bool {
-    set >> k & 1 == 1
+pub(super) fn has(set: impl Into<u64>, k: usize) -> bool {
+    set.into() >> k & 1 == 1
+}
+
+/// The places in a set.
+pub(super) fn each(mut set: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let next = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (next < 64).then_some(next)
+    })
 }
 
 /// Whether the corners hold a face: three of one face do, and so do four.
@@ -128,68 +152,81 @@ pub(super) fn in_pairs(set: u8) -> (usize, [u8; 8]) {
     (count, corner)
 }
 
-/// A few corners and the mass behind them: the operator W with the 3×3 blocks
+/// A few contacts, which are corners at a plane, and the mass behind them: the operator W with the 3×3 blocks
 /// W_jk = 1/m − [r_j]× I_w⁻¹ [r_k]×, never formed: Wp is the velocity of the corners after the
-/// impulses p, that is, one sum over the corners and one twist.
+/// impulses p, that is, one sum over the contacts and one twist.
 #[derive(Clone, Copy)]
-pub(super) struct DelassusOperator {
-    /// How many corners.
+pub(super) struct DelassusOperator<const N: usize = 8> {
+    /// How many contacts.
     pub(super) count: usize,
-    /// Their indices, as [`in_pairs`] tells them.
-    pub(super) corner: [u8; 8],
-    /// Their levers \[m\].
-    pub(super) lever: Corner3,
-    inverse_mass: f64,
-    inverse_inertia: DMat3,
+    /// Their places.
+    pub(super) place: [u8; N],
+    /// The levers of their corners \[m\].
+    pub(super) lever: [DVec3; N],
+    pub(super) inverse_mass: f64,
+    /// I_w⁻¹
+    pub(super) inverse_inertia: DMat3,
 }
 
-impl DelassusOperator {
-    /// The corners `set` of a body whose world axes are `attitude`.
-    pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
+impl<const N: usize> DelassusOperator<N> {
+    /// Whether sums are of pairs: the corners on a floor are in the order of [`in_pairs`].
+    const IN_PAIRS: bool = N == 8;
+
+    /// The first `count` contacts `place` of a body whose world axes are `attitude`.
+    pub(super) fn at(
+        body: &RigidBox,
+        attitude: DMat3,
+        lever: &Corner3,
+        (count, place): (usize, [u8; N]),
+    ) -> Self {
         let j = body.inverse_inertia();
         let scaled = DMat3::from_cols(
             attitude.x_axis * j.x,
             attitude.y_axis * j.y,
             attitude.z_axis * j.z,
         );
-        let (count, corner) = in_pairs(set);
         let mut new = Self {
             count,
-            corner,
-            lever: [DVec3::ZERO; 8],
+            place,
+            lever: [DVec3::ZERO; N],
             inverse_mass: body.inverse_mass(),
             inverse_inertia: scaled * attitude.transpose(),
         };
         for i in 0..count {
-            new.lever[i] = lever[usize::from(corner[i])];
+            new.lever[i] = lever[usize::from(place[i]) % 8];
         }
         new
     }
 
-    /// Σ p_k and Σ r_k × p_k, added in pairs.
+    /// Σ p_k and Σ r_k × p_k.
     #[inline]
-    pub(super) fn resultant(&self, p: &Corner3) -> (DVec3, DVec3) {
+    pub(super) fn resultant(&self, p: &[DVec3; N]) -> (DVec3, DVec3) {
         let mut force = DVec3::ZERO;
         let mut torque = DVec3::ZERO;
         let mut i = 0;
         while i < self.count {
-            // Beyond `count` the impulses are zero.
-            let j = (i + 1).min(7);
-            let second = if i + 1 < self.count {
-                (p[j], self.lever[j].cross(p[j]))
-            } else {
-                (DVec3::ZERO, DVec3::ZERO)
-            };
-            force += p[i] + second.0;
-            torque += self.lever[i].cross(p[i]) + second.1;
-            i += 2;
+            let (mut push, mut turn) = (p[i], self.lever[i].cross(p[i]));
+            if Self::IN_PAIRS {
+                let j = (i + 1).min(N - 1);
+                let second = if i + 1 < self.count {
+                    (p[j], self.lever[j].cross(p[j]))
+                } else {
+                    (DVec3::ZERO, DVec3::ZERO)
+                };
+                push += second.0;
+                turn += second.1;
+                i += 1;
+            }
+            force += push;
+            torque += turn;
+            i += 1;
         }
         (force, torque)
     }
 
     /// The change of (v, ω) that the impulses p \[N s\] make.
     #[inline]
-    pub(super) fn twist(&self, p: &Corner3) -> (DVec3, DVec3) {
+    pub(super) fn twist(&self, p: &[DVec3; N]) -> (DVec3, DVec3) {
         self.twist_of(self.resultant(p))
     }
 
@@ -201,8 +238,8 @@ impl DelassusOperator {
 
     /// The corners' velocities for the twist (v, ω).
     #[inline]
-    pub(super) fn velocities(&self, (v, omega): (DVec3, DVec3)) -> Corner3 {
-        let mut u = [DVec3::ZERO; 8];
+    pub(super) fn velocities(&self, (v, omega): (DVec3, DVec3)) -> [DVec3; N] {
+        let mut u = [DVec3::ZERO; N];
         for i in 0..self.count {
             u[i] = v + omega.cross(self.lever[i]);
         }
@@ -211,15 +248,64 @@ impl DelassusOperator {
 
     /// W p.
     #[inline]
-    pub(super) fn response(&self, p: &Corner3) -> Corner3 {
+    pub(super) fn response(&self, p: &[DVec3; N]) -> [DVec3; N] {
         self.velocities(self.twist(p))
     }
 
-    /// The corners at the places `kept` alone, in the same order.
+    /// b + Wp.
+    pub(super) fn after(&self, b: &[DVec3; N], p: &[DVec3; N]) -> [DVec3; N] {
+        let (v, omega) = self.twist(p);
+        let mut w = *b;
+        for i in 0..self.count {
+            w[i] += v + omega.cross(self.lever[i]);
+        }
+        w
+    }
+
+    /// Largest length of a contact's vector.
+    pub(super) fn largest(&self, u: &[DVec3; N]) -> f64 {
+        let squares = u[..self.count].iter().map(|v| v.length_squared());
+        squares.fold(0.0, f64::max).sqrt()
+    }
+
+    /// Σ a_k·b_k
+    pub(super) fn dot(&self, a: &[DVec3; N], b: &[DVec3; N]) -> f64 {
+        (0..self.count).map(|i| a[i].dot(b[i])).sum()
+    }
+
+    /// The impulses by place.
+    pub(super) fn by_place(&self, p: &[DVec3; N]) -> [DVec3; N] {
+        let mut placed = [DVec3::ZERO; N];
+        self.add_to(&mut placed, p);
+        placed
+    }
+
+    /// Adds impulses to those by place.
+    pub(super) fn add_to(&self, placed: &mut [DVec3; N], p: &[DVec3; N]) {
+        for i in 0..self.count {
+            placed[usize::from(self.place[i])] += p[i];
+        }
+    }
+
+    /// Applies the impulses p to the state.
+    pub(super) fn apply(&self, state: &mut BodyState, p: &[DVec3; N]) {
+        let (force, torque) = self.resultant(p);
+        state.velocity += force * self.inverse_mass;
+        state.angular_momentum += state.rotation.inverse() * torque;
+    }
+}
+
+impl DelassusOperator {
+    /// The corners `set` of a body on a floor, whose world axes are `attitude`.
+    pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
+        Self::at(body, attitude, lever, in_pairs(set))
+    }
+
+    /// The contacts at the indices `kept` alone, in the same order.
     pub(super) fn part(&self, kept: u8) -> Self {
         let mut part = Self { count: 0, ..*self };
         for i in (0..self.count).filter(|&i| has(kept, i)) {
-            part.corner[part.count] = self.corner[i];
+            part.place[part.count] = self.place[i];
             part.lever[part.count] = self.lever[i];
             part.count += 1;
         }
@@ -228,18 +314,8 @@ impl DelassusOperator {
 
     /// Whether its corners hold a face.
     pub(super) fn spans_face(&self) -> bool {
-        let corners = self.corner[..self.count].iter();
+        let corners = self.place[..self.count].iter();
         spans_face(corners.fold(0, |set, k| set | 1 << k))
-    }
-
-    /// I_w⁻¹
-    pub(super) fn inverse_inertia(&self) -> DMat3 {
-        self.inverse_inertia
-    }
-
-    /// 1/m [1/kg].
-    pub(super) fn inverse_mass(&self) -> f64 {
-        self.inverse_mass
     }
 
     /// J_w [r_j]×: the change of ω by impulses along the axes at the j-th corner.
@@ -269,26 +345,6 @@ impl DelassusOperator {
         let swing = |r: &DVec3| trace * r.length_squared() - r.dot(*j * *r);
         let swings: f64 = self.lever[..self.count].iter().map(swing).sum();
         3.0 * self.count as f64 * self.inverse_mass + swings
-    }
-
-    /// Largest length of a corner's vector.
-    pub(super) fn largest(&self, u: &Corner3) -> f64 {
-        u[..self.count]
-            .iter()
-            .fold(0.0, |a: f64, v| a.max(v.length_squared()))
-            .sqrt()
-    }
-
-    /// Σ a_k·b_k
-    pub(super) fn dot(&self, a: &Corner3, b: &Corner3) -> f64 {
-        (0..self.count).map(|i| a[i].dot(b[i])).sum()
-    }
-
-    /// Applies the impulses p to the state.
-    pub(super) fn apply(&self, body: &RigidBox, state: &mut BodyState, p: &Corner3) {
-        let (force, torque) = self.resultant(p);
-        state.velocity += force * body.inverse_mass();
-        state.angular_momentum += state.rotation.inverse() * torque;
     }
 }
 
@@ -337,7 +393,7 @@ mod tests {
             *q = DVec3::new(0.3 - i, 0.7 * i, 1.1 - 0.2 * i);
         }
         let mut after = state;
-        operator.apply(&body, &mut after, &p);
+        operator.apply(&mut after, &p);
         let change = operator.response(&p);
         let twist = |s: &BodyState| operator.velocities((s.velocity, s.angular_velocity(&body)));
         let (before, after) = (twist(&state), twist(&after));
@@ -365,7 +421,7 @@ mod tests {
             let bottom = corners.touching(0.85);
             assert_eq!(bottom.count_ones(), 4);
             let attitude = DMat3::from_quat(state.rotation);
-            let operator = DelassusOperator::new(&body, attitude, &corners.lever, bottom);
+            let operator = DelassusOperator::new(&body, attitude, &corners.lever, bottom as u8);
             let mut p = [DVec3::ZERO; 8];
             p[..4].fill(DVec3::Y * 0.3);
             assert_eq!(operator.resultant(&p).1, DVec3::ZERO);

@@ -18,9 +18,9 @@ pub(super) enum ImpactKind {
 }
 
 /// What an impact did.
-pub(super) struct ImpactOutcome {
-    /// Impulses, by corner index \[N s\].
-    pub(super) impulse: Corner3,
+pub(super) struct ImpactOutcome<const N: usize> {
+    /// Impulses, by place \[N s\].
+    pub(super) impulse: [DVec3; N],
     /// Whether the solver ended at its cap.
     pub(super) capped: bool,
     /// The energy that Newton's law alone would have gained, if it was scaled down \[J\].
@@ -37,7 +37,7 @@ pub(super) fn resolve_impact<F>(
     corners: &Corners,
     touching: u8,
     kind: ImpactKind,
-) -> ImpactOutcome {
+) -> ImpactOutcome<8> {
     let &FloorContext {
         floor,
         settings,
@@ -75,7 +75,7 @@ pub(super) fn resolve_impact<F>(
         let lost = path.lost.min(0.0);
         let allowed = if energetic { (1.0 - e * e) * lost } else { 0.0 };
         if path.gained() > allowed + tiny {
-            let part = path.part(allowed);
+            let part = part_of_way(path.a, path.b, lost - allowed);
             for i in 0..operator.count {
                 solution.p[i] = plastic.p[i] + part * (solution.p[i] - plastic.p[i]);
             }
@@ -98,14 +98,9 @@ pub(super) fn resolve_impact<F>(
         }
     }
 
-    operator.apply(body, state, &solution.p);
-
-    let mut impulse = [DVec3::ZERO; 8];
-    for i in 0..operator.count {
-        impulse[usize::from(operator.corner[i])] = solution.p[i];
-    }
+    operator.apply(state, &solution.p);
     ImpactOutcome {
-        impulse,
+        impulse: operator.by_place(&solution.p),
         capped: !solution.converged,
         repaired,
         iterations: solution.iterations,
@@ -146,18 +141,17 @@ impl Path {
     fn gained(&self) -> f64 {
         self.a + self.b + self.lost
     }
+}
 
-    /// The λ at which so much is added.
-    fn part(&self, allowed: f64) -> f64 {
-        let (a, b, c) = (self.a, self.b, self.lost.min(0.0) - allowed);
-        let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
-        let lambda = if b > 0.0 {
-            -2.0 * c / (b + root)
-        } else if a > 0.0 {
-            (root - b) / (2.0 * a)
-        } else {
-            0.0
-        };
-        lambda.clamp(0.0, 1.0)
-    }
+/// The λ between 0 and 1 at which Aλ² + Bλ + C, with C ≤ 0, is zero.
+pub(super) fn part_of_way(a: f64, b: f64, c: f64) -> f64 {
+    let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+    let lambda = if b > 0.0 {
+        -2.0 * c / (b + root)
+    } else if a > 0.0 {
+        (root - b) / (2.0 * a)
+    } else {
+        0.0
+    };
+    lambda.clamp(0.0, 1.0)
 }

@@ -21,12 +21,17 @@
 mod bounds;
 mod cone;
 mod event;
+mod events;
 mod flight;
 mod frame;
 mod geometry;
+mod ground;
 mod impact;
+mod level;
 mod material;
 mod memory;
+mod motion;
+mod newton;
 mod planes;
 mod projection;
 mod slide;
@@ -136,6 +141,11 @@ impl Floor {
     /// after each step of all bodies.
     pub fn advance(&mut self, h: f64) {
         self.height += self.velocity.y * h;
+    }
+
+    /// The coefficient of friction that holds.
+    fn grip(&self) -> f64 {
+        self.static_friction.unwrap_or(self.friction)
     }
 
     /// Whether the fields are in their ranges, however they were set.
@@ -288,6 +298,12 @@ pub struct FloorOutcome {
 }
 
 impl FloorOutcome {
+    /// However many segments and trials a step took: it gave way once.
+    fn count_once(&mut self) {
+        self.step.fallbacks = self.step.fallbacks.min(1);
+        self.step.unconverged = self.step.unconverged.min(1);
+    }
+
     /// Counts a repair that took so much energy \[J\].
     fn repair(&mut self, taken: Option<f64>) {
         if let Some(energy) = taken {

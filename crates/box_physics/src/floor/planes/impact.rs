@@ -2,49 +2,42 @@
 
 use glam::DMat3;
 
-use super::contacts::{Contacts, Each, Gaps, NONE, PAIRS, pairs};
+use super::among::Among;
+use super::contacts::{Each, Gaps, NONE, PAIRS};
 use super::law::Law;
-use super::step::Among;
 use crate::floor::RestitutionLaw;
+use crate::floor::geometry::set;
+use crate::floor::ground::Ground;
+use crate::floor::impact::{ImpactKind, ImpactOutcome, part_of_way};
+use crate::force::ForceModel;
 use crate::state::BodyState;
-
-/// What an impact did.
-pub(super) struct Hit {
-    /// By pair \[N s\].
-    pub(super) impulse: Each,
-    /// Whether a solver ended at its cap.
-    pub(super) capped: bool,
-    /// The energy that Newton's law alone would have gained, if it was scaled down \[J\].
-    pub(super) repaired: Option<f64>,
-    pub(super) iterations: u32,
-}
 
 /// An impact at all touching contacts, as `resolve_impact` at the floor. The energy is bounded with the largest
 /// restitution of those that are struck faster than the threshold.
-pub(super) fn strike<F>(
+pub(super) fn strike<F: ForceModel>(
     among: &Among<'_, F>,
     state: &mut BodyState,
     gaps: &Gaps,
     touching: u64,
-    ordinary: bool,
-) -> Hit {
-    let (body, settings, planes) = (among.world.body, among.world.settings, among.planes);
+    kind: ImpactKind,
+) -> ImpactOutcome<PAIRS> {
+    let (settings, planes) = (among.world.context.settings, among.planes);
     let attitude = DMat3::from_quat(state.rotation);
-    let contacts = Contacts::new(planes, body, attitude, &gaps.lever, touching);
-    let n = contacts.count;
-    let before = contacts.slips((state.velocity, state.angular_velocity(body)));
-    let mut friction = [0.0; PAIRS];
+    let operator = among.operator(attitude, &gaps.lever, touching);
+    let n = operator.count;
+    let place = |i: usize| usize::from(operator.place[i]);
+    let before = among.velocities(&operator, state);
     let (mut e, mut approach) = (0.0_f64, [0.0; PAIRS]);
     let (mut fastest, mut extreme) = (0.0_f64, 0.0_f64);
     for i in 0..n {
-        let u = contacts.normal[i].dot(before[i]);
+        let u = among.normal(place(i)).dot(before[i]);
         (fastest, extreme) = (fastest.max(-u), extreme.max(u.abs()));
     }
+    let ordinary = kind == ImpactKind::Ordinary;
     let bounces = ordinary && fastest > settings.restitution_threshold;
     for i in 0..n {
-        let surface = &planes[usize::from(contacts.pair[i]) / 8].surface;
-        friction[i] = surface.friction;
-        let u = contacts.normal[i].dot(before[i]).min(0.0);
+        let surface = among.surface(place(i));
+        let u = among.normal(place(i)).dot(before[i]).min(0.0);
         if bounces && u < 0.0 {
             approach[i] = surface.restitution * u;
             if -u > settings.restitution_threshold {
@@ -52,16 +45,15 @@ pub(super) fn strike<F>(
             }
         }
     }
-    let law = Law::new(&contacts, 1.0, friction, settings);
+    let law = Law::new(&operator, planes, |floor| floor.friction, settings);
     let newton = |part: f64| {
         let mut b = before;
         for i in 0..n {
-            b[i] += contacts.normal[i] * (part * approach[i]);
+            b[i] += among.normal(place(i)) * (part * approach[i]);
         }
         law.solve(&b)
     };
-    let response = |p: &Each| contacts.velocities(contacts.twist(p));
-    let gain = |p: &Each| contacts.dot(p, &before) + 0.5 * contacts.dot(p, &response(p));
+    let gain = |p: &Each| operator.dot(p, &before) + 0.5 * operator.dot(p, &operator.response(p));
 
     let mut solution = newton(1.0);
     let (mut iterations, mut capped) = (solution.iterations, !solution.converged);
@@ -69,7 +61,7 @@ pub(super) fn strike<F>(
     if bounces {
         let energetic = settings.restitution == RestitutionLaw::Energetic;
         let gained = gain(&solution.p);
-        let tiny = 1e-12 * state.kinetic_energy(body);
+        let tiny = 1e-12 * state.kinetic_energy(among.world.context.body);
         if energetic || gained > tiny {
             let plastic = newton(0.0);
             iterations += plastic.iterations;
@@ -82,19 +74,12 @@ pub(super) fn strike<F>(
                 for i in 0..n {
                     d[i] = solution.p[i] - plastic.p[i];
                 }
-                let a = 0.5 * contacts.dot(&d, &response(&d));
-                let b = contacts.dot(&d, &before) + contacts.dot(&d, &response(&plastic.p));
-                let c = lost - allowed;
-                let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
-                let lambda = if b > 0.0 {
-                    -2.0 * c / (b + root)
-                } else if a > 0.0 {
-                    (root - b) / (2.0 * a)
-                } else {
-                    0.0
-                };
+                let a = 0.5 * operator.dot(&d, &operator.response(&d));
+                let b =
+                    operator.dot(&d, &before) + operator.dot(&d, &operator.response(&plastic.p));
+                let part = part_of_way(a, b, lost - allowed);
                 for i in 0..n {
-                    solution.p[i] = plastic.p[i] + lambda.clamp(0.0, 1.0) * d[i];
+                    solution.p[i] = plastic.p[i] + part * d[i];
                 }
                 repaired = (!energetic).then_some(gained);
             }
@@ -104,22 +89,16 @@ pub(super) fn strike<F>(
     // a plane by rocking on it is taken too.
     let quiet = extreme < settings.restitution_threshold;
     let on_a_face = |pair: usize| (touching >> (8 * (pair / 8)) & 0xff).count_ones() >= 3;
-    let stopped = touching & pairs(|pair| !ordinary || quiet && on_a_face(pair));
-    contacts.apply(state, &solution.p);
-    let mut impulse = NONE;
-    for i in 0..n {
-        impulse[usize::from(contacts.pair[i])] = solution.p[i];
-    }
+    let stopped = touching & set::<PAIRS>(|pair| !ordinary || quiet && on_a_face(pair));
+    operator.apply(state, &solution.p);
+    let mut impulse = operator.by_place(&solution.p);
     if stopped != 0 {
-        let contacts = Contacts::new(planes, body, attitude, &gaps.lever, stopped);
-        let after = contacts.slips((state.velocity, state.angular_velocity(body)));
-        let held = contacts.cancel(&after, 0);
-        contacts.apply(state, &held);
-        for i in 0..contacts.count {
-            impulse[usize::from(contacts.pair[i])] += held[i];
-        }
+        let operator = among.operator(attitude, &gaps.lever, stopped);
+        let held = among.cancel(&operator, &among.velocities(&operator, state), 0);
+        operator.apply(state, &held);
+        operator.add_to(&mut impulse, &held);
     }
-    Hit {
+    ImpactOutcome {
         impulse,
         capped,
         repaired,

@@ -223,13 +223,6 @@ impl Plane {
         }
     }
 
-    /// The coefficient of friction that holds.
-    pub(super) fn grip(&self) -> f64 {
-        self.surface
-            .static_friction
-            .unwrap_or(self.surface.friction)
-    }
-
     /// Its velocity along the normal [m/s].
     pub(super) fn rise(&self) -> f64 {
         self.surface.velocity.dot(self.shape.normal)

@@ -108,14 +108,12 @@ fn a_moving_floor_is_a_floor_at_rest_in_another_frame() {
         let mut random = Random(23);
         let (mut apart, mut impacts) = (0, 0);
         for _ in 0..300 {
-            let mut side = || random.magnitude(0.1, 1.0);
-            let half = DVec3::new(side(), side(), side());
+            let half = random.half_extents(0.1, 1.0);
             let mut scene = Scene::new(half, random.range(0.0, 0.9), random.range(0.0, 1.0));
             scene.state.position.y = scene.body.radius() + random.range(0.0, 0.1);
             scene.state.rotation = random.attitude();
             scene.state.velocity = random.vector(2.0);
-            let spin = random.vector(5.0);
-            scene.state.set_angular_velocity(&scene.body, spin);
+            scene.spin(random.vector(5.0));
             let velocity = random.vector(3.0);
             let mut moving = scene.clone();
             moving.floor.velocity = velocity;

@@ -1,0 +1,207 @@
+//! What a box may touch, as the events of a step see it: the floor, or several planes.
+
+use glam::{DMat3, DVec3};
+
+use super::frame::Method;
+use super::geometry::{Corner3, DelassusOperator, Places, each, set};
+use super::impact::{ImpactKind, ImpactOutcome};
+use super::newton::Solution;
+use super::slips::Slips;
+use super::{ContactReport, ContactState, Floor, FloorContext};
+use crate::force::ForceModel;
+use crate::integrators::{IntegratorMemory, StepOutcome};
+use crate::state::BodyState;
+
+/// A step of one body: what it changes, how long it is, and what is to be reported.
+pub(super) struct BodyStep<'a> {
+    pub(super) state: &'a mut BodyState,
+    /// \[s\]
+    pub(super) h: f64,
+    pub(super) memory: &'a mut IntegratorMemory,
+    pub(super) contact: &'a mut ContactState,
+    pub(super) report: Option<&'a mut ContactReport>,
+}
+
+/// A level floor, in whose frame contact is solved. Among several planes one at rest, of which only the body and the
+/// forces count.
+pub(super) struct Level<'a, F> {
+    pub(super) context: &'a FloorContext<'a, F>,
+    pub(super) method: &'a Method<F>,
+    /// |c| at which a corner touches \[m\].
+    pub(super) tolerance: f64,
+}
+
+/// The floor, with `N` = 8 places where the box may touch, or several planes with a place for each corner over each.
+pub(super) trait Ground<const N: usize> {
+    type Force: ForceModel;
+    /// The held contacts at the end of a segment.
+    type Held;
+    /// Force evaluations in one step.
+    const MAX_EVALUATIONS: u64;
+
+    /// The body, its forces, and the frame of its motion.
+    fn level(&self) -> &Level<'_, Self::Force>;
+    /// All places.
+    fn all(&self) -> u64;
+    /// The corners of these places.
+    fn corners(places: u64) -> u8;
+    /// How many places these are, and which, in the order of their contacts.
+    fn order(places: u64) -> (usize, [u8; N]);
+    /// The normal at a place.
+    fn normal(&self, k: usize) -> DVec3;
+    /// The coefficients at a place.
+    fn surface(&self, k: usize) -> &Floor;
+    /// The velocity of the surface at a place, in the frame of the motion [m/s].
+    fn drift(&self, k: usize) -> DVec3;
+    /// Whether nothing drifts: contact does no work.
+    fn is_fixed(&self) -> bool;
+
+    /// Where the corners are, `elapsed` \[s\] after the beginning of the step.
+    fn places(&self, state: &BodyState, elapsed: f64) -> Places<N>;
+    /// Moves the body so that no corner is below a surface; never pushes it into one.
+    fn recover(&self, state: &mut BodyState, places: &mut Places<N>, elapsed: f64);
+    /// The velocities at all places along the normals [m/s].
+    fn normal_velocities(&self, state: &BodyState, places: &Places<N>) -> [f64; N];
+    /// The largest bound of the acceleration of corners along a normal [m/s²]; `acceleration` bounds that of the forces.
+    fn curvature(&self, state: &BodyState, acceleration: f64) -> f64;
+    /// The largest height of the center over a surface \[m\].
+    fn height(&self, center: DVec3) -> f64;
+
+    /// The velocities of all touching corners change at one instant.
+    fn impact(
+        &self,
+        state: &mut BodyState,
+        places: &Places<N>,
+        touching: u64,
+        kind: ImpactKind,
+    ) -> ImpactOutcome<N>;
+    /// Coulomb's law for the velocities `b`, with static friction or without.
+    fn solve(&self, operator: &DelassusOperator<N>, b: &[DVec3; N], grips: bool) -> Solution<N>;
+    /// Whether a place with the velocity `u` slips faster than `still` [m/s].
+    fn slips(&self, k: usize, u: DVec3, still: f64) -> bool;
+    /// Whether a body at rest stays: supported, with these mean velocities of the contacts and this mean twist.
+    fn holds_still(
+        &self,
+        operator: &DelassusOperator<N>,
+        mean: &[DVec3; N],
+        twist: (DVec3, DVec3),
+        still: f64,
+    ) -> bool;
+    /// Moves and turns the body so that the corners of the places `held` lie on their surfaces.
+    fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Places<N>, Self::Held);
+    /// Takes from the end of a segment what is left of the velocities `after` along the normals, and altogether at the places
+    /// in `whole`. Whether the held places support the body: then a slow one is at rest.
+    fn stop(
+        &self,
+        segment: &mut Segment<N>,
+        contacts: &Self::Held,
+        held: u64,
+        whole: u64,
+        after: &[DVec3; N],
+    ) -> bool;
+    /// Takes what approaches from the velocity.
+    fn separate(&self, state: &mut BodyState);
+
+    /// The contacts at these places of a body whose world axes are `attitude`.
+    #[inline]
+    fn operator(&self, attitude: DMat3, lever: &Corner3, places: u64) -> DelassusOperator<N> {
+        let body = self.level().context.body;
+        DelassusOperator::at(body, attitude, lever, Self::order(places))
+    }
+
+    /// The part of a vector along the surface at a place.
+    #[inline(always)]
+    fn along(&self, k: usize, u: DVec3) -> DVec3 {
+        let normal = self.normal(k);
+        u - normal * normal.dot(u)
+    }
+
+    /// The velocity of the corner at a place relative to its surface, for the twist (v, ω).
+    #[inline(always)]
+    fn relative(&self, k: usize, lever: &Corner3, (v, omega): (DVec3, DVec3)) -> DVec3 {
+        v + omega.cross(lever[k % 8]) - self.drift(k)
+    }
+
+    /// Adds impulses at the places of a box whose center is at `center` in the world to a report, whose normal sums
+    /// those along the normals until the end of the step.
+    fn record(
+        &self,
+        report: &mut ContactReport,
+        center: DVec3,
+        lever: &Corner3,
+        impulse: &[DVec3; N],
+    ) {
+        for i in each(set::<N>(|i| impulse[i] != DVec3::ZERO)) {
+            let (k, normal) = (i % 8, self.normal(i));
+            let push = normal.dot(impulse[i]);
+            report.normal += normal * push;
+            report.tangential_impulse += self.along(i, impulse[i]);
+            report.push(k, center + lever[k], push);
+        }
+    }
+}
+
+/// Where a segment starts, and what it needs to know.
+pub(super) struct Start<'a, G, const N: usize> {
+    pub(super) ground: &'a G,
+    pub(super) state: BodyState,
+    /// Since the beginning of the step \[s\].
+    pub(super) elapsed: f64,
+    pub(super) memory: &'a IntegratorMemory,
+    pub(super) places: &'a Places<N>,
+    /// The velocities at the places along the normals [m/s].
+    pub(super) normal: [f64; N],
+    /// The places that may be held: touching, with no normal velocity to speak of.
+    pub(super) candidates: u64,
+    /// Slower than this is not moving [m/s].
+    pub(super) still_speed: f64,
+    /// Bound of the acceleration that acts [m/s²].
+    pub(super) acceleration: f64,
+    /// Shortest segment \[s\] that is tried for the moment at which a slip vanishes.
+    pub(super) shortest: f64,
+}
+
+/// A segment of motion, free or sustained.
+pub(super) struct Segment<const N: usize> {
+    pub(super) state: BodyState,
+    pub(super) memory: IntegratorMemory,
+    pub(super) places: Places<N>,
+    /// Impulses over the segment, by place \[N s\].
+    pub(super) impulse: [DVec3; N],
+    pub(super) slips: Slips<N>,
+    /// The box is at rest: the state equals that at the start.
+    pub(super) still: bool,
+    pub(super) outcome: StepOutcome,
+    pub(super) iterations: u32,
+    pub(super) capped: bool,
+    /// Energy taken because the errors of integrator and projection had added it \[J\].
+    pub(super) repaired: Option<f64>,
+}
+
+impl<const N: usize> Segment<N> {
+    /// Yet to be made, with this memory to write to.
+    pub(super) fn new(memory: IntegratorMemory) -> Self {
+        Self {
+            state: BodyState::default(),
+            memory,
+            places: Places::NONE,
+            impulse: [DVec3::ZERO; N],
+            slips: Slips::NONE,
+            still: false,
+            outcome: StepOutcome::default(),
+            iterations: 0,
+            capped: false,
+            repaired: None,
+        }
+    }
+
+    /// Forgets what was reported of it.
+    pub(super) fn clear(&mut self) {
+        self.impulse = [DVec3::ZERO; N];
+        self.slips = Slips::NONE;
+        self.still = false;
+        self.iterations = 0;
+        self.capped = false;
+        self.repaired = None;
+    }
+}
