@@ -22,8 +22,9 @@ use edge::Edge;
 use glam::{DMat3, DVec3};
 
 use super::ContactSettings;
-use super::geometry::{Corner3, DelassusOperator, has, mask};
+use super::geometry::{Corner3, has, mask};
 use super::newton::Solution;
+use super::operator::DelassusOperator;
 use super::projection::cancel;
 
 /// Notes in tests which case answered.

@@ -4,21 +4,19 @@ use super::bounds::{acceleration_bound, spin_bound};
 use super::event::Search;
 use super::flight::Flown;
 use super::geometry::{Places, each, set};
-use super::ground::{BodyStep, Ground, Level, Segment, Start};
-use super::impact::ImpactKind;
+use super::ground::{BodyStep, Ground, Segment, Start};
+use super::impact::resolve_impact;
 use super::motion::{limit_energy, longest_segment};
 use super::{FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 
 /// Segments of sustained motion in a step; a body that needs more gets longer ones.
 const MAX_SEGMENTS: u32 = 256;
-/// Evaluations that the search for one event may take, in flight and with corners held.
-const SEARCH_BUDGET: u32 = 4096;
-const SEARCH_BUDGET_HELD: u32 = 128;
-/// Dips that are looked for, over the tolerance: in flight as deep as a corner may ever be below the floor
-/// (1e-9 of the scale); with corners held, where the motion itself is of second order, 1e-6.
-const DIP_FREE: f64 = 1e3;
-const DIP_HELD: f64 = 1e6;
+/// Depth of the dips that are looked for, over the tolerance, and evaluations that the search for one event may take. In
+/// flight dips count as deep as a corner may ever be below the floor (1e-9 of the scale); with corners held, where the
+/// motion itself is of second order, 1e-6.
+const FREE: (f64, u32) = (1e3, 4096);
+const HELD: (f64, u32) = (1e6, 128);
 /// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
 const STOP_TRIES: u32 = 8;
 /// Part of a segment in which such a moment need not be found any better: at a constant deceleration, whose
@@ -40,9 +38,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
     mut flown: Option<Flown>,
     outcome: &mut FloorOutcome,
 ) -> Option<[f64; 8]> {
-    let &Level {
-        context, tolerance, ..
-    } = ground.level();
+    let (context, tolerance) = (ground.level().context, ground.level().tolerance);
     let &FloorContext {
         settings,
         body,
@@ -75,13 +71,9 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
 
         if touching & set::<N>(|i| normal[i] < -hold) != 0 {
-            let kind = if outcome.impacts < settings.max_impacts {
-                ImpactKind::Ordinary
-            } else {
-                outcome.impacts_capped += 1;
-                ImpactKind::Resting
-            };
-            let hit = ground.impact(step.state, places, touching, kind);
+            let ordinary = outcome.impacts < settings.max_impacts;
+            outcome.impacts_capped += u32::from(!ordinary);
+            let hit = resolve_impact(ground, step.state, places, touching, ordinary);
             if let Some(report) = &mut step.report {
                 let fastest = each(touching).fold(0.0, |a: f64, i| a.max(-normal[i]));
                 report.strike(elapsed, fastest);
@@ -140,11 +132,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         *places = segment.places;
         *step.state = segment.state;
         core::mem::swap(step.memory, &mut segment.memory);
-        remaining = if tau >= remaining {
-            0.0
-        } else {
-            remaining - tau
-        };
+        remaining = (remaining - tau).max(0.0);
     }
     step.contact.spare.0 = [first.memory, second.memory];
     loads
@@ -157,9 +145,7 @@ pub(super) fn give_way<G: Ground<N>, const N: usize>(
     remaining: f64,
     outcome: &mut FloorOutcome,
 ) -> Places<N> {
-    let &Level {
-        context, method, ..
-    } = ground.level();
+    let (context, method) = (ground.level().context, ground.level().method);
     let (body, force) = (context.body, context.force);
     let (start, elapsed) = (*step.state, step.h - remaining);
     outcome.solves_capped += 1;
@@ -215,25 +201,20 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
                 return (tau, whole);
             }
         }
-        let &Level {
-            context, tolerance, ..
-        } = ground.level();
+        let (context, tolerance) = (ground.level().context, ground.level().tolerance);
         let [low, high] = [&self.state, &whole.state].map(|s| ground.height(s.position));
+        let (dip, budget) = if held { HELD } else { FREE };
         let mut search = Search {
-            watch: !self.candidates & ground.all(),
+            watch: !self.candidates,
             start: self.places.height,
             rate: self.normal,
             end_rate: [f64::NAN; N],
             time: tau,
             curvature: ground.curvature(&self.state, self.acceleration),
             tolerance,
-            dip: tolerance * if held { DIP_HELD } else { DIP_FREE },
+            dip: tolerance * dip,
             highest: low.max(high) + context.body.radius() + tau * self.state.velocity.length(),
-            budget: if held {
-                SEARCH_BUDGET_HELD
-            } else {
-                SEARCH_BUDGET
-            },
+            budget,
         };
         let height = whole.places.height;
         if search.is_over(&height) {
@@ -243,21 +224,19 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             // With corners held it tells no more than the velocities at the start.
             search.end_rate = ground.normal_velocities(&whole.state, &whole.places);
         }
-        let reached = search.run(whole, height, other, |t, segment| {
+        let (tau, segment, capped) = search.run(whole, height, other, |t, segment| {
             self.spent(outcome, t, segment);
             segment.places.height
         });
-        outcome.solves_capped += u32::from(reached.capped);
-        (reached.tau, reached.motion)
+        outcome.solves_capped += u32::from(capped);
+        (tau, segment)
     }
 
     /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
     fn spent(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment<N>) {
         segment.memory.clone_from(self.memory);
         if self.candidates == 0 {
-            let &Level {
-                context, method, ..
-            } = self.ground.level();
+            let (context, method) = (self.ground.level().context, self.ground.level().method);
             let (mut state, memory) = (self.state, &mut segment.memory);
             let outcome = context.in_world(&mut state, self.elapsed, tau, |state| {
                 (method.step)(context.body, state, context.force, tau, memory)

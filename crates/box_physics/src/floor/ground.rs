@@ -3,9 +3,10 @@
 use glam::{DMat3, DVec3};
 
 use super::frame::Method;
-use super::geometry::{Corner3, DelassusOperator, Places, each, set};
-use super::impact::{ImpactKind, ImpactOutcome};
+use super::geometry::{Corner3, Places, each, set};
+use super::impact::{Touching, Way};
 use super::newton::Solution;
+use super::operator::DelassusOperator;
 use super::slips::Slips;
 use super::{ContactReport, ContactState, Floor, FloorContext};
 use crate::force::ForceModel;
@@ -20,6 +21,24 @@ pub(super) struct BodyStep<'a> {
     pub(super) memory: &'a mut IntegratorMemory,
     pub(super) contact: &'a mut ContactState,
     pub(super) report: Option<&'a mut ContactReport>,
+}
+
+impl<'a> BodyStep<'a> {
+    pub(super) fn new(
+        state: &'a mut BodyState,
+        h: f64,
+        memory: &'a mut IntegratorMemory,
+        contact: &'a mut ContactState,
+        report: Option<&'a mut ContactReport>,
+    ) -> Self {
+        Self {
+            state,
+            h,
+            memory,
+            contact,
+            report,
+        }
+    }
 }
 
 /// A level floor, in whose frame contact is solved. Among several planes one at rest, of which only the body and the
@@ -41,10 +60,6 @@ pub(super) trait Ground<const N: usize> {
 
     /// The body, its forces, and the frame of its motion.
     fn level(&self) -> &Level<'_, Self::Force>;
-    /// All places.
-    fn all(&self) -> u64;
-    /// The corners of these places.
-    fn corners(places: u64) -> u8;
     /// How many places these are, and which, in the order of their contacts.
     fn order(places: u64) -> (usize, [u8; N]);
     /// The normal at a place.
@@ -67,16 +82,27 @@ pub(super) trait Ground<const N: usize> {
     /// The largest height of the center over a surface \[m\].
     fn height(&self, center: DVec3) -> f64;
 
-    /// The velocities of all touching corners change at one instant.
-    fn impact(
+    /// Coulomb's law for the velocities `b`, with static friction if it `grips`; `near` is the solution of a similar
+    /// problem, or zero.
+    fn solve(
+        &self,
+        operator: &DelassusOperator<N>,
+        b: &[DVec3; N],
+        near: &[DVec3; N],
+        grips: bool,
+    ) -> Solution<N>;
+    /// The energy between two solutions of an impact.
+    fn way(&self, at: &Touching<N>, solutions: [&[DVec3; N]; 2]) -> Way;
+    /// Those of the touching places that hold a face.
+    fn on_faces(&self, touching: u64) -> u64;
+    /// Applies the impulses p of an impact, and those that stop the places `stopped` along the normals. Both, by place.
+    fn strike(
         &self,
         state: &mut BodyState,
-        places: &Places<N>,
-        touching: u64,
-        kind: ImpactKind,
-    ) -> ImpactOutcome<N>;
-    /// Coulomb's law for the velocities `b`, with static friction or without.
-    fn solve(&self, operator: &DelassusOperator<N>, b: &[DVec3; N], grips: bool) -> Solution<N>;
+        at: &Touching<N>,
+        p: &[DVec3; N],
+        stopped: u64,
+    ) -> [DVec3; N];
     /// Whether a place with the velocity `u` slips faster than `still` [m/s].
     fn slips(&self, k: usize, u: DVec3, still: f64) -> bool;
     /// Whether a body at rest stays: supported, with these mean velocities of the contacts and this mean twist.
@@ -120,6 +146,16 @@ pub(super) trait Ground<const N: usize> {
     #[inline(always)]
     fn relative(&self, k: usize, lever: &Corner3, (v, omega): (DVec3, DVec3)) -> DVec3 {
         v + omega.cross(lever[k % 8]) - self.drift(k)
+    }
+
+    /// The velocities of the contacts relative to their surfaces, for the twist (v, ω).
+    #[inline]
+    fn velocities(&self, operator: &DelassusOperator<N>, twist: (DVec3, DVec3)) -> [DVec3; N] {
+        let mut u = operator.velocities(twist);
+        for i in 0..operator.count {
+            u[i] -= self.drift(usize::from(operator.place[i]));
+        }
+        u
     }
 
     /// Adds impulses at the places of a box whose center is at `center` in the world to a report, whose normal sums

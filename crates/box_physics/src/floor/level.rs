@@ -5,10 +5,11 @@ use glam::{DMat3, DVec3};
 use super::Floor;
 use super::bounds::{curvature_bound, normal_velocities};
 use super::cone::Cone;
-use super::geometry::{Corner3, Corners, DelassusOperator, has, in_pairs, spans_face};
+use super::geometry::{Corner3, Corners, has, in_pairs, spans_face};
 use super::ground::{Ground, Level, Segment};
-use super::impact::{ImpactKind, ImpactOutcome, resolve_impact};
+use super::impact::{Touching, Way};
 use super::newton::Solution;
+use super::operator::DelassusOperator;
 use super::projection::{HeldNormals, cancel, project_positions, recover_penetration};
 use crate::force::ForceModel;
 use crate::state::BodyState;
@@ -20,14 +21,6 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
 
     fn level(&self) -> &Level<'_, F> {
         self
-    }
-
-    fn all(&self) -> u64 {
-        0xff
-    }
-
-    fn corners(places: u64) -> u8 {
-        places as u8
     }
 
     fn order(places: u64) -> (usize, [u8; 8]) {
@@ -73,20 +66,56 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         center.y - self.context.floor.height
     }
 
-    fn impact(
+    fn solve(
         &self,
-        state: &mut BodyState,
-        corners: &Corners,
-        touching: u64,
-        kind: ImpactKind,
-    ) -> ImpactOutcome<8> {
-        resolve_impact(self.context, state, corners, touching as u8, kind)
-    }
-
-    fn solve(&self, operator: &DelassusOperator, b: &Corner3, grips: bool) -> Solution {
+        operator: &DelassusOperator,
+        b: &Corner3,
+        near: &Corner3,
+        grips: bool,
+    ) -> Solution {
         let floor = self.context.floor;
         let friction = if grips { floor.grip() } else { floor.friction };
-        Cone::new(operator, friction, self.context.settings).solve(b, &[DVec3::ZERO; 8])
+        Cone::new(operator, friction, self.context.settings).solve(b, near)
+    }
+
+    fn way(&self, at: &Touching<8>, solutions: [&Corner3; 2]) -> Way {
+        let ((v, omega), operator) = (at.twist, at.operator);
+        let [first, last] = solutions.map(|p| operator.resultant(p));
+        let way = (last.0 - first.0, last.1 - first.1);
+        let (dv, dw) = operator.twist_of(first);
+        let (av, aw) = operator.twist_of(way);
+        let a = 0.5 * (way.0.dot(av) + way.1.dot(aw));
+        let b = way.0.dot(v + dv) + way.1.dot(omega + dw);
+        let lost = first.0.dot(v + 0.5 * dv) + first.1.dot(omega + 0.5 * dw);
+        let gained = a + b + lost;
+        Way { a, b, lost, gained }
+    }
+
+    fn on_faces(&self, touching: u64) -> u64 {
+        if spans_face(touching as u8) {
+            touching
+        } else {
+            0
+        }
+    }
+
+    fn strike(
+        &self,
+        state: &mut BodyState,
+        at: &Touching<8>,
+        p: &Corner3,
+        stopped: u64,
+    ) -> Corner3 {
+        let operator = at.operator;
+        let mut p = *p;
+        if stopped != 0 {
+            let held = cancel(operator, &operator.after(&at.before, &p), &[DVec3::Y; 8]);
+            for i in 0..operator.count {
+                p[i] += held[i];
+            }
+        }
+        operator.apply(state, &p);
+        operator.by_place(&p)
     }
 
     fn slips(&self, _: usize, u: DVec3, still: f64) -> bool {

@@ -32,6 +32,7 @@ mod material;
 mod memory;
 mod motion;
 mod newton;
+mod operator;
 mod planes;
 mod projection;
 mod slide;
@@ -117,8 +118,7 @@ impl Floor {
             height,
             restitution,
             friction,
-            static_friction: None,
-            velocity: DVec3::ZERO,
+            ..Self::default()
         };
         floor.validate().map(|()| floor)
     }
@@ -166,11 +166,8 @@ impl Floor {
             let allowed = "finite and not less than friction";
             InvalidValue::check(in_range, "static_friction", holds, allowed)?;
         }
-        let velocity = self.velocity.to_array();
-        for (field, v) in ["velocity.x", "velocity.y", "velocity.z"]
-            .into_iter()
-            .zip(velocity)
-        {
+        let fields = ["velocity.x", "velocity.y", "velocity.z"].into_iter();
+        for (field, v) in fields.zip(self.velocity.to_array()) {
             InvalidValue::check(v.is_finite(), field, v, "finite")?;
         }
         Ok(())

@@ -19,11 +19,16 @@ pub(super) struct Supported<'a, F> {
 }
 
 impl<F: ForceModel> Supported<'_, F> {
-    fn torque_in_body(&self, state: &BodyState) -> Wrench {
-        Wrench {
+    /// The torque of the contact, and what else acts.
+    fn add(&self, state: &BodyState, inner: impl FnOnce() -> Wrench) -> Wrench {
+        let mut total = Wrench {
             force: DVec3::ZERO,
             torque: state.rotation.inverse() * self.torque,
+        };
+        if self.inner.has_wrench() {
+            total += inner();
         }
+        total
     }
 }
 
@@ -41,19 +46,11 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
     }
 
     fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
-        let mut total = self.torque_in_body(state);
-        if self.inner.has_wrench() {
-            total += self.inner.wrench(body, state);
-        }
-        total
+        self.add(state, || self.inner.wrench(body, state))
     }
 
     fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
-        let mut total = self.torque_in_body(state);
-        if self.inner.has_wrench() {
-            total += self.inner.elastic_wrench(body, state);
-        }
-        total
+        self.add(state, || self.inner.elastic_wrench(body, state))
     }
 
     fn damping(&self) -> Damping {
@@ -182,11 +179,8 @@ pub(super) fn limit_energy(
 
 /// The attitude halfway between two states.
 fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
-    let aligned = if start.rotation.dot(end.rotation) < 0.0 {
-        -end.rotation
-    } else {
-        end.rotation
-    };
+    let opposite = start.rotation.dot(end.rotation) < 0.0;
+    let aligned = end.rotation * if opposite { -1.0 } else { 1.0 };
     let sum: DQuat = start.rotation + aligned;
     DMat3::from_quat(BodyState::at_pose(start.position, sum).rotation)
 }
@@ -195,15 +189,5 @@ fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
 /// short that the acceleration from rest turns the box as little.
 pub(super) fn longest_segment(body: &RigidBox, state: &BodyState, acceleration: f64) -> f64 {
     let omega = state.body_angular_velocity(body).length();
-    let turning = if omega > 0.0 {
-        0.25 / omega
-    } else {
-        f64::INFINITY
-    };
-    let falling = if acceleration > 0.0 {
-        0.35 * (body.radius() / acceleration).sqrt()
-    } else {
-        f64::INFINITY
-    };
-    turning.min(falling)
+    (0.25 / omega).min(0.35 * (body.radius() / acceleration).sqrt())
 }

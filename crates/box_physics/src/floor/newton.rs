@@ -18,7 +18,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::geometry::DelassusOperator;
+use super::operator::DelassusOperator;
 
 /// The part that a step leaves.
 const EPSILON: f64 = 1e-8;

@@ -5,7 +5,8 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::geometry::{Corner3, Corners, DelassusOperator, in_pairs, levers, spans_face};
+use super::geometry::{Corner3, Corners, in_pairs, levers, spans_face};
+use super::operator::DelassusOperator;
 use crate::body::RigidBox;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;

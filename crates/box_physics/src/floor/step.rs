@@ -76,13 +76,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
         }
     }
     context.to_floor(state, 0.0);
-    let mut step = BodyStep {
-        state,
-        h,
-        memory,
-        contact,
-        report,
-    };
+    let mut step = BodyStep::new(state, h, memory, contact, report);
     outcome = in_floor_frame(context, &Method::of::<S>(), &mut step, flown);
     context.to_world(state, h);
     outcome.count_once();
@@ -101,43 +95,20 @@ impl Integrator {
         contact: &mut ContactState,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        let step = BodyStep {
-            state,
-            h,
-            memory,
-            contact,
-            report,
-        };
+        let step = BodyStep::new(state, h, memory, contact, report);
         self.dispatch(On(context, step))
     }
-}
-
-/// What a step reads, and how it is made.
-pub(super) trait Steps {
-    fn step<S: Integrate>(&self, step: BodyStep<'_>) -> FloorOutcome;
 }
 
 /// A step, to be made by the chosen integrator.
 pub(super) struct On<'a, C>(pub(super) &'a C, pub(super) BodyStep<'a>);
 
-impl<C: Steps> IntegratorVisitor for On<'_, C> {
+impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {
     type Output = FloorOutcome;
 
     fn visit<S: Integrate>(self) -> FloorOutcome {
-        self.0.step::<S>(self.1)
-    }
-}
-
-impl<F: ForceModel> Steps for FloorContext<'_, F> {
-    fn step<S: Integrate>(&self, step: BodyStep<'_>) -> FloorOutcome {
-        step_on_floor::<S, F>(
-            self,
-            step.state,
-            step.h,
-            step.memory,
-            step.contact,
-            step.report,
-        )
+        let On(context, b) = self;
+        step_on_floor::<S, F>(context, b.state, b.h, b.memory, b.contact, b.report)
     }
 }
 

@@ -18,8 +18,8 @@
 
 use glam::DVec3;
 
-use super::geometry::{each, has, levers};
-use super::ground::{Ground, Level, Segment, Start};
+use super::geometry::{corners, each, has, levers};
+use super::ground::{Ground, Segment, Start};
 use super::motion::{Supported, limit_energy};
 use super::newton::Solution;
 use super::slips::STOPPED;
@@ -31,23 +31,18 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
     /// The motion over `tau` \[s\], from the memory that `segment` holds.
     pub(super) fn advance(&self, tau: f64, segment: &mut Segment<N>) {
         let (ground, start) = (self.ground, &self.state);
-        let &Level {
-            context, method, ..
-        } = ground.level();
+        let (context, method) = (ground.level().context, ground.level().method);
         let body = context.body;
         let (middle, motion) = context.free_motion(start, self.elapsed, tau);
-        let lever = levers(body, middle, G::corners(self.candidates));
+        let lever = levers(body, middle, corners::<N>(self.candidates));
         let operator = ground.operator(middle, &lever, self.candidates);
         let place = |i: usize| usize::from(operator.place[i]);
 
-        let mut d = operator.velocities(motion);
-        for i in 0..operator.count {
-            d[i] -= ground.drift(place(i));
-        }
+        let d = ground.velocities(&operator, motion);
         let still = 1e-9 * operator.largest(&d);
         let slips = |i: usize, mean: &[DVec3; N]| ground.slips(place(i), mean[i], still);
         let solve = |grips| {
-            let mut solution = ground.solve(&operator, &d, grips);
+            let mut solution = ground.solve(&operator, &d, &[DVec3::ZERO; N], grips);
             let mean = operator.after(&d, &solution.p);
             // What was found is ½ p.
             solution.p.iter_mut().for_each(|p| *p *= 2.0);

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use super::super::geometry::{Corner3, DelassusOperator};
+use super::super::geometry::Corner3;
 use super::super::newton::{CoulombLaw, Solution, descend};
+use super::super::operator::DelassusOperator;
 use super::{Cone, answered, project};
 
 /// Gradient steps that lead to further starts, where neither zero nor the frictionless impulses led to the end.

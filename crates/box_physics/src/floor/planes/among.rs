@@ -4,14 +4,14 @@ use glam::{DMat3, DVec3};
 
 use super::Plane;
 use super::contacts::{Each, Gaps, NONE, PAIRS};
-use super::impact::strike;
 use super::law::Law;
 use crate::floor::Floor;
 use crate::floor::bounds::curvature_bound;
-use crate::floor::geometry::{DelassusOperator, each, has, set};
+use crate::floor::geometry::{each, has, set};
 use crate::floor::ground::{Ground, Level, Segment};
-use crate::floor::impact::{ImpactKind, ImpactOutcome};
+use crate::floor::impact::{Touching, Way};
 use crate::floor::newton::Solution;
+use crate::floor::operator::DelassusOperator;
 use crate::floor::projection::cancel_iteratively;
 use crate::force::ForceModel;
 use crate::rotation::{compose, exponential_map};
@@ -28,18 +28,8 @@ impl<F: ForceModel> Among<'_, F> {
         self.planes.iter().map(f).fold(0.0, f64::max)
     }
 
-    /// The velocities of the contacts relative to the planes, for the twist of `state` [m/s].
-    pub(super) fn velocities(&self, operator: &DelassusOperator<PAIRS>, state: &BodyState) -> Each {
-        let omega = state.angular_velocity(self.world.context.body);
-        let mut u = operator.velocities((state.velocity, omega));
-        for i in 0..operator.count {
-            u[i] -= self.drift(usize::from(operator.place[i]));
-        }
-        u
-    }
-
     /// Impulses p with u + Wp = 0 along the normals, and altogether at the places in `whole`.
-    pub(super) fn cancel(&self, operator: &DelassusOperator<PAIRS>, u: &Each, whole: u64) -> Each {
+    fn cancel(&self, operator: &DelassusOperator<PAIRS>, u: &Each, whole: u64) -> Each {
         cancel_iteratively(operator, operator.bound(), u, |i, v| {
             let place = usize::from(operator.place[i]);
             if has(whole, place) {
@@ -59,14 +49,6 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
 
     fn level(&self) -> &Level<'_, F> {
         &self.world
-    }
-
-    fn all(&self) -> u64 {
-        set::<PAIRS>(|i| i < 8 * self.planes.len())
-    }
-
-    fn corners(places: u64) -> u8 {
-        each(places).fold(0, |corners, i| corners | 1 << (i % 8))
     }
 
     fn order(places: u64) -> (usize, [u8; PAIRS]) {
@@ -122,19 +104,53 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         self.over_all(|plane| plane.height(center))
     }
 
-    fn impact(
+    fn solve(
         &self,
-        state: &mut BodyState,
-        gaps: &Gaps,
-        touching: u64,
-        kind: ImpactKind,
-    ) -> ImpactOutcome<PAIRS> {
-        strike(self, state, gaps, touching, kind)
-    }
-
-    fn solve(&self, operator: &DelassusOperator<PAIRS>, b: &Each, grips: bool) -> Solution<PAIRS> {
+        operator: &DelassusOperator<PAIRS>,
+        b: &Each,
+        _: &Each,
+        grips: bool,
+    ) -> Solution<PAIRS> {
         let friction = |floor: &Floor| if grips { floor.grip() } else { floor.friction };
         Law::new(operator, self.planes, friction, self.world.context.settings).solve(b)
+    }
+
+    fn way(&self, at: &Touching<PAIRS>, [first, last]: [&Each; 2]) -> Way {
+        let (operator, before) = (at.operator, &at.before);
+        let mut d = *last;
+        for i in 0..operator.count {
+            d[i] -= first[i];
+        }
+        let dot = |p: &Each, q: &Each| operator.dot(p, q);
+        let gain = |p: &Each| dot(p, before) + 0.5 * dot(p, &operator.response(p));
+        Way {
+            a: 0.5 * dot(&d, &operator.response(&d)),
+            b: dot(&d, before) + dot(&d, &operator.response(first)),
+            lost: gain(first),
+            gained: gain(last),
+        }
+    }
+
+    /// Three corners at one plane.
+    fn on_faces(&self, touching: u64) -> u64 {
+        let face = |i: usize| (touching >> (8 * (i / 8)) & 0xff).count_ones() >= 3;
+        touching & set::<PAIRS>(face)
+    }
+
+    fn strike(&self, state: &mut BodyState, at: &Touching<PAIRS>, p: &Each, stopped: u64) -> Each {
+        at.operator.apply(state, p);
+        let mut impulse = at.operator.by_place(p);
+        if stopped != 0 {
+            let operator = self.operator(DMat3::from_quat(state.rotation), at.lever, stopped);
+            let twist = (
+                state.velocity,
+                state.angular_velocity(self.world.context.body),
+            );
+            let held = self.cancel(&operator, &self.velocities(&operator, twist), 0);
+            operator.apply(state, &held);
+            operator.add_to(&mut impulse, &held);
+        }
+        impulse
     }
 
     fn slips(&self, k: usize, u: DVec3, still: f64) -> bool {

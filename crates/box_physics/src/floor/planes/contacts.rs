@@ -4,7 +4,8 @@ use glam::{DMat3, DVec3};
 
 use super::Plane;
 use crate::body::RigidBox;
-use crate::floor::geometry::{DelassusOperator, Places, levers};
+use crate::floor::geometry::{Places, levers};
+use crate::floor::operator::DelassusOperator;
 use crate::state::BodyState;
 
 /// Planes that may be near at once: as many as a closed box has.
@@ -48,13 +49,8 @@ impl Gaps {
     /// The pair whose corner is lowest, and its height \[m\].
     pub(super) fn deepest(&self) -> (usize, f64) {
         let heights = self.height.into_iter().enumerate();
-        heights.fold((0, f64::INFINITY), |deepest, (i, height)| {
-            if height < deepest.1 {
-                (i, height)
-            } else {
-                deepest
-            }
-        })
+        let lower = heights.reduce(|a, b| if b.1 < a.1 { b } else { a });
+        lower.unwrap_or((0, f64::INFINITY))
     }
 
     /// Moves the body out of the deepest plane, until it is in none; never pushes it into one. Between planes that

@@ -55,8 +55,6 @@ struct Turned<'a, F> {
     /// The integrator in the world.
     method: &'a Method<F>,
     axes: Axes,
-    acceleration: DVec3,
-    dissipation: Dissipation,
 }
 
 impl<F: ForceModel> Turned<'_, F> {
@@ -81,11 +79,13 @@ impl<F: ForceModel> Turned<'_, F> {
 
 impl<F: ForceModel> ForceModel for Turned<'_, F> {
     fn acceleration(&self) -> DVec3 {
-        self.acceleration
+        self.axes.turn.inverse() * self.inner.acceleration()
     }
 
     fn dissipation(&self) -> Dissipation {
-        self.dissipation
+        let world = self.inner.dissipation();
+        let wind = self.axes.turn.inverse() * world.wind;
+        Dissipation { wind, ..world }
     }
 
     fn has_dissipation(&self) -> bool {
@@ -123,17 +123,10 @@ pub(super) fn step_at<F: ForceModel>(
         origin: plane.shape.point,
         height: plane.scale(state),
     };
-    let back = axes.turn.inverse();
-    let dissipation = context.force.dissipation();
     let force = Turned {
         inner: context.force,
         method,
         axes,
-        acceleration: back * context.force.acceleration(),
-        dissipation: Dissipation {
-            wind: back * dissipation.wind,
-            ..dissipation
-        },
     };
     let floor = Floor {
         height: axes.height,

@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use super::Plane;
 use super::contacts::{Each, NONE, PAIRS};
-use crate::floor::geometry::DelassusOperator;
 use crate::floor::newton::{CoulombLaw, Solution, descend};
+use crate::floor::operator::DelassusOperator;
 use crate::floor::{ContactSettings, Floor};
 
 /// Sweeps that lead to the starts.

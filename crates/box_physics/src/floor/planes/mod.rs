@@ -13,7 +13,6 @@
 mod among;
 mod contacts;
 mod frame;
-mod impact;
 mod law;
 mod plane;
 mod step;
@@ -29,14 +28,14 @@ use super::bounds::{acceleration_bound, curvature_bound};
 use super::frame::Method;
 use super::geometry::Corners;
 use super::ground::BodyStep;
-use super::step::{On, Steps};
+use super::step::On;
 use super::{
     ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome,
     may_touch_plane, step_on_floor,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, fingerprint};
-use crate::integrators::{Integrate, Integrator, IntegratorMemory, StepOutcome};
+use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
 #[cfg(test)]
 pub(super) use contacts::Gaps;
@@ -205,13 +204,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         tried = outcome.step;
     }
     let method = Method::of::<S>();
-    let step = BodyStep {
-        state,
-        h,
-        memory,
-        contact,
-        report,
-    };
+    let step = BodyStep::new(state, h, memory, contact, report);
     let reaction = match near.planes() {
         [plane] => {
             outcome = frame::step_at(context, plane, &method, step);
@@ -265,26 +258,16 @@ impl Integrator {
         contact: &mut ContactState,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        let step = BodyStep {
-            state,
-            h,
-            memory,
-            contact,
-            report,
-        };
+        let step = BodyStep::new(state, h, memory, contact, report);
         self.dispatch(On(context, step))
     }
 }
 
-impl<F: ForceModel> Steps for PlanesContext<'_, F> {
-    fn step<S: Integrate>(&self, step: BodyStep<'_>) -> FloorOutcome {
-        step_on_planes::<S, F>(
-            self,
-            step.state,
-            step.h,
-            step.memory,
-            step.contact,
-            step.report,
-        )
+impl<F: ForceModel> IntegratorVisitor for On<'_, PlanesContext<'_, F>> {
+    type Output = FloorOutcome;
+
+    fn visit<S: Integrate>(self) -> FloorOutcome {
+        let On(context, b) = self;
+        step_on_planes::<S, F>(context, b.state, b.h, b.memory, b.contact, b.report)
     }
 }

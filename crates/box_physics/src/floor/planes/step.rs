@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::among::Among;
-use super::contacts::Gaps;
+use super::contacts::{Gaps, PAIRS};
 use super::{Plane, PlanesContext};
 use crate::floor::events::{between_events, give_way};
 use crate::floor::frame::Method;
+use crate::floor::geometry::corners;
 use crate::floor::ground::{BodyStep, Ground, Level};
 use crate::floor::{ContactReport, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
@@ -61,7 +62,7 @@ pub(super) fn step<F: ForceModel>(
     if loads.is_none() {
         gaps.leave(planes, step.state, h);
     }
-    let now = Among::<F>::corners(gaps.touching(2.0 * tolerance));
+    let now = corners::<PAIRS>(gaps.touching(2.0 * tolerance));
     step.contact.touching = now;
     let lowest = among.normal(gaps.deepest().0);
     let direction = impulses.normal.try_normalize().unwrap_or(lowest);

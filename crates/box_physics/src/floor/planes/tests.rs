@@ -46,11 +46,10 @@ fn storm<S: Integrate>(seed: u64, n: u32, steps: u32, cubes: bool) {
     let mut worst = Worst::default();
     for i in 0..n {
         let size = random.magnitude(0.005, 1.0);
-        let mut side = || size * random.magnitude(0.25, 1.0);
         let half = if cubes {
             DVec3::splat(size)
         } else {
-            DVec3::new(side(), side(), side())
+            size * random.half_extents(0.25, 1.0)
         };
         let (e, mu) = (random.restitution(i), random.friction(i, 2.0));
         let mut scene = Scene::among(tray(size * random.range(2.0, 4.0), e, mu), half);
@@ -167,35 +166,21 @@ fn any_integrator_stays_inside() {
 #[test]
 #[ignore = "prints times and asserts none, as tests never assert times"]
 fn cost_among_planes_by_hand() {
-    let time = |name: &str, mut scene: Scene| {
-        let start = scene.clone();
-        let mut best = f64::INFINITY;
-        for _ in 0..20 {
-            let clock = std::time::Instant::now();
-            for _ in 0..500 {
-                scene.state = start.state;
-                scene.step::<Split>(SIXTIETH);
-            }
-            best = best.min(clock.elapsed().as_secs_f64() / 500.0);
-        }
-        let rests = scene.contact.is_resting(&scene.state);
-        println!("{name}: {:.0} ns, at rest: {rests}", best * 1e9);
-    };
     let mut scene = Scene::among(tray(4.0, 0.3, 0.4), DVec3::new(0.5, 0.25, 0.4));
     scene.state.position = DVec3::new(0.0, 0.25, 0.0);
     scene.state.velocity = DVec3::X;
     scene.step::<Split>(SIXTIETH);
-    time("sliding on the floor, walls far", scene.clone());
+    scene.time("sliding on the floor, walls far", true);
     scene.state.position.x = 3.45;
     scene.state.velocity = DVec3::Z;
-    time("sliding on the floor, a wall within reach", scene.clone());
+    scene.time("sliding on the floor, a wall within reach", true);
     scene.state.position.x = 3.5;
     scene.gravity.0.x = 3.0;
-    time("sliding along floor and wall", scene.clone());
+    scene.time("sliding along floor and wall", true);
     scene.state.velocity = DVec3::ZERO;
     scene.gravity.0.z = 0.1;
     scene.run::<Split>(SIXTIETH, 60);
-    time("at rest in the edge", scene);
+    scene.time("at rest in the edge", true);
 }
 
 /// Coulomb's law at random contacts with up to three planes.
@@ -203,9 +188,9 @@ fn cost_among_planes_by_hand() {
 fn coulombs_law_holds_with_several_normals() {
     use super::among::Among;
     use super::law::Law;
-    use crate::floor::geometry::DelassusOperator;
     use crate::floor::ground::Ground;
     use crate::floor::newton::CoulombLaw;
+    use crate::floor::operator::DelassusOperator;
     let mut random = Random(9);
     let settings = ContactSettings::default();
     for mu in [0.0, 0.1, 0.4, 0.8, 2.0] {

@@ -10,8 +10,9 @@ mod slide;
 
 use glam::{DQuat, DVec3};
 
-use super::geometry::{Corners, DelassusOperator};
+use super::geometry::Corners;
 use super::newton::Solution;
+use super::operator::DelassusOperator;
 use super::planes::Gaps;
 use super::{
     ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, Plane,
@@ -19,7 +20,7 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{Integrate, IntegratorMemory};
+use crate::integrators::{Integrate, IntegratorMemory, Split};
 use crate::math::sin_cos;
 use crate::state::BodyState;
 
@@ -116,6 +117,23 @@ impl Scene {
         }
     }
 
+    /// Prints what a step costs at best, from the same state or from one to the next.
+    pub(super) fn time(&self, name: &str, reset: bool) {
+        let mut scene = self.clone();
+        let mut best = f64::INFINITY;
+        for _ in 0..20 {
+            let clock = std::time::Instant::now();
+            for _ in 0..1000 {
+                if reset {
+                    scene.state = self.state;
+                }
+                scene.step::<Split>(SIXTIETH);
+            }
+            best = best.min(clock.elapsed().as_secs_f64() / 1000.0);
+        }
+        println!("{name}: {:.0} ns", best * 1e9);
+    }
+
     /// Turns in the world [rad/s].
     pub(super) fn spin(&mut self, omega: DVec3) {
         self.state.set_angular_velocity(&self.body, omega);
@@ -135,6 +153,18 @@ impl Scene {
         let x = self.state.position - DVec3::Y * self.floor.height;
         self.state.kinetic_energy(&self.body) - self.body.mass() * self.gravity.0.dot(x)
     }
+}
+
+/// A box that is turned and moves.
+pub(super) fn tilted() -> (RigidBox, BodyState) {
+    let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
+    let state = BodyState::at_pose(
+        DVec3::new(1.0, 2.0, 3.0),
+        DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+    )
+    .with_velocity(DVec3::new(0.1, -0.4, 0.9))
+    .with_angular_velocity(&body, DVec3::new(2.0, -1.0, 0.5));
+    (body, state)
 }
 
 pub(super) fn about(axis: DVec3, angle: f64) -> DQuat {
