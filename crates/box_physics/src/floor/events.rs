@@ -1,12 +1,12 @@
 //! A step as a sequence of events: impacts, and segments of motion between them.
 
 use super::bounds::{acceleration_bound, spin_bound};
-use super::event::Search;
 use super::flight::Flown;
 use super::geometry::{Places, each, set};
 use super::ground::{BodyStep, Ground, Segment, Start};
 use super::impact::resolve_impact;
 use super::motion::{limit_energy, longest_segment};
+use super::search::Search;
 use super::{FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 
@@ -28,7 +28,7 @@ const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
 const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 
 /// Event after event in the last `remaining` \[s\] of a step, from where the corners are at `places` on. `flown` is the
-/// plain step, if it is known. The forces at the corners along the normals \[N\], if it ends at rest.
+/// plain step, if it is known. Returns the forces at the corners along the normals \[N\] if it ends at rest.
 #[inline(never)] // its large frame is not for boxes that rest or fly
 pub(super) fn between_events<G: Ground<N>, const N: usize>(
     ground: &G,

@@ -77,15 +77,11 @@ fn lever([x, y, z]: [DVec3; 3], k: usize) -> DVec3 {
 }
 
 /// The levers of the corners in `set`; what stands for the others is not used.
+#[inline(always)]
 pub(super) fn levers(body: &RigidBox, attitude: DMat3, set: u8) -> Corner3 {
     let edges = half_edges(body, attitude);
-    let mut levers = [DVec3::ZERO; 8];
-    for (k, r) in levers.iter_mut().enumerate() {
-        if has(set, k) {
-            *r = lever(edges, k);
-        }
-    }
-    levers
+    let lever = |k| has(set, k).then(|| lever(edges, k));
+    core::array::from_fn(|k| lever(k).unwrap_or(DVec3::ZERO))
 }
 
 /// The corners of the faces: those whose bit 0 is 0, is 1, and so on.

@@ -1,10 +1,9 @@
-//! What a box may touch, as the events of a step see it: the floor, or several planes.
+//! The interface between the events of a step and the surfaces that a box may touch: the floor, or several planes.
 
 use glam::{DMat3, DVec3};
 
 use super::frame::Method;
 use super::geometry::{Corner3, Places, each, set};
-use super::impact::{Touching, Way};
 use super::newton::Solution;
 use super::operator::DelassusOperator;
 use super::slips::Slips;
@@ -13,7 +12,7 @@ use crate::force::ForceModel;
 use crate::integrators::{IntegratorMemory, StepOutcome};
 use crate::state::BodyState;
 
-/// A step of one body: what it changes, how long it is, and what is to be reported.
+/// A step of one body: the columns that it changes, its length and its report.
 pub(super) struct BodyStep<'a> {
     pub(super) state: &'a mut BodyState,
     /// \[s\]
@@ -60,7 +59,7 @@ pub(super) trait Ground<const N: usize> {
 
     /// The body, its forces, and the frame of its motion.
     fn level(&self) -> &Level<'_, Self::Force>;
-    /// How many places these are, and which, in the order of their contacts.
+    /// The number of these places, and the places in the order of their contacts.
     fn order(places: u64) -> (usize, [u8; N]);
     /// The normal at a place.
     fn normal(&self, k: usize) -> DVec3;
@@ -68,10 +67,10 @@ pub(super) trait Ground<const N: usize> {
     fn surface(&self, k: usize) -> &Floor;
     /// The velocity of the surface at a place, in the frame of the motion [m/s].
     fn drift(&self, k: usize) -> DVec3;
-    /// Whether nothing drifts: contact does no work.
+    /// Returns whether nothing drifts: contact does no work then.
     fn is_fixed(&self) -> bool;
 
-    /// Where the corners are, `elapsed` \[s\] after the beginning of the step.
+    /// The positions of the corners `elapsed` \[s\] after the beginning of the step.
     fn places(&self, state: &BodyState, elapsed: f64) -> Places<N>;
     /// Moves the body so that no corner is below a surface; never pushes it into one.
     fn recover(&self, state: &mut BodyState, places: &mut Places<N>, elapsed: f64);
@@ -95,7 +94,8 @@ pub(super) trait Ground<const N: usize> {
     fn way(&self, at: &Touching<N>, solutions: [&[DVec3; N]; 2]) -> Way;
     /// Those of the touching places that hold a face.
     fn on_faces(&self, touching: u64) -> u64;
-    /// Applies the impulses p of an impact, and those that stop the places `stopped` along the normals. Both, by place.
+    /// Applies the impulses p of an impact, and those that stop the places `stopped` along the normals. Returns their sums
+    /// by place.
     fn strike(
         &self,
         state: &mut BodyState,
@@ -103,9 +103,10 @@ pub(super) trait Ground<const N: usize> {
         p: &[DVec3; N],
         stopped: u64,
     ) -> [DVec3; N];
-    /// Whether a place with the velocity `u` slips faster than `still` [m/s].
+    /// Returns whether a place with the velocity `u` slips faster than `still` [m/s].
     fn slips(&self, k: usize, u: DVec3, still: f64) -> bool;
-    /// Whether a body at rest stays: supported, with these mean velocities of the contacts and this mean twist.
+    /// Returns whether a body at rest stays: it is supported, and the mean velocities of the contacts or the mean twist
+    /// are no faster than `still` [m/s].
     fn holds_still(
         &self,
         operator: &DelassusOperator<N>,
@@ -115,8 +116,8 @@ pub(super) trait Ground<const N: usize> {
     ) -> bool;
     /// Moves and turns the body so that the corners of the places `held` lie on their surfaces.
     fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Places<N>, Self::Held);
-    /// Takes from the end of a segment what is left of the velocities `after` along the normals, and altogether at the places
-    /// in `whole`. Whether the held places support the body: then a slow one is at rest.
+    /// Removes from the end of a segment the rest of the velocities `after` along the normals, and all of it at the places
+    /// in `whole`. Returns whether the held places support the body, so that a slow one is at rest.
     fn stop(
         &self,
         segment: &mut Segment<N>,
@@ -125,7 +126,7 @@ pub(super) trait Ground<const N: usize> {
         whole: u64,
         after: &[DVec3; N],
     ) -> bool;
-    /// Takes what approaches from the velocity.
+    /// Removes the approach from the velocity.
     fn separate(&self, state: &mut BodyState);
 
     /// The contacts at these places of a body whose world axes are `attitude`.
@@ -158,8 +159,8 @@ pub(super) trait Ground<const N: usize> {
         u
     }
 
-    /// Adds impulses at the places of a box whose center is at `center` in the world to a report, whose normal sums
-    /// those along the normals until the end of the step.
+    /// Adds impulses at the places of a box, whose center is at `center` in the world, to a report. Until the end of the
+    /// step its normal is the sum of those along the normals.
     fn record(
         &self,
         report: &mut ContactReport,
@@ -177,7 +178,30 @@ pub(super) trait Ground<const N: usize> {
     }
 }
 
-/// Where a segment starts, and what it needs to know.
+/// The contacts of an impact, and the motion before it.
+pub(super) struct Touching<'a, const N: usize> {
+    pub(super) lever: &'a Corner3,
+    pub(super) operator: &'a DelassusOperator<N>,
+    /// (v, ω).
+    pub(super) twist: (DVec3, DVec3),
+    /// The velocities of the contacts [m/s].
+    pub(super) before: [DVec3; N],
+}
+
+/// The kinetic energy between the plastic solution p₀ and Newton's p₁. Newton's law with friction or several corners may
+/// return more than the part e² of the energy, and even create some (Kane, Levinson 1985; Stronge 1990). Of p₀ + λd,
+/// d = p₁ − p₀, the energy is Aλ² + Bλ + C above that before, with A = ½ d·Wd, B = d·(u⁻ + Wp₀): a quadratic. Every
+/// λ in (0, 1) is inside the cones (they are convex), and not into the floor.
+pub(super) struct Way {
+    pub(super) a: f64,
+    pub(super) b: f64,
+    /// C ≤ 0 \[J\].
+    pub(super) lost: f64,
+    /// What p₁ adds \[J\].
+    pub(super) gained: f64,
+}
+
+/// The start of a segment, and the bounds that hold for it.
 pub(super) struct Start<'a, G, const N: usize> {
     pub(super) ground: &'a G,
     pub(super) state: BodyState,

@@ -3,9 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::RestitutionLaw;
-use super::geometry::{Corner3, Places};
-use super::ground::Ground;
-use super::operator::DelassusOperator;
+use super::geometry::Places;
+use super::ground::{Ground, Touching, Way};
 use crate::state::BodyState;
 
 /// What an impact did.
@@ -20,20 +19,10 @@ pub(super) struct ImpactOutcome<const N: usize> {
     pub(super) iterations: u32,
 }
 
-/// Where a body is struck, and how it moves before that.
-pub(super) struct Touching<'a, const N: usize> {
-    pub(super) lever: &'a Corner3,
-    pub(super) operator: &'a DelassusOperator<N>,
-    /// (v, ω).
-    pub(super) twist: (DVec3, DVec3),
-    /// The velocities of the contacts [m/s].
-    pub(super) before: [DVec3; N],
-}
-
 /// Solves and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction in the
 /// round cone against the slip afterwards u⁺_t (Coulomb), within the energy that the [`RestitutionLaw`] allows, with the
-/// largest restitution of the surfaces that are struck faster than the threshold. Of an `ordinary` impact; after too many
-/// in a step, what touches stops along the normal.
+/// largest restitution of the surfaces that are struck faster than the threshold. If the impact is not `ordinary`,
+/// because there were too many in the step, all touching corners stop along the normal.
 pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     ground: &G,
     state: &mut BodyState,
@@ -60,22 +49,22 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
         normal[i] = ground.normal(place(i)).dot(before[i]);
         (fastest, extreme) = (fastest.max(-normal[i]), extreme.max(normal[i].abs()));
     }
-    let mut e = 0.0_f64;
-    if ordinary && fastest > settings.restitution_threshold {
-        for i in (0..n).filter(|&i| -normal[i] > settings.restitution_threshold) {
-            e = e.max(ground.surface(place(i)).restitution);
-        }
+    let restitution = |i: usize| ground.surface(place(i)).restitution;
+    let (mut e, threshold) = (0.0_f64, settings.restitution_threshold);
+    for i in (0..n).filter(|&i| -normal[i] > threshold) {
+        e = e.max(restitution(i));
     }
+    let bounces = ordinary && fastest > threshold && (0..n).any(|i| restitution(i) > 0.0);
 
     let mut solution = ground.solve(operator, &before, &[DVec3::ZERO; N], false);
     let mut repaired = None;
 
-    if e > 0.0 {
+    if bounces {
         let plastic = solution;
         // Newton's law: u⁻ shifted by e·min(u⁻_n, 0) makes it the plain complementarity of the cone problem.
         let mut shifted = before;
         for i in 0..n {
-            let back = ground.surface(place(i)).restitution * normal[i].min(0.0);
+            let back = restitution(i) * normal[i].min(0.0);
             shifted[i] += ground.normal(place(i)) * back;
         }
         solution = ground.solve(operator, &shifted, &plastic.p, false);
@@ -98,13 +87,11 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     // A landing on a face below the threshold, or the last impact allowed: whatever still leaves the
     // floor by rocking is taken too. (A column rocks through ever smaller, ever more frequent impacts
     // otherwise: Housner 1963.)
-    let quiet = extreme < settings.restitution_threshold;
-    let stopped = if !ordinary {
-        touching
-    } else if quiet {
-        ground.on_faces(touching)
-    } else {
-        0
+    let quiet = extreme < threshold;
+    let stopped = match (ordinary, quiet) {
+        (false, _) => touching,
+        (true, true) => ground.on_faces(touching),
+        (true, false) => 0,
     };
     let impulse = ground.strike(state, &at, &solution.p, stopped);
     ImpactOutcome {
@@ -113,19 +100,6 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
         repaired,
         iterations: solution.iterations,
     }
-}
-
-/// The kinetic energy between the plastic solution p₀ and Newton's p₁. Newton's law with friction or several corners may
-/// return more than the part e² of the energy, and even create some (Kane, Levinson 1985; Stronge 1990). Of p₀ + λd,
-/// d = p₁ − p₀, the energy is Aλ² + Bλ + C above that before, with A = ½ d·Wd, B = d·(u⁻ + Wp₀): a quadratic. Every
-/// λ in (0, 1) is inside the cones (they are convex), and not into the floor.
-pub(super) struct Way {
-    pub(super) a: f64,
-    pub(super) b: f64,
-    /// C ≤ 0 \[J\].
-    pub(super) lost: f64,
-    /// What p₁ adds \[J\].
-    pub(super) gained: f64,
 }
 
 impl Way {

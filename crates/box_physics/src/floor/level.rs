@@ -1,4 +1,4 @@
-//! The floor as the events of a step see it: eight corners, all with the normal +y, in the frame in which it is at rest.
+//! The floor as a [`Ground`]: eight corners, all with the normal +y, in the frame in which the floor is at rest.
 
 use glam::{DMat3, DVec3};
 
@@ -6,8 +6,7 @@ use super::Floor;
 use super::bounds::{curvature_bound, normal_velocities};
 use super::cone::Cone;
 use super::geometry::{Corner3, Corners, has, in_pairs, spans_face};
-use super::ground::{Ground, Level, Segment};
-use super::impact::{Touching, Way};
+use super::ground::{Ground, Level, Segment, Touching, Way};
 use super::newton::Solution;
 use super::operator::DelassusOperator;
 use super::projection::{HeldNormals, cancel, project_positions, recover_penetration};

@@ -6,9 +6,18 @@
 //! ```
 //!
 //! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part
-//! of the step (`event`); all touching corners are solved together, with Newton's restitution and a
-//! round friction cone (`impact`, `cone`); a corner that stays is held by a force over the segment of
-//! motion (`sustained`); a box that lies still keeps its state bit for bit (`memory`).
+//! of the step; all touching corners are solved together, with Newton's restitution and a round friction cone; a corner
+//! that stays is held by a force over the segment of motion; a box that lies still keeps its state bit for bit.
+//!
+//! | modules, from top to bottom | task |
+//! |---|---|
+//! | `step`, `memory`, `flight`, `slide` | a step, and its short cuts: rest, free flight, sliding on a face |
+//! | `planes` | walls and ramps: a step in the axes of one plane, or among several |
+//! | `events`, `impact`, `sustained`, `slips`, `search` | the events of a step, for one floor and several planes alike |
+//! | `ground` | the interface of these to the floor (`level`) and to several planes (`planes::among`) |
+//! | `cone`, `newton` | Coulomb's law |
+//! | `projection`, `motion`, `frame`, `bounds`, `operator`, `geometry` | corrections, motion, corners |
+//!
 //! Literature: J. J. Moreau 1988; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical
 //! Systems*, Springer 2008.
 
@@ -20,7 +29,6 @@
 
 mod bounds;
 mod cone;
-mod event;
 mod events;
 mod flight;
 mod frame;
@@ -35,6 +43,7 @@ mod newton;
 mod operator;
 mod planes;
 mod projection;
+mod search;
 mod slide;
 mod slips;
 mod step;

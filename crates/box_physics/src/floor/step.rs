@@ -100,7 +100,7 @@ impl Integrator {
     }
 }
 
-/// A step, to be made by the chosen integrator.
+/// A step by the chosen integrator.
 pub(super) struct On<'a, C>(pub(super) &'a C, pub(super) BodyStep<'a>);
 
 impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {

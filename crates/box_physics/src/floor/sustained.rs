@@ -143,8 +143,8 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
     }
 
-    /// Whether the slip of the held corner `k`, at the start and at the end of the segment, ends with it. Notes when it
-    /// vanishes.
+    /// Returns whether the slip of the held corner `k`, of which those at the start and at the end of the segment are given,
+    /// ends with it. Notes when it vanishes.
     fn stops(
         &self,
         segment: &mut Segment<N>,

@@ -1,4 +1,4 @@
-//! Several planes as the events of a step see them: a place for each corner over each plane, in world axes.
+//! Several planes as a [`Ground`]: a place for each corner over each plane, in world axes.
 
 use glam::{DMat3, DVec3};
 
@@ -8,8 +8,7 @@ use super::law::Law;
 use crate::floor::Floor;
 use crate::floor::bounds::curvature_bound;
 use crate::floor::geometry::{each, has, set};
-use crate::floor::ground::{Ground, Level, Segment};
-use crate::floor::impact::{Touching, Way};
+use crate::floor::ground::{Ground, Level, Segment, Touching, Way};
 use crate::floor::newton::Solution;
 use crate::floor::operator::DelassusOperator;
 use crate::floor::projection::cancel_iteratively;

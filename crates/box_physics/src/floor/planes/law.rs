@@ -46,16 +46,13 @@ impl CoulombLaw<PAIRS> for Law<'_> {
         let n = normal.dot(p).max(0.0);
         let along = p - normal * normal.dot(p);
         let (length, limit) = (along.length(), self.friction[i] * n);
-        if length <= limit {
-            n * normal + along
-        } else {
-            n * normal + along * (limit / length)
-        }
+        let part = if length <= limit { 1.0 } else { limit / length };
+        n * normal + along * part
     }
 }
 
 impl<'a> Law<'a> {
-    /// The contacts of an operator with these planes, of which `friction` tells the coefficient.
+    /// The contacts of an operator with these planes; `friction` selects a coefficient of their surfaces.
     pub(super) fn new(
         operator: &'a DelassusOperator<PAIRS>,
         planes: &[Plane],

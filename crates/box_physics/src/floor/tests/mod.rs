@@ -286,7 +286,7 @@ pub(super) struct Solver {
 }
 
 impl Solver {
-    /// A solution for the velocities `b`; `surface` tells the normal and the friction of the contacts.
+    /// A solution for the velocities `b`; `surface` gives the normal and the friction of a contact.
     pub(super) fn note<const N: usize>(
         &mut self,
         operator: &DelassusOperator<N>,

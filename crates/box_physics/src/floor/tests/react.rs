@@ -217,7 +217,7 @@ fn may_touch_is_conservative() {
             let mut s = scene.state;
             let t = h * f64::from(k) / 8.0;
             Rk4::step(&scene.body, &mut s, &scene.gravity, t, &mut scene.memory);
-            let c = super::super::geometry::Corners::at(&scene.floor, &scene.body, &s);
+            let c = Corners::at(&scene.floor, &scene.body, &s);
             assert!(c.lowest() > 0.0);
         }
     }

@@ -28,7 +28,7 @@ fn any_drop_ends_flat_and_resting() {
             scene.state,
             scene.floor
         );
-        let corners = super::super::geometry::Corners::at(&scene.floor, &scene.body, &scene.state);
+        let corners = Corners::at(&scene.floor, &scene.body, &scene.state);
         assert_eq!(corners.touching(1e-12).count_ones(), 4, "{i}");
     }
     println!("longest settling {longest} of {steps} steps, {total:?}");

@@ -121,8 +121,8 @@ impl<const N: usize> Search<N> {
     }
 
     /// The first touch of a watched corner, or the whole time. `motion(τ, segment)` makes the motion over τ and
-    /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten. How long
-    /// it takes \[s\], what the motion gave there, and whether the dip test ran out of evaluations.
+    /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten. Returns
+    /// the time \[s\], the motion up to there, and whether the dip test ran out of evaluations.
     pub(super) fn run<'a, T>(
         &self,
         whole: &'a mut T,
