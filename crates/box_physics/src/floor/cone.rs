@@ -8,21 +8,23 @@
 //!
 //! Each corner sticks, slides or leaves. One corner is solved directly (`single`), an edge by its likely cases
 //! (`edge`): nine of ten problems are one of these. Everything else is Newton's method on the twist of the body
-//! (`newton`), which four corners take as few steps as two. Without friction the law is a convex problem with an
+//! (`super::newton`), which four corners take as few steps as two. Without friction the law is a convex problem with an
 //! active set (`Cone::smooth`).
 //!
 //! Of the many distributions of load on four corners the smallest is found, so that a symmetric landing keeps its
 //! symmetry.
 
+mod descent;
 mod edge;
-pub(super) mod newton;
 mod single;
 
 use edge::Edge;
 use glam::{DMat3, DVec3};
 
 use super::ContactSettings;
-use super::geometry::{Corner3, DelassusOperator, has, mask};
+use super::geometry::{Corner3, has, mask};
+use super::newton::Solution;
+use super::operator::DelassusOperator;
 use super::projection::cancel;
 
 /// Notes in tests which case answered.
@@ -39,16 +41,6 @@ thread_local! {
     /// How often each case answered.
     pub(super) static ANSWERS: std::cell::RefCell<std::collections::BTreeMap<&'static str, u32>> =
         std::cell::RefCell::default();
-}
-
-/// What the solver found.
-pub(super) struct ConeSolution {
-    /// The impulses p \[N s\].
-    pub(super) p: Corner3,
-    /// Iterations used.
-    pub(super) iterations: u32,
-    /// Whether the residual came below the tolerance.
-    pub(super) converged: bool,
 }
 
 /// The normal part made positive, the tangential one cut to the disc that belongs to it.
@@ -108,14 +100,10 @@ impl<'a> Cone<'a> {
     /// in half of the iterations is
     /// solved with a quarter of the friction in a quarter of them, and so on, and at last with none, directly: the
     /// result always keeps the normal law and never gains energy; `converged` tells that it had to give way.
-    pub(super) fn solve(&self, b: &Corner3, near: &Corner3) -> ConeSolution {
+    pub(super) fn solve(&self, b: &Corner3, near: &Corner3) -> Solution {
         let operator = self.operator;
         let n = operator.count;
-        let mut solution = ConeSolution {
-            p: [DVec3::ZERO; 8],
-            iterations: 0,
-            converged: true,
-        };
+        let mut solution = Solution::NONE;
         if b[..n].iter().all(|u| u.y >= 0.0) {
             return solution; // nothing approaches: p = 0 is the solution
         }
@@ -135,7 +123,7 @@ impl<'a> Cone<'a> {
     }
 
     #[cold]
-    fn give_way(&self, b: &Corner3, target: f64, solution: &mut ConeSolution) {
+    fn give_way(&self, b: &Corner3, target: f64, solution: &mut Solution) {
         let mut weaker = *self;
         for _ in 0..2 {
             weaker.friction *= 0.25;
@@ -175,7 +163,7 @@ impl<'a> Cone<'a> {
         let tiny = 1e-14 * operator.largest(b);
         let (mut p, mut stopped) = ([DVec3::ZERO; 8], 0);
         for _ in 0..4 * operator.count {
-            let w = self.velocities(b, &p);
+            let w = operator.after(b, &p);
             let free = (0..operator.count).filter(|&i| !has(stopped, i));
             let Some(next) = free.min_by(|&i, &j| w[i].y.total_cmp(&w[j].y)) else {
                 break;
@@ -219,7 +207,7 @@ impl<'a> Cone<'a> {
         near: &Corner3,
         target: f64,
         limit: u32,
-        solution: &mut ConeSolution,
+        solution: &mut Solution,
     ) {
         solution.converged = true;
         match self.operator.count {
@@ -280,8 +268,8 @@ impl<'a> Cone<'a> {
         }
         let inverse = spread.inverse();
         let omega = -(inverse * turn);
-        let force = (-mean - omega.cross(center)) / operator.inverse_mass();
-        let torque = operator.inverse_inertia().inverse() * omega - center.cross(force);
+        let force = (-mean - omega.cross(center)) / operator.inverse_mass;
+        let torque = operator.inverse_inertia.inverse() * omega - center.cross(force);
         let beta = inverse * torque;
         let mut p = [DVec3::ZERO; 8];
         for i in 0..n {
@@ -291,7 +279,7 @@ impl<'a> Cone<'a> {
                 return None;
             }
         }
-        let left = operator.largest(&self.velocities(b, &p));
+        let left = operator.largest(&operator.after(b, &p));
         (left <= target).then_some(p)
     }
 
@@ -310,61 +298,9 @@ impl<'a> Cone<'a> {
         let found = edge.solve()?;
         let mut p = [DVec3::ZERO; 8];
         (p[i], p[j]) = found.into();
-        let w = self.velocities(b, &p);
+        let w = self.operator.after(b, &p);
         let leaves = |w: &DVec3| w.y >= -target;
         w[..self.operator.count].iter().all(leaves).then_some(p)
-    }
-
-    /// Accelerated projected gradients (Nesterov 1983; restart after O'Donoghue, Candès, Found. Comput. Math. 15 (2015)
-    /// 715; for contact: Mazhar et al., ACM TOG 34 (2015) 32): p = P(p − ρw), P taking p_n to max(p_n, 0) and p_t into
-    /// the disc of radius µp_n.
-    fn gradient(&self, b: &Corner3, target: f64, steps: u32, solution: &mut ConeSolution) {
-        let (n, norm, friction) = (self.operator.count, self.norm, self.friction);
-        let step = 1.0 / norm;
-        let mut previous = [DVec3::ZERO; 8];
-        let mut y = previous;
-        let mut theta = 1.0_f64;
-        solution.converged = false;
-        for _ in 0..steps {
-            let w = self.velocities(b, &y);
-            let mut next = [DVec3::ZERO; 8];
-            let (mut residual, mut turn) = (0.0_f64, 0.0);
-            for i in 0..n {
-                next[i] = project(y[i] - step * w[i], friction);
-                let change = y[i] - next[i];
-                residual = residual.max(change.length_squared());
-                turn += change.dot(next[i] - previous[i]);
-            }
-            solution.iterations += 1;
-            if norm * residual.sqrt() <= target {
-                solution.converged = true;
-                previous = next;
-                break;
-            }
-            if turn > 0.0 {
-                theta = 1.0;
-                y = next;
-            } else {
-                let theta_next = 0.5 * (1.0 + (1.0 + 4.0 * theta * theta).sqrt());
-                let beta = (theta - 1.0) / theta_next;
-                for i in 0..n {
-                    y[i] = next[i] + beta * (next[i] - previous[i]);
-                }
-                theta = theta_next;
-            }
-            previous = next;
-        }
-        solution.p = previous;
-    }
-
-    /// b + Wp.
-    pub(super) fn velocities(&self, b: &Corner3, p: &Corner3) -> Corner3 {
-        let (v, omega) = self.operator.twist(p);
-        let mut w = *b;
-        for i in 0..self.operator.count {
-            w[i] += v + omega.cross(self.operator.lever[i]);
-        }
-        w
     }
 }
 

@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::FloorContext;
-use super::sustained::Supported;
+use super::motion::Supported;
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::integrators::{Integrate, IntegratorMemory, Order, StepOutcome};

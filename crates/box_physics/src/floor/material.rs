@@ -184,7 +184,7 @@ impl Floor {
     ) -> Self {
         if let Some(own) = friction.filter(|own| own.validate().is_ok()) {
             let mix = |a, b| own.combine_rule.mix(a, b);
-            let holds = self.static_friction.unwrap_or(self.friction);
+            let holds = self.grip();
             self.friction = mix(self.friction, own.dynamic_coefficient);
             let holds = mix(holds, own.static_coefficient);
             self.static_friction = (holds > self.friction).then_some(holds);

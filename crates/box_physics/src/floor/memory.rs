@@ -247,21 +247,18 @@ impl ContactReport {
         self.approach_speed = self.approach_speed.max(speed);
     }
 
-    /// Adds impulses at the corners of a box whose center is at `center` in the world.
-    pub(super) fn add(&mut self, center: DVec3, lever: &Corner3, impulse: &Corner3) {
-        for k in 0..8 {
-            if impulse[k].y != 0.0 {
-                self.normal_impulses[k] += impulse[k].y;
-                self.tangential_impulse += impulse[k].with_y(0.0);
-                self.points[k] = center + lever[k];
-                self.corners |= 1 << k;
-            }
-        }
+    /// Adds an impulse along the normal at a corner, which is at `point`.
+    pub(super) fn push(&mut self, k: usize, point: DVec3, impulse: f64) {
+        self.normal_impulses[k] += impulse;
+        self.points[k] = point;
+        self.corners |= 1 << k;
     }
 
     /// Adds what forces \[N\] at the corners make in the time `h` \[s\].
     pub(super) fn hold(&mut self, center: DVec3, corners: &Corners, h: f64, load: &[f64; 8]) {
-        self.add(center, &corners.lever, &load.map(|f| DVec3::Y * (f * h)));
+        for k in (0..8).filter(|&k| load[k] != 0.0) {
+            self.push(k, center + corners.lever[k], load[k] * h);
+        }
     }
 
     /// Ends the step with these corners touching.

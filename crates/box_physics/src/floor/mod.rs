@@ -6,9 +6,18 @@
 //! ```
 //!
 //! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part
-//! of the step (`event`); all touching corners are solved together, with Newton's restitution and a
-//! round friction cone (`impact`, `cone`); a corner that stays is held by a force over the segment of
-//! motion (`sustained`); a box that lies still keeps its state bit for bit (`memory`).
+//! of the step; all touching corners are solved together, with Newton's restitution and a round friction cone; a corner
+//! that stays is held by a force over the segment of motion; a box that lies still keeps its state bit for bit.
+//!
+//! | modules, from top to bottom | task |
+//! |---|---|
+//! | `step`, `memory`, `flight`, `slide` | a step, and its short cuts: rest, free flight, sliding on a face |
+//! | `planes` | walls and ramps: a step in the axes of one plane, or among several |
+//! | `events`, `impact`, `sustained`, `slips`, `search` | the events of a step, for one floor and several planes alike |
+//! | `ground` | the interface of these to the floor (`level`) and to several planes (`planes::among`) |
+//! | `cone`, `newton` | Coulomb's law |
+//! | `projection`, `motion`, `frame`, `bounds`, `operator`, `geometry` | corrections, motion, corners |
+//!
 //! Literature: J. J. Moreau 1988; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical
 //! Systems*, Springer 2008.
 
@@ -20,15 +29,21 @@
 
 mod bounds;
 mod cone;
-mod event;
+mod events;
 mod flight;
 mod frame;
 mod geometry;
+mod ground;
 mod impact;
+mod level;
 mod material;
 mod memory;
+mod motion;
+mod newton;
+mod operator;
 mod planes;
 mod projection;
+mod search;
 mod slide;
 mod slips;
 mod step;
@@ -112,8 +127,7 @@ impl Floor {
             height,
             restitution,
             friction,
-            static_friction: None,
-            velocity: DVec3::ZERO,
+            ..Self::default()
         };
         floor.validate().map(|()| floor)
     }
@@ -138,6 +152,11 @@ impl Floor {
         self.height += self.velocity.y * h;
     }
 
+    /// The coefficient of friction that holds.
+    fn grip(&self) -> f64 {
+        self.static_friction.unwrap_or(self.friction)
+    }
+
     /// Whether the fields are in their ranges, however they were set.
     ///
     /// # Errors
@@ -156,11 +175,8 @@ impl Floor {
             let allowed = "finite and not less than friction";
             InvalidValue::check(in_range, "static_friction", holds, allowed)?;
         }
-        let velocity = self.velocity.to_array();
-        for (field, v) in ["velocity.x", "velocity.y", "velocity.z"]
-            .into_iter()
-            .zip(velocity)
-        {
+        let fields = ["velocity.x", "velocity.y", "velocity.z"].into_iter();
+        for (field, v) in fields.zip(self.velocity.to_array()) {
             InvalidValue::check(v.is_finite(), field, v, "finite")?;
         }
         Ok(())
@@ -288,6 +304,12 @@ pub struct FloorOutcome {
 }
 
 impl FloorOutcome {
+    /// However many segments and trials a step took: it gave way once.
+    fn count_once(&mut self) {
+        self.step.fallbacks = self.step.fallbacks.min(1);
+        self.step.unconverged = self.step.unconverged.min(1);
+    }
+
     /// Counts a repair that took so much energy \[J\].
     fn repair(&mut self, taken: Option<f64>) {
         if let Some(energy) = taken {

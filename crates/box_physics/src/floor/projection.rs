@@ -5,7 +5,8 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::geometry::{Corner3, Corners, DelassusOperator, in_pairs, levers, spans_face};
+use super::geometry::{Corner3, Corners, in_pairs, levers, spans_face};
+use super::operator::DelassusOperator;
 use crate::body::RigidBox;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
@@ -18,9 +19,8 @@ pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -
     let normal_only = mask[..n].iter().all(|m| *m == DVec3::Y);
     if normal_only && (n <= 2 || operator.spans_face()) {
         let arm = operator.lever.map(|r| r.cross(DVec3::Y));
-        let turn = |torque: DVec3| operator.inverse_inertia() * torque;
-        if let Some(found) = stop_normals(&arm[..n], operator.inverse_mass(), turn, &u.map(|u| u.y))
-        {
+        let turn = |torque: DVec3| operator.inverse_inertia * torque;
+        if let Some(found) = stop_normals(&arm[..n], operator.inverse_mass, turn, &u.map(|u| u.y)) {
             return found.map(|p| DVec3::Y * p);
         }
     }
@@ -29,7 +29,9 @@ pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -
         2 if !normal_only => {
             (p[0], p[1]) = cancel_two(operator, u, [0, 1].map(|i| mask[i] == DVec3::ONE));
         }
-        _ => p = cancel_iteratively(operator, u, mask),
+        _ => {
+            p = cancel_iteratively(operator, operator.norm_bound(), u, |i, v| v * mask[i]);
+        }
     }
     p
 }
@@ -191,29 +193,33 @@ pub(super) fn least_along(edge: DVec3, p: &mut [DVec3; 2]) {
     p[1] += shift;
 }
 
-/// By conjugate gradients from zero (Hestenes, Stiefel 1952), which treat all corners alike, to the last bit.
-/// W has rank six at most, so six steps are exact but for rounding; the rest of the twelve polish.
-fn cancel_iteratively(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -> Corner3 {
+/// Impulses p with u + Wp = 0 in the components that `allowed` leaves of each contact's vector, of least norm: by
+/// conjugate gradients from zero (Hestenes, Stiefel 1952), which treat all contacts alike, to the last bit.
+/// W, of which `norm_bound` bounds the norm, has rank six at most, so six steps are exact but for rounding; the rest
+/// of the twelve polish.
+pub(super) fn cancel_iteratively<const N: usize>(
+    operator: &DelassusOperator<N>,
+    norm_bound: f64,
+    u: &[DVec3; N],
+    allowed: impl Fn(usize, DVec3) -> DVec3,
+) -> [DVec3; N] {
     let n = operator.count;
-    let mut p = [DVec3::ZERO; 8];
+    let mut p = [DVec3::ZERO; N];
     let mut residual = p;
     for i in 0..n {
-        residual[i] = -(u[i] * mask[i]);
+        residual[i] = -allowed(i, u[i]);
     }
     let mut direction = residual;
     let mut square = operator.dot(&residual, &residual);
-    let floor = square * 1e-34;
-    if square <= floor {
-        return p;
-    }
-    let null = 1e-12 * operator.norm_bound();
+    let enough = square * 1e-34;
+    let null = 1e-12 * norm_bound;
     for _ in 0..12 {
-        if square <= floor {
+        if square <= enough {
             break;
         }
         let mut image = operator.response(&direction);
         for i in 0..n {
-            image[i] *= mask[i];
+            image[i] = allowed(i, image[i]);
         }
         let curvature = operator.dot(&direction, &image);
         // Four coplanar corners have one distribution that does nothing, and rounding leaves a residual
@@ -303,8 +309,7 @@ mod tests {
     fn directly_or_not_the_same_is_canceled() {
         let mut random = Random(3);
         for i in 0..1000 {
-            let mut side = || random.magnitude(0.1, 1.0);
-            let half = DVec3::new(side(), side(), side());
+            let half = random.half_extents(0.1, 1.0);
             let body = RigidBox::new(half, 3.0).expect("valid");
             let mut state = BodyState::at(DVec3::ZERO).with_velocity(random.vector(1.0));
             state.set_angular_velocity(&body, random.vector(3.0));
@@ -326,7 +331,8 @@ mod tests {
                 mask = [DVec3::Y; 8];
             }
             let p = cancel(&operator, &u, &mask);
-            let mut q = cancel_iteratively(&operator, &u, &mask);
+            let bound = operator.norm_bound();
+            let mut q = cancel_iteratively(&operator, bound, &u, |i, v| v * mask[i]);
             // Of least norm to rounding, which conjugate gradients are not quite: equal loads on one diagonal
             // against the other, and the opposite ones along an edge, do nothing.
             let diagonals = |p: &Corner3| 0.25 * (p[0] + p[1] - p[2] - p[3]);

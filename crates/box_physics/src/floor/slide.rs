@@ -49,8 +49,7 @@ pub(super) fn slide<F: ForceModel>(
     touching: u8,
 ) -> Option<Slide> {
     let (floor, body, force) = (context.floor, context.body, context.force);
-    let uniform = !force.has_wrench() && !force.has_dissipation();
-    if !uniform || method.errs_in_gravity {
+    if !context.is_uniform() || method.errs_in_gravity {
         return None;
     }
     let pull = force.acceleration();

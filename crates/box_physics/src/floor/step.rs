@@ -1,41 +1,18 @@
-//! One step over the floor: segments of motion between events.
+//! One step over the floor.
 
 use glam::DVec3;
 
-use super::bounds::{acceleration_bound, curvature_bound, normal_velocities, spin_bound};
-use super::event::Search;
+use super::events::between_events;
 use super::flight::{Flight, Flown, fly};
 use super::frame::Method;
-use super::geometry::{Corners, has};
-use super::impact::{ImpactKind, resolve_impact};
+use super::geometry::Corners;
+use super::ground::{BodyStep, Level};
 use super::projection::recover_penetration;
 use super::slide::{Slide, slide};
-use super::sustained::{Segment, Start, candidates, limit_energy, longest_segment};
 use super::{ContactReport, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
-
-/// Segments of sustained motion in a step; a body that needs more gets longer ones.
-pub(super) const MAX_SEGMENTS: u32 = 256;
-/// Evaluations that the search for one event may take, in flight and with corners held.
-pub(super) const SEARCH_BUDGET: u32 = 4096;
-pub(super) const SEARCH_BUDGET_HELD: u32 = 128;
-/// Dips that are looked for, over the tolerance: in flight as deep as a corner may ever be below the floor
-/// (1e-9 of the scale); with corners held, where the motion itself is of second order, 1e-6.
-pub(super) const DIP_FREE: f64 = 1e3;
-pub(super) const DIP_HELD: f64 = 1e6;
-/// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
-pub(super) const STOP_TRIES: u32 = 8;
-/// Part of a segment in which such a moment need not be found any better: at a constant deceleration, whose
-/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the segment.
-pub(super) const SHORTEST_STOP: f64 = 1e-2;
-/// Rounds of the loop in one step.
-pub(super) const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
-/// Force evaluations in one step.
-pub(super) const MAX_EVALUATIONS: u64 = 40_000;
-/// Solver iterations in one step, over all events: what bounds the work when nothing converges.
-pub(super) const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 
 /// Advances `state` by `h` \[s\] over the floor, free flight included: event by event,
 ///
@@ -99,12 +76,10 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
         }
     }
     context.to_floor(state, 0.0);
-    let method = Method::of::<S>();
-    outcome = in_floor_frame(context, &method, state, h, memory, contact, report, flown);
+    let mut step = BodyStep::new(state, h, memory, contact, report);
+    outcome = in_floor_frame(context, &Method::of::<S>(), &mut step, flown);
     context.to_world(state, h);
-    // However many segments and trials it took: one step gave way once.
-    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
-    outcome.step.unconverged = outcome.step.unconverged.min(1);
+    outcome.count_once();
     outcome
 }
 
@@ -120,234 +95,103 @@ impl Integrator {
         contact: &mut ContactState,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        self.dispatch(StepOnFloor {
-            context,
-            state,
-            h,
-            memory,
-            contact,
-            report,
-        })
+        let step = BodyStep::new(state, h, memory, contact, report);
+        self.dispatch(On(context, step))
     }
 }
 
-/// The arguments of [`Integrator::step_on_floor`].
-struct StepOnFloor<'a, 'c, F> {
-    context: &'a FloorContext<'c, F>,
-    state: &'a mut BodyState,
-    h: f64,
-    memory: &'a mut IntegratorMemory,
-    contact: &'a mut ContactState,
-    report: Option<&'a mut ContactReport>,
-}
+/// A step by the chosen integrator.
+pub(super) struct On<'a, C>(pub(super) &'a C, pub(super) BodyStep<'a>);
 
-impl<F: ForceModel> IntegratorVisitor for StepOnFloor<'_, '_, F> {
+impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {
     type Output = FloorOutcome;
 
     fn visit<S: Integrate>(self) -> FloorOutcome {
-        let (state, memory, contact) = (self.state, self.memory, self.contact);
-        step_on_floor::<S, F>(self.context, state, self.h, memory, contact, self.report)
+        let On(context, b) = self;
+        step_on_floor::<S, F>(context, b.state, b.h, b.memory, b.contact, b.report)
     }
 }
 
 /// The step of a box that touches the floor or may. `flown` is the plain step, if it is known.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "the arguments of `step_on_floor`"
-)]
 pub(super) fn in_floor_frame<F: ForceModel>(
     context: &FloorContext<'_, F>,
     method: &Method<F>,
-    state: &mut BodyState,
-    h: f64,
-    memory: &mut IntegratorMemory,
-    contact: &mut ContactState,
-    report: Option<&mut ContactReport>,
+    step: &mut BodyStep<'_>,
     flown: Option<Flown>,
 ) -> FloorOutcome {
-    let touching = contact.touching;
+    let (h, touching) = (step.h, step.contact.touching);
     let mut slid = None;
     if touching.count_ones() == 4 {
-        slid = slide(context, method, state, h, touching);
+        slid = slide(context, method, step.state, h, touching);
         if let Some(slide) = &slid
             && slide.time == h
         {
-            if let Some(report) = report {
-                *report = held(context, state, h, h, &slide.load, touching);
+            if let Some(report) = &mut step.report {
+                **report = held(context, step.state, h, h, &slide.load, touching);
             }
-            let step = StepOutcome::plain(slide.evaluations);
-            return FloorOutcome {
-                step,
-                ..FloorOutcome::default()
-            };
+            return slide.outcome();
         }
     }
-    between_events(
-        context, method, state, h, memory, contact, report, flown, slid,
-    )
+    let level = Level {
+        context,
+        method,
+        tolerance: context.tolerated_height(),
+    };
+    level.by_events(step, flown, slid)
 }
 
-/// Segment after segment. `slid` is what a slide has made of the step until it stopped.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "where a step begins, and how far it has come"
-)]
-#[inline(never)] // its large frame is not for boxes that rest or fly
-fn between_events<F: ForceModel>(
-    context: &FloorContext<'_, F>,
-    method: &Method<F>,
-    state: &mut BodyState,
-    h: f64,
-    memory: &mut IntegratorMemory,
-    contact: &mut ContactState,
-    report: Option<&mut ContactReport>,
-    mut flown: Option<Flown>,
-    slid: Option<Slide>,
-) -> FloorOutcome {
-    let mut outcome = FloorOutcome::default();
-    let &FloorContext {
-        floor,
-        settings,
-        body,
-        force,
-    } = context;
-    let tolerance = context.tolerated_height();
-    let [first, second] = core::mem::take(&mut contact.spare.0);
-    let (mut first, mut second) = (Segment::new(first), Segment::new(second));
-    let mut report = report;
-    if let Some(report) = &mut report {
-        **report = ContactReport::default();
-    }
-    let mut remaining = h;
-    if let Some(slide) = slid {
-        remaining -= slide.time;
-        outcome.step = StepOutcome::plain(slide.evaluations);
-        let center = context.world_point(state.position, slide.time);
-        let corners = Corners::at(floor, body, state);
-        if let Some(report) = &mut report {
-            report.hold(center, &corners, slide.time, &slide.load);
+impl Slide {
+    fn outcome(&self) -> FloorOutcome {
+        FloorOutcome {
+            step: StepOutcome::plain(self.evaluations),
+            ..FloorOutcome::default()
         }
     }
-    let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
-    let mut still = None;
-    let mut corners = Corners::at(floor, body, state);
-    // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
-    // velocity stays what it was, so depth never turns into speed.
-    if corners.lowest() < -tolerance {
-        recover_penetration(floor, state, &mut corners);
-    }
+}
 
-    while remaining > 0.0 {
-        rounds += 1;
-        let exhausted = rounds > MAX_ROUNDS
-            || iterations > MAX_TOTAL_ITERATIONS
-            || outcome.step.evaluations > MAX_EVALUATIONS
-            || outcome.impacts_capped > settings.max_impacts;
-        if exhausted {
-            outcome.solves_capped += 1;
-            remainder_of_step(context, method, state, h - remaining, remaining, memory);
-            corners = Corners::at(floor, body, state);
-            break;
-        }
-        let touching = corners.touching(2.0 * tolerance);
-        let normal = normal_velocities(body, state, &corners);
-        let elapsed = h - remaining;
-        let mut in_world = *state;
-        context.to_world(&mut in_world, elapsed);
-        let pull = acceleration_bound(body, &in_world, force);
-        let speed = state.velocity.length() + body.radius() * spin_bound(body, state);
-        // A hop u²/2A lower than the tolerance does not count.
-        let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
-
-        if (0..8).any(|k| has(touching, k) && normal[k] < -hold) {
-            let kind = if outcome.impacts < settings.max_impacts {
-                ImpactKind::Ordinary
-            } else {
-                outcome.impacts_capped += 1;
-                ImpactKind::Resting
-            };
-            let hit = resolve_impact(context, state, &corners, touching, kind);
-            if let Some(report) = &mut report {
-                let fastest = (0..8).filter(|&k| has(touching, k)).map(|k| -normal[k]);
-                report.strike(h - remaining, fastest.fold(0.0, f64::max));
-                report.add(in_world.position, &corners.lever, &hit.impulse);
+impl<F: ForceModel> Level<'_, F> {
+    /// Event after event. `slid` is what a slide has made of the step until it stopped.
+    #[inline(never)] // its large frame is not for boxes that rest or fly
+    fn by_events(
+        &self,
+        step: &mut BodyStep<'_>,
+        flown: Option<Flown>,
+        slid: Option<Slide>,
+    ) -> FloorOutcome {
+        let (context, h) = (self.context, step.h);
+        let mut outcome = slid
+            .as_ref()
+            .map_or_else(FloorOutcome::default, Slide::outcome);
+        let mut corners = Corners::at(context.floor, context.body, step.state);
+        if let Some(report) = &mut step.report {
+            **report = ContactReport::default();
+            if let Some(slide) = &slid {
+                let center = context.world_point(step.state.position, slide.time);
+                report.hold(center, &corners, slide.time, &slide.load);
             }
-            outcome.impacts += 1;
-            outcome.solves_capped += u32::from(hit.capped);
-            outcome.repair(hit.repaired);
-            iterations += hit.iterations;
-            continue;
         }
-
-        let held = candidates(touching, &normal, hold);
-        let mut time = remaining;
-        if held != 0 {
-            held_segments += 1;
-            let left = f64::from(MAX_SEGMENTS.saturating_sub(held_segments)) + 1.0;
-            time = remaining.min(longest_segment(body, state, pull).max(remaining / left));
+        // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
+        // velocity stays what it was, so depth never turns into speed.
+        if corners.lowest() < -self.tolerance {
+            recover_penetration(context.floor, step.state, &mut corners);
         }
-        let start = Start {
-            context,
-            method,
-            state: *state,
-            elapsed,
-            memory,
-            corners: &corners,
-            normal,
-            candidates: held,
-            still_speed: hold,
-            acceleration: pull,
-            shortest: SHORTEST_STOP * time,
-        };
-        let (tau, segment) = move_until_event(
-            &start,
-            time,
-            flown.take(),
-            &mut first,
-            &mut second,
-            &mut outcome,
-        );
-        iterations += segment.iterations;
-        outcome.solves_capped += u32::from(segment.capped);
-        if segment.still {
-            still = Some(segment.impulse.map(|p| p.y / tau));
-            let whole = segment.impulse.map(|p| p * (remaining / tau));
-            if let Some(report) = &mut report {
-                report.add(in_world.position, &corners.lever, &whole);
-            }
-            break;
+        let remaining = h - slid.map_or(0.0, |slide| slide.time);
+        let loads = between_events(self, step, &mut corners, remaining, flown, &mut outcome);
+        recover_penetration(context.floor, step.state, &mut corners);
+        let now = corners.touching(2.0 * self.tolerance) as u8;
+        if let Some(report) = &mut step.report {
+            let center = context.world_point(step.state.position, h);
+            report.end(center, &corners.lever, now);
+            report.normal = DVec3::Y;
         }
-        if held != 0 {
-            start.finish(segment);
+        step.contact.touching = now;
+        if let Some(loads) = loads {
+            step.contact
+                .establish_rest(context, None, step.state, h, loads);
+            outcome.resting = true;
         }
-        corners = segment.corners;
-        outcome.repair(segment.repaired);
-        if let Some(report) = &mut report {
-            let center = context.world_point(segment.state.position, elapsed + tau);
-            report.add(center, &corners.lever, &segment.impulse);
-        }
-        *state = segment.state;
-        core::mem::swap(memory, &mut segment.memory);
-        remaining = if tau >= remaining {
-            0.0
-        } else {
-            remaining - tau
-        };
+        outcome
     }
-
-    contact.spare.0 = [first.memory, second.memory];
-    recover_penetration(floor, state, &mut corners);
-    let now = corners.touching(2.0 * tolerance);
-    if let Some(report) = report {
-        let center = context.world_point(state.position, h);
-        report.end(center, &corners.lever, now);
-    }
-    contact.touching = now;
-    if let Some(reaction) = still {
-        contact.establish_rest(context, None, state, h, reaction);
-        outcome.resting = true;
-    }
-    outcome
 }
 
 /// The step of corners that touched before and do now, held by these forces \[N\]. `state` is in the frame of the floor
@@ -366,131 +210,4 @@ fn held<F>(
     report.hold(center, &corners, h, load);
     report.end(center, &corners.lever, touching);
     report
-}
-
-/// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
-/// step over `time`, if it is known, with its memory in the first of the segments, which are overwritten.
-fn move_until_event<'a, F: ForceModel>(
-    start: &Start<F>,
-    time: f64,
-    flown: Option<Flown>,
-    whole: &'a mut Segment,
-    other: &'a mut Segment,
-    outcome: &mut FloorOutcome,
-) -> (f64, &'a mut Segment) {
-    let mut tau = time;
-    match flown {
-        Some(flown) => {
-            outcome.step += flown.outcome;
-            whole.fly_to(start, flown);
-        }
-        None => start.spent(outcome, tau, whole),
-    }
-    if start.candidates != 0 {
-        // The part found from the whole segment is exact for a constant deceleration; otherwise the
-        // next try starts from a better guess.
-        let mut before = None;
-        for _ in 0..STOP_TRIES {
-            if whole.still || tau <= start.shortest {
-                break;
-            }
-            let Some(next) = whole.slips.first_stop(tau, before.as_ref()) else {
-                break;
-            };
-            before = Some((tau, whole.slips));
-            tau = next.clamp(0.1 * start.shortest, time);
-            start.spent(outcome, tau, whole);
-        }
-        if whole.still {
-            return (tau, whole);
-        }
-    }
-    let watch = u64::from(!start.candidates);
-    let held = start.candidates != 0;
-    let context = start.context;
-    let (floor, body) = (context.floor, context.body);
-    let center = start.state.position.y.max(whole.state.position.y) - floor.height;
-    let mut search = Search {
-        watch,
-        start: start.corners.height,
-        rate: start.normal,
-        end_rate: [f64::NAN; 8],
-        time: tau,
-        curvature: curvature_bound(
-            body,
-            &start.state,
-            start.acceleration,
-            context.force,
-            DVec3::Y,
-        ),
-        tolerance: context.tolerated_height(),
-        dip: context.tolerated_height() * if held { DIP_HELD } else { DIP_FREE },
-        highest: center + body.radius() + tau * start.state.velocity.length(),
-        budget: if held {
-            SEARCH_BUDGET_HELD
-        } else {
-            SEARCH_BUDGET
-        },
-    };
-    let height = whole.corners.height;
-    if search.is_over(&height) {
-        return (tau, whole);
-    }
-    if !held {
-        // With corners held it tells no more than the velocities at the start.
-        search.end_rate = normal_velocities(body, &whole.state, &whole.corners);
-    }
-    let reached = search.run(whole, height, other, |t, segment| {
-        start.spent(outcome, t, segment);
-        segment.corners.height
-    });
-    outcome.solves_capped += u32::from(reached.capped);
-    (reached.tau, reached.motion)
-}
-
-impl Segment {
-    /// Free flight to where it is known to lead.
-    fn fly_to<F>(&mut self, start: &Start<F>, end: Flown) {
-        self.clear();
-        self.outcome = end.outcome;
-        self.corners = Corners::at(start.context.floor, start.context.body, &end.state);
-        self.state = end.state;
-    }
-}
-
-impl<F: ForceModel> Start<'_, F> {
-    /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
-    fn spent(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment) {
-        segment.memory.clone_from(self.memory);
-        if self.candidates == 0 {
-            let (context, mut state) = (self.context, self.state);
-            let memory = &mut segment.memory;
-            let outcome = context.in_world(&mut state, self.elapsed, tau, |state| {
-                (self.method.step)(context.body, state, context.force, tau, memory)
-            });
-            segment.fly_to(self, Flown { state, outcome });
-        } else {
-            self.advance(tau, segment);
-        }
-        outcome.step += segment.outcome;
-    }
-}
-
-/// What is left when the caps are reached: one plain step, out of the floor, no approach, no gain.
-fn remainder_of_step<F: ForceModel>(
-    context: &FloorContext<'_, F>,
-    method: &Method<F>,
-    state: &mut BodyState,
-    elapsed: f64,
-    remaining: f64,
-    memory: &mut IntegratorMemory,
-) {
-    let (floor, body, force) = (context.floor, context.body, context.force);
-    let start = *state;
-    context.in_world(state, elapsed, remaining, |state| {
-        (method.step)(body, state, force, remaining, memory)
-    });
-    recover_penetration(floor, state, &mut Corners::at(floor, body, state));
-    state.velocity.y = state.velocity.y.max(0.0);
-    limit_energy(body, &start, state, force.acceleration());
 }

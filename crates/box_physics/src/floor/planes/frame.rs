@@ -6,11 +6,12 @@ use glam::{DQuat, DVec3};
 use super::{Plane, PlanesContext};
 use crate::body::RigidBox;
 use crate::floor::frame::Method;
+use crate::floor::ground::BodyStep;
+use crate::floor::motion::Supported;
 use crate::floor::step::in_floor_frame;
-use crate::floor::sustained::Supported;
-use crate::floor::{ContactReport, ContactState, Floor, FloorContext, FloorOutcome};
+use crate::floor::{ContactReport, Floor, FloorContext, FloorOutcome};
 use crate::force::{Damping, Dissipation, ForceModel, Wrench};
-use crate::integrators::{IntegratorMemory, StepOutcome};
+use crate::integrators::StepOutcome;
 use crate::state::BodyState;
 
 /// The axes of a plane: y along its normal, the origin below the plane by `height`, so that the floor's tolerance is
@@ -54,8 +55,6 @@ struct Turned<'a, F> {
     /// The integrator in the world.
     method: &'a Method<F>,
     axes: Axes,
-    acceleration: DVec3,
-    dissipation: Dissipation,
 }
 
 impl<F: ForceModel> Turned<'_, F> {
@@ -80,11 +79,13 @@ impl<F: ForceModel> Turned<'_, F> {
 
 impl<F: ForceModel> ForceModel for Turned<'_, F> {
     fn acceleration(&self) -> DVec3 {
-        self.acceleration
+        self.axes.turn.inverse() * self.inner.acceleration()
     }
 
     fn dissipation(&self) -> Dissipation {
-        self.dissipation
+        let world = self.inner.dissipation();
+        let wind = self.axes.turn.inverse() * world.wind;
+        Dissipation { wind, ..world }
     }
 
     fn has_dissipation(&self) -> bool {
@@ -110,36 +111,22 @@ impl<F: ForceModel> ForceModel for Turned<'_, F> {
 }
 
 /// The step at one plane. A state that comes back as it was is the state that it was, to the last bit.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "the arguments of `step_on_planes`"
-)]
 pub(super) fn step_at<F: ForceModel>(
     context: &PlanesContext<'_, F>,
     plane: &Plane,
     method: &Method<F>,
-    state: &mut BodyState,
-    h: f64,
-    memory: &mut IntegratorMemory,
-    contact: &mut ContactState,
-    report: Option<&mut ContactReport>,
+    step: BodyStep<'_>,
 ) -> FloorOutcome {
+    let state = step.state;
     let axes = Axes {
         turn: plane.axes.unwrap_or(DQuat::IDENTITY),
         origin: plane.shape.point,
         height: plane.scale(state),
     };
-    let back = axes.turn.inverse();
-    let dissipation = context.force.dissipation();
     let force = Turned {
         inner: context.force,
         method,
         axes,
-        acceleration: back * context.force.acceleration(),
-        dissipation: Dissipation {
-            wind: back * dissipation.wind,
-            ..dissipation
-        },
     };
     let floor = Floor {
         height: axes.height,
@@ -172,22 +159,18 @@ pub(super) fn step_at<F: ForceModel>(
     };
     let start = axes.to_plane(state);
     let mut end = start;
-    let mut found = report.is_some().then(ContactReport::default);
-    let outcome = in_floor_frame(
-        &in_axes,
-        &in_world,
-        &mut end,
-        h,
-        memory,
-        contact,
-        found.as_mut(),
-        None,
-    );
+    let mut found = step.report.is_some().then(ContactReport::default);
+    let mut in_its_axes = BodyStep {
+        state: &mut end,
+        report: found.as_mut(),
+        ..step
+    };
+    let outcome = in_floor_frame(&in_axes, &in_world, &mut in_its_axes, None);
     if end != start {
         *state = axes.to_world(&end);
         state.renormalize();
     }
-    if let (Some(report), Some(mut found)) = (report, found) {
+    if let (Some(report), Some(mut found)) = (step.report, found) {
         found.points = found.points.map(|point| axes.point_to_world(point));
         found.tangential_impulse = axes.turn * found.tangential_impulse;
         found.normal = plane.shape.normal;

@@ -4,16 +4,15 @@
 //! reach: the planes that the box can come near in this step, whatever it strikes on the way
 //!   it may fly past all → the integrator's plain step
 //!   one                 → step_on_floor, in the axes of that plane (frame)
-//!   several             → the same events with the contacts of all of them (step, held, law)
+//!   several             → the same events with the contacts of all of them (step, among, law)
 //! ```
 //!
 //! A *contact* is a corner at a plane. Over several planes everything is in world axes, and each contact has its own
 //! normal, friction and restitution.
 
+mod among;
 mod contacts;
 mod frame;
-mod held;
-mod impact;
 mod law;
 mod plane;
 mod step;
@@ -28,6 +27,8 @@ use glam::{DMat3, DVec3};
 use super::bounds::{acceleration_bound, curvature_bound};
 use super::frame::Method;
 use super::geometry::Corners;
+use super::ground::BodyStep;
+use super::step::On;
 use super::{
     ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome,
     may_touch_plane, step_on_floor,
@@ -36,6 +37,8 @@ use crate::body::RigidBox;
 use crate::force::{ForceModel, fingerprint};
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
+#[cfg(test)]
+pub(super) use contacts::Gaps;
 use contacts::PLANES;
 
 /// A body, its force model and the planes around it: what a step among planes reads. More than six that are within reach
@@ -201,22 +204,21 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         tried = outcome.step;
     }
     let method = Method::of::<S>();
+    let step = BodyStep::new(state, h, memory, contact, report);
     let reaction = match near.planes() {
         [plane] => {
-            outcome = frame::step_at(context, plane, &method, state, h, memory, contact, report);
+            outcome = frame::step_at(context, plane, &method, step);
             let rest = contact.rest.take();
             rest.map(|rest| (rest.reaction, plane.shape.normal))
         }
         planes => {
             let reaction;
-            (outcome, reaction) =
-                step::step(context, planes, &method, state, h, memory, contact, report);
+            (outcome, reaction) = step::step(context, &at_one, planes, &method, step);
             reaction
         }
     };
     outcome.step += tried;
-    outcome.step.fallbacks = outcome.step.fallbacks.min(1);
-    outcome.step.unconverged = outcome.step.unconverged.min(1);
+    outcome.count_once();
     if let Some((reaction, normal)) = reaction {
         outcome.resting = true;
         contact.establish_rest(&at_one, Some((all, normal)), state, 0.0, reaction);
@@ -256,32 +258,16 @@ impl Integrator {
         contact: &mut ContactState,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        self.dispatch(StepOnPlanes {
-            context,
-            state,
-            h,
-            memory,
-            contact,
-            report,
-        })
+        let step = BodyStep::new(state, h, memory, contact, report);
+        self.dispatch(On(context, step))
     }
 }
 
-/// The arguments of [`Integrator::step_on_planes`].
-struct StepOnPlanes<'a, 'c, F> {
-    context: &'a PlanesContext<'c, F>,
-    state: &'a mut BodyState,
-    h: f64,
-    memory: &'a mut IntegratorMemory,
-    contact: &'a mut ContactState,
-    report: Option<&'a mut ContactReport>,
-}
-
-impl<F: ForceModel> IntegratorVisitor for StepOnPlanes<'_, '_, F> {
+impl<F: ForceModel> IntegratorVisitor for On<'_, PlanesContext<'_, F>> {
     type Output = FloorOutcome;
 
     fn visit<S: Integrate>(self) -> FloorOutcome {
-        let (state, memory, contact) = (self.state, self.memory, self.contact);
-        step_on_planes::<S, F>(self.context, state, self.h, memory, contact, self.report)
+        let On(context, b) = self;
+        step_on_planes::<S, F>(context, b.state, b.h, b.memory, b.contact, b.report)
     }
 }

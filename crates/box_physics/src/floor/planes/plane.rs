@@ -223,41 +223,19 @@ impl Plane {
         }
     }
 
-    /// The coefficient of friction that holds.
-    pub(super) fn grip(&self) -> f64 {
-        self.surface
-            .static_friction
-            .unwrap_or(self.surface.friction)
-    }
-
     /// Its velocity along the normal [m/s].
     pub(super) fn rise(&self) -> f64 {
         self.surface.velocity.dot(self.shape.normal)
     }
 
     /// Of everything that a body at rest on it depends on.
-    pub(super) fn numbers(&self) -> [f64; 14] {
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
         let (StaticPlane { point, normal }, s) = (&self.shape, &self.surface);
-        let ([px, py, pz], [nx, ny, nz], [vx, vy, vz]) =
-            (point.to_array(), normal.to_array(), s.velocity.to_array());
+        let vectors = [*point, *normal, s.velocity];
         let holds = s.static_friction.unwrap_or(-1.0);
         let level = f64::from(u8::from(self.axes.is_none()));
-        [
-            px,
-            py,
-            pz,
-            nx,
-            ny,
-            nz,
-            vx,
-            vy,
-            vz,
-            s.restitution,
-            s.friction,
-            holds,
-            s.height,
-            level,
-        ]
+        let rest = [s.restitution, s.friction, holds, s.height, level];
+        vectors.into_iter().flat_map(|v| v.to_array()).chain(rest)
     }
 
     /// How large the numbers are that heights over it come from \[m\].

@@ -64,9 +64,7 @@ fn order_survives_five_bounces_in_air() {
         let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.9, 0.0);
         scene.state.position.y = 1.0;
         scene.state.velocity.x = 2.0;
-        scene
-            .state
-            .set_angular_velocity(&scene.body, DVec3::Y * 3.0);
+        scene.spin(DVec3::Y * 3.0);
         let law = Forces {
             acceleration: scene.gravity.0,
             dissipation: Dissipation {
@@ -76,24 +74,10 @@ fn order_survives_five_bounces_in_air() {
             },
             ..Default::default()
         };
-        let mut impacts = 0;
         for _ in 0..n {
-            impacts += step_on_floor::<S, _>(
-                &FloorContext {
-                    floor: &scene.floor,
-                    settings: &scene.settings,
-                    body: &scene.body,
-                    force: &law,
-                },
-                &mut scene.state,
-                time / f64::from(n),
-                &mut scene.memory,
-                &mut scene.contact,
-                None,
-            )
-            .impacts;
+            scene.step_under::<S>(&law, time / f64::from(n), None);
         }
-        assert_eq!(impacts, 5, "{}", S::INFO.id);
+        assert_eq!(scene.total.impacts, 5, "{}", S::INFO.id);
         scene.state
     }
     let exact = run::<Rk4>(time, 4096);
@@ -149,8 +133,7 @@ fn an_impact_returns_at_most_its_part_of_the_energy() {
     let mut random = Random(23);
     let mut newton_excess = 0.0_f64;
     for i in 0..3000 {
-        let mut side = || random.magnitude(0.1, 1.0);
-        let half = DVec3::new(side(), side(), side());
+        let half = random.half_extents(0.1, 1.0);
         let (e, mu) = (random.range(0.05, 1.0), random.magnitude(0.05, 5.0));
         let mut scene = Scene::new(half, e, if i % 4 == 0 { 0.0 } else { mu });
         scene.gravity.0 = DVec3::ZERO;
@@ -161,8 +144,7 @@ fn an_impact_returns_at_most_its_part_of_the_energy() {
         };
         scene.state.position.y -= scene.lowest();
         scene.state.velocity = random.vector(2.0) - DVec3::Y * 2.0;
-        let omega = random.vector(3.0);
-        scene.state.set_angular_velocity(&scene.body, omega);
+        scene.spin(random.vector(3.0));
         let before = scene.energy();
         let after = |e: f64, law: RestitutionLaw| {
             let mut scene = scene.clone();

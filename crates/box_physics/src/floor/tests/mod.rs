@@ -10,23 +10,28 @@ mod slide;
 
 use glam::{DQuat, DVec3};
 
+use super::geometry::Corners;
+use super::newton::Solution;
+use super::operator::DelassusOperator;
+use super::planes::Gaps;
 use super::{
-    ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome,
-    RestitutionLaw, step_on_floor,
+    ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, Plane,
+    PlanesContext, RestitutionLaw, step_on_floor, step_on_planes,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{Integrate, IntegratorMemory};
+use crate::integrators::{Integrate, IntegratorMemory, Split};
 use crate::math::sin_cos;
 use crate::state::BodyState;
 
 pub(super) const G: f64 = 9.81;
 pub(super) const SIXTIETH: f64 = 1.0 / 60.0;
 
-/// One box over the floor, and what it needs between steps.
+/// One box over the floor, or among planes if there are any, and what it needs between steps.
 #[derive(Clone)]
 pub(super) struct Scene {
     pub(super) floor: Floor,
+    pub(super) planes: Vec<Plane>,
     pub(super) settings: ContactSettings,
     pub(super) body: RigidBox,
     pub(super) state: BodyState,
@@ -41,6 +46,7 @@ impl Scene {
         let body = RigidBox::new(half, 3.0).expect("valid");
         Self {
             floor: Floor::new(0.0, e, mu).expect("valid"),
+            planes: Vec::new(),
             settings: ContactSettings::default(),
             body,
             state: BodyState::at(DVec3::Y * half.y),
@@ -49,6 +55,12 @@ impl Scene {
             contact: ContactState::default(),
             total: FloorOutcome::default(),
         }
+    }
+
+    /// A box at the origin among planes.
+    pub(super) fn among(planes: Vec<Plane>, half: DVec3) -> Self {
+        let new = Self::new(half, 0.0, 0.0).with_state(BodyState::default());
+        Self { planes, ..new }
     }
 
     pub(super) fn with_state(mut self, state: BodyState) -> Self {
@@ -74,14 +86,26 @@ impl Scene {
         h: f64,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        let context = FloorContext {
-            floor: &self.floor,
-            settings: &self.settings,
-            body: &self.body,
-            force,
-        };
+        let (floor, planes) = (&self.floor, &self.planes[..]);
+        let (settings, body) = (&self.settings, &self.body);
         let (state, memory, contact) = (&mut self.state, &mut self.memory, &mut self.contact);
-        let outcome = step_on_floor::<S, _>(&context, state, h, memory, contact, report);
+        let outcome = if planes.is_empty() {
+            let context = FloorContext {
+                floor,
+                settings,
+                body,
+                force,
+            };
+            step_on_floor::<S, _>(&context, state, h, memory, contact, report)
+        } else {
+            let context = PlanesContext {
+                planes,
+                settings,
+                body,
+                force,
+            };
+            step_on_planes::<S, _>(&context, state, h, memory, contact, report)
+        };
         self.floor.advance(h);
         self.total += outcome;
         outcome
@@ -93,9 +117,35 @@ impl Scene {
         }
     }
 
-    /// Height of the lowest corner over the floor \[m\].
+    /// Prints what a step costs at best, from the same state or from one to the next.
+    pub(super) fn time(&self, name: &str, reset: bool) {
+        let mut scene = self.clone();
+        let mut best = f64::INFINITY;
+        for _ in 0..20 {
+            let clock = std::time::Instant::now();
+            for _ in 0..1000 {
+                if reset {
+                    scene.state = self.state;
+                }
+                scene.step::<Split>(SIXTIETH);
+            }
+            best = best.min(clock.elapsed().as_secs_f64() / 1000.0);
+        }
+        println!("{name}: {:.0} ns", best * 1e9);
+    }
+
+    /// Turns in the world [rad/s].
+    pub(super) fn spin(&mut self, omega: DVec3) {
+        self.state.set_angular_velocity(&self.body, omega);
+    }
+
+    /// Height of the lowest corner over the floor or any plane \[m\].
     pub(super) fn lowest(&self) -> f64 {
-        super::geometry::Corners::at(&self.floor, &self.body, &self.state).lowest()
+        if self.planes.is_empty() {
+            Corners::at(&self.floor, &self.body, &self.state).lowest()
+        } else {
+            Gaps::over(&self.planes, &self.body, &self.state, 0.0).lowest()
+        }
     }
 
     /// Kinetic energy and that of gravity over the floor \[J\].
@@ -103,6 +153,18 @@ impl Scene {
         let x = self.state.position - DVec3::Y * self.floor.height;
         self.state.kinetic_energy(&self.body) - self.body.mass() * self.gravity.0.dot(x)
     }
+}
+
+/// A box that is turned and moves.
+pub(super) fn tilted() -> (RigidBox, BodyState) {
+    let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
+    let state = BodyState::at_pose(
+        DVec3::new(1.0, 2.0, 3.0),
+        DQuat::from_xyzw(0.3, -0.2, 0.5, 0.7),
+    )
+    .with_velocity(DVec3::new(0.1, -0.4, 0.9))
+    .with_angular_velocity(&body, DVec3::new(2.0, -1.0, 0.5));
+    (body, state)
 }
 
 pub(super) fn about(axis: DVec3, angle: f64) -> DQuat {
@@ -127,6 +189,30 @@ impl Random {
         crate::math::exp(self.range(libm::log(low), libm::log(high)))
     }
 
+    /// Half-extents, each log-uniform.
+    pub(super) fn half_extents(&mut self, low: f64, high: f64) -> DVec3 {
+        let mut side = || self.magnitude(low, high);
+        DVec3::new(side(), side(), side())
+    }
+
+    /// A coefficient of restitution; of the i-th of many boxes, every fifth is elastic.
+    pub(super) fn restitution(&mut self, i: u32) -> f64 {
+        if i % 5 == 0 {
+            1.0
+        } else {
+            self.range(0.0, 1.0)
+        }
+    }
+
+    /// A coefficient of friction; every seventh has none.
+    pub(super) fn friction(&mut self, i: u32, high: f64) -> f64 {
+        if i % 7 == 0 {
+            0.0
+        } else {
+            self.magnitude(0.01, high)
+        }
+    }
+
     pub(super) fn vector(&mut self, size: f64) -> DVec3 {
         DVec3::new(
             self.range(-size, size),
@@ -143,5 +229,103 @@ impl Random {
                 return q / q.length();
             }
         }
+    }
+}
+
+/// The worst of many boxes.
+#[derive(Debug, Default)]
+pub(super) struct Worst {
+    /// Gain of energy in one step, relative to the energy.
+    pub(super) gain: f64,
+    /// Depth below the floor over the circumradius.
+    pub(super) depth: f64,
+    pub(super) rested: u32,
+    pub(super) total: FloorOutcome,
+}
+
+impl Worst {
+    /// Follows the i-th box. Its energy counts relative to `scale` \[J\], or else to what it was before the step.
+    pub(super) fn follow<S: Integrate>(
+        &mut self,
+        i: u32,
+        mut scene: Scene,
+        scale: Option<f64>,
+        h: f64,
+        steps: u32,
+    ) {
+        let mut before = scene.energy();
+        for _ in 0..steps {
+            scene.step::<S>(h);
+            let after = scene.energy();
+            let gain = (after - before) / scale.unwrap_or(before);
+            if gain > self.gain.max(1e-11) {
+                println!("{i}: gain {gain:.2e} {:?} h {h:.2e}", scene.body);
+            }
+            self.gain = self.gain.max(gain);
+            self.depth = self.depth.max(-scene.lowest() / scene.body.radius());
+            assert!(scene.state.is_finite(), "{i}");
+            before = after;
+        }
+        self.rested += u32::from(scene.contact.is_resting(&scene.state));
+        self.total += scene.total;
+    }
+
+    pub(super) fn check(&self, what: &str) {
+        println!("{what}: {self:?}");
+        assert!(self.gain <= 1e-11 && self.depth <= 1e-9, "{what}");
+    }
+}
+
+/// How a solver of Coulomb's law fares in many problems.
+#[derive(Default)]
+pub(super) struct Solver {
+    iterations: Vec<u32>,
+    pub(super) failed: u32,
+    /// The largest violation of a condition of the law, in units of speed and momentum.
+    pub(super) worst: f64,
+}
+
+impl Solver {
+    /// A solution for the velocities `b`; `surface` gives the normal and the friction of a contact.
+    pub(super) fn note<const N: usize>(
+        &mut self,
+        operator: &DelassusOperator<N>,
+        b: &[DVec3; N],
+        found: &Solution<N>,
+        surface: impl Fn(usize) -> (DVec3, f64),
+    ) {
+        self.iterations.push(found.iterations);
+        if !found.converged {
+            self.failed += 1;
+            return;
+        }
+        let (w, scale) = (operator.after(b, &found.p), operator.largest(b));
+        let momentum = scale / operator.inverse_mass;
+        for i in 0..operator.count {
+            let (normal, mu) = surface(i);
+            let (p, u) = (normal.dot(found.p[i]), normal.dot(w[i]));
+            let (t, slip) = (found.p[i] - normal * p, w[i] - normal * u);
+            let against = (t.dot(slip) + mu * p * slip.length()).abs();
+            let violations = [
+                -u / scale,
+                p * u / (momentum * scale),
+                (t.length() - mu * p) / momentum,
+                against / ((1.0 + mu) * momentum * scale),
+            ];
+            self.worst = violations.into_iter().fold(self.worst, f64::max);
+        }
+    }
+
+    pub(super) fn print(&mut self, mu: f64) {
+        self.iterations.sort_unstable();
+        let n = self.iterations.len();
+        println!(
+            "mu {mu}: failed {} of {n}, iterations median {} 99 % {} worst {}, law {:.1e}",
+            self.failed,
+            self.iterations[n / 2],
+            self.iterations[n * 99 / 100],
+            self.iterations[n - 1],
+            self.worst
+        );
     }
 }

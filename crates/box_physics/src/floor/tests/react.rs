@@ -187,9 +187,7 @@ fn thin_plates_do_not_tunnel() {
         scene.state.rotation = random.attitude();
         scene.state.velocity = DVec3::new(random.range(-50.0, 50.0), -300.0, 0.0);
         if i % 2 == 0 {
-            scene
-                .state
-                .set_angular_velocity(&scene.body, DVec3::new(900.0, 300.0, -200.0));
+            scene.spin(DVec3::new(900.0, 300.0, -200.0));
         }
         for _ in 0..20 {
             scene.step::<Split>(SIXTIETH);
@@ -203,17 +201,12 @@ fn may_touch_is_conservative() {
     let mut random = Random(9);
     let mut cleared = 0;
     for _ in 0..20_000 {
-        let half = DVec3::new(
-            random.magnitude(0.01, 1.0),
-            random.magnitude(0.01, 1.0),
-            random.magnitude(0.01, 1.0),
-        );
+        let half = random.half_extents(0.01, 1.0);
         let mut scene = Scene::new(half, 1.0, 0.0);
         scene.state.position.y = scene.body.radius() * random.range(0.2, 2.0);
         scene.state.rotation = random.attitude();
         scene.state.velocity = random.vector(3.0);
-        let omega = random.vector(10.0);
-        scene.state.set_angular_velocity(&scene.body, omega);
+        scene.spin(random.vector(10.0));
         scene.gravity.0 = random.vector(10.0);
         let h = random.magnitude(1e-4, 0.2);
         if may_touch(&scene.floor, &scene.body, &scene.state, &scene.gravity, h) {
@@ -224,7 +217,7 @@ fn may_touch_is_conservative() {
             let mut s = scene.state;
             let t = h * f64::from(k) / 8.0;
             Rk4::step(&scene.body, &mut s, &scene.gravity, t, &mut scene.memory);
-            let c = super::super::geometry::Corners::at(&scene.floor, &scene.body, &s);
+            let c = Corners::at(&scene.floor, &scene.body, &s);
             assert!(c.lowest() > 0.0);
         }
     }

@@ -9,16 +9,11 @@ fn any_drop_ends_flat_and_resting() {
     let (mut longest, mut steps) = (0, 0);
     let mut total = FloorOutcome::default();
     for i in 0..300 {
-        let half = DVec3::new(
-            random.magnitude(0.1, 1.0),
-            random.magnitude(0.1, 1.0),
-            random.magnitude(0.1, 1.0),
-        );
+        let half = random.half_extents(0.1, 1.0);
         let mut scene = Scene::new(half, random.range(0.0, 0.7), random.range(0.05, 1.0));
         scene.state.position.y = random.range(0.0, 3.0) + scene.body.radius();
         scene.state.rotation = random.attitude();
-        let spin = random.vector(5.0);
-        scene.state.set_angular_velocity(&scene.body, spin);
+        scene.spin(random.vector(5.0));
         let mut n = 0;
         while !scene.contact.is_resting(&scene.state) && n < 6000 {
             scene.step::<Split>(SIXTIETH);
@@ -33,7 +28,7 @@ fn any_drop_ends_flat_and_resting() {
             scene.state,
             scene.floor
         );
-        let corners = super::super::geometry::Corners::at(&scene.floor, &scene.body, &scene.state);
+        let corners = Corners::at(&scene.floor, &scene.body, &scene.state);
         assert_eq!(corners.touching(1e-12).count_ones(), 4, "{i}");
     }
     println!("longest settling {longest} of {steps} steps, {total:?}");

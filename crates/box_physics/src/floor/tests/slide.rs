@@ -82,8 +82,7 @@ fn a_turning_slide_stops_in_a_few_segments() {
         scene.state.rotation = about(DVec3::Y, random.range(0.0, 6.0));
         let speed = random.magnitude(1e-4, 0.1);
         scene.state.velocity = random.vector(speed).with_y(0.0);
-        let spin = DVec3::Y * random.range(-3.0 * speed, 3.0 * speed);
-        scene.state.set_angular_velocity(&scene.body, spin);
+        scene.spin(DVec3::Y * random.range(-3.0 * speed, 3.0 * speed));
         let energy = scene.energy();
         for _ in 0..5 {
             worst = worst.max(scene.step::<Split>(SIXTIETH).step.evaluations);

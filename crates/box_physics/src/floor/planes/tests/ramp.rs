@@ -1,60 +1,36 @@
 //! One plane that is not level is the floor under tilted gravity.
 
 use super::*;
-use crate::floor::step_on_floor;
 use crate::math::sin_cos;
 
 /// A ramp through a point off the origin, down along +x in its own axes, which are those of the world turned.
 struct Ramp {
     turn: DQuat,
     scene: Scene,
-    /// The same as a floor.
-    level: Floor,
-    state: BodyState,
-    memory: IntegratorMemory,
-    contact: ContactState,
+    /// The same over a floor.
+    level: Scene,
 }
 
 impl Ramp {
     /// `state` in the axes of the ramp.
     fn new(half: DVec3, state: BodyState, theta: f64, turn: DQuat, (e, mu): (f64, f64)) -> Self {
-        let (s, c) = sin_cos(theta);
-        let level = Floor::new(0.0, e, mu).expect("valid");
+        let mut level = Scene::new(half, e, mu).on_slope(theta).with_state(state);
         let point = turn * DVec3::new(0.3, 0.0, -0.2);
-        let mut scene = Scene::new(vec![wall(point, turn * DVec3::Y, &level)], half);
-        scene.gravity.0 = turn * DVec3::new(G * s, -G * c, 0.0);
-        scene.state = BodyState {
-            position: turn * state.position,
-            rotation: turn * state.rotation,
-            velocity: turn * state.velocity,
-            ..state
-        };
-        Self {
-            turn,
-            scene,
-            level,
-            state,
-            memory: IntegratorMemory::default(),
-            contact: ContactState::default(),
-        }
+        let plane = wall(point, turn * DVec3::Y, &level.floor);
+        let mut scene = level.turned(turn);
+        scene.planes.push(plane);
+        level.gravity.0 = turn.inverse() * scene.gravity.0;
+        Self { turn, scene, level }
     }
 
     fn step(&mut self) {
         self.scene.step::<Split>(SIXTIETH);
-        let gravity = Gravity(self.turn.inverse() * self.scene.gravity.0);
-        let context = FloorContext {
-            floor: &self.level,
-            settings: &self.scene.settings,
-            body: &self.scene.body,
-            force: &gravity,
-        };
-        let (state, memory, contact) = (&mut self.state, &mut self.memory, &mut self.contact);
-        step_on_floor::<Split, _>(&context, state, SIXTIETH, memory, contact, None);
+        self.level.step::<Split>(SIXTIETH);
     }
 
     /// How far apart the two are \[m\].
     fn apart(&self) -> f64 {
-        let (a, b) = (&self.scene.state, &self.state);
+        let (a, b) = (&self.scene.state, &self.level.state);
         let turned = self.turn * b.rotation;
         let angle = (a.rotation * turned.dot(a.rotation).signum() - turned).length();
         (a.position - self.turn * b.position).length() + angle * self.scene.body.radius()
@@ -131,20 +107,8 @@ fn the_report_balances_the_momentum() {
         for _ in 0..30 {
             let before = scene.state.velocity;
             let mut report = ContactReport::default();
-            let context = PlanesContext {
-                planes: &scene.planes,
-                settings: &scene.settings,
-                body: &scene.body,
-                force: &scene.gravity,
-            };
-            let outcome = step_on_planes::<Split, _>(
-                &context,
-                &mut scene.state,
-                SIXTIETH,
-                &mut scene.memory,
-                &mut scene.contact,
-                Some(&mut report),
-            );
+            let gravity = scene.gravity;
+            let outcome = scene.step_under::<Split>(&gravity, SIXTIETH, Some(&mut report));
             impacts += outcome.impacts;
             // What errors had added to the energy is taken from the velocity.
             if outcome.impacts == 0 || i % 2 == 0 || outcome.energy_repairs > 0 {

@@ -5,7 +5,7 @@ use crate::math::sin_cos;
 
 /// A cube of 1 m in the corner of a tray, or at its edge, with gravity into it.
 fn in_corner(pull: DVec3, e: f64, mu: f64) -> Scene {
-    let mut scene = Scene::new(tray(2.0, e, mu), DVec3::splat(0.5));
+    let mut scene = Scene::among(tray(2.0, e, mu), DVec3::splat(0.5));
     scene.gravity.0 = pull.normalize() * G;
     scene.state.position = DVec3::new(-1.5, 0.5, -1.5);
     scene
@@ -119,7 +119,7 @@ fn a_plank_leans_or_slips() {
             }
         }
         for (part, holds) in [(1.01, true), (0.99, false)] {
-            let mut scene = Scene::new(tray(2.0, 0.0, high * part), half);
+            let mut scene = Scene::among(tray(2.0, 0.0, high * part), half);
             let (x, y) = (half.x * c + half.y * s, half.x * s + half.y * c);
             scene.state.position = DVec3::new(2.0 - x, y, 0.0);
             scene.state.rotation = about(DVec3::Z, theta);
@@ -143,7 +143,7 @@ fn a_wall_that_is_not_touched_changes_nothing() {
     let (mut worst, mut impacts) = (0.0_f64, 0);
     for _ in 0..50 {
         let floor = Floor::new(0.0, 0.4, 0.3).expect("valid");
-        let mut alone = Scene::new(vec![Plane::from(floor)], DVec3::new(0.5, 0.3, 0.4));
+        let mut alone = Scene::among(vec![Plane::from(floor)], DVec3::new(0.5, 0.3, 0.4));
         alone.state.position.y = 2.0;
         alone.state.rotation = random.attitude();
         alone.state.velocity = DVec3::new(0.5, -8.0, 0.0);
@@ -153,7 +153,7 @@ fn a_wall_that_is_not_touched_changes_nothing() {
             alone.step::<Split>(SIXTIETH);
             beside.step::<Split>(SIXTIETH);
             let (planes, body) = (&beside.planes[1..], &beside.body);
-            if Gaps::at(planes, body, &beside.state, 0.0).lowest().1 < 0.15 {
+            if Gaps::over(planes, body, &beside.state, 0.0).lowest() < 0.15 {
                 break; // it may touch in the next step
             }
             worst = worst.max((alone.state.position - beside.state.position).length());
@@ -173,7 +173,7 @@ fn grooves_and_chimneys() {
         let tilt = random.range(0.5, 2.0);
         let ramps =
             [-1.0, 1.0].map(|side| wall(DVec3::ZERO, DVec3::new(side * tilt, 1.0, 0.0), &surface));
-        let mut scene = Scene::new(ramps.to_vec(), DVec3::new(0.3, 0.2, 0.4));
+        let mut scene = Scene::among(ramps.to_vec(), DVec3::new(0.3, 0.2, 0.4));
         scene.state.position.y = 3.0;
         scene.state.rotation = random.attitude();
         scene.run::<Split>(SIXTIETH, 600);
@@ -182,11 +182,10 @@ fn grooves_and_chimneys() {
         rested += u32::from(scene.contact.is_resting(&scene.state));
 
         let gap = [0.0, -1e-13, -1e-3, 1e-6][i % 4];
-        let mut scene = Scene::new(tray(0.5 + gap, 0.3, 0.4), DVec3::splat(0.5));
+        let mut scene = Scene::among(tray(0.5 + gap, 0.3, 0.4), DVec3::splat(0.5));
         scene.state.position.y = 1.0;
         scene.state.velocity = random.vector(1.0);
-        let spin = random.vector(1.0);
-        scene.state.set_angular_velocity(&scene.body, spin);
+        scene.spin(random.vector(1.0));
         let start = scene.energy();
         scene.run::<Split>(SIXTIETH, 120);
         let end = scene.state;

@@ -6,16 +6,6 @@
 //! last segments tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three segments
 //! bring it to 1e-12 of the scene; a bracket guards it.
 
-/// The end of a segment of motion: either all the time there was, or a touch.
-pub(super) struct Reached<'a, T> {
-    /// How long \[s\].
-    pub(super) tau: f64,
-    /// What the motion gave there.
-    pub(super) motion: &'a mut T,
-    /// Whether the dip test ran out of evaluations.
-    pub(super) capped: bool,
-}
-
 /// What the search needs to know, of `N` heights: those of the corners over one plane or several.
 pub(super) struct Search<const N: usize> {
     /// The corners to watch.
@@ -131,14 +121,15 @@ impl<const N: usize> Search<N> {
     }
 
     /// The first touch of a watched corner, or the whole time. `motion(τ, segment)` makes the motion over τ and
-    /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten.
+    /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten. Returns
+    /// the time \[s\], the motion up to there, and whether the dip test ran out of evaluations.
     pub(super) fn run<'a, T>(
         &self,
         whole: &'a mut T,
         height: [f64; N],
         other: &'a mut T,
         motion: impl FnMut(f64, &mut T) -> [f64; N],
-    ) -> Reached<'a, T> {
+    ) -> (f64, &'a mut T, bool) {
         let mut low = Sample {
             tau: 0.0,
             height: self.start,
@@ -174,11 +165,7 @@ impl<const N: usize> Search<N> {
                 stride *= 0.5;
             }
         }
-        Reached {
-            tau: end.tau,
-            motion: track.best,
-            capped,
-        }
+        (end.tau, track.best, capped)
     }
 
     /// A root of the lowest watched height between `low` (at or above the floor) and `high` (below

@@ -1,0 +1,258 @@
+//! A step as a sequence of events: impacts, and segments of motion between them.
+
+use super::bounds::{acceleration_bound, spin_bound};
+use super::flight::Flown;
+use super::geometry::{Places, each, set};
+use super::ground::{BodyStep, Ground, Segment, Start};
+use super::impact::resolve_impact;
+use super::motion::{limit_energy, longest_segment};
+use super::search::Search;
+use super::{FloorContext, FloorOutcome};
+use crate::force::ForceModel;
+
+/// Segments of sustained motion in a step; a body that needs more gets longer ones.
+const MAX_SEGMENTS: u32 = 256;
+/// Depth of the dips that are looked for, over the tolerance, and evaluations that the search for one event may take. In
+/// flight dips count as deep as a corner may ever be below the floor (1e-9 of the scale); with corners held, where the
+/// motion itself is of second order, 1e-6.
+const FREE: (f64, u32) = (1e3, 4096);
+const HELD: (f64, u32) = (1e6, 128);
+/// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
+const STOP_TRIES: u32 = 8;
+/// Part of a segment in which such a moment need not be found any better: at a constant deceleration, whose
+/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the segment.
+const SHORTEST_STOP: f64 = 1e-2;
+/// Rounds of the loop in one step.
+const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
+/// Solver iterations in one step, over all events: what bounds the work when nothing converges.
+const MAX_TOTAL_ITERATIONS: u32 = 100_000;
+
+/// Event after event in the last `remaining` \[s\] of a step, from where the corners are at `places` on. `flown` is the
+/// plain step, if it is known. Returns the forces at the corners along the normals \[N\] if it ends at rest.
+#[inline(never)] // its large frame is not for boxes that rest or fly
+pub(super) fn between_events<G: Ground<N>, const N: usize>(
+    ground: &G,
+    step: &mut BodyStep<'_>,
+    places: &mut Places<N>,
+    mut remaining: f64,
+    mut flown: Option<Flown>,
+    outcome: &mut FloorOutcome,
+) -> Option<[f64; 8]> {
+    let (context, tolerance) = (ground.level().context, ground.level().tolerance);
+    let &FloorContext {
+        settings,
+        body,
+        force,
+        ..
+    } = context;
+    let [first, second] = core::mem::take(&mut step.contact.spare.0);
+    let (mut first, mut second) = (Segment::new(first), Segment::new(second));
+    let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
+    let mut loads = None;
+
+    while remaining > 0.0 {
+        rounds += 1;
+        let elapsed = step.h - remaining;
+        let exhausted = rounds > MAX_ROUNDS
+            || iterations > MAX_TOTAL_ITERATIONS
+            || outcome.step.evaluations > G::MAX_EVALUATIONS
+            || outcome.impacts_capped > settings.max_impacts;
+        if exhausted {
+            *places = give_way(ground, step, remaining, outcome);
+            break;
+        }
+        let touching = places.touching(2.0 * tolerance);
+        let normal = ground.normal_velocities(step.state, places);
+        let mut in_world = *step.state;
+        context.to_world(&mut in_world, elapsed);
+        let pull = acceleration_bound(body, &in_world, force);
+        let speed = step.state.velocity.length() + body.radius() * spin_bound(body, step.state);
+        // A hop u²/2A lower than the tolerance does not count.
+        let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
+
+        if touching & set::<N>(|i| normal[i] < -hold) != 0 {
+            let ordinary = outcome.impacts < settings.max_impacts;
+            outcome.impacts_capped += u32::from(!ordinary);
+            let hit = resolve_impact(ground, step.state, places, touching, ordinary);
+            if let Some(report) = &mut step.report {
+                let fastest = each(touching).fold(0.0, |a: f64, i| a.max(-normal[i]));
+                report.strike(elapsed, fastest);
+                ground.record(report, in_world.position, &places.lever, &hit.impulse);
+            }
+            outcome.impacts += 1;
+            outcome.solves_capped += u32::from(hit.capped);
+            outcome.repair(hit.repaired);
+            iterations += hit.iterations;
+            continue;
+        }
+
+        let held = touching & set::<N>(|i| normal[i] <= hold);
+        let mut time = remaining;
+        if held != 0 {
+            held_segments += 1;
+            let left = f64::from(MAX_SEGMENTS.saturating_sub(held_segments)) + 1.0;
+            time = remaining.min(longest_segment(body, step.state, pull).max(remaining / left));
+        }
+        let start = Start {
+            ground,
+            state: *step.state,
+            elapsed,
+            memory: step.memory,
+            places,
+            normal,
+            candidates: held,
+            still_speed: hold,
+            acceleration: pull,
+            shortest: SHORTEST_STOP * time,
+        };
+        let flown = flown.take();
+        let (tau, segment) = start.until_event(time, flown, &mut first, &mut second, outcome);
+        iterations += segment.iterations;
+        outcome.solves_capped += u32::from(segment.capped);
+        if segment.still {
+            let mut load = [0.0; 8];
+            for i in each(held) {
+                load[i % 8] += ground.normal(i).dot(segment.impulse[i]) / tau;
+            }
+            loads = Some(load);
+            let whole = segment.impulse.map(|p| p * (remaining / tau));
+            if let Some(report) = &mut step.report {
+                ground.record(report, in_world.position, &places.lever, &whole);
+            }
+            break;
+        }
+        if held != 0 {
+            start.finish(segment, tau);
+        }
+        outcome.repair(segment.repaired);
+        if let Some(report) = &mut step.report {
+            let center = context.world_point(segment.state.position, elapsed + tau);
+            ground.record(report, center, &segment.places.lever, &segment.impulse);
+        }
+        *places = segment.places;
+        *step.state = segment.state;
+        core::mem::swap(step.memory, &mut segment.memory);
+        remaining = (remaining - tau).max(0.0);
+    }
+    step.contact.spare.0 = [first.memory, second.memory];
+    loads
+}
+
+/// What is left when the caps are reached: one plain step, out of what is met, no approach, no gain.
+pub(super) fn give_way<G: Ground<N>, const N: usize>(
+    ground: &G,
+    step: &mut BodyStep<'_>,
+    remaining: f64,
+    outcome: &mut FloorOutcome,
+) -> Places<N> {
+    let (context, method) = (ground.level().context, ground.level().method);
+    let (body, force) = (context.body, context.force);
+    let (start, elapsed) = (*step.state, step.h - remaining);
+    outcome.solves_capped += 1;
+    context.in_world(step.state, elapsed, remaining, |state| {
+        (method.step)(body, state, force, remaining, step.memory)
+    });
+    let end = elapsed + remaining;
+    let mut places = ground.places(step.state, end);
+    ground.recover(step.state, &mut places, end);
+    ground.separate(step.state);
+    if ground.is_fixed() {
+        limit_energy(body, &start, step.state, force.acceleration());
+    }
+    ground.places(step.state, step.h)
+}
+
+impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
+    /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
+    /// step over `time`, if it is known, with its memory in the first of the segments, which are overwritten.
+    fn until_event<'a>(
+        &self,
+        time: f64,
+        flown: Option<Flown>,
+        whole: &'a mut Segment<N>,
+        other: &'a mut Segment<N>,
+        outcome: &mut FloorOutcome,
+    ) -> (f64, &'a mut Segment<N>) {
+        let (ground, held) = (self.ground, self.candidates != 0);
+        let mut tau = time;
+        match flown {
+            Some(flown) => {
+                outcome.step += flown.outcome;
+                self.fly_to(flown, tau, whole);
+            }
+            None => self.spent(outcome, tau, whole),
+        }
+        if held {
+            // The part found from the whole segment is exact for a constant deceleration; otherwise the
+            // next try starts from a better guess.
+            let mut before = None;
+            for _ in 0..STOP_TRIES {
+                if whole.still || tau <= self.shortest {
+                    break;
+                }
+                let Some(next) = whole.slips.first_stop(tau, before.as_ref()) else {
+                    break;
+                };
+                before = Some((tau, whole.slips));
+                tau = next.clamp(0.1 * self.shortest, time);
+                self.spent(outcome, tau, whole);
+            }
+            if whole.still {
+                return (tau, whole);
+            }
+        }
+        let (context, tolerance) = (ground.level().context, ground.level().tolerance);
+        let [low, high] = [&self.state, &whole.state].map(|s| ground.height(s.position));
+        let (dip, budget) = if held { HELD } else { FREE };
+        let mut search = Search {
+            watch: !self.candidates,
+            start: self.places.height,
+            rate: self.normal,
+            end_rate: [f64::NAN; N],
+            time: tau,
+            curvature: ground.curvature(&self.state, self.acceleration),
+            tolerance,
+            dip: tolerance * dip,
+            highest: low.max(high) + context.body.radius() + tau * self.state.velocity.length(),
+            budget,
+        };
+        let height = whole.places.height;
+        if search.is_over(&height) {
+            return (tau, whole);
+        }
+        if !held {
+            // With corners held it tells no more than the velocities at the start.
+            search.end_rate = ground.normal_velocities(&whole.state, &whole.places);
+        }
+        let (tau, segment, capped) = search.run(whole, height, other, |t, segment| {
+            self.spent(outcome, t, segment);
+            segment.places.height
+        });
+        outcome.solves_capped += u32::from(capped);
+        (tau, segment)
+    }
+
+    /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
+    fn spent(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment<N>) {
+        segment.memory.clone_from(self.memory);
+        if self.candidates == 0 {
+            let (context, method) = (self.ground.level().context, self.ground.level().method);
+            let (mut state, memory) = (self.state, &mut segment.memory);
+            let outcome = context.in_world(&mut state, self.elapsed, tau, |state| {
+                (method.step)(context.body, state, context.force, tau, memory)
+            });
+            self.fly_to(Flown { state, outcome }, tau, segment);
+        } else {
+            self.advance(tau, segment);
+        }
+        outcome.step += segment.outcome;
+    }
+
+    /// Free flight for `tau` \[s\] to where it is known to lead.
+    fn fly_to(&self, end: Flown, tau: f64, segment: &mut Segment<N>) {
+        segment.clear();
+        segment.outcome = end.outcome;
+        segment.places = self.ground.places(&end.state, self.elapsed + tau);
+        segment.state = end.state;
+    }
+}

@@ -1,0 +1,193 @@
+//! The motion of a segment: without contact, with the contact's force, and what its energy may be.
+
+use glam::{DMat3, DQuat, DVec3};
+
+use super::FloorContext;
+use crate::body::RigidBox;
+use crate::force::{Damping, Dissipation, ForceModel, Wrench};
+use crate::integrators::impulse_step;
+use crate::rotation::{compose, exponential_map};
+use crate::state::BodyState;
+
+/// The force model plus the floor's constant force and torque, world axes.
+pub(super) struct Supported<'a, F> {
+    pub(super) inner: &'a F,
+    /// Contact force over mass [m/s²].
+    pub(super) acceleration: DVec3,
+    /// Contact torque about the center \[N m\], world axes.
+    pub(super) torque: DVec3,
+}
+
+impl<F: ForceModel> Supported<'_, F> {
+    /// The torque of the contact, and what else acts.
+    fn add(&self, state: &BodyState, inner: impl FnOnce() -> Wrench) -> Wrench {
+        let mut total = Wrench {
+            force: DVec3::ZERO,
+            torque: state.rotation.inverse() * self.torque,
+        };
+        if self.inner.has_wrench() {
+            total += inner();
+        }
+        total
+    }
+}
+
+impl<F: ForceModel> ForceModel for Supported<'_, F> {
+    fn acceleration(&self) -> DVec3 {
+        self.inner.acceleration() + self.acceleration
+    }
+
+    fn dissipation(&self) -> Dissipation {
+        self.inner.dissipation()
+    }
+
+    fn has_wrench(&self) -> bool {
+        self.inner.has_wrench() || self.torque != DVec3::ZERO
+    }
+
+    fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        self.add(state, || self.inner.wrench(body, state))
+    }
+
+    fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        self.add(state, || self.inner.elastic_wrench(body, state))
+    }
+
+    fn damping(&self) -> Damping {
+        self.inner.damping()
+    }
+}
+
+impl<F: ForceModel> FloorContext<'_, F> {
+    /// Whether nothing but a uniform acceleration acts besides the floor.
+    pub(super) fn is_uniform(&self) -> bool {
+        !self.force.has_wrench() && !self.force.has_dissipation()
+    }
+
+    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`FloorContext::free_motion`], with the contact's changes of
+    /// the velocity and of the angular momentum (world axes): the midpoint rule, of which the turn has the sine τω̄/2.
+    pub(super) fn carry(
+        &self,
+        state: &mut BodyState,
+        tau: f64,
+        mean: (DVec3, DVec3),
+        velocity: DVec3,
+        torque: DVec3,
+    ) {
+        let momentum = state.rotation * state.angular_momentum + torque;
+        let mut sine = 0.5 * tau * mean.1;
+        let square = sine.length_squared();
+        if square > 1.0 {
+            sine /= square.sqrt(); // the rule knows no larger turn than π
+        }
+        let cosine = (1.0 - square).max(0.0).sqrt();
+        let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
+        state.position += tau * mean.0;
+        state.velocity += tau * self.force.acceleration() + velocity;
+        state.rotation = compose(turn, state.rotation);
+        state.renormalize();
+        state.angular_momentum = state.rotation.inverse() * momentum;
+    }
+
+    /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
+    /// turning there, such that a corner moves by τ(v̄ + ω̄ × r): from velocities where that is as good as it gets, since
+    /// displacements over a short time, or far from the origin, are mostly rounding.
+    /// `start` is in the frame of the floor `elapsed` \[s\] after the two coincided.
+    pub(super) fn free_motion(
+        &self,
+        start: &BodyState,
+        elapsed: f64,
+        tau: f64,
+    ) -> (DMat3, (DVec3, DVec3)) {
+        let (body, force) = (self.body, self.force);
+        if self.is_uniform() {
+            // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
+            let l = start.angular_momentum;
+            let first = l * body.inverse_inertia();
+            let omega = (l + (0.5 * tau) * l.cross(first)) * body.inverse_inertia();
+            let half = exponential_map((0.25 * tau) * (first + omega));
+            let middle = DMat3::from_quat(compose(start.rotation, half));
+            let square = 0.25 * tau * tau * omega.length_squared();
+            let chord = 1.0 - square / 6.0 * (1.0 - square / 20.0);
+            let center = start.velocity + 0.5 * tau * force.acceleration();
+            return (middle, (center, middle * (omega * chord)));
+        }
+        let mut free = *start;
+        self.to_world(&mut free, elapsed);
+        if force.dissipation() == Dissipation::NONE {
+            impulse_step(body, &mut free, force, tau);
+        } else {
+            // The air resists what moves already. What the floor is going to prevent it does not resist.
+            let pull = force.acceleration();
+            let law = Supported {
+                inner: force,
+                acceleration: -pull,
+                torque: DVec3::ZERO,
+            };
+            impulse_step(body, &mut free, &law, tau);
+            free.velocity += pull * tau;
+            free.position += pull * (0.5 * tau * tau);
+        }
+        self.to_floor(&mut free, elapsed + tau);
+        let rate = 1.0 / tau;
+        let mut center = 0.5 * (start.velocity + free.velocity);
+        let path = (free.position - start.position) * rate;
+        if (path - center).length() > 1e-6 * (free.velocity - start.velocity).length() {
+            center = path;
+        }
+        let mut omega = 0.5 * (start.angular_velocity(body) + free.angular_velocity(body));
+        if omega.length() * tau >= 0.01 {
+            let turn = compose(free.rotation, start.rotation.inverse());
+            omega = turn.xyz() * (2.0 * rate * turn.w.signum());
+        }
+        (middle_attitude(start, &free), (center, omega))
+    }
+}
+
+/// Scales the velocities of `state` so that its energy does not exceed that of `start`; what that took \[J\], if
+/// it was more than rounding.
+pub(super) fn limit_energy(
+    body: &RigidBox,
+    start: &BodyState,
+    state: &mut BodyState,
+    acceleration: DVec3,
+) -> Option<f64> {
+    let fall = body.mass() * acceleration.dot(state.position - start.position);
+    // Positions are rounded, and the height's last bit is worth this much: it must not stop a box that
+    // has just begun to fall off its edge.
+    let size = start.position.abs() + DVec3::splat(body.radius());
+    let rounding = 4.0 * f64::EPSILON * body.mass() * acceleration.abs().dot(size);
+    let allowed = start.kinetic_energy(body) + fall + rounding;
+    let kinetic = state.kinetic_energy(body);
+    if kinetic <= allowed * (1.0 + 1e-14) {
+        return None;
+    }
+    if allowed < 0.0 {
+        // Not even at rest may it be where it is: it stays where it was.
+        *state = BodyState {
+            velocity: DVec3::ZERO,
+            angular_momentum: DVec3::ZERO,
+            ..*start
+        };
+        return Some(kinetic);
+    }
+    let scale = (allowed / kinetic).sqrt();
+    state.velocity *= scale;
+    state.angular_momentum *= scale;
+    (scale < 1.0 - 1e-9).then_some(kinetic - allowed)
+}
+
+/// The attitude halfway between two states.
+fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
+    let opposite = start.rotation.dot(end.rotation) < 0.0;
+    let aligned = end.rotation * if opposite { -1.0 } else { 1.0 };
+    let sum: DQuat = start.rotation + aligned;
+    DMat3::from_quat(BodyState::at_pose(start.position, sum).rotation)
+}
+
+/// Longest segment over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so
+/// short that the acceleration from rest turns the box as little.
+pub(super) fn longest_segment(body: &RigidBox, state: &BodyState, acceleration: f64) -> f64 {
+    let omega = state.body_angular_velocity(body).length();
+    (0.25 / omega).min(0.35 * (body.radius() / acceleration).sqrt())
+}

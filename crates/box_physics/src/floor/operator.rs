@@ -1,0 +1,255 @@
+//! How a body answers impulses at its corners: the Delassus operator.
+
+use glam::{DMat3, DVec3};
+
+use super::geometry::{Corner3, has, in_pairs, spans_face};
+use crate::body::RigidBox;
+use crate::state::BodyState;
+
+/// A few contacts, which are corners at a plane, and the mass behind them: the operator W with the 3×3 blocks
+/// W_jk = 1/m − [r_j]× I_w⁻¹ [r_k]×, never formed: Wp is the velocity of the corners after the
+/// impulses p, that is, one sum over the contacts and one twist.
+#[derive(Clone, Copy)]
+pub(super) struct DelassusOperator<const N: usize = 8> {
+    /// How many contacts.
+    pub(super) count: usize,
+    /// Their places.
+    pub(super) place: [u8; N],
+    /// The levers of their corners \[m\].
+    pub(super) lever: [DVec3; N],
+    pub(super) inverse_mass: f64,
+    /// I_w⁻¹
+    pub(super) inverse_inertia: DMat3,
+}
+
+impl<const N: usize> DelassusOperator<N> {
+    /// Whether sums are of pairs: the corners on a floor are in the order of [`in_pairs`].
+    const IN_PAIRS: bool = N == 8;
+
+    /// The first `count` contacts `place` of a body whose world axes are `attitude`.
+    pub(super) fn at(
+        body: &RigidBox,
+        attitude: DMat3,
+        lever: &Corner3,
+        (count, place): (usize, [u8; N]),
+    ) -> Self {
+        let j = body.inverse_inertia();
+        let scaled = DMat3::from_cols(
+            attitude.x_axis * j.x,
+            attitude.y_axis * j.y,
+            attitude.z_axis * j.z,
+        );
+        let mut new = Self {
+            count,
+            place,
+            lever: [DVec3::ZERO; N],
+            inverse_mass: body.inverse_mass(),
+            inverse_inertia: scaled * attitude.transpose(),
+        };
+        for i in 0..count {
+            new.lever[i] = lever[usize::from(place[i]) % 8];
+        }
+        new
+    }
+
+    /// Σ p_k and Σ r_k × p_k.
+    #[inline]
+    pub(super) fn resultant(&self, p: &[DVec3; N]) -> (DVec3, DVec3) {
+        let mut force = DVec3::ZERO;
+        let mut torque = DVec3::ZERO;
+        let mut i = 0;
+        while i < self.count {
+            let (mut push, mut turn) = (p[i], self.lever[i].cross(p[i]));
+            if Self::IN_PAIRS {
+                let j = (i + 1).min(N - 1);
+                let second = if i + 1 < self.count {
+                    (p[j], self.lever[j].cross(p[j]))
+                } else {
+                    (DVec3::ZERO, DVec3::ZERO)
+                };
+                push += second.0;
+                turn += second.1;
+                i += 1;
+            }
+            force += push;
+            torque += turn;
+            i += 1;
+        }
+        (force, torque)
+    }
+
+    /// The change of (v, ω) that the impulses p \[N s\] make.
+    #[inline]
+    pub(super) fn twist(&self, p: &[DVec3; N]) -> (DVec3, DVec3) {
+        self.twist_of(self.resultant(p))
+    }
+
+    /// The change of (v, ω) that an impulse \[N s\] at the center and an angular impulse \[N m s\] make.
+    #[inline]
+    pub(super) fn twist_of(&self, (force, torque): (DVec3, DVec3)) -> (DVec3, DVec3) {
+        (force * self.inverse_mass, self.inverse_inertia * torque)
+    }
+
+    /// The corners' velocities for the twist (v, ω).
+    #[inline]
+    pub(super) fn velocities(&self, (v, omega): (DVec3, DVec3)) -> [DVec3; N] {
+        let mut u = [DVec3::ZERO; N];
+        for i in 0..self.count {
+            u[i] = v + omega.cross(self.lever[i]);
+        }
+        u
+    }
+
+    /// W p.
+    #[inline]
+    pub(super) fn response(&self, p: &[DVec3; N]) -> [DVec3; N] {
+        self.velocities(self.twist(p))
+    }
+
+    /// b + Wp.
+    pub(super) fn after(&self, b: &[DVec3; N], p: &[DVec3; N]) -> [DVec3; N] {
+        let (v, omega) = self.twist(p);
+        let mut w = *b;
+        for i in 0..self.count {
+            w[i] += v + omega.cross(self.lever[i]);
+        }
+        w
+    }
+
+    /// Largest length of a contact's vector.
+    pub(super) fn largest(&self, u: &[DVec3; N]) -> f64 {
+        let squares = u[..self.count].iter().map(|v| v.length_squared());
+        squares.fold(0.0, f64::max).sqrt()
+    }
+
+    /// Σ a_k·b_k
+    pub(super) fn dot(&self, a: &[DVec3; N], b: &[DVec3; N]) -> f64 {
+        (0..self.count).map(|i| a[i].dot(b[i])).sum()
+    }
+
+    /// The impulses by place.
+    pub(super) fn by_place(&self, p: &[DVec3; N]) -> [DVec3; N] {
+        let mut placed = [DVec3::ZERO; N];
+        self.add_to(&mut placed, p);
+        placed
+    }
+
+    /// Adds impulses to those by place.
+    pub(super) fn add_to(&self, placed: &mut [DVec3; N], p: &[DVec3; N]) {
+        for i in 0..self.count {
+            placed[usize::from(self.place[i])] += p[i];
+        }
+    }
+
+    /// Applies the impulses p to the state.
+    pub(super) fn apply(&self, state: &mut BodyState, p: &[DVec3; N]) {
+        let (force, torque) = self.resultant(p);
+        state.velocity += force * self.inverse_mass;
+        state.angular_momentum += state.rotation.inverse() * torque;
+    }
+}
+
+impl DelassusOperator {
+    /// The corners `set` of a body on a floor, whose world axes are `attitude`.
+    pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
+        Self::at(body, attitude, lever, in_pairs(set))
+    }
+
+    /// The contacts at the indices `kept` alone, in the same order.
+    pub(super) fn part(&self, kept: u8) -> Self {
+        let mut part = Self { count: 0, ..*self };
+        for i in (0..self.count).filter(|&i| has(kept, i)) {
+            part.place[part.count] = self.place[i];
+            part.lever[part.count] = self.lever[i];
+            part.count += 1;
+        }
+        part
+    }
+
+    /// Whether its corners hold a face.
+    pub(super) fn spans_face(&self) -> bool {
+        let corners = self.place[..self.count].iter();
+        spans_face(corners.fold(0, |set, k| set | 1 << k))
+    }
+
+    /// J_w [r_j]×: the change of ω by impulses along the axes at the j-th corner.
+    pub(super) fn swing(&self, j: usize) -> DMat3 {
+        let (r, i) = (self.lever[j], &self.inverse_inertia);
+        DMat3::from_cols(
+            r.z * i.y_axis - r.y * i.z_axis,
+            r.x * i.z_axis - r.z * i.x_axis,
+            r.y * i.x_axis - r.x * i.y_axis,
+        )
+    }
+
+    /// W_ij [1/kg]: the velocity of the i-th corner for an impulse at the j-th, whose [`DelassusOperator::swing`] this is.
+    pub(super) fn block(&self, i: usize, swing: &DMat3) -> DMat3 {
+        let (r, m) = (self.lever[i], self.inverse_mass);
+        DMat3::from_cols(
+            swing.x_axis.cross(r) + DVec3::new(m, 0.0, 0.0),
+            swing.y_axis.cross(r) + DVec3::new(0.0, m, 0.0),
+            swing.z_axis.cross(r) + DVec3::new(0.0, 0.0, m),
+        )
+    }
+
+    /// An upper bound of the largest eigenvalue of W [1/kg]: its trace.
+    pub(super) fn norm_bound(&self) -> f64 {
+        let j = &self.inverse_inertia;
+        let trace = j.x_axis.x + j.y_axis.y + j.z_axis.z;
+        let swing = |r: &DVec3| trace * r.length_squared() - r.dot(*j * *r);
+        let swings: f64 = self.lever[..self.count].iter().map(swing).sum();
+        3.0 * self.count as f64 * self.inverse_mass + swings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::floor::Floor;
+    use crate::floor::geometry::Corners;
+    use crate::floor::tests::tilted;
+    use glam::DQuat;
+
+    /// An impulse's effect on the corners' velocities is what applying it and looking gives.
+    #[test]
+    fn response_is_what_an_impulse_does() {
+        let (body, state) = tilted();
+        let c = Corners::at(&Floor::default(), &body, &state);
+        let attitude = DMat3::from_quat(state.rotation);
+        let operator = DelassusOperator::new(&body, attitude, &c.lever, 0b1011_0010);
+        assert_eq!(operator.count, 4);
+        let mut p = [DVec3::ZERO; 8];
+        for (i, q) in p.iter_mut().enumerate().take(4) {
+            let i = i as f64;
+            *q = DVec3::new(0.3 - i, 0.7 * i, 1.1 - 0.2 * i);
+        }
+        let mut after = state;
+        operator.apply(&mut after, &p);
+        let change = operator.response(&p);
+        let twist = |s: &BodyState| operator.velocities((s.velocity, s.angular_velocity(&body)));
+        let (before, after) = (twist(&state), twist(&after));
+        for i in 0..4 {
+            assert!((after[i] - before[i] - change[i]).length() < 1e-13);
+        }
+        // The bound bounds: a Rayleigh quotient never exceeds it.
+        let quotient = operator.dot(&p, &change) / operator.dot(&p, &p);
+        assert!(quotient > 0.0 && quotient <= operator.norm_bound());
+    }
+
+    #[test]
+    fn a_level_face_has_no_torque_to_the_bit() {
+        let body = RigidBox::new(DVec3::new(0.7, 0.2, 0.3), 1.0).expect("valid");
+        for i in 0..100 {
+            let (s, c) = crate::math::sin_cos(0.1 + f64::from(i));
+            let state = BodyState::at_pose(DVec3::Y, DQuat::from_xyzw(0.0, s, 0.0, c));
+            let corners = Corners::at(&Floor::default(), &body, &state);
+            let bottom = corners.touching(0.85);
+            assert_eq!(bottom.count_ones(), 4);
+            let attitude = DMat3::from_quat(state.rotation);
+            let operator = DelassusOperator::new(&body, attitude, &corners.lever, bottom as u8);
+            let mut p = [DVec3::ZERO; 8];
+            p[..4].fill(DVec3::Y * 0.3);
+            assert_eq!(operator.resultant(&p).1, DVec3::ZERO);
+        }
+    }
+}
