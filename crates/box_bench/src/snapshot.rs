@@ -3,7 +3,7 @@
 //!
 //! A [`Snapshot`] copies the bodies, states and contacts of one moment. Each call puts the copies back there and steps
 //! them by the path that the plugin takes for that many bodies: in free flight under gravity alone several at a time in
-//! SIMD lanes, with other forces one by one, at the floor by the contact solver. The steps are a few
+//! SIMD lanes, with other forces one by one or in [`ForcedGroup`]s, at the floor by the contact solver. The steps are a few
 //! ([`Snapshot::new`]) or those of a whole scene ([`Snapshot::of_scene`]).
 //!
 //! All integrators take turns on the same snapshot ([`measure`](crate::measure)). The cost is the **minimum** of the
@@ -14,7 +14,7 @@ use box_physics::floor::{
     ContactSettings, ContactState, Floor, FloorContext, may_touch, step_on_floor,
 };
 use box_physics::force::{ForceModel, Gravity};
-use box_physics::integrators::{GravityField, Group, Integrate, IntegratorVisitor};
+use box_physics::integrators::{ForcedGroup, GravityField, Group, Integrate, IntegratorVisitor};
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory, RigidBox, StepOutcome};
 use box_scenarios::{Driver, ForceSet, Model, Setup};
 
@@ -24,6 +24,8 @@ use crate::measure::{Contender, Cost, Settings, interleaved};
 const MOST: usize = 512;
 /// The same where some are at the floor: a call stays within a few milliseconds.
 const MOST_AT_FLOOR: usize = 128;
+/// Bodies under other forces that the plugin steps together.
+const TOGETHER: usize = 64;
 /// Body-steps in a call, roughly, and the steps that may be.
 const BODY_STEPS: usize = 1024;
 const STEPS: (usize, usize) = (4, 16);
@@ -169,11 +171,36 @@ impl Snapshot {
         )
     }
 
+    /// All bodies, each under its own forces, as many at a time as in the plugin.
+    fn forced<S: Integrate>(&mut self) -> StepOutcome {
+        let mut outcome = StepOutcome::default();
+        let count = self.bodies.len();
+        for start in (0..count).step_by(TOGETHER) {
+            let range = start..count.min(start + TOGETHER);
+            let body = |k: usize| &self.bodies[(start + k).min(count - 1)];
+            let forces: [_; TOGETHER] = std::array::from_fn(|k| self.forces.forces(body(k)));
+            let mut group = ForcedGroup {
+                bodies: &self.bodies[range.clone()],
+                states: &mut self.states[range.clone()],
+                memories: &mut self.memories[range.clone()],
+                forces: &forces[..range.len()],
+                faults: &mut self.faults,
+            };
+            outcome += S::step_forced(&mut group, self.h);
+        }
+        outcome
+    }
+
     fn step<S: Integrate>(&mut self) -> StepOutcome {
         let mut outcome = StepOutcome::default();
         let (count, only_gravity) = (self.bodies.len(), self.forces.is_gravity_alone());
-        if only_gravity && self.floor.is_none() {
-            return self.fly::<S>(0, count);
+        if self.floor.is_none() {
+            if only_gravity {
+                return self.fly::<S>(0, count);
+            }
+            if S::FORCED_IN_LANES {
+                return self.forced::<S>();
+            }
         }
         let gravity = Gravity(self.forces.gravity);
         // In flight, not yet stepped.

@@ -10,6 +10,9 @@
 //! The loop does not apply to a body whose turn is beyond the polynomials' range, or which has a non-finite
 //! number. Such a body is left unchanged and takes the integrator's plain step, which gives the same bits
 //! where both apply. With a floor below, a body that may meet it in the step is left unchanged as well.
+//!
+//! Bodies with other forces are stepped one by one, unless the integrator composes its step of kicks and free
+//! flight ([`Integrate::step_forced`]). Then the free flight of many bodies is stepped in lanes.
 
 use core::marker::PhantomData;
 use core::ops::Range;
@@ -19,7 +22,7 @@ use glam::{DQuat, DVec3};
 use super::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
 use crate::floor::FloorBelow;
-use crate::force::Gravity;
+use crate::force::{ForceModel, Gravity};
 use crate::math::{SmallArguments, VectorLoop, vectorized};
 use crate::state::BodyState;
 
@@ -255,6 +258,97 @@ impl Group<'_> {
     }
 }
 
+/// Consecutive bodies of a table, each with its own forces. The slices have equal lengths.
+pub struct ForcedGroup<'a, F> {
+    /// The bodies.
+    pub bodies: &'a [RigidBox],
+    /// Their states. A state that would become invalid in the step is left unchanged.
+    pub states: &'a mut [BodyState],
+    /// Their integrators' memories.
+    pub memories: &'a mut [IntegratorMemory],
+    /// Their force models.
+    pub forces: &'a [F],
+    /// Receives the indices of bodies whose states would become invalid.
+    pub faults: &'a mut Vec<usize>,
+}
+
+impl<F: ForceModel> ForcedGroup<'_, F> {
+    /// The integrator's plain step, body by body.
+    pub(super) fn one_by_one<S: Integrate>(&mut self, range: Range<usize>, h: f64) -> StepOutcome {
+        let mut total = StepOutcome::default();
+        for i in range {
+            let before = self.states[i];
+            let memory = &mut self.memories[i];
+            total += S::step(
+                &self.bodies[i],
+                &mut self.states[i],
+                &self.forces[i],
+                h,
+                memory,
+            );
+            self.keep_valid(i, before);
+        }
+        total
+    }
+
+    /// Applies `kick` to the bodies of `range`, one by one.
+    pub(super) fn kick(
+        &mut self,
+        range: Range<usize>,
+        kick: impl Fn(&RigidBox, &mut BodyState, &F),
+    ) {
+        for i in range {
+            kick(&self.bodies[i], &mut self.states[i], &self.forces[i]);
+        }
+    }
+
+    /// Free flight of at most [`BLOCK`] bodies over `h` by the integrator's step in lanes.
+    pub(super) fn drift<S: Integrate>(&mut self, range: Range<usize>, h: f64) {
+        let (start, known) = (range.start, self.faults.len());
+        let last = range.end - 1;
+        let gravity: [DVec3; BLOCK] =
+            core::array::from_fn(|k| self.forces[last.min(start + k)].acceleration());
+        let mut group = Group {
+            bodies: &self.bodies[range.clone()],
+            states: &mut self.states[range.clone()],
+            memories: &mut self.memories[range.clone()],
+            gravity: GravityField::Each(&gravity[..range.len()]),
+            faults: self.faults,
+            floor: None,
+        };
+        S::step_group(&mut group, h);
+        // The group left an invalid state as it was. The body is to be invalid at the end.
+        for i in self.faults.drain(known..) {
+            self.states[start + i].position = DVec3::NAN;
+        }
+    }
+
+    /// Steps the range in blocks of [`BLOCK`] bodies by `step`. A body whose state is invalid after it stays unchanged.
+    pub(super) fn in_blocks(
+        &mut self,
+        range: Range<usize>,
+        mut step: impl FnMut(&mut Self, Range<usize>),
+    ) {
+        for start in range.clone().step_by(BLOCK) {
+            let block = start..range.end.min(start + BLOCK);
+            let last = block.end - 1;
+            let before: [BodyState; BLOCK] =
+                core::array::from_fn(|k| self.states[last.min(start + k)]);
+            step(self, block.clone());
+            for i in block {
+                self.keep_valid(i, before[i - start]);
+            }
+        }
+    }
+
+    fn keep_valid(&mut self, i: usize, before: BodyState) {
+        if !self.states[i].is_valid() {
+            self.states[i] = before;
+            self.faults.push(i);
+        }
+    }
+}
+
 /// What `refused` holds of a body that may meet the floor.
 const MEETS: f64 = 2.0;
 
@@ -369,8 +463,10 @@ impl IntegratorVisitor for All<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Split;
     use super::*;
     use crate::floor::{ContactSettings, Floor, FloorContext};
+    use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
     use crate::rotation::exponential_map;
     use proptest::prelude::*;
 
@@ -543,6 +639,67 @@ mod tests {
                         );
                         prop_assert_eq!((outcome.impacts, contact.touching()), (0, 0), "{}", integrator);
                     }
+                }
+            }
+        }
+
+        /// The same for bodies under forces of their own: none, torques, point forces, springs and drag in any order.
+        #[test]
+        fn forced_at_once_is_one_by_one(
+            set in prop::collection::vec((moving(), 0..7_usize), 1..150),
+            torque in vector(),
+            broken in 0_usize..300,
+            h in prop_oneof![Just(1.0 / 60.0), Just(0.0), Just(-0.1), 0.001..0.5_f64],
+        ) {
+            let point = |frame| [PointForce { body_point: DVec3::X, force: torque, frame }];
+            let points = [point(Frame::World), point(Frame::Body)];
+            let spring = |damping| [Spring { body_point: DVec3::Y, stiffness: 9.0, damping, ..Default::default() }];
+            let springs = [spring(0.0), spring(1.0)];
+            let gravity = Forces { acceleration: DVec3::NEG_Y * 9.81, ..Default::default() };
+            let drag = Dissipation { linear_drag: 0.5, ..Dissipation::NONE };
+            let kinds = [
+                gravity,
+                Forces { world_torque: torque, ..gravity },
+                Forces { point_forces: &points[0], ..gravity },
+                Forces { body_torque: torque, point_forces: &points[1], ..gravity },
+                Forces { springs: &springs[0], ..gravity },
+                Forces { springs: &springs[1], ..gravity },
+                Forces { world_torque: torque, dissipation: drag, ..gravity },
+            ];
+            let bodies: Vec<_> = set.iter().map(|((body, _), _)| *body).collect();
+            let mut start: Vec<_> = set.iter().map(|((_, state), _)| *state).collect();
+            // Long runs of one kind as well.
+            let long = broken % 2 == 0;
+            let forces: Vec<_> = set.iter().map(|(_, k)| kinds[if long { broken % 7 } else { *k }]).collect();
+            if let Some(state) = start.get_mut(broken) {
+                state.angular_momentum.y = f64::INFINITY;
+            }
+            let mut states = start.clone();
+            let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
+            for _ in 0..3 {
+                let (mut faults, mut expected_faults) = (Vec::new(), Vec::new());
+                let mut group = ForcedGroup {
+                    bodies: &bodies,
+                    states: &mut states,
+                    memories: &mut memories,
+                    forces: &forces,
+                    faults: &mut faults,
+                };
+                let outcome = Split::step_forced(&mut group, h);
+                let mut total = StepOutcome::default();
+                for (i, (body, state)) in bodies.iter().zip(&mut start).enumerate() {
+                    let before = *state;
+                    let mut memory = IntegratorMemory::default();
+                    total += Split::step(body, state, &forces[i], h, &mut memory);
+                    if !state.is_valid() {
+                        *state = before;
+                        expected_faults.push(i);
+                    }
+                }
+                prop_assert_eq!(outcome, total);
+                prop_assert_eq!(faults, expected_faults);
+                for (a, b) in states.iter().zip(&start) {
+                    prop_assert_eq!(bits(a), bits(b));
                 }
             }
         }

@@ -19,7 +19,7 @@ mod stage_equations;
 mod testing;
 mod trajectory;
 
-pub use batch::{GravityField, Group};
+pub use batch::{ForcedGroup, GravityField, Group};
 pub use info::{
     Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, MenuGroup, Order, Orders,
     Stability,
@@ -104,6 +104,15 @@ pub trait Integrate: Sized + 'static {
         } else {
             group.in_lanes::<Self>(h)
         }
+    }
+
+    /// `true` if [`step_forced`](Self::step_forced) is faster than one step after the other.
+    const FORCED_IN_LANES: bool = false;
+
+    /// Steps the bodies of `group`, each under its own forces. Each result equals that of [`Integrate::step`] bit for
+    /// bit.
+    fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
+        group.one_by_one::<Self>(0..group.bodies.len(), h)
     }
 }
 

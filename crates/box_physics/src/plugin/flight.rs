@@ -12,7 +12,9 @@ use super::parallel::CHUNK;
 use crate::body::RigidBox;
 use crate::floor::FloorBelow;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{GravityField, Group, Integrate, IntegratorMemory, IntegratorVisitor};
+use crate::integrators::{
+    ForcedGroup, GravityField, Group, Integrate, IntegratorMemory, IntegratorVisitor,
+};
 use crate::state::BodyState;
 
 /// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
@@ -201,23 +203,73 @@ impl FreeFlight<'_, '_, '_> {
 
     fn each<S: Integrate, F: ForceModel>(&mut self, model: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
+        let (mut chosen, mut count) = ([0; GATHERED], 0);
         for i in 0..self.bodies.len() {
             let (body, state) = (&self.bodies[i], &mut self.states[i]);
-            let model = model(i);
+            let force = model(i);
             if self.step.has_contact()
-                && self.near[i].leave(|| self.step.may_touch(body, state, &model))
+                && self.near[i].leave(|| self.step.may_touch(body, state, &force))
             {
+                continue;
+            }
+            if S::FORCED_IN_LANES {
+                chosen[count] = i;
+                count += 1;
+                if count == GATHERED {
+                    self.forced::<S, F>(&chosen, &model, &mut tally);
+                    count = 0;
+                }
                 continue;
             }
             let before = *state;
             let memory = &mut self.memories[i];
-            tally.outcome += S::step(body, state, &model, self.step.h, memory);
+            tally.outcome += S::step(body, state, &force, self.step.h, memory);
             tally.bodies += 1;
             if !state.is_valid() {
                 *state = before;
                 tally.faults.push(self.first + i);
             }
         }
+        if count > 0 {
+            self.forced::<S, F>(&chosen[..count], &model, &mut tally);
+        }
         tally
+    }
+
+    /// Bodies under forces of their own: at least one, at most [`GATHERED`].
+    #[inline(never)]
+    fn forced<S: Integrate, F: ForceModel>(
+        &mut self,
+        chosen: &[usize],
+        model: &impl Fn(usize) -> F,
+        tally: &mut Tally,
+    ) {
+        let known = tally.faults.len();
+        let place = |k: usize| chosen[k.min(chosen.len() - 1)];
+        let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.bodies[place(k)]);
+        let mut states: [BodyState; GATHERED] = core::array::from_fn(|k| self.states[place(k)]);
+        let mut memories: [IntegratorMemory; GATHERED] =
+            core::array::from_fn(|k| match chosen.get(k) {
+                Some(&i) => core::mem::take(&mut self.memories[i]),
+                None => IntegratorMemory::default(),
+            });
+        let forces: [F; GATHERED] = core::array::from_fn(|k| model(place(k)));
+        let count = chosen.len();
+        let mut group = ForcedGroup {
+            bodies: &bodies[..count],
+            states: &mut states[..count],
+            memories: &mut memories[..count],
+            forces: &forces[..count],
+            faults: &mut tally.faults,
+        };
+        tally.outcome += S::step_forced(&mut group, self.step.h);
+        tally.bodies += count as u64;
+        for ((&i, state), memory) in chosen.iter().zip(states).zip(memories) {
+            self.states[i] = state;
+            self.memories[i] = memory;
+        }
+        for i in &mut tally.faults[known..] {
+            *i = self.first + chosen[*i];
+        }
     }
 }
