@@ -43,8 +43,6 @@ pub fn compare_view(
     };
     let shown = quantities(plot, &settings);
     let window = settings.window.seconds();
-        decimate_to(NARROW, points)
-    };
     let trajectory = |integrator: Integrator, track: &Track, dt: f64| TrajectoryView {
         integrator,
         main_box: false,
