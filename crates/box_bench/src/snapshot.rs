@@ -24,8 +24,8 @@ use crate::measure::{Contender, Cost, Settings, interleaved};
 const MOST: usize = 512;
 /// The same where some are at the floor: a call stays within a few milliseconds.
 const MOST_AT_FLOOR: usize = 128;
-/// Bodies under other forces that the plugin steps together.
-const TOGETHER: usize = 64;
+/// Bodies under other forces that the plugin steps together: at least, at most.
+const TOGETHER: (usize, usize) = (16, 64);
 /// Body-steps in a call, roughly, and the steps that may be.
 const BODY_STEPS: usize = 1024;
 const STEPS: (usize, usize) = (4, 16);
@@ -175,10 +175,10 @@ impl Snapshot {
     fn forced<S: Integrate>(&mut self) -> StepOutcome {
         let mut outcome = StepOutcome::default();
         let count = self.bodies.len();
-        for start in (0..count).step_by(TOGETHER) {
-            let range = start..count.min(start + TOGETHER);
+        for start in (0..count).step_by(TOGETHER.1) {
+            let range = start..count.min(start + TOGETHER.1);
             let body = |k: usize| &self.bodies[(start + k).min(count - 1)];
-            let forces: [_; TOGETHER] = std::array::from_fn(|k| self.forces.forces(body(k)));
+            let forces: [_; TOGETHER.1] = std::array::from_fn(|k| self.forces.forces(body(k)));
             let mut group = ForcedGroup {
                 bodies: &self.bodies[range.clone()],
                 states: &mut self.states[range.clone()],
@@ -198,7 +198,7 @@ impl Snapshot {
             if only_gravity {
                 return self.fly::<S>(0, count);
             }
-            if S::FORCED_IN_LANES {
+            if S::FORCED_IN_LANES && count >= TOGETHER.0 {
                 return self.forced::<S>();
             }
         }

@@ -9,6 +9,7 @@
 mod batch;
 mod damped_kick;
 mod flows;
+mod forced;
 mod implicit_stage;
 mod info;
 mod memory;
@@ -19,7 +20,8 @@ mod stage_equations;
 mod testing;
 mod trajectory;
 
-pub use batch::{ForcedGroup, GravityField, Group};
+pub use batch::{GravityField, Group};
+pub use forced::ForcedGroup;
 pub use info::{
     Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, MenuGroup, Order, Orders,
     Stability,

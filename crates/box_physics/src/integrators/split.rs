@@ -6,8 +6,8 @@ use super::flows::{
     ExactRotation, damped_step, exact_drift, half_dissipation, kick, modified_kick,
 };
 use super::{
-    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel};

@@ -202,74 +202,55 @@ impl FreeFlight<'_, '_, '_> {
     }
 
     fn each<S: Integrate, F: ForceModel>(&mut self, model: impl Fn(usize) -> F) -> Tally {
-        let mut tally = Tally::default();
-        let (mut chosen, mut count) = ([0; GATHERED], 0);
-        for i in 0..self.bodies.len() {
-            let (body, state) = (&self.bodies[i], &mut self.states[i]);
-            let force = model(i);
-            if self.step.has_contact()
-                && self.near[i].leave(|| self.step.may_touch(body, state, &force))
-            {
-                continue;
+        let (mut tally, mut start, count) = (Tally::default(), 0, self.bodies.len());
+        for i in 0..=count {
+            let leave = i < count
+                && self.step.has_contact()
+                && self.near[i].leave(|| {
+                    self.step
+                        .may_touch(&self.bodies[i], &self.states[i], &model(i))
+                });
+            if leave || i == count || i - start == GATHERED {
+                self.forced::<S, F>(start..i, &model, &mut tally);
+                start = i + usize::from(leave);
             }
-            if S::FORCED_IN_LANES {
-                chosen[count] = i;
-                count += 1;
-                if count == GATHERED {
-                    self.forced::<S, F>(&chosen, &model, &mut tally);
-                    count = 0;
-                }
-                continue;
-            }
-            let before = *state;
-            let memory = &mut self.memories[i];
-            tally.outcome += S::step(body, state, &force, self.step.h, memory);
-            tally.bodies += 1;
-            if !state.is_valid() {
-                *state = before;
-                tally.faults.push(self.first + i);
-            }
-        }
-        if count > 0 {
-            self.forced::<S, F>(&chosen[..count], &model, &mut tally);
         }
         tally
     }
 
-    /// Bodies under forces of their own: at least one, at most [`GATHERED`].
-    #[inline(never)]
+    /// At most [`GATHERED`] bodies, each under its own forces.
     fn forced<S: Integrate, F: ForceModel>(
         &mut self,
-        chosen: &[usize],
+        run: Range<usize>,
         model: &impl Fn(usize) -> F,
         tally: &mut Tally,
     ) {
-        let known = tally.faults.len();
-        let place = |k: usize| chosen[k.min(chosen.len() - 1)];
-        let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.bodies[place(k)]);
-        let mut states: [BodyState; GATHERED] = core::array::from_fn(|k| self.states[place(k)]);
-        let mut memories: [IntegratorMemory; GATHERED] =
-            core::array::from_fn(|k| match chosen.get(k) {
-                Some(&i) => core::mem::take(&mut self.memories[i]),
-                None => IntegratorMemory::default(),
-            });
-        let forces: [F; GATHERED] = core::array::from_fn(|k| model(place(k)));
-        let count = chosen.len();
-        let mut group = ForcedGroup {
-            bodies: &bodies[..count],
-            states: &mut states[..count],
-            memories: &mut memories[..count],
-            forces: &forces[..count],
-            faults: &mut tally.faults,
-        };
-        tally.outcome += S::step_forced(&mut group, self.step.h);
-        tally.bodies += count as u64;
-        for ((&i, state), memory) in chosen.iter().zip(states).zip(memories) {
-            self.states[i] = state;
-            self.memories[i] = memory;
+        tally.bodies += run.len() as u64;
+        if S::FORCED_IN_LANES && run.len() >= SHORT {
+            let forces: [F; GATHERED] =
+                core::array::from_fn(|k| model(run.end.min(run.start + k + 1) - 1));
+            let known = tally.faults.len();
+            let mut group = ForcedGroup {
+                bodies: &self.bodies[run.clone()],
+                states: &mut self.states[run.clone()],
+                memories: &mut self.memories[run.clone()],
+                forces: &forces[..run.len()],
+                faults: &mut tally.faults,
+            };
+            tally.outcome += S::step_forced(&mut group, self.step.h);
+            for i in &mut tally.faults[known..] {
+                *i += self.first + run.start;
+            }
+            return;
         }
-        for i in &mut tally.faults[known..] {
-            *i = self.first + chosen[*i];
+        for i in run {
+            let (body, state) = (&self.bodies[i], &mut self.states[i]);
+            let (before, memory) = (*state, &mut self.memories[i]);
+            tally.outcome += S::step(body, state, &model(i), self.step.h, memory);
+            if !state.is_valid() {
+                *state = before;
+                tally.faults.push(self.first + i);
+            }
         }
     }
 }

@@ -197,7 +197,7 @@ impl Random {
 
     /// A coefficient of restitution; of the i-th of many boxes, every fifth is elastic.
     pub(super) fn restitution(&mut self, i: u32) -> f64 {
-        if i % 5 == 0 {
+        if i.is_multiple_of(5) {
             1.0
         } else {
             self.range(0.0, 1.0)
@@ -206,7 +206,7 @@ impl Random {
 
     /// A coefficient of friction; every seventh has none.
     pub(super) fn friction(&mut self, i: u32, high: f64) -> f64 {
-        if i % 7 == 0 {
+        if i.is_multiple_of(7) {
             0.0
         } else {
             self.magnitude(0.01, high)
