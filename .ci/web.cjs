@@ -157,8 +157,15 @@ async function main() {
         game.page.once("download", async (file) => done({ name: file.suggestedFilename(), path: await file.path() }));
         setTimeout(() => failed(new Error("no download")), PATIENCE).unref();
       });
-      const [here, there] = [bits(readFileSync(file.path, "utf8")), bits(readFileSync(native, "utf8"))];
+      const texts = [file.path, native].map((path) => readFileSync(path, "utf8"));
+      const [here, there] = texts.map(bits);
       console.log(`   ${here.rows} rows of ${Object.keys(here).length - 1} columns`);
+      const costs = texts.map((text) => new Map(table(text).map((row) => [row.integrator, Number(row.step_ns_min)])));
+      console.log("   | integrator | browser [ns] | native [ns] | ratio |\n   |---|---|---|---|");
+      for (const [id, ns] of costs[0]) {
+        const beside = costs[1].get(id);
+        console.log(`   | \`${id}\` | ${ns.toPrecision(3)} | ${beside.toPrecision(3)} | ${(ns / beside).toFixed(1)} |`);
+      }
       assert(there.rows > 100);
       assert.deepEqual(here, there);
       await game.page.locator("dialog pre", { hasText: "semi-implicit-euler" }).waitFor();
