@@ -4,6 +4,7 @@ use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::AssetEventSystems;
 use bevy::diagnostic::FrameTimeDiagnosticsPlugin;
 use bevy::input::InputPlugin;
+use bevy::light::SimulationLightSystems;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet};
@@ -85,10 +86,15 @@ pub fn build(cli: &Cli) -> std::io::Result<App> {
         PanelPlugin,
         PicturesPlugin,
     ));
-    // A glyph that is new reaches the screen in the frame that shows it, and so the picture of that frame.
+    // The panel switches cameras on, for which lights then need cascades. And a new glyph has to reach the screen in
+    // the frame that shows it, and so the picture of that frame.
     app.configure_sets(
         PostUpdate,
-        EguiPostUpdateSet::PostProcessOutput.before(AssetEventSystems),
+        (
+            EguiPostUpdateSet::EndPass
+                .before(SimulationLightSystems::UpdateDirectionalLightCascades),
+            EguiPostUpdateSet::PostProcessOutput.before(AssetEventSystems),
+        ),
     );
     if offscreen {
         // One step per frame, so that a picture shows a known time however slow the renderer is.
