@@ -101,13 +101,14 @@ pub struct PanelView {
 }
 
 impl PanelView {
-    /// Time of a step in the plugin, as shown: `0.8 µs`.
+    /// Time of a step in the plugin, as shown: `0.8 µs`. A browser's clock shows 0 or one of its steps.
     pub(super) fn step_time(&self) -> String {
-        let time = |stages: [f64; Stage::ALL.len()]| stages.iter().sum::<f64>();
-        let time = self
-            .stages_us
-            .map(|stages| (time(stages) * 10.0).round() / 10.0);
-        format!("{} µs", time.map_or_else(|| "–".to_owned(), number))
+        let time = self.stages_us.map(|stages| stages.iter().sum::<f64>());
+        match (time, self.history.grain) {
+            (Some(time), Some((grain, _))) if time < grain => format!("below {} µs", number(grain)),
+            (Some(time), _) => format!("{} µs", number((time * 10.0).round() / 10.0)),
+            (None, _) => "– µs".to_owned(),
+        }
     }
 }
 

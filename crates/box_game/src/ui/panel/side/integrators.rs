@@ -106,17 +106,6 @@ fn step_cost(ui: &mut Ui, view: &PanelView) {
         return;
     };
     let total = |stages: &[f64]| stages.iter().filter(|t| t.is_finite()).sum::<f64>();
-    if let Some((grain, _)) = view.history.grain
-        && total(&stages) < grain
-    {
-        // A browser's: what it shows is 0 or one of its steps.
-        let text = format!(
-            "Step in the plugin: below {} µs, the clock's step",
-            short(grain)
-        );
-        note(ui, text);
-        return;
-    }
     let boxes = match view.parameters.boxes() {
         1 => "1 box".to_owned(),
         n => {

@@ -56,7 +56,7 @@ fn a_browser_says_what_it_cannot_measure() {
     assert!(!timing(None) && timing(Some((100.0, 0.0082))));
     assert!(!with(|view| view.plot = Plot::Timing).sees_part("clock: steps"));
     let coarse = with(|view| view.history.grain = Some((100.0, 0.0082)));
-    assert!(coarse.sees("Step in the plugin: below 100 µs, the clock's step"));
+    assert!(coarse.sees("Step in the plugin: below 100 µs for 1 box"));
 }
 
 #[test]
