@@ -1,5 +1,5 @@
 //! A calm background with depth: a sky from a light horizon to a dark zenith, a floor that fades into it, or a lattice
-//! of faint crosses where there is none, and the walls of a scene.
+//! of faint crosses where there is no floor, and the walls of a scene.
 
 use bevy::camera::visibility::NoFrustumCulling;
 use bevy::light::NotShadowCaster;

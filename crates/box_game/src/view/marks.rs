@@ -93,7 +93,7 @@ pub(super) fn lines(half: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
         .flat_map(|face| face.strokes(0.0).collect::<Vec<_>>())
 }
 
-/// A cuboid with six faces of different lightness and no color of its own: the material's color says whose box it is.
+/// A cuboid with six faces of different lightness; the material's color says whose box it is.
 /// Boxes of the load have no marks.
 pub(super) fn cuboid(half: Vec3, marked: bool) -> Mesh {
     let (mut places, mut normals, mut colors, mut indices) = (vec![], vec![], vec![], vec![]);

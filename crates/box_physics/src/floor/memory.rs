@@ -12,7 +12,7 @@ use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
 /// What the contact remembers of one body between steps: which corners touch, and for which state and
-/// forces it was found to lie still. It is checked, not trusted: a box lies still only as long as pose,
+/// forces it was found at rest. It is checked, not trusted: a box is at rest only as long as pose,
 /// velocities, body, floor and forces are bit for bit what they were. Empty is always valid.
 ///
 /// ```
@@ -126,7 +126,7 @@ impl ContactState {
             && rest.wrench == wrench(body, state, force)
     }
 
-    /// Carries a box that lies still with the floor for `h` \[s\]. Its height over the floor stays to the last bit.
+    /// Carries a box at rest with the floor for `h` \[s\]. Its height over the floor stays to the last bit.
     #[inline]
     pub(super) fn ride(&mut self, state: &mut BodyState, h: f64) {
         let Some(rest) = &mut self.rest else { return };
@@ -138,7 +138,7 @@ impl ContactState {
         }
     }
 
-    /// Remembers that the box lies still, with these forces \[N\] at its corners. `state` is in the floor's frame at the
+    /// Remembers that the box is at rest, with these forces \[N\] at its corners. `state` is in the floor's frame at the
     /// end of a step of `h` \[s\].
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,

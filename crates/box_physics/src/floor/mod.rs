@@ -7,7 +7,7 @@
 //!
 //! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part
 //! of the step; all touching corners are solved together, with Newton's restitution and a round friction cone; a corner
-//! that stays is held by a force over the segment of motion; a box that lies still keeps its state bit for bit.
+//! that stays is held by a force over the segment of motion; a box at rest keeps its state bit for bit.
 //!
 //! | modules, from top to bottom | task |
 //! |---|---|
@@ -299,7 +299,7 @@ pub struct FloorOutcome {
     pub energy_repairs: u32,
     /// The energy that these repairs took \[J\].
     pub energy_repaired: f64,
-    /// The box lies still. Of a sum: at least one does.
+    /// The box is at rest. Of a sum: at least one is.
     pub resting: bool,
 }
 

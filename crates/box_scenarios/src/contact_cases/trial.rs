@@ -105,7 +105,7 @@ impl Trial {
         self.state.kinetic_energy(&self.body) - self.body.mass() * self.gravity.dot(x)
     }
 
-    /// Whether the box lies still for good.
+    /// Whether the box stays at rest.
     pub fn rests(&self) -> bool {
         self.contact.is_resting(&self.state)
     }

@@ -162,7 +162,8 @@ pub(super) fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
         });
 }
 
-/// A plot and beside it its legend of this width, or none where the plot would keep less than `least` [points].
+/// A plot with its legend of this width beside it; without the legend where the plot would keep less than `least`
+/// [points].
 pub(super) fn with_legend(
     ui: &mut Ui,
     [width, least]: [f32; 2],
