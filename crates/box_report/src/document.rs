@@ -21,6 +21,8 @@ pub(crate) struct Section {
     pub(crate) title: &'static str,
     /// What was measured and how, in a few sentences.
     pub(crate) intro: String,
+    /// How it was measured in detail, behind everything else; may be empty.
+    pub(crate) method: String,
     /// What the numbers say, each a sentence with its number.
     pub(crate) verdicts: Vec<String>,
     pub(crate) figures: Vec<Figure>,
@@ -60,6 +62,7 @@ impl Section {
             id,
             title,
             intro: intro.into(),
+            method: String::new(),
             verdicts: Vec::new(),
             figures: Vec::new(),
             tables: Vec::new(),

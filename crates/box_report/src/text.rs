@@ -33,6 +33,15 @@ pub(crate) fn step(dt: f64) -> String {
     }
 }
 
+/// A relative error, signed, in percent; below 1e-12 it is rounding.
+pub(crate) fn percent(x: f64) -> String {
+    if x.abs() < 1e-12 {
+        return "0 %".to_owned();
+    }
+    let sign = if x < 0.0 { '−' } else { '+' };
+    format!("{sign}{} %", significant(100.0 * x.abs(), 2))
+}
+
 /// A duration \[ns\] with its unit.
 pub(crate) fn time(ns: f64) -> String {
     match ns {
@@ -67,6 +76,8 @@ mod tests {
         assert_eq!(error(3.0), "3.0");
         assert_eq!(error(997.0), "1000");
         assert_eq!(error(0.0), "0");
+        assert_eq!(percent(-3.5e-3), "−0.35 %");
+        assert_eq!(percent(2.3e-15), "0 %");
         assert_eq!(step(1.0 / 1920.0), "1/1920");
         assert_eq!(step(0.3), "0.300");
         assert_eq!(time(58.31), "58.3 ns");

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Accuracy, Engine, Measured, Stored, committed};
+use super::{Accuracy, CostRow, Engine, Measured, Stored, committed};
 use crate::context::{Context, Stop};
 use crate::document::{Figure, Section, Table};
 use crate::plot::{Axis, Line, Plot, Point, plain};
@@ -11,6 +11,7 @@ use box_physics::integrators::Integrator;
 use box_scenarios::style::{Dash, Marker, Style};
 
 const ID: &str = "peers";
+const OURS: &str = "box_physics";
 const TITLE: &str = "Other engines";
 
 /// The section: of a result in the folder, if `fresh`, else of the committed one.
@@ -30,26 +31,25 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let stored: Stored = serde_json::from_str(&files::read(&path)?)
         .map_err(|e| Stop::Failed(format!("{}: {e}", path.display())))?;
     let (m, measured) = (&stored.machine, &stored.measured);
-    let engines: Vec<String> = measured
-        .engines
-        .iter()
-        .map(|e| format!("{} {} ({})", e.full_name(), e.version, e.driven))
-        .collect();
     let mut section = Section::new(
         ID,
         TITLE,
         format!(
-            "The same boxes in other engines with their default settings, and with as many threads as there are: {}. {} on {m}. \
-             Repeat it with `cargo box-report peers`. Attitude and energy against the reference trajectories of free \
-             motion; cost per body and step of everything that an update does, box–box collisions off. {}",
-            engines.join("; "),
+            "The same boxes in other engines with their default settings; box–box collisions are off. {} on {m}. \
+             Repeat it with `cargo box-report peers`.",
             if fresh {
                 "Measured in this run"
             } else {
-                "**The last measured result**"
+                "The last measured result,"
             },
-            measured.notes.join(" ")
         ),
+    );
+    let engines = measured.engines.iter();
+    let engines = engines.map(|e| format!("{} {} ({})", e.full_name(), e.version, e.driven));
+    section.method = format!(
+        "{}. {}",
+        engines.collect::<Vec<_>>().join("; "),
+        measured.notes.join(" ")
     );
     section.tables.push(accuracy_table(measured));
     section.tables.push(cost_table(measured));
@@ -82,7 +82,7 @@ fn ends(a: &Accuracy) -> (f64, f64) {
 fn accuracy_table(measured: &Measured) -> Table {
     let cases = cases(measured);
     let mut columns = vec!["engine".to_owned()];
-    columns.extend(cases.iter().map(|c| format!("{c} [rad · energy]")));
+    columns.extend(cases.iter().map(|c| case_name(c)));
     let row = |e: &Engine| {
         let mut cells = vec![e.name.clone()];
         cells.extend(cases.iter().map(|c| {
@@ -92,14 +92,15 @@ fn accuracy_table(measured: &Measured) -> Table {
                 .find(|a| a.engine == e.id && a.case == *c && a.rate_hz == 60);
             found.map_or_else(String::new, |a| {
                 let (attitude, energy) = ends(a);
-                format!("{} · {:+.2e}", text::error(attitude), energy)
+                format!("{} rad · {}", text::error(attitude), text::percent(energy))
             })
         }));
         cells
     };
     Table {
         title: "Largest attitude error, and energy error at the end, 60 Hz".to_owned(),
-        note: "π ≈ 3.1 rad is as wrong as an attitude can be.".to_owned(),
+        note: "Against the reference trajectories of free motion (`tests/oracle`). π ≈ 3.1 rad is as wrong as an attitude can be."
+            .to_owned(),
         columns,
         rows: measured
             .engines
@@ -111,61 +112,94 @@ fn accuracy_table(measured: &Measured) -> Table {
     }
 }
 
+/// `pub04_thin_plate` is `thin plate`.
+fn case_name(case: &str) -> String {
+    let name = case.split_once('_').map_or(case, |(_, name)| name);
+    name.replace('_', " ")
+}
+
+/// The costs of all engines in one situation.
+struct Situation<'a> {
+    place: &'a str,
+    bodies: usize,
+    rows: Vec<&'a CostRow>,
+}
+
+impl Situation<'_> {
+    fn of(&self, engine: &str) -> Option<&CostRow> {
+        self.rows.iter().copied().find(|c| c.engine == engine)
+    }
+
+    /// Of the engine as a multiple of ours, both without the app \[ns, 1\].
+    fn alone(&self, engine: &str) -> Option<(f64, f64)> {
+        let (theirs, ours) = (self.of(engine)?.alone(), self.of(OURS)?.alone());
+        Some((theirs, theirs / ours))
+    }
+}
+
+impl CostRow {
+    /// Of the physics alone \[ns\]. An engine that runs without an app has nothing else.
+    fn alone(&self) -> f64 {
+        self.physics_ns_per_body_step_min
+            .unwrap_or(self.ns_per_body_step_min)
+    }
+}
+
+fn situations(measured: &Measured) -> Vec<Situation<'_>> {
+    let mut found: Vec<Situation> = Vec::new();
+    for c in &measured.cost {
+        let same = |s: &&mut Situation| s.place == c.place && s.bodies == c.bodies;
+        match found.iter_mut().find(same) {
+            Some(s) => s.rows.push(c),
+            None => found.push(Situation {
+                place: &c.place,
+                bodies: c.bodies,
+                rows: vec![c],
+            }),
+        }
+    }
+    found
+}
+
 fn cost_table(measured: &Measured) -> Table {
-    let mut keys: Vec<(String, usize)> = Vec::new();
-    for c in &measured.cost {
-        let key = (c.place.clone(), c.bodies);
-        if !keys.contains(&key) {
-            keys.push(key);
-        }
-    }
+    let situations = situations(measured);
     let mut columns = vec!["engine".to_owned()];
-    columns.extend(keys.iter().map(|(p, n)| format!("{p}, {n} boxes [ns]")));
-    let mut engines: Vec<&str> = Vec::new();
-    for c in &measured.cost {
-        if !engines.contains(&c.engine.as_str()) {
-            engines.push(&c.engine);
-        }
-    }
-    let name = |id: &str| {
-        let found = measured.engines.iter().find(|e| e.id == id);
-        found.map_or_else(|| id.to_owned(), Engine::full_name)
+    columns.extend(
+        situations
+            .iter()
+            .map(|s| format!("{}, {}", s.place, s.bodies)),
+    );
+    let row = |name: String, cell: &dyn Fn(&Situation) -> Option<String>| {
+        let cells = situations.iter().map(|s| cell(s).unwrap_or_default());
+        [name].into_iter().chain(cells).collect::<Vec<_>>()
     };
-    let row = |id: &str, alone: bool| {
-        let words = if alone { ", physics alone" } else { "" };
-        let mut cells = vec![name(id) + words];
-        cells.extend(keys.iter().map(|(p, n)| {
-            let mut rows = measured.cost.iter();
-            let found = rows.find(|c| c.engine == id && c.place == *p && c.bodies == *n);
-            let cost = found.and_then(|c| {
-                if alone {
-                    c.physics_ns_per_body_step_min
-                        .zip(c.physics_ns_per_body_step_median)
-                } else {
-                    Some((c.ns_per_body_step_min, c.ns_per_body_step_median))
-                }
-            });
-            cost.map_or_else(String::new, |(least, median)| {
-                let spread = 100.0 * (median / least - 1.0);
-                format!("{} (+{spread:.0} %)", text::significant(least, 3))
+    let alone = measured.engines.iter().map(|e| {
+        row(e.full_name(), &|s| {
+            let (ns, ratio) = s.alone(&e.id)?;
+            let ns = text::significant(ns, 3);
+            let ratio = text::significant(ratio, 2);
+            Some(if e.id == OURS {
+                ns
+            } else {
+                format!("{ns} ({ratio}×)")
             })
-        }));
-        cells
-    };
-    let in_an_app = |id: &str| {
-        let mut rows = measured.cost.iter().filter(|c| c.engine == id);
+        })
+    });
+    let in_an_app = measured.engines.iter().filter(|e| {
+        let mut rows = measured.cost.iter().filter(|c| c.engine == e.id);
         rows.any(|c| c.physics_ns_per_body_step_min.is_some())
-    };
-    let rows = engines.into_iter().flat_map(|id| {
-        let alone = in_an_app(id).then(|| row(id, true));
-        [Some(row(id, false)), alone].into_iter().flatten()
+    });
+    let whole = in_an_app.map(|e| {
+        row(format!("{}, whole app", e.full_name()), &|s| {
+            Some(text::significant(s.of(&e.id)?.ns_per_body_step_min, 3))
+        })
     });
     Table {
-        title: "Cost per body and step".to_owned(),
-        note: "Fastest sample, and how far the median lies above it. Rapier and Box3D run without an app: \
-               what compares with them is our physics alone."
+        title: "Cost of the physics per box and step [ns]".to_owned(),
+        note: "By situation and number of boxes; in brackets the multiple of ours. Fastest sample. At the end the whole \
+               `App::update` of the engines in Bevy."
             .to_owned(),
-        rows: rows.collect(),
+        rows: alone.chain(whole).collect(),
         columns,
         csv: "peers-cost.csv".to_owned(),
     }
@@ -173,7 +207,7 @@ fn cost_table(measured: &Measured) -> Table {
 
 fn look(id: &str) -> Style {
     let (color, dash, marker) = match id {
-        "box_physics" => return box_scenarios::style(Integrator::Split),
+        OURS => return box_scenarios::style(Integrator::Split),
         "avian" => ([0x00, 0x72, 0xB2], Dash::Solid, Marker::Up),
         "rapier" => ([0x00, 0x9E, 0x73], Dash::Dashed, Marker::Square),
         "box3d" => ([0xCC, 0x79, 0xA7], Dash::Dotted, Marker::Diamond),
@@ -208,75 +242,49 @@ fn figure(measured: &Measured, case: &str, energy: bool) -> Result<Figure, Stop>
         "attitude error [rad]"
     };
     let plot = Plot {
-        title: format!("{case}: {what} error over time at 60 Hz"),
+        title: format!("{}: {what} error over time at 60 Hz", case_name(case)),
         x: Axis::linear("time [s]"),
         y: Axis::log(title).within(1e-12, 10.0),
         lines: lines.collect(),
     };
     Ok(Figure {
-        id: format!("peers-{}-{what}", case.to_lowercase().replace(' ', "-")),
+        id: format!("peers-{}-{what}", case_name(case).replace(' ', "-")),
         caption: format!(
-            "{case} in every engine, 60 Hz, {what} error against the reference trajectory."
+            "{} in every engine, 60 Hz, {what} error against the reference trajectory.",
+            case_name(case)
         ),
         svg: plot.svg().map_err(Stop::Internal)?,
         digest: false,
     })
 }
 
-/// How much faster and how much nearer, in numbers.
+/// How near each engine is, and where it costs less than ours.
 fn verdicts(measured: &Measured) -> Vec<String> {
-    let mut said = Vec::new();
-    let most = measured.cost.iter().map(|c| c.bodies).max().unwrap_or(0);
-    let cost = |engine: &str, place: &str| {
-        let found = measured
-            .cost
-            .iter()
-            .find(|c| c.engine == engine && c.place == place && c.bodies == most)?;
-        let alone = found.physics_ns_per_body_step_min;
-        Some((found.ns_per_body_step_min, alone))
+    let worst = |e: &Engine| {
+        let of = measured.accuracy.iter();
+        let of = of.filter(|a| a.engine == e.id && a.rate_hz == 60);
+        let worst = of.map(|a| ends(a).0).reduce(f64::max)?;
+        Some(format!("{} {} rad", e.name, text::error(worst)))
     };
-    for e in measured.engines.iter().filter(|e| e.id != "box_physics") {
-        let mut parts = Vec::new();
-        for (place, words) in [
-            ("free", "in free flight"),
-            ("landing", "landing"),
-            ("resting", "at rest on the floor"),
-        ] {
-            let (Some((own, own_alone)), Some((other, other_alone))) =
-                (cost("box_physics", place), cost(&e.id, place))
-            else {
-                continue;
-            };
-            let ratio = text::significant(other / own, 2);
-            let alone = own_alone.map_or_else(String::new, |own| {
-                let ratio = text::significant(other_alone.unwrap_or(other) / own, 2);
-                format!(" (physics alone: {ratio})")
+    let worst: Vec<String> = measured.engines.iter().filter_map(worst).collect();
+    let situations = situations(measured);
+    let cheaper: Vec<String> = situations
+        .iter()
+        .filter_map(|s| {
+            let others = measured.engines.iter().filter_map(|e| {
+                let (_, ratio) = s.alone(&e.id)?;
+                let name = e.full_name();
+                (ratio < 1.0).then(|| format!("{name} {}×", text::significant(ratio, 2)))
             });
-            parts.push(format!("{ratio} times our cost {words}{alone}"));
-        }
-        let worst = |id: &str| {
-            let of = measured
-                .accuracy
-                .iter()
-                .filter(|a| a.engine == id && a.rate_hz == 60);
-            of.map(|a| ends(a).0).reduce(f64::max)
-        };
-        parts.extend(
-            worst(&e.id)
-                .zip(worst("box_physics"))
-                .map(|(theirs, ours)| {
-                    let [theirs, ours] = [theirs, ours].map(text::error);
-                    format!("worst attitude error {theirs} rad against our {ours}")
-                }),
-        );
-        said.push(format!(
-            "{} {}, {most} boxes: {}.",
-            e.full_name(),
-            e.version,
-            parts.join(", ")
-        ));
-    }
-    said
+            let others: Vec<String> = others.collect();
+            (!others.is_empty())
+                .then(|| format!("{}, {} boxes ({})", s.place, s.bodies, others.join("; ")))
+        })
+        .collect();
+    vec![
+        format!("Largest attitude error: {}.", text::list(&worst)),
+        format!("Cheaper than ours: {}.", text::list(&cheaper)),
+    ]
 }
 
 #[derive(Serialize)]
