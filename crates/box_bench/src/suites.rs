@@ -17,9 +17,9 @@ use crate::rows::Row;
 /// Step size of every benchmark \[s\].
 pub const STEP: f64 = 1.0 / 60.0;
 
-/// Numbers of threads for `n` bodies: one for few bodies, because the plugin then uses no other.
+/// Numbers of threads for `n` bodies: one for few bodies, because the plugin then uses no other, whatever they do.
 fn threads(n: usize) -> &'static [usize] {
-    if n < 2 * PhysicsThreads::default().bodies_each {
+    if n < 64 {
         &[1]
     } else {
         &[1, 2]

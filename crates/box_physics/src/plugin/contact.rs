@@ -15,6 +15,7 @@ use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::transforms::LIGHT;
 use crate::body::RigidBox;
 use crate::floor::{
     ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, step_on_floor,
@@ -56,6 +57,9 @@ impl MaterialContiguousItem<'_, '_> {
         (friction, self.restitution.map(|c| &c[i]))
     }
 }
+
+/// A step at the floor costs as much as this many in free flight (`cargo bench --bench step`: settling, falling).
+const AT_FLOOR: usize = 32;
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(
@@ -99,6 +103,9 @@ pub(crate) fn contact(
             .filter(|_| at_floor.reports)
             .map(|reported| reported.bypass_change_detection());
         for (integrator, range) in integrator_runs(step.integrator, table.own, bodies.len()) {
+            let awake = (near[range.clone()].iter().zip(&sleep[range.clone()]))
+                .filter(|(near, sleep)| near.pending && !sleepers.slept(sleep))
+                .count();
             let columns = (
                 bodies,
                 &mut *states,
@@ -109,9 +116,11 @@ pub(crate) fn contact(
                 reported.as_deref_mut(),
                 &*resting,
             );
+            // A few bodies at the floor are work for a thread: with larger chunks the last one would be waited for.
+            let chunk = (awake / 16).clamp(16, CHUNK);
             let mut tally = threads.share_out(
-                range.len(),
-                columns.chunks(range, CHUNK),
+                awake * AT_FLOOR + range.len() / LIGHT,
+                columns.chunks(range, chunk),
                 |(first, (bodies, states, memories, near, contacts, sleep, reported, resting))| {
                     integrator.dispatch(AtFloor {
                         step: &step,
@@ -150,6 +159,7 @@ pub(crate) fn contact(
                 let entity = table.entity[i];
                 commands.trigger(Woken { entity, time });
             }
+            tally.faults.sort_unstable();
             for i in tally.faults {
                 quarantine.take(
                     table.entity[i],

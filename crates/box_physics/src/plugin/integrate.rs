@@ -57,6 +57,9 @@ impl core::ops::AddAssign for Tally {
     }
 }
 
+/// A step under forces costs as much as this many in free flight, or more (`docs/performance.md`).
+const FORCED: usize = 4;
+
 /// *Integrate*: steps every body that stays clear of the floor. The others are left to *Contact*.
 pub(crate) fn integrate(
     step: Res<Step>,
@@ -73,8 +76,9 @@ pub(crate) fn integrate(
         let near = table.near.bypass_change_detection();
         for (integrator, range) in integrator_runs(step.integrator, table.own, bodies.len()) {
             let columns = (bodies, &mut *states, &mut *memories, &mut *near);
-            let tally = threads.share_out(
-                range.len(),
+            let each = if forces.only_gravity() { 1 } else { FORCED };
+            let mut tally = threads.share_out(
+                range.len() * each,
                 columns.chunks(range, CHUNK),
                 |(first, (bodies, states, memories, near))| {
                     integrator.dispatch(FreeFlight {
@@ -94,6 +98,8 @@ pub(crate) fn integrate(
                 timings.record_stage(Stage::Integrate, time);
                 timings.record_integrator(integrator, tally.bodies, time, tally.outcome);
             }
+            // In the order of rows, whatever thread found them.
+            tally.faults.sort_unstable();
             for i in tally.faults {
                 quarantine.take(
                     table.entity[i],

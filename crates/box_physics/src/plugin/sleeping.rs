@@ -131,10 +131,15 @@ impl<'a> Sleepers<'a> {
         self.may_sleep && self.unchanged && !self.changes.any(rows)
     }
 
+    /// Whether the body slept in the last run.
+    pub(crate) fn slept(&self, sleep: &Sleep) -> bool {
+        sleep.0 == self.run - 1
+    }
+
     /// Lets the body of a row sleep on, if it slept in the last run and nothing woke it. `untouched` says that nothing did
     /// of all bodies around it.
     pub(crate) fn sleeps_on(&self, row: usize, sleep: &mut Sleep, untouched: bool) -> bool {
-        let sleeps = sleep.0 == self.run - 1 && (untouched || self.untouched(row..row + 1));
+        let sleeps = self.slept(sleep) && (untouched || self.untouched(row..row + 1));
         if sleeps {
             sleep.0 = self.run;
         }
