@@ -2,7 +2,6 @@
 
 use std::cell::RefCell;
 
-use box_physics::plugin::PhysicsThreads;
 use box_physics::prelude::*;
 
 use crate::bare::Bare;
