@@ -151,15 +151,3 @@ pub(super) mod integrator_id {
         String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_key_goes_round_the_layouts() {
-        let mut seen = Layout::ALL.map(Layout::next);
-        seen.rotate_right(1);
-        assert_eq!(seen, Layout::ALL);
-    }
-}

@@ -162,15 +162,6 @@ fn what_restarts_waits_for_the_mouse_to_let_go() {
 }
 
 #[test]
-fn dragging_a_number_moves_it() {
-    let mut person = off_default();
-    let from = person.find("gravity value").rect().center();
-    let asked = person.drag(from, from + vec2(40.0, 0.0));
-    let moved = matches!(asked.last(), Some(Action::Set(Parameter::Gravity, g)) if *g > 5.0);
-    assert!(moved, "{asked:?}");
-}
-
-#[test]
 fn tooltips_give_unit_default_and_range() {
     for parameter in sliders() {
         let (label, unit) = (parameter.info().label, parameter.info().unit);
