@@ -21,6 +21,6 @@ impl Plugin for ScenePlugin {
                 PhysicsSchedule,
                 start::apply_timed_impulses.in_set(PhysicsSystems::First),
             )
-            .add_systems(Update, (library::watch_scenes, clock::count_dropped));
+            .add_systems(Update, library::watch_scenes);
     }
 }

@@ -68,7 +68,6 @@ pub fn start_scene(world: &mut World) {
     session.truth = Some(ReferenceSolution::of(&setup));
     session.run += 1;
     session.next_impulse = 0;
-    session.dropped = 0.0;
     (session.fallbacks, session.unconverged) = (0, 0);
     session.events = vec!["start".to_owned()];
     apply_world(world, &setup);

@@ -72,7 +72,7 @@ pub fn view(s: &Sources) -> PanelView {
         steps: s.clock.steps(),
         speed: session.speed,
         actual_speed: s.history.actual_speed(),
-        dropped: session.dropped,
+        dropped: s.clock.dropped().as_secs_f64(),
         parameters: session.parameters,
         defaults: session.defaults,
         figures,
