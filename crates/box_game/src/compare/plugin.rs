@@ -244,17 +244,10 @@ fn resync(world: &mut World) {
     let Some(state) = comparison.run.as_mut().and_then(Run::resync) else {
         return;
     };
-    let mut main_box = world.query_filtered::<(&mut BodyState, &mut Transform), With<MainBox>>();
-    if let Some((mut now, mut pose)) = main_box.iter_mut(world).next() {
+    let mut main_box = world.query_filtered::<&mut BodyState, With<MainBox>>();
+    if let Some(mut now) = main_box.iter_mut(world).next() {
         *now = state;
-        show(&state, &mut pose);
     }
-}
-
-/// The pose as the plugin will write it, at once: the clock may stand.
-fn show(state: &BodyState, pose: &mut Transform) {
-    pose.translation = state.position.as_vec3();
-    pose.rotation = state.rotation.as_quat();
 }
 
 /// The integrator moves the main box from now on. Where a comparison runs under it, main box and comparison change
@@ -269,14 +262,11 @@ fn make_main_box(world: &mut World, integrator: Integrator) {
             &mut BodyState,
             &mut IntegratorMemory,
             &mut ContactState,
-            &mut Transform,
         ), With<MainBox>>();
-        let Some((mut state, mut memory, mut contact, mut pose)) = main_box.iter_mut(world).next()
-        else {
+        let Some((mut state, mut memory, mut contact)) = main_box.iter_mut(world).next() else {
             return;
         };
         if run.swap(integrator, (&mut state, &mut memory, &mut contact)) {
-            show(&state, &mut pose);
             let others = comparison.chosen.clone().into_iter();
             let others: Vec<_> = others.filter(|&i| i != integrator).chain([old]).collect();
             comparison.choose(others);
