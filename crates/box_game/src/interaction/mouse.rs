@@ -178,7 +178,6 @@ mod tests {
     use super::*;
 
     const ON_BOX: Hit = Hit {
-        distance: 3.0,
         point: DVec3::new(0.1, 0.2, 0.5),
         normal: DVec3::Z,
     };

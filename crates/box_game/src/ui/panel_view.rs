@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 use box_physics::energy::potential_energy;
 use box_physics::prelude::{
-    BodyState, Floor, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox, WorldAabb,
+    BodyState, Floor, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox,
 };
 use box_scenarios::Status;
 
@@ -47,12 +47,7 @@ pub struct Sources<'w, 's> {
     main_box: Query<
         'w,
         's,
-        (
-            &'static RigidBox,
-            &'static BodyState,
-            Option<&'static WorldAabb>,
-            Has<Quarantined>,
-        ),
+        (&'static RigidBox, &'static BodyState, Has<Quarantined>),
         With<MainBox>,
     >,
 }
@@ -103,7 +98,6 @@ pub fn view(s: &Sources) -> PanelView {
         log: s.log.as_ref().map(|log| LogView {
             path: log.path().display().to_string(),
             rows: log.rows(),
-            bytes: log.bytes(),
         }),
         // An image offscreen is as good from a CPU.
         software_rendering: device == Some(wgpu::DeviceType::Cpu)
@@ -120,7 +114,7 @@ pub fn view(s: &Sources) -> PanelView {
 
 /// Figures of the main box, and its state.
 fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
-    let (body, state, aabb, quarantined) = s.main_box.iter().next()?;
+    let (body, state, quarantined) = s.main_box.iter().next()?;
     let forces = s.session.forces();
     let law = forces.forces(body);
     let floor = s.floor.as_deref().map_or(0.0, |f| f.height);
@@ -140,18 +134,10 @@ fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
         state.position.y,
         state.position.z,
     ];
-    let touching = match (aabb, &s.floor) {
-        (Some(aabb), Some(f)) => f64::from(aabb.0.min.y) <= f.height + 1e-4 * body.radius(),
-        _ => false,
-    };
-    let still = state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO;
-    let status = match (quarantined, touching, still) {
-        (true, ..) => Status::Quarantined,
-        (_, true, true) => Status::Resting,
-        (_, true, false) => Status::Contact,
-        _ => Status::Ok,
-    };
-    Some((figures, status))
+    let run = s.comparison.run.as_ref();
+    let status = run.map_or(Status::Ok, |run| run.main_box.status());
+    let frozen = quarantined.then_some(Status::Quarantined);
+    Some((figures, frozen.unwrap_or(status)))
 }
 
 fn history(s: &Sources) -> HistoryView {

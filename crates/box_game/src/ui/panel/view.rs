@@ -82,7 +82,7 @@ pub struct PanelView {
     pub hidden: bool,
     /// Plot in the drawer.
     pub plot: Plot,
-    /// The log being written: path, rows, bytes.
+    /// The log being written.
     pub log: Option<LogView>,
     /// The device renders in software, so frame times say nothing.
     pub software_rendering: bool,
@@ -143,6 +143,4 @@ pub struct LogView {
     pub path: String,
     /// Rows written.
     pub rows: u64,
-    /// Bytes written.
-    pub bytes: u64,
 }

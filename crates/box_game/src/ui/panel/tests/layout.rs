@@ -39,7 +39,6 @@ fn long() -> PanelView {
     view.log = Some(LogView {
         path: format!("/home/somebody/{folder}/run-0007-of-a-long-name-indeed.csv"),
         rows: 123_456_789,
-        bytes: 9 << 30,
     });
     view.software_rendering = true;
     view.notices = vec!["cannot write /a/b/c.csv: no space left on device".into()];
