@@ -117,16 +117,3 @@ fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_ring_grows_once() {
-        assert_eq!(growth(5.0, 5.1), None);
-        assert_eq!(growth(5.0, 5.0), Some(0.0));
-        assert_eq!(growth(5.0, 5.0 - RING), Some(1.0));
-        assert_eq!(growth(6.0, 5.0), None);
-    }
-}

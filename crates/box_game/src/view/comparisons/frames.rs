@@ -199,19 +199,3 @@ fn edges(half: DVec3) -> impl Iterator<Item = [DVec3; 2]> {
     ends.filter(|(k, other)| k != other)
         .map(move |(k, other)| [corners[k], corners[other]])
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_box_has_twelve_edges_of_its_size() {
-        let lengths = edges(DVec3::new(0.5, 0.25, 0.125)).map(|[a, b]| a.distance(b));
-        let lengths: Vec<_> = lengths.collect();
-        assert_eq!(lengths.len(), 12);
-        for size in [1.0, 0.5, 0.25] {
-            let count = lengths.iter().filter(|l| (*l - size).abs() < 1e-5);
-            assert_eq!(count.count(), 4, "{size}");
-        }
-    }
-}

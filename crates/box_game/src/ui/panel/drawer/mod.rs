@@ -102,9 +102,8 @@ fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
         panel.toggle(ui, on, log, CompareAction::ToggleLogarithmicEnergy);
     }
     if matches!(plot, Plot::Error | Plot::Energy) {
-        for window in Window::ALL {
-            let words = text(window.name(), "Time span shown.");
-            let on = settings.window == window;
+        for (window, name) in Window::ALL {
+            let (on, words) = (settings.window == window, text(name, "Time span shown."));
             panel.toggle(ui, on, words, CompareAction::SetWindow(window));
         }
     }

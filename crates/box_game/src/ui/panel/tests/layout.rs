@@ -151,19 +151,6 @@ fn every_scene_fits() {
     }
 }
 
-#[test]
-fn the_side_panel_opens_wide_enough_and_scrolls() {
-    let person = Person::before(long(), USUAL);
-    let right = |id: &str| person.find(id).rect().right();
-    let edge = right("gravity value");
-    assert!((edge - right("mass value")).abs() < 1.0);
-    assert!(edge < 1280.0 - 16.0 && edge > 1280.0 - 40.0, "{edge}");
-    let slider = person.find("gravity").rect();
-    assert!(slider.width() > 60.0, "{slider:?}");
-    let below = person.find("section LOG").rect().top() > 720.0;
-    assert!(below, "by scrolling");
-}
-
 /// Every character shown has a glyph in the fonts that egui brings along.
 #[test]
 fn no_character_is_a_hollow_box() {

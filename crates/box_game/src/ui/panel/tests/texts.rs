@@ -204,22 +204,3 @@ fn a_plot_under_the_pointer_is_frozen() {
     assert!(!person.sees("⏸ frozen"));
     assert!(words(&person).1.contains("Split 50"));
 }
-
-/// Best of twenty, so that a busy machine does not fail it; about 2 ms alone.
-#[test]
-fn a_frame_is_cheap_with_full_histories() {
-    let mut view = sample_view();
-    view.plot = Plot::Timing;
-    for history in &mut view.history.timing {
-        let point = |k| (f64::from(k), 100.0 + f64::from(k % 13));
-        *history = (0..10_000).map(point).collect();
-    }
-    let mut person = Person::before(view, Vec2::new(1920.0, 1080.0));
-    let frame = |_| {
-        let start = std::time::Instant::now();
-        person.harness.step();
-        start.elapsed()
-    };
-    let best = (0..20).map(frame).min().expect("twenty");
-    assert!(best.as_millis() < 15, "{best:?}");
-}
