@@ -159,7 +159,7 @@ pub fn spawn_camera(session: Res<Session>, target: Res<PictureTarget>, mut comma
 }
 
 /// Moves the camera by the mouse.
-pub fn move_camera(
+pub(crate) fn move_camera(
     mut camera: Single<(&mut OrbitCamera, &mut Transform, &Camera)>,
     (pointer, focus, hand): (Res<Pointer>, Res<UiFocus>, Res<Hand>),
     (session, floor): (Res<Session>, Option<Res<Floor>>),

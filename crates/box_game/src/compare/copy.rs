@@ -69,7 +69,7 @@ fn table_csv(comparison: &Comparison) -> String {
 }
 
 /// Copies what the game's open tab shows and says so.
-pub fn copy_plot(world: &mut World) {
+pub(crate) fn copy_plot(world: &mut World) {
     let comparison = world.resource::<Comparison>();
     let text = match world.resource::<Session>().plot {
         Plot::WorkPrecision => sweep_csv(comparison),

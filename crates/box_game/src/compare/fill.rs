@@ -20,7 +20,7 @@ fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
 }
 
 /// The view of this frame, with the lines of the open `plot`; `boxes` are in the scene.
-pub fn compare_view(
+pub(crate) fn compare_view(
     comparison: &Comparison,
     samples: &IntegratorSamples,
     plot: Option<Plot>,

@@ -10,11 +10,11 @@
 //! - [`sweep`]: work–precision in its own thread; [`view`]: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`].
 
-pub mod copy;
-pub mod fill;
+mod copy;
+pub(crate) mod fill;
 pub mod flips;
 pub mod headless;
-pub mod input;
+mod input;
 pub mod plugin;
 pub mod run;
 pub mod runner;
@@ -22,8 +22,8 @@ pub mod sampling;
 pub mod series;
 pub mod sweep;
 pub mod track;
-pub mod verdict;
-pub mod view;
+pub(crate) mod verdict;
+pub(crate) mod view;
 
 use std::time::Duration;
 
@@ -36,7 +36,8 @@ pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
 pub use plugin::ComparePlugin;
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
-pub use view::{CompareView, Settings, SweepView, TrajectoryView};
+pub use view::Settings;
+pub(crate) use view::{CompareView, SweepView, TrajectoryView};
 
 use crate::scene::session::Session;
 use sweep::Sweep;

@@ -4,10 +4,10 @@
 //! actions (needs a camera), with a mouse or a finger ([`mod@pointer`]); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
 
 pub mod grab;
-pub mod mouse;
-pub mod pick;
-pub mod pointer;
-pub mod push;
+pub(crate) mod mouse;
+mod pick;
+pub(crate) mod pointer;
+mod push;
 pub mod rewind;
 pub mod undo;
 

@@ -20,7 +20,7 @@ const STRENGTH: (f64, f64) = (0.05, 50.0);
 
 /// State of the mouse on the box.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
-pub enum Hand {
+pub(crate) enum Hand {
     /// The mouse moves the camera.
     #[default]
     Idle,
@@ -47,7 +47,7 @@ pub enum Hand {
 impl Hand {
     /// After this frame of the pointer, which may be over the panel. `aim` gives the point of the box under the cursor, `anchor` the point of the
     /// world under it at a depth.
-    pub fn next(
+    pub(crate) fn next(
         self,
         pointer: &Pointer,
         over_panel: bool,
@@ -104,7 +104,7 @@ impl Hand {
 }
 
 /// Reads the mouse and asks for pokes and grabs.
-pub fn use_mouse(
+pub(crate) fn use_mouse(
     mut hand: ResMut<Hand>,
     keys: Res<ButtonInput<KeyCode>>,
     pointer: Res<Pointer>,
@@ -145,7 +145,7 @@ pub fn use_mouse(
 }
 
 /// Draws the arrow of a poke, and the line from the held point to its target.
-pub fn draw_hand(
+pub(crate) fn draw_hand(
     hand: Res<Hand>,
     grip: Res<Grip>,
     session: Res<Session>,

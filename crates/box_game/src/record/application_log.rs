@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use crate::platform;
 
 /// Bevy's log, with what the platform adds.
-pub fn plugin() -> LogPlugin {
+pub(crate) fn plugin() -> LogPlugin {
     LogPlugin {
         // Notes of the libraries about the machine do not help a player.
         filter: "wgpu=error,naga=warn,bevy_egui=error,winit=error,bevy_asset=error,bevy_app=warn"

@@ -1,10 +1,10 @@
 //! Records of a run: CSV log, time series for the plots, pictures, application log.
 
-pub mod application_log;
+pub(crate) mod application_log;
 pub mod csv_log;
 pub mod history;
 mod rows;
-pub mod screenshot;
+pub(crate) mod screenshot;
 
 use bevy::prelude::*;
 use box_physics::prelude::{PhysicsSchedule, PhysicsSystems};

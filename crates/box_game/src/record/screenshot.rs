@@ -16,11 +16,11 @@ use crate::view::renderer::PictureTarget;
 
 /// The open plot or table \[pixels\]; empty while the drawer is shut.
 #[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct PlotArea(pub URect);
+pub(crate) struct PlotArea(pub URect);
 
 /// A picture of the next frame.
 #[derive(Resource, Clone, Debug)]
-pub struct ScreenshotRequest {
+pub(crate) struct ScreenshotRequest {
     /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
     pub path: Option<PathBuf>,
     /// The open plot or table alone.
@@ -29,7 +29,7 @@ pub struct ScreenshotRequest {
 
 /// A series of pictures being taken.
 #[derive(Resource, Debug)]
-pub struct Filming {
+pub(crate) struct Filming {
     film: Film,
     taken: u32,
     /// Time of the first picture \[s\].
@@ -37,7 +37,7 @@ pub struct Filming {
 }
 
 /// Observes requests for pictures.
-pub fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
+pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
     let (path, plot) = match &*action {
         Action::Screenshot => (None, false),
         Action::ScreenshotTo(path) => (Some(path.clone()), false),
@@ -61,7 +61,7 @@ pub fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands:
 
 /// What takes pictures.
 #[derive(SystemParam)]
-pub struct Capture<'w, 's> {
+pub(crate) struct Capture<'w, 's> {
     target: Res<'w, PictureTarget>,
     session: ResMut<'w, Session>,
     pending: ResMut<'w, PendingPictures>,
@@ -69,7 +69,7 @@ pub struct Capture<'w, 's> {
 }
 
 /// Takes the requested picture.
-pub fn take_screenshot(
+pub(crate) fn take_screenshot(
     request: Option<Res<ScreenshotRequest>>,
     plot: Res<PlotArea>,
     mut capture: Capture,
@@ -92,7 +92,7 @@ pub fn take_screenshot(
 }
 
 /// Takes the pictures of a series that are due.
-pub fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
+pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
     let Some(mut filming) = filming else {
         return;
     };

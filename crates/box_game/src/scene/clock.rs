@@ -10,7 +10,7 @@ use crate::action::Action;
 use crate::parameters::SPEEDS;
 
 /// Observes pause and speed.
-pub fn on_action(
+pub(crate) fn on_action(
     action: On<Action>,
     session: Res<Session>,
     mut clock: ResMut<PhysicsClock>,
@@ -32,7 +32,7 @@ pub fn on_action(
 }
 
 /// Sets the target speed, within its ladder.
-pub fn set_speed(world: &mut World, speed: f64) {
+pub(crate) fn set_speed(world: &mut World, speed: f64) {
     if !speed.is_finite() {
         return;
     }
@@ -43,7 +43,7 @@ pub fn set_speed(world: &mut World, speed: f64) {
 }
 
 /// Gives the clocks the session's step and substeps.
-pub fn set_step(world: &mut World) {
+pub(crate) fn set_step(world: &mut World) {
     let parameters = world.resource::<Session>().parameters;
     world
         .resource_mut::<Time<Fixed>>()

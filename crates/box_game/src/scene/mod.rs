@@ -1,7 +1,7 @@
 //! The scene being played: its parameters, its start, its clock, and the files that scenes come from.
 
 mod boxes;
-pub mod clock;
+pub(crate) mod clock;
 pub mod library;
 pub mod session;
 pub mod start;

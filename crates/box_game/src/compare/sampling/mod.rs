@@ -8,7 +8,8 @@
 
 mod turn;
 
-pub use turn::{GRAINS, Turn, measure_grain, shortest_sample};
+use turn::GRAINS;
+pub(crate) use turn::{Turn, measure_grain, shortest_sample};
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -32,7 +32,8 @@ pub use keys::KEYS;
 pub use memory::PanelMemory;
 #[cfg(test)]
 pub(crate) use tests::sample::sample_view;
-pub use view::{DemoView, FIGURES, HistoryView, LogView, PanelView};
+pub use view::PanelView;
+pub(crate) use view::{DemoView, FIGURES, HistoryView, LogView};
 
 use bevy_egui::egui::{self, Rect, Ui};
 
