@@ -15,8 +15,8 @@ use bevy::platform::time::Instant;
 use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{
-    Balance, Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup,
-    TimedImpulse, local_error,
+    Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup, TimedImpulse,
+    local_error,
 };
 
 use super::flips::{Flips, lateness};
@@ -304,25 +304,6 @@ impl Run {
         }
         self.save();
         true
-    }
-
-    /// Puts every comparison into the reference's state and opens new books; returns that state for the main box.
-    pub fn resync(&mut self) -> Option<BodyState> {
-        let state = self.reference.follow(self.clock)?;
-        self.reference.push(self.clock, &Change::Place(state));
-        let (t, next) = (self.clock, self.inputs.end());
-        for runner in &mut self.comparisons {
-            runner.resync(&self.law, state, t, next);
-        }
-        self.main_box.balance = Balance::new(&self.law, &state);
-        self.main_box.diverged = None;
-        let books = &self.main_box.balance;
-        self.main_box.track.reopen(&self.law, books, &state, t);
-        (self.main_box.state, self.main_box.before) = (state, state);
-        self.main_box.reference = Some(state);
-        self.reference_flips = Flips::new(&self.law, &state, t);
-        self.rule(t, RuleKind::Resync);
-        Some(state)
     }
 
     /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own

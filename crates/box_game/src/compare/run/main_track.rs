@@ -16,8 +16,6 @@ pub enum RuleKind {
     Step,
     /// The main box got another integrator.
     Integrator,
-    /// The comparisons were put into the reference's state.
-    Resync,
 }
 
 /// A vertical line in the plots.

@@ -214,7 +214,7 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     }
 }
 
-/// Layout, fairness, re-sync.
+/// Layout and fairness.
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
     ui.horizontal_wrapped(|ui| {
@@ -237,8 +237,6 @@ fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
         panel.button(ui, all, CompareAction::CompareAll);
         let none = text("Compare none", "Compare nothing.");
         panel.button(ui, none, CompareAction::CompareNone);
-        let hint = "Move the main box and every comparison to the reference's state.";
-        panel.button(ui, text("Re-sync", hint), CompareAction::Resync);
     });
     if !view.note.is_empty() {
         ui.small(&view.note);
