@@ -116,9 +116,7 @@ pub enum Action {
     Screenshot,
     /// Save it under this name.
     ScreenshotTo(PathBuf),
-    /// Save a PNG of the open plot or table alone, under this name or the next free one.
-    SavePlot(Option<PathBuf>),
-    /// Film the picture, as animated PNG.
+    /// Film the picture, as numbered PNGs.
     Record(Film),
     /// Copy the command line that restores this session to the clipboard.
     CopyCommandLine,
