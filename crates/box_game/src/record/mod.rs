@@ -1,6 +1,5 @@
-//! Records of a run: CSV log, time series for the plots, pictures, application log.
+//! Records of a run: CSV log, time series for the plots, pictures.
 
-pub(crate) mod application_log;
 pub mod csv_log;
 pub mod history;
 mod rows;
