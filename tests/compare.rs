@@ -168,7 +168,7 @@ fn a_diverged_comparison_stops_at_its_last_good_state() {
     let lost = &comparison(&app, Integrator::SemiImplicitEuler).simulation;
     let diverged = lost.diverged.expect("it diverges within three seconds");
     assert!(diverged.t < 3.0 && lost.driver.state.is_valid());
-    assert!(run(&app).main_box.diverged.is_none());
+    assert!(run(&app).main_box.simulation.diverged.is_none());
     assert!(run(&app).clock > 3.0);
 }
 

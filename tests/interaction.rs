@@ -216,7 +216,7 @@ fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
     let compared = |app: &App| {
         let comparison = app.world().resource::<Comparison>();
         let run = comparison.run.as_ref().expect("a run");
-        (run.main_box.integrator, comparison.chosen().to_vec())
+        (run.main_box.integrator(), comparison.chosen().to_vec())
     };
     assert_eq!(compared(&app), (Integrator::Split, vec![Integrator::Rk4]));
     ask(&mut app, Action::SetIntegrator(Integrator::Rk4));

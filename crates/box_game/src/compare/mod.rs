@@ -138,7 +138,7 @@ impl Comparison {
         let Some(run) = &mut self.run else {
             return;
         };
-        let own = run.main_box.integrator;
+        let own = run.main_box.integrator();
         let wanted = self.chosen.iter().copied().filter(|&i| i != own);
         if !wanted.clone().eq(run.integrators()) {
             run.choose(wanted);
@@ -162,7 +162,8 @@ impl Comparison {
             return;
         };
         let comparisons = run.integrators().collect();
-        let key = (self.settings.fairness, comparisons, run.main_box.integrator);
+        let main_box = run.main_box.integrator();
+        let key = (self.settings.fairness, comparisons, main_box);
         if self.fair.as_ref() == Some(&key) {
             return;
         }

@@ -69,14 +69,14 @@ pub(crate) struct Scene<'w, 's> {
 }
 
 impl Scene<'_, '_> {
-    /// The main box, its state and its corners at the floor. A new main box begins a new run.
-    fn main_box(&self, comparison: &mut Comparison) -> Option<(Entity, BodyState, u32)> {
+    /// The main box, its state and its contact. A new main box begins a new run.
+    fn main_box(&self, comparison: &mut Comparison) -> Option<(Entity, BodyState, &ContactState)> {
         let (entity, state, contact) = self.main_box.iter().next()?;
         if comparison.main_box != Some(entity) {
             comparison.main_box = Some(entity);
             comparison.begin(&self.session, self.integrator.0, self.step());
         }
-        Some((entity, *state, contact.touching().count_ones()))
+        Some((entity, *state, contact))
     }
 
     /// The clock's (sub)step \[s\].
@@ -140,7 +140,7 @@ pub(crate) fn after_step(
 ) {
     let comparison = &mut *comparison;
     let main_box = scene.main_box(comparison);
-    let (Some((entity, state, corners)), Some(run)) = (main_box, &mut comparison.run) else {
+    let (Some((entity, state, contact)), Some(run)) = (main_box, &mut comparison.run) else {
         return;
     };
     let (t, h) = (scene.clock.time(), scene.clock.step());
@@ -149,7 +149,7 @@ pub(crate) fn after_step(
     if contacts.read().filter(|c| began(c)).count() > 0 {
         run.rule(t, RuleKind::Contact);
     }
-    run.after_step(t, h, (&state, corners), scene.integrator.0);
+    run.after_step(t, h, (&state, contact), scene.integrator.0);
     comparison.spent += start.elapsed();
     comparison.settle();
     comparison.advance();
@@ -221,7 +221,7 @@ fn start_sweep(world: &mut World) {
     let Some(run) = &comparison.run else {
         return;
     };
-    let main_box = run.main_box.integrator;
+    let main_box = run.main_box.integrator();
     let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
     let integrators = [main_box].into_iter().chain(others).collect();
     let task = SweepTask {
@@ -242,7 +242,7 @@ fn make_main_box(world: &mut World, integrator: Integrator) {
         let Some(run) = &mut comparison.run else {
             return;
         };
-        let old = run.main_box.integrator;
+        let old = run.main_box.integrator();
         let mut main_box = world.query_filtered::<(
             &mut BodyState,
             &mut IntegratorMemory,

@@ -91,11 +91,11 @@ pub(super) fn write_rows(
         dt_s: clock.step() * f64::from(substeps),
         substeps,
         rhs_evals: timings.integrator(integrator.0).outcome.evaluations,
-        contacts: main_box.contacts,
+        contacts: main_box.simulation.driver.contacts(),
         state: if quarantined {
             Status::Quarantined
         } else {
-            main_box.status()
+            main_box.simulation.status()
         },
         event,
         ..measured(

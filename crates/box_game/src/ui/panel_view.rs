@@ -44,12 +44,8 @@ pub struct Sources<'w, 's> {
     demo: Res<'w, Demo2012>,
     /// The panel follows their scale and may change it.
     pub(crate) preferences: ResMut<'w, Preferences>,
-    main_box: Query<
-        'w,
-        's,
-        (&'static RigidBox, &'static BodyState, Has<Quarantined>),
-        With<MainBox>,
-    >,
+    main_box:
+        Query<'w, 's, (&'static RigidBox, &'static BodyState, Has<Quarantined>), With<MainBox>>,
 }
 
 /// The view of this frame.
@@ -135,7 +131,7 @@ fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
         state.position.z,
     ];
     let run = s.comparison.run.as_ref();
-    let status = run.map_or(Status::Ok, |run| run.main_box.status());
+    let status = run.map_or(Status::Ok, |run| run.main_box.simulation.status());
     let frozen = quarantined.then_some(Status::Quarantined);
     Some((figures, frozen.unwrap_or(status)))
 }

@@ -77,7 +77,7 @@ pub(super) fn draw_cones(
     let Some(floor) = run.law.floor.filter(|floor| floor.friction > 0.0) else {
         return;
     };
-    let (state, body) = (&run.main_box.state, &run.law.body);
+    let (state, body) = (run.main_box.state(), &run.law.body);
     let height = CONE * body.radius() as f32;
     let color = Color::srgb_u8(240, 228, 66);
     for corner in corners(body.half_extents()) {

@@ -64,7 +64,7 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
         if let (Some(rule), Some(floor)) = (impact, run.law.floor)
             && let Some(share) = growth(run.clock, rule.t)
         {
-            let at = run.main_box.state.position.as_vec3();
+            let at = run.main_box.state().position.as_vec3();
             ring(at.with_y(floor.height as f32), Color32::WHITE, share);
         }
     }

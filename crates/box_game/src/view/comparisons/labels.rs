@@ -111,7 +111,7 @@ pub(super) fn draw(
             }
         }
         Layout::Solo | Layout::Overlaid => {
-            let position = run.main_box.state.position.as_vec3();
+            let position = run.main_box.state().position.as_vec3();
             let edge = position + *seen.eye.right() * run.law.body.radius() as f32;
             let (center, edge) = (seen.at(position), seen.at(edge));
             let reach = center.zip(edge).map_or(0.0, |(a, b)| a.distance(b));
