@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use box_physics::integrators::Integrator;
 use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::context::{Context, Interrupt, Stop};
 use crate::document::{Document, Section};
-use crate::progress::Progress;
 use crate::summary::Results;
 use crate::{
     determinism, dissertation, docs, efficiency, files, peers, stability, summary, timing, visible,
@@ -112,12 +112,12 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
             options.integrators.clone()
         },
         quick: options.quick,
-        progress: Progress::new(needed.iter().map(|p| p.ticks(options.quick)).sum()),
+        progress: progress(needed.iter().map(|p| p.ticks(options.quick)).sum()),
         interrupt: Interrupt::listen()?,
     };
     let (mut done, mut results) = (Vec::new(), Results::default());
     let result = measure_all(&ctx, options, only, &mut results, &mut done);
-    ctx.progress.end();
+    ctx.progress.finish_and_clear();
     let missing: Vec<&str> = wanted
         .iter()
         .map(|p| p.id())
@@ -148,6 +148,16 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
         options.output.join("report.html").display()
     );
     Ok(())
+}
+
+/// A line at the bottom of the terminal, for `steps` steps of work.
+fn progress(steps: u64) -> ProgressBar {
+    let line = "{bar:28} {pos}/{len} steps, {elapsed} gone, about {eta} left  {msg}";
+    let bar = ProgressBar::new(steps);
+    match ProgressStyle::with_template(line) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }
 
 /// The parts asked for.
