@@ -89,17 +89,17 @@ pub(crate) struct TrajectoryView {
 }
 
 impl TrajectoryView {
-    pub fn get(&self, quantity: Quantity) -> f64 {
+    pub(crate) fn get(&self, quantity: Quantity) -> f64 {
         self.now[quantity as usize]
     }
 
     /// Cost of a simulated second \[ns\]: the minimum, as everywhere.
-    pub fn cost_per_second(&self) -> Option<f64> {
+    pub(crate) fn cost_per_second(&self) -> Option<f64> {
         let cost = self.cost?.min / self.dt;
         (cost > 0.0 && cost.is_finite()).then_some(cost)
     }
 
-    pub fn diverged(&self) -> bool {
+    pub(crate) fn diverged(&self) -> bool {
         self.status.is_diverged()
     }
 }
