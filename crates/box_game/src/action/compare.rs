@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CompareAction {
     /// Compare with this integrator, or stop.
-    ToggleComparison(#[serde(with = "integrator_id")] Integrator),
+    ToggleComparison(Integrator),
     /// Compare with every integrator.
     CompareAll,
     /// Compare with none.
@@ -133,20 +133,5 @@ impl Window {
             Self::Minute => Some(60.0),
             Self::All => None,
         }
-    }
-}
-
-/// An integrator in a file: by its id.
-pub(super) mod integrator_id {
-    use super::Integrator;
-    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
-
-    pub(crate) fn serialize<S: Serializer>(i: &Integrator, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(i.id())
-    }
-
-    /// An unknown id is an error that lists the known ones.
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
-        String::deserialize(from)?.parse().map_err(D::Error::custom)
     }
 }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub use box_scenarios::Plot;
 
 use crate::parameters::Parameter;
-use compare::{CompareAction, integrator_id};
+use compare::CompareAction;
 
 /// The actions requested since the last frame, in order.
 #[derive(Resource, Clone, Debug, Default)]
@@ -65,7 +65,7 @@ fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
 #[derive(Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
     /// Simulate every box with this integrator from the next step on; the state is carried over.
-    SetIntegrator(#[serde(with = "integrator_id")] Integrator),
+    SetIntegrator(Integrator),
     /// Pause or resume.
     TogglePause,
     /// Take this many steps (pauses first).
