@@ -69,7 +69,6 @@ fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
     person.sees_all(&[Stepper::Heun.fault(), "9.81 m/s"]);
     person.asks_for([
         Action::SetDemo(Some(Stepper::Rk4)),
-        Action::ToggleDemoLog,
         Action::SetDemo(None),
     ]);
     let chosen = Action::SetDemo(Some(Stepper::Heun));
