@@ -6,8 +6,8 @@
 //! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;
 //!   [`Balance`](box_scenarios::Balance): what energy and angular momentum should be; [`series`]: the past in fixed
 //!   memory.
-//! - [`input`]: what is done to all alike.
-//! - [`sweep`]: work–precision in its own thread; [`view`]: what the panel shows.
+//! - `input`: what is done to all alike.
+//! - [`sweep`]: work–precision in its own thread; `view`: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`].
 
 mod copy;

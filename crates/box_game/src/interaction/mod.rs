@@ -1,7 +1,7 @@
 //! Interaction with the box: pushes, pokes, grabs, steps back, undo.
 //!
-//! [`push`]: impulses; [`grab`]: the spring; [`pick`]: where a ray meets the box; [`mouse`]: gestures to
-//! actions (needs a camera), with a mouse or a finger ([`mod@pointer`]); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
+//! `push`: impulses; [`grab`]: the spring; `pick`: where a ray meets the box; `mouse`: gestures to actions (needs a
+//! camera), with a mouse or a finger (`pointer`); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
 
 pub mod grab;
 pub(crate) mod mouse;
