@@ -14,7 +14,12 @@ pub(crate) struct Hit {
 /// The first point of `body` at `state` on the ray from `origin` \[m\] along `direction`; `None` if it
 /// passes by, starts inside or has no direction. The slab method (Kay and Kajiya 1986) in body axes: the
 /// ray is inside the box where it is inside its three pairs of planes.
-pub(crate) fn hit(body: &RigidBox, state: &BodyState, origin: DVec3, direction: DVec3) -> Option<Hit> {
+pub(crate) fn hit(
+    body: &RigidBox,
+    state: &BodyState,
+    origin: DVec3,
+    direction: DVec3,
+) -> Option<Hit> {
     let to_body = state.rotation.inverse();
     let from = to_body * (origin - state.position);
     let along = to_body * direction;
