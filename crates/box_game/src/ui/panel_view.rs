@@ -38,7 +38,7 @@ pub struct Sources<'w, 's> {
     log: Option<Res<'w, CsvLog>>,
     floor: Option<Res<'w, Floor>>,
     adapter: Option<Res<'w, RenderAdapterInfo>>,
-    target: Res<'w, PictureTarget>,
+    target: Option<Res<'w, PictureTarget>>,
     library: Res<'w, SceneLibrary>,
     undo: Res<'w, UndoStack>,
     demo: Res<'w, Demo2012>,
@@ -97,7 +97,10 @@ pub fn view(s: &Sources) -> PanelView {
         }),
         // An image offscreen is as good from a CPU.
         software_rendering: device == Some(wgpu::DeviceType::Cpu)
-            && matches!(s.target.0, RenderTarget::Window(_)),
+            && matches!(
+                s.target.as_deref(),
+                Some(PictureTarget(RenderTarget::Window(_)))
+            ),
         notices: session.notices.iter().cloned().collect(),
         preferences: *s.preferences,
         scene_errors: s.library.errors(),
