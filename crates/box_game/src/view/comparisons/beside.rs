@@ -6,10 +6,10 @@ use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
 use box_physics::prelude::Integrator;
 
-use super::shown::{Shown, color, drawn, shown, sideways};
+use super::shown::{Shown, color, shown, sideways};
 use crate::action::compare::Layout;
 use crate::camera::orbit::OrbitCamera;
-use crate::camera::views::{self, PictureArea};
+use crate::camera::views;
 use crate::compare::{Comparison, Run};
 use crate::scene::session::Session;
 use crate::view::marks::cuboid;
@@ -33,7 +33,6 @@ pub(super) struct Piece {
 /// A solid box for every comparison that is drawn beside the main box (over it, edges do), and the ground under it.
 pub(super) fn place_pieces(
     comparison: Res<Comparison>,
-    area: Option<Res<PictureArea>>,
     mut pieces: Query<(
         &Piece,
         &mut Transform,
@@ -59,8 +58,7 @@ pub(super) fn place_pieces(
         }
     };
     let mesh = |piece: Piece| if piece.ground { &plane } else { &solid };
-    let layout = drawn(&comparison, area.is_some());
-    let mut missing = wanted(run, layout);
+    let mut missing = wanted(run, comparison.settings.layout);
     for (piece, mut transform, mut visibility, mut shape, mut layers) in &mut pieces {
         let Some(n) = missing.iter().position(|(p, ..)| p == piece) else {
             visibility.set_if_neq(Visibility::Hidden);
@@ -143,7 +141,7 @@ fn piece(shown: &Shown<'_>, ground: bool) -> Piece {
 /// Change of the camera by the row, to be undone with it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Moved {
-    scene: String,
+    scene: &'static str,
     /// Times its distance.
     factor: f32,
     /// Added to its pitch \[rad\].
@@ -154,14 +152,14 @@ pub(super) struct Moved {
 /// the nearest alone.
 pub(super) fn step_back(
     comparison: Res<Comparison>,
-    session: Option<Res<Session>>,
+    session: Res<Session>,
     mut cameras: Query<&mut OrbitCamera>,
     mut moved: Local<Moved>,
 ) {
     let Some(run) = &comparison.run else {
         return;
     };
-    let scene = session.map_or_else(String::new, |s| s.scenario.id.to_owned());
+    let scene = session.scenario.id;
     // A new scene has just brought its own camera.
     let before = if moved.scene == scene && moved.factor > 0.0 {
         (moved.factor, moved.lift)

@@ -10,9 +10,9 @@ use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, style};
 
 use super::acting;
-use super::shown::{Shown, color, drawn, pin, shown, tip};
+use super::shown::{Shown, color, pin, shown, tip};
 use crate::action::compare::Layout;
-use crate::camera::views::{Edges, Fourth, HiddenEdges, PictureArea, Pins, Second, Third};
+use crate::camera::views::{Edges, Fourth, HiddenEdges, Pins, Second, Third};
 use crate::compare::{Comparison, Quantity, Run};
 use crate::view::marks;
 
@@ -58,7 +58,6 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
 pub(super) fn draw_frames(
     comparison: Res<Comparison>,
     trails: Res<Trails>,
-    area: Option<Res<PictureArea>>,
     (mut edges, mut hidden, mut pins): (Gizmos<Edges>, Gizmos<HiddenEdges>, Gizmos<Pins>),
     mut second: Gizmos<Second>,
     mut third: Gizmos<Third>,
@@ -67,7 +66,7 @@ pub(super) fn draw_frames(
     let Some(run) = &comparison.run else {
         return;
     };
-    let layout = drawn(&comparison, area.is_some());
+    let layout = comparison.settings.layout;
     if layout == Layout::Solo {
         return;
     }

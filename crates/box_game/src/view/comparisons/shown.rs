@@ -8,8 +8,8 @@ use box_scenarios::Status;
 
 use crate::action::compare::Layout;
 use crate::camera::views;
+use crate::compare::Run;
 use crate::compare::track::Track;
-use crate::compare::{Comparison, Run};
 use crate::view::style;
 
 /// Distance of two comparisons in radii of the box.
@@ -102,14 +102,6 @@ pub(super) fn sideways(run: &Run) -> Vec3 {
 
 pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
     style::of(integrator).srgb().with_alpha(alpha)
-}
-
-/// The layout as it is drawn: views need a room for the picture, and are else drawn in one place.
-pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
-    match comparison.settings.layout {
-        Layout::Views if !area => Layout::Overlaid,
-        layout => layout,
-    }
 }
 
 /// Length of a pin outside the box, over the box's radius.
