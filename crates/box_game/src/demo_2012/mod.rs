@@ -4,7 +4,7 @@
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{
-    BodyState, DVec3, PhysicsClock, PhysicsSchedule, PhysicsSystems, RigidBox,
+    BodyState, DVec3, PhysicsClock, PhysicsSchedule, PhysicsSystems, RigidBox, WorldAabb,
 };
 use box_scenarios::dissertation::{Demo, State, Stepper};
 
@@ -81,17 +81,17 @@ impl Demo2012 {
     }
 }
 
-/// Moves the main box by one cycle of the demo, in place of the plugin's step, after that step.
+/// Moves the main box by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
 fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
     mut demo: ResMut<Demo2012>,
-    mut main_box: Query<(&RigidBox, &mut BodyState), With<MainBox>>,
+    mut main_box: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<MainBox>>,
 ) {
     let Some(stepper) = demo.active(&session) else {
         return;
     };
-    let Ok((body, mut state)) = main_box.single_mut() else {
+    let Ok((body, mut state, mut transform, mut aabb)) = main_box.single_mut() else {
         return;
     };
     let demo = &mut *demo;
@@ -106,6 +106,9 @@ fn run_cycle(
     law.cycle(stepper, own, clock.step());
     demo.cycle_ns = start.elapsed().as_nanos() as u64;
     *state = own.body_state(body);
+    transform.translation = state.position.as_vec3();
+    transform.rotation = state.rotation.as_quat();
+    *aabb = WorldAabb::of(body, &state);
 }
 
 /// Chooses a stepper of 2012, or ours. Each goes on from where the box is.
