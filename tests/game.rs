@@ -1,7 +1,6 @@
 //! The game without a window: keys, actions, scenes and log run through the same systems as with a window.
 
 use bevy::prelude::*;
-use bevy::time::TimeUpdateStrategy;
 use box_game::action::Action;
 use box_game::compare::sampling::IntegratorSamples;
 use box_game::parameters::Parameter;
@@ -136,22 +135,6 @@ fn the_log_has_a_row_per_step_with_its_inputs() {
     assert!((number(1, "sim_t_s") - number(0, "sim_t_s") - h).abs() < 1e-12);
     // The reference is known before and after the push, because it also receives the push.
     assert!((0..4).all(|k| number(k, "pos_err_m") < 1e-9));
-}
-
-#[test]
-fn a_hitch_drops_time_and_reports_it() {
-    let mut app = game("throw");
-    let frame = std::time::Duration::from_millis(1250);
-    app.insert_resource(TimeUpdateStrategy::ManualDuration(frame));
-    let steps = clock(&app).steps();
-    app.update();
-    let taken = clock(&app).steps() - steps;
-    assert!(
-        taken <= 16,
-        "{taken} steps of a sixtieth in a quarter second"
-    );
-    let dropped = session(&app).dropped;
-    assert!((dropped - 1.0).abs() < 1e-9, "{dropped}");
 }
 
 #[test]

@@ -1,14 +1,13 @@
 //! What every part of the report works with: options, folder, progress, the wish to stop.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use box_bench::measure::{Contender, Cost, Settings, interleaved};
 use box_physics::integrators::Integrator;
-
-use crate::progress::Progress;
+use indicatif::ProgressBar;
 
 /// Why a part ended without a result.
 #[derive(Debug, thiserror::Error)]
@@ -69,7 +68,8 @@ pub(crate) struct Context {
     pub(crate) integrators: Vec<Integrator>,
     /// Fewer steps and samples: seconds instead of minutes, noisier.
     pub(crate) quick: bool,
-    pub(crate) progress: Progress,
+    /// On a terminal only.
+    pub(crate) progress: ProgressBar,
     pub(crate) interrupt: Interrupt,
 }
 
@@ -82,13 +82,10 @@ impl Context {
         self.folder.join(name)
     }
 
-    pub(crate) fn folder(&self) -> &Path {
-        &self.folder
-    }
-
     /// One step of work is done; stops if that is wished.
     pub(crate) fn tick(&self, what: &str) -> Result<(), Stop> {
-        self.progress.tick(what);
+        self.progress.set_message(what.to_owned());
+        self.progress.inc(1);
         if self.interrupt.is_set() {
             return Err(Stop::Interrupted);
         }

@@ -83,7 +83,7 @@ impl Section {
 pub(crate) struct Document<'a> {
     pub(crate) sections: &'a [Section],
     /// Requested parts that were not finished.
-    pub(crate) missing: &'a [&'static str],
+    pub(crate) missing: &'a [String],
     pub(crate) machine: &'a Machine,
     /// Seconds that the run took.
     pub(crate) seconds: f64,

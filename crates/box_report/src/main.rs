@@ -9,7 +9,6 @@ mod efficiency;
 mod files;
 mod peers;
 mod plot;
-mod progress;
 mod report;
 mod simulate;
 mod stability;

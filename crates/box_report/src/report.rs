@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use box_physics::integrators::Integrator;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::context::{Context, Interrupt, Stop};
 use crate::document::{Document, Section};
-use crate::progress::Progress;
 use crate::summary::Results;
 use crate::{
     determinism, dissertation, docs, efficiency, files, peers, stability, summary, timing, visible,
@@ -34,8 +34,8 @@ pub(crate) struct Options {
     docs: Option<PathBuf>,
 }
 
-/// What can be measured by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What can be measured by itself, in the order in which it is measured: what others need first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
     WorkPrecision,
     Efficiency,
@@ -48,29 +48,10 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// Everything, in the order in which it is measured: what others need first.
-    const ALL: [Self; 8] = [
-        Self::WorkPrecision,
-        Self::Efficiency,
-        Self::Stability,
-        Self::Timing,
-        Self::Visible,
-        Self::Dissertation,
-        Self::Determinism,
-        Self::Peers,
-    ];
-
-    const fn id(self) -> &'static str {
-        match self {
-            Self::WorkPrecision => "work-precision",
-            Self::Efficiency => "efficiency",
-            Self::Stability => "stability",
-            Self::Timing => "timing",
-            Self::Visible => "visible",
-            Self::Dissertation => "dissertation",
-            Self::Determinism => "determinism",
-            Self::Peers => "peers",
-        }
+    /// As typed: `work-precision`.
+    fn id(self) -> String {
+        let name = self.to_possible_value();
+        name.map_or_else(String::new, |name| name.get_name().to_owned())
     }
 
     /// Steps of the progress.
@@ -112,16 +93,16 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
             options.integrators.clone()
         },
         quick: options.quick,
-        progress: Progress::new(needed.iter().map(|p| p.ticks(options.quick)).sum()),
+        progress: progress(needed.iter().map(|p| p.ticks(options.quick)).sum()),
         interrupt: Interrupt::listen()?,
     };
     let (mut done, mut results) = (Vec::new(), Results::default());
     let result = measure_all(&ctx, options, only, &mut results, &mut done);
-    ctx.progress.end();
-    let missing: Vec<&str> = wanted
+    ctx.progress.finish_and_clear();
+    let missing: Vec<String> = wanted
         .iter()
         .map(|p| p.id())
-        .filter(|id| !done.iter().any(|s: &Section| s.id == *id))
+        .filter(|id| !done.iter().any(|s: &Section| s.id == id))
         .collect();
     let machine = Machine::this();
     let document = Document {
@@ -150,9 +131,19 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     Ok(())
 }
 
+/// A line at the bottom of the terminal, for `steps` steps of work.
+fn progress(steps: u64) -> ProgressBar {
+    let line = "{bar:28} {pos}/{len} steps, {elapsed} gone, about {eta} left  {msg}";
+    let bar = ProgressBar::new(steps);
+    match ProgressStyle::with_template(line) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
 /// The parts asked for.
 fn wanted(only: Option<Part>) -> Vec<Part> {
-    only.map_or_else(|| Part::ALL.to_vec(), |p| vec![p])
+    only.map_or_else(|| Part::value_variants().to_vec(), |p| vec![p])
 }
 
 /// What must be measured for the parts that are wanted: some are made of others.
@@ -167,7 +158,8 @@ fn measurements(wanted: &[Part]) -> Vec<Part> {
                 _ => false,
             }
     };
-    Part::ALL.into_iter().filter(|p| needs(*p)).collect()
+    let all = Part::value_variants().iter().copied();
+    all.filter(|p| needs(*p)).collect()
 }
 
 /// Fills `done`; what is there when it ends early is finished.

@@ -34,16 +34,6 @@ pub(crate) struct Timings {
 }
 
 impl Timings {
-    /// ns per body and step of `integrator` in free flight, of many bodies.
-    pub(crate) fn many(&self, integrator: Integrator) -> Option<f64> {
-        self.of("free-many", integrator)
-    }
-
-    /// ns per step of `integrator` in free flight, of one body.
-    pub(crate) fn one(&self, integrator: Integrator) -> Option<f64> {
-        self.of("free-one", integrator)
-    }
-
     /// The ids of the situations.
     pub(crate) fn situations(&self) -> Vec<&'static str> {
         self.situations.iter().map(|(s, _)| s.id).collect()
@@ -192,7 +182,7 @@ fn verdicts(ctx: &Context, data: &Timings) -> Vec<String> {
     let mut by_cost: Vec<(Integrator, f64)> = ctx
         .integrators
         .iter()
-        .filter_map(|&s| Some((s, data.many(s)?)))
+        .filter_map(|&s| Some((s, data.of("free-many", s)?)))
         .collect();
     by_cost.sort_by(|a, b| a.1.total_cmp(&b.1));
     match (by_cost.first(), by_cost.last()) {

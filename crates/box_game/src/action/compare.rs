@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CompareAction {
     /// Compare with this integrator, or stop.
-    ToggleComparison(#[serde(with = "integrator_id")] Integrator),
+    ToggleComparison(Integrator),
     /// Compare with every integrator.
     CompareAll,
     /// Compare with none.
@@ -21,8 +21,6 @@ pub enum CompareAction {
     ToggleComparisons,
     /// Quantity that is equal for all integrators.
     SetFairness(Fairness),
-    /// Move everything to the reference's state.
-    Resync,
     /// Time span of the plots.
     SetWindow(Window),
     /// Errors on a logarithmic or a linear axis.
@@ -55,22 +53,25 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// In the order of the key.
-    pub const ALL: [Self; 4] = [Self::Solo, Self::Overlaid, Self::SideBySide, Self::Views];
-
-    /// Text of its button.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Solo => "Solo",
-            Self::Overlaid => "Overlaid",
-            Self::SideBySide => "Side by side",
-            Self::Views => "Views",
-        }
-    }
+    /// In the order of the key, with the text of the button and its tooltip.
+    pub const ALL: [(Self, &str, &str); 4] = [
+        (Self::Solo, "Solo", "The main box alone (G)."),
+        (
+            Self::Overlaid,
+            "Overlaid",
+            "All in one place, comparisons as edges (G).",
+        ),
+        (
+            Self::SideBySide,
+            "Side by side",
+            "Side by side; only the picture is shifted (V).",
+        ),
+        (Self::Views, "Views", "One view each, for up to four (V)."),
+    ];
 
     /// The one after it.
     pub fn next(self) -> Self {
-        Self::ALL[(self as usize + 1) % Self::ALL.len()]
+        Self::ALL[(self as usize + 1) % Self::ALL.len()].0
     }
 }
 
@@ -88,17 +89,20 @@ pub enum Fairness {
 }
 
 impl Fairness {
-    /// In the order of the panel.
-    pub const ALL: [Self; 3] = [Self::Step, Self::Evaluations, Self::Cost];
-
-    /// Text of its button.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Step => "equal dt",
-            Self::Evaluations => "equal evaluations",
-            Self::Cost => "equal cost",
-        }
-    }
+    /// In the order of the panel, with the text of the button and its tooltip.
+    pub const ALL: [(Self, &str, &str); 3] = [
+        (Self::Step, "equal dt", "Same step for every integrator."),
+        (
+            Self::Evaluations,
+            "equal evaluations",
+            "Same force evaluations per simulated second.",
+        ),
+        (
+            Self::Cost,
+            "equal cost",
+            "Same measured cost per simulated second.",
+        ),
+    ];
 }
 
 /// Time span of the plots.
@@ -115,17 +119,12 @@ pub enum Window {
 }
 
 impl Window {
-    /// In the order of the panel.
-    pub const ALL: [Self; 3] = [Self::Ten, Self::Minute, Self::All];
-
-    /// Text of its button.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ten => "10 s",
-            Self::Minute => "60 s",
-            Self::All => "all",
-        }
-    }
+    /// In the order of the panel, with the text of the button.
+    pub const ALL: [(Self, &str); 3] = [
+        (Self::Ten, "10 s"),
+        (Self::Minute, "60 s"),
+        (Self::All, "all"),
+    ];
 
     /// Length of the window \[s\].
     pub const fn seconds(self) -> Option<f64> {
@@ -134,32 +133,5 @@ impl Window {
             Self::Minute => Some(60.0),
             Self::All => None,
         }
-    }
-}
-
-/// An integrator in a file: by its id.
-pub(super) mod integrator_id {
-    use super::Integrator;
-    use serde::{Deserialize as _, Deserializer, Serializer, de::Error as _};
-
-    pub(crate) fn serialize<S: Serializer>(i: &Integrator, to: S) -> Result<S::Ok, S::Error> {
-        to.serialize_str(i.id())
-    }
-
-    /// An unknown id is an error that lists the known ones.
-    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Integrator, D::Error> {
-        String::deserialize(from)?.parse().map_err(D::Error::custom)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_key_goes_round_the_layouts() {
-        let mut seen = Layout::ALL.map(Layout::next);
-        seen.rotate_right(1);
-        assert_eq!(seen, Layout::ALL);
     }
 }

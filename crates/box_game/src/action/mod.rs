@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub use box_scenarios::Plot;
 
 use crate::parameters::Parameter;
-use compare::{CompareAction, integrator_id};
+use compare::CompareAction;
 
 /// The actions requested since the last frame, in order.
 #[derive(Resource, Clone, Debug, Default)]
@@ -65,7 +65,7 @@ fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
 #[derive(Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
     /// Simulate every box with this integrator from the next step on; the state is carried over.
-    SetIntegrator(#[serde(with = "integrator_id")] Integrator),
+    SetIntegrator(Integrator),
     /// Pause or resume.
     TogglePause,
     /// Take this many steps (pauses first).
@@ -84,8 +84,6 @@ pub enum Action {
     Set(Parameter, f64),
     /// Restore the scene's own parameters.
     ResetParameters,
-    /// Restore the first scene and every default.
-    ResetEverything,
     /// Undo the last change of a parameter, or the last restart.
     Undo,
     /// Redo the last undone change.
@@ -104,8 +102,6 @@ pub enum Action {
     Grab(Option<Hold>),
     /// In the 2012 scene: a stepper of the dissertation, or the plugin.
     SetDemo(#[serde(with = "stepper")] Option<Stepper>),
-    /// Start or stop the dissertation's log of cycle times, a text file.
-    ToggleDemoLog,
     /// Draw the re-fitted bounding boxes.
     ToggleAabb,
     /// Draw contact points, normals and impulses.
@@ -118,9 +114,7 @@ pub enum Action {
     Screenshot,
     /// Save it under this name.
     ScreenshotTo(PathBuf),
-    /// Save a PNG of the open plot or table alone, under this name or the next free one.
-    SavePlot(Option<PathBuf>),
-    /// Film the picture, as animated PNG.
+    /// Film the picture, as numbered PNGs.
     Record(Film),
     /// Copy the command line that restores this session to the clipboard.
     CopyCommandLine,

@@ -227,15 +227,4 @@ mod tests {
             assert!(words.iter().all(|word| said.contains(word)), "{said}");
         }
     }
-
-    #[test]
-    fn a_whole_line() {
-        let line = "box_game bounce --integrator rk4,split --dt 1/120 --boxes 10 --layout Side-by-Side --offscreen";
-        let cli = Cli::try_parse_from(line.split(' ')).expect("valid");
-        assert_eq!(cli.scene.as_deref(), Some("bounce"));
-        assert_eq!(cli.integrator, [Integrator::Rk4, Integrator::Split]);
-        assert!(cli.offscreen && cli.boxes == Some(10) && cli.layout == Layout::SideBySide);
-        assert_eq!(integrator_list().lines().count(), Integrator::ALL.len());
-        assert!(scene_list().contains("dzhanibekov"));
-    }
 }

@@ -103,23 +103,14 @@ pub(super) fn png(text: &str) -> Result<PathBuf, String> {
 mod tests {
     use super::*;
 
+    /// What is written is read by [`box_scenarios::parse_step`]; here is the range.
     #[test]
-    fn steps_in_three_notations() {
-        for (text, seconds) in [
-            ("60hz", 1.0 / 60.0),
-            ("1/60", 1.0 / 60.0),
-            ("0.0166", 0.0166),
-            ("1920 Hz", 1.0 / 1920.0),
-        ] {
-            assert_eq!(step(text), Ok(seconds), "{text}");
-        }
-        for bad in [
-            "0", "-60hz", "1/0", "nan", "inf", "fast", "0.6", "5000hz", "",
-        ] {
-            let said = step(bad).unwrap_err();
+    fn steps_have_a_range() {
+        assert_eq!(step("1920 Hz"), Ok(1.0 / 1920.0));
+        for bad in ["0.6", "5000hz"] {
             assert!(
-                said.contains("allowed") || said.contains("finite and positive"),
-                "{bad}: {said}"
+                step(bad).is_err_and(|said| said.contains("allowed")),
+                "{bad}"
             );
         }
     }

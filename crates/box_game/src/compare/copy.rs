@@ -25,8 +25,9 @@ fn window_csv(comparison: &Comparison) -> String {
         return text;
     };
     let window = comparison.settings.window.seconds();
-    for (integrator, _, track, _) in run.trajectories() {
-        for sample in track.series.recent(window) {
+    for r in run.trajectories() {
+        let integrator = r.integrator();
+        for sample in r.track.series.recent(window) {
             let values = sample.values.map(figure).join(",");
             text += &format!("{:.9},{integrator},{values}\n", sample.t);
         }
@@ -54,11 +55,13 @@ fn table_csv(comparison: &Comparison) -> String {
     let Some(run) = &comparison.run else {
         return text;
     };
-    for (integrator, step, track, end) in run.trajectories() {
-        let (sample, (distance, angle)) = (&track.now.sample, track.now.worst);
+    for r in run.trajectories() {
+        let (integrator, step) = (r.integrator(), r.factor * run.step);
+        let (sample, (distance, angle)) = (&r.track.now.sample, r.track.now.worst);
+        let end = r.simulation.diverged;
         text += &format!(
             "{integrator},{},{step},{},{distance:e},{angle:e},{:e},{:e},{}\n",
-            integrator == run.main_box.integrator,
+            integrator == run.main_box.integrator(),
             sample.t,
             sample.get(Quantity::Energy),
             sample.get(Quantity::Momentum),
@@ -69,7 +72,7 @@ fn table_csv(comparison: &Comparison) -> String {
 }
 
 /// Copies what the game's open tab shows and says so.
-pub fn copy_plot(world: &mut World) {
+pub(crate) fn copy_plot(world: &mut World) {
     let comparison = world.resource::<Comparison>();
     let text = match world.resource::<Session>().plot {
         Plot::WorkPrecision => sweep_csv(comparison),

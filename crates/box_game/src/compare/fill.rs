@@ -1,12 +1,11 @@
 //! Fills the view of the comparison.
 
 use super::runner::SAME;
-use super::track::Track;
 use super::{CompareView, Comparison, Quantity, Settings, SweepView, TrajectoryView};
 use crate::action::Plot;
 use crate::compare::sampling::IntegratorSamples;
 use crate::ui::panel::decimate::{NARROW, decimate};
-use box_physics::prelude::{Floor, Integrator};
+use box_physics::prelude::Floor;
 use box_scenarios::Status;
 
 /// Which quantities a tab shows.
@@ -20,7 +19,7 @@ fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
 }
 
 /// The view of this frame, with the lines of the open `plot`; `boxes` are in the scene.
-pub fn compare_view(
+pub(crate) fn compare_view(
     comparison: &Comparison,
     samples: &IntegratorSamples,
     plot: Option<Plot>,
@@ -43,42 +42,32 @@ pub fn compare_view(
     };
     let shown = quantities(plot, &settings);
     let window = settings.window.seconds();
-    let trajectory = |integrator: Integrator, track: &Track, dt: f64| TrajectoryView {
-        integrator,
-        main_box: false,
-        dt,
-        skew: 0.0,
-        status: Status::default(),
-        cost: samples.cost(integrator),
-        run_cost: samples.mean_of_run(integrator).map(|ns| ns / dt),
-        evaluations: samples.evaluations(integrator),
-        now: track.now.sample.values,
-        worst: track.now.worst,
-        late: run.late(track),
-        energies: track.now.energies,
-        lines: shown
-            .iter()
-            .map(|&q| (q, decimate(NARROW, &track.series.points(q, window))))
-            .collect(),
-    };
-    view.trajectories.push(TrajectoryView {
-        main_box: true,
-        status: run.main_box.status(),
-        ..trajectory(run.main_box.integrator, &run.main_box.track, run.step)
-    });
-    for runner in &run.comparisons {
-        let dt = runner.factor * run.step;
-        let driver = &runner.simulation.driver;
-        let behind = run.clock - driver.time > dt * (1.0 + SAME);
+    for (k, runner) in run.trajectories().enumerate() {
+        let (integrator, track) = (runner.integrator(), &runner.track);
+        let (dt, time) = (runner.factor * run.step, runner.simulation.driver.time);
+        let behind = run.clock - time > dt * (1.0 + SAME);
         let status = runner.simulation.status();
         view.trajectories.push(TrajectoryView {
+            integrator,
+            main_box: k == 0,
+            dt,
             skew: runner.skew,
             status: if behind && !status.is_diverged() {
-                Status::CatchingUp(driver.time / run.clock.max(1e-9))
+                Status::CatchingUp(time / run.clock.max(1e-9))
             } else {
                 status
             },
-            ..trajectory(driver.integrator, &runner.track, dt)
+            cost: samples.cost(integrator),
+            run_cost: samples.mean_of_run(integrator).map(|ns| ns / dt),
+            evaluations: samples.evaluations(integrator),
+            now: track.now.sample.values,
+            worst: track.now.worst,
+            late: run.late(track),
+            energies: track.now.energies,
+            lines: shown
+                .iter()
+                .map(|&q| (q, decimate(NARROW, &track.series.points(q, window))))
+                .collect(),
         });
     }
     view.attitude = run.attitude_says_more();

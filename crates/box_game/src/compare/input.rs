@@ -10,10 +10,9 @@ const MOST: usize = 36_000;
 
 /// A change and its time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Input {
+pub(crate) struct Input {
     /// When \[s\]; a comparison takes it at its first step boundary at or after that.
     pub t: f64,
-    /// What.
     pub change: Change,
 }
 

@@ -6,15 +6,15 @@
 //! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;
 //!   [`Balance`](box_scenarios::Balance): what energy and angular momentum should be; [`series`]: the past in fixed
 //!   memory.
-//! - [`input`]: what is done to all alike.
-//! - [`sweep`]: work–precision in its own thread; [`view`]: what the panel shows.
+//! - `input`: what is done to all alike.
+//! - [`sweep`]: work–precision in its own thread; `view`: what the panel shows.
 //! - [`plugin`]: the Bevy side, [`ComparePlugin`].
 
-pub mod copy;
-pub mod fill;
+mod copy;
+pub(crate) mod fill;
 pub mod flips;
 pub mod headless;
-pub mod input;
+mod input;
 pub mod plugin;
 pub mod run;
 pub mod runner;
@@ -22,8 +22,8 @@ pub mod sampling;
 pub mod series;
 pub mod sweep;
 pub mod track;
-pub mod verdict;
-pub mod view;
+pub(crate) mod verdict;
+pub(crate) mod view;
 
 use std::time::Duration;
 
@@ -36,7 +36,8 @@ pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
 pub use plugin::ComparePlugin;
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
-pub use view::{CompareView, Settings, SweepView, TrajectoryView};
+pub use view::Settings;
+pub(crate) use view::{CompareView, SweepView, TrajectoryView};
 
 use crate::scene::session::Session;
 use sweep::Sweep;
@@ -137,7 +138,7 @@ impl Comparison {
         let Some(run) = &mut self.run else {
             return;
         };
-        let own = run.main_box.integrator;
+        let own = run.main_box.integrator();
         let wanted = self.chosen.iter().copied().filter(|&i| i != own);
         if !wanted.clone().eq(run.integrators()) {
             run.choose(wanted);
@@ -161,7 +162,8 @@ impl Comparison {
             return;
         };
         let comparisons = run.integrators().collect();
-        let key = (self.settings.fairness, comparisons, run.main_box.integrator);
+        let main_box = run.main_box.integrator();
+        let key = (self.settings.fairness, comparisons, main_box);
         if self.fair.as_ref() == Some(&key) {
             return;
         }

@@ -13,7 +13,7 @@ use box_physics::prelude::{
 use box_scenarios::{Change, Model};
 
 use super::sweep::SweepTask;
-use super::{Comparison, RuleKind, Run, copy};
+use super::{Comparison, RuleKind, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
 use crate::compare::sampling::IntegratorSamples;
@@ -69,14 +69,14 @@ pub(crate) struct Scene<'w, 's> {
 }
 
 impl Scene<'_, '_> {
-    /// The main box, its state and its corners at the floor. A new main box begins a new run.
-    fn main_box(&self, comparison: &mut Comparison) -> Option<(Entity, BodyState, u32)> {
+    /// The main box, its state and its contact. A new main box begins a new run.
+    fn main_box(&self, comparison: &mut Comparison) -> Option<(Entity, BodyState, &ContactState)> {
         let (entity, state, contact) = self.main_box.iter().next()?;
         if comparison.main_box != Some(entity) {
             comparison.main_box = Some(entity);
             comparison.begin(&self.session, self.integrator.0, self.step());
         }
-        Some((entity, *state, contact.touching().count_ones()))
+        Some((entity, *state, contact))
     }
 
     /// The clock's (sub)step \[s\].
@@ -140,7 +140,7 @@ pub(crate) fn after_step(
 ) {
     let comparison = &mut *comparison;
     let main_box = scene.main_box(comparison);
-    let (Some((entity, state, corners)), Some(run)) = (main_box, &mut comparison.run) else {
+    let (Some((entity, state, contact)), Some(run)) = (main_box, &mut comparison.run) else {
         return;
     };
     let (t, h) = (scene.clock.time(), scene.clock.step());
@@ -149,7 +149,7 @@ pub(crate) fn after_step(
     if contacts.read().filter(|c| began(c)).count() > 0 {
         run.rule(t, RuleKind::Contact);
     }
-    run.after_step(t, h, (&state, corners), scene.integrator.0);
+    run.after_step(t, h, (&state, contact), scene.integrator.0);
     comparison.spent += start.elapsed();
     comparison.settle();
     comparison.advance();
@@ -186,9 +186,6 @@ fn follow(
 
 /// Carries out a request.
 fn apply(world: &mut World, action: CompareAction) {
-    if action == CompareAction::Resync {
-        return resync(world);
-    }
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
     match action {
@@ -210,7 +207,7 @@ fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLocal => settings.local ^= true,
         CompareAction::StartSweep => comparison.request_sweep(),
         CompareAction::CancelSweep => comparison.sweep.cancel(),
-        CompareAction::Resync | CompareAction::Copy => {}
+        CompareAction::Copy => {}
     }
 }
 
@@ -224,7 +221,7 @@ fn start_sweep(world: &mut World) {
     let Some(run) = &comparison.run else {
         return;
     };
-    let main_box = run.main_box.integrator;
+    let main_box = run.main_box.integrator();
     let others = comparison.chosen.iter().copied().filter(|&i| i != main_box);
     let integrators = [main_box].into_iter().chain(others).collect();
     let task = SweepTask {
@@ -238,25 +235,6 @@ fn start_sweep(world: &mut World) {
     }
 }
 
-/// Every comparison, and the main box, into the reference's state.
-fn resync(world: &mut World) {
-    let mut comparison = world.resource_mut::<Comparison>();
-    let Some(state) = comparison.run.as_mut().and_then(Run::resync) else {
-        return;
-    };
-    let mut main_box = world.query_filtered::<(&mut BodyState, &mut Transform), With<MainBox>>();
-    if let Some((mut now, mut pose)) = main_box.iter_mut(world).next() {
-        *now = state;
-        show(&state, &mut pose);
-    }
-}
-
-/// The pose as the plugin will write it, at once: the clock may stand.
-fn show(state: &BodyState, pose: &mut Transform) {
-    pose.translation = state.position.as_vec3();
-    pose.rotation = state.rotation.as_quat();
-}
-
 /// The integrator moves the main box from now on. Where a comparison runs under it, main box and comparison change
 /// places, so that each trajectory stays one integrator's alone; else the main box carries its state over.
 fn make_main_box(world: &mut World, integrator: Integrator) {
@@ -264,19 +242,16 @@ fn make_main_box(world: &mut World, integrator: Integrator) {
         let Some(run) = &mut comparison.run else {
             return;
         };
-        let old = run.main_box.integrator;
+        let old = run.main_box.integrator();
         let mut main_box = world.query_filtered::<(
             &mut BodyState,
             &mut IntegratorMemory,
             &mut ContactState,
-            &mut Transform,
         ), With<MainBox>>();
-        let Some((mut state, mut memory, mut contact, mut pose)) = main_box.iter_mut(world).next()
-        else {
+        let Some((mut state, mut memory, mut contact)) = main_box.iter_mut(world).next() else {
             return;
         };
         if run.swap(integrator, (&mut state, &mut memory, &mut contact)) {
-            show(&state, &mut pose);
             let others = comparison.chosen.clone().into_iter();
             let others: Vec<_> = others.filter(|&i| i != integrator).chain([old]).collect();
             comparison.choose(others);

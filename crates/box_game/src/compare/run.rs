@@ -1,22 +1,22 @@
 //! One run of a scene: the main box, the comparisons, and the reference, all from the same start through
 //! the same inputs.
 
-mod main_track;
 mod past;
+mod rule;
 
-pub use main_track::{MainTrack, Rule, RuleKind};
+pub use rule::{Rule, RuleKind};
 
 use std::collections::VecDeque;
 use std::iter;
-use std::mem::swap;
+use std::mem::{replace, swap, take};
 use std::sync::Arc;
 
 use bevy::platform::time::Instant;
 use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{
-    Balance, Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup,
-    TimedImpulse, local_error,
+    Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup, TimedImpulse,
+    local_error,
 };
 
 use super::flips::{Flips, lateness};
@@ -41,8 +41,8 @@ pub struct Run {
     pub step: f64,
     /// What acts now.
     pub law: Arc<Model>,
-    /// The main box.
-    pub main_box: MainTrack,
+    /// The main box: a body of the plugin, which is not stepped here but looked at before and after each step.
+    pub main_box: Runner,
     /// The comparisons.
     pub comparisons: Vec<Runner>,
     /// What is trusted.
@@ -52,6 +52,8 @@ pub struct Run {
     /// Vertical lines, oldest first.
     pub rules: VecDeque<Rule>,
     start: (Arc<Model>, BodyState),
+    /// The main box at the beginning of its last step, and whether that began with one of the scene's impulses.
+    before: (BodyState, bool),
     impulses: Arc<[TimedImpulse]>,
     inputs: Inputs,
     checkpoints: VecDeque<Checkpoint>,
@@ -71,12 +73,13 @@ impl Run {
         let mut run = Self {
             clock: 0.0,
             step,
-            main_box: MainTrack::new(main_box, &law, state),
+            main_box: Runner::new(main_box, &law, state, 0.0, 0, &impulses),
             comparisons: Vec::new(),
             reference: LiveReference::new(&law, state, &impulses, truth, step),
             reference_flips: Flips::new(&law, &state, 0.0),
             rules: VecDeque::new(),
             start: (law.clone(), state),
+            before: (state, false),
             impulses,
             inputs: Inputs::default(),
             checkpoints: VecDeque::new(),
@@ -94,7 +97,7 @@ impl Run {
     /// Compares with exactly these integrators, in this order. One that is new begins at the
     /// start and catches up.
     pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
-        let mut old = core::mem::take(&mut self.comparisons);
+        let mut old = take(&mut self.comparisons);
         for integrator in integrators {
             let kept = old.iter().position(|r| r.integrator() == integrator);
             let impulses = &self.impulses;
@@ -107,7 +110,7 @@ impl Run {
                 // The beginning is forgotten: begin at the reference.
                 None => {
                     let known = self.reference.follow(self.clock);
-                    let state = known.unwrap_or(self.main_box.state);
+                    let state = known.unwrap_or(*self.main_box.state());
                     let (t, next) = (self.clock, self.inputs.end());
                     Runner::new(integrator, &self.law, state, t, next, impulses)
                 }
@@ -121,22 +124,9 @@ impl Run {
         self.comparisons.iter().map(Runner::integrator)
     }
 
-    /// Every trajectory, the main box's first: integrator, step \[s\], past and present, its end if it was given up.
-    pub fn trajectories(
-        &self,
-    ) -> impl Iterator<Item = (Integrator, f64, &Track, Option<Divergence>)> {
-        let main_box = &self.main_box;
-        let own = (
-            main_box.integrator,
-            self.step,
-            &main_box.track,
-            main_box.diverged,
-        );
-        let comparisons = self.comparisons.iter().map(|r| {
-            let step = r.factor * self.step;
-            (r.integrator(), step, &r.track, r.simulation.diverged)
-        });
-        iter::once(own).chain(comparisons)
+    /// Every trajectory, the main box's first.
+    pub fn trajectories(&self) -> impl Iterator<Item = &Runner> {
+        iter::once(&self.main_box).chain(&self.comparisons)
     }
 
     /// The reference at the clock's time, if it is known.
@@ -147,7 +137,7 @@ impl Run {
     /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
     /// box.
     pub fn attitude_says_more(&self) -> bool {
-        let worst = self.trajectories().map(|t| t.2.now.worst);
+        let worst = self.trajectories().map(|r| r.track.now.worst);
         let (x, a) = worst.fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
         a.to_radians() >= x / self.law.body.radius()
     }
@@ -162,7 +152,8 @@ impl Run {
 
     /// Whether the main box or a comparison was given up.
     pub fn any_diverged(&self) -> bool {
-        self.trajectories().any(|trajectory| trajectory.3.is_some())
+        let mut all = self.trajectories();
+        all.any(|r| r.simulation.diverged.is_some())
     }
 
     /// Draws a line.
@@ -205,13 +196,14 @@ impl Run {
         pushes: impl FnOnce(&mut BodyState) -> Vec<Change>,
     ) {
         let margin = 1e-9 * self.step;
-        let mut expected = self.main_box.state;
-        self.main_box.kicked = false;
+        let before = *self.main_box.state();
+        let (mut expected, mut kicked) = (before, false);
         let next = |k: usize| self.impulses.get(k).filter(|i| i.t <= t + margin);
-        while let Some(i) = next(self.main_box.next_impulse) {
+        let next_impulse = &mut self.main_box.simulation.next_impulse;
+        while let Some(i) = next(*next_impulse) {
             expected.apply_impulse_at_body_point(&self.law.body, i.impulse, i.body_point);
-            self.main_box.next_impulse += 1;
-            self.main_box.kicked = true;
+            *next_impulse += 1;
+            kicked = true;
         }
         let changes = pushes(&mut expected);
         let inputs = self.inputs.end();
@@ -225,14 +217,12 @@ impl Run {
             self.law = Arc::new(law);
             self.push(t, Change::Model(self.law.clone()));
         }
-        if self.inputs.end() != inputs || self.main_box.kicked {
-            let before = self.main_box.state;
-            self.main_box
-                .balance
-                .input((&old, &before), (&self.law, state));
+        if self.inputs.end() != inputs || kicked {
+            let balance = &mut self.main_box.simulation.balance;
+            balance.input((&old, &before), (&self.law, state));
             self.main_box.reference = self.reference.at(t);
         }
-        self.main_box.before = *state;
+        self.before = (*state, kicked);
     }
 
     /// Takes note of the main box after a step of `h` \[s\]: `state` at `t` \[s\].
@@ -240,30 +230,32 @@ impl Run {
         &mut self,
         t: f64,
         h: f64,
-        (state, contacts): (&BodyState, u32),
+        (state, contact): (&BodyState, &ContactState),
         integrator: Integrator,
     ) {
-        if integrator != self.main_box.integrator {
-            self.main_box.integrator = integrator;
+        if integrator != self.main_box.integrator() {
+            self.main_box.simulation.driver.integrator = integrator;
             self.rule(self.clock, RuleKind::Integrator);
         }
         self.set_step(h);
         self.clock = t;
         let main_box = &mut self.main_box;
-        main_box.balance.step(&self.law, &main_box.before, h);
+        let own = &mut main_box.simulation;
+        own.balance.step(&self.law, &self.before.0, h);
         let to = self.reference.at(t);
         if let Some(to) = &to {
             self.reference_flips.observe(to, t);
         }
-        let ends = main_box.reference.zip(to).filter(|_| !main_box.kicked);
+        let ends = main_box.reference.zip(to).filter(|_| !self.before.1);
         let local = ends.map(|(from, to)| local_error(integrator, &self.law, from, &to, h));
-        if main_box.diverged.is_none() && main_box.balance.is_exceeded(&self.law, state) {
+        if own.diverged.is_none() && own.balance.is_exceeded(&self.law, state) {
             let reason = Reason::Energy;
-            main_box.diverged = Some(Divergence { t, reason });
+            own.diverged = Some(Divergence { t, reason });
         }
-        let books = (&*self.law, &main_box.balance);
+        let books = (&*self.law, &own.balance);
         main_box.track.observe(books, state, t, to.as_ref(), local);
-        (main_box.state, main_box.contacts) = (*state, contacts);
+        (own.driver.state, own.driver.time) = (*state, t);
+        own.driver.contact.clone_from(contact);
         main_box.reference = to;
     }
 
@@ -306,25 +298,6 @@ impl Run {
         true
     }
 
-    /// Puts every comparison into the reference's state and opens new books; returns that state for the main box.
-    pub fn resync(&mut self) -> Option<BodyState> {
-        let state = self.reference.follow(self.clock)?;
-        self.reference.push(self.clock, &Change::Place(state));
-        let (t, next) = (self.clock, self.inputs.end());
-        for runner in &mut self.comparisons {
-            runner.resync(&self.law, state, t, next);
-        }
-        self.main_box.balance = Balance::new(&self.law, &state);
-        self.main_box.diverged = None;
-        let books = &self.main_box.balance;
-        self.main_box.track.reopen(&self.law, books, &state, t);
-        (self.main_box.state, self.main_box.before) = (state, state);
-        self.main_box.reference = Some(state);
-        self.reference_flips = Flips::new(&self.law, &state, t);
-        self.rule(t, RuleKind::Resync);
-        Some(state)
-    }
-
     /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own
     /// integrator, if the comparison is where the clock is. Takes what the plugin keeps of the main box and puts
     /// there what it should keep.
@@ -342,30 +315,28 @@ impl Run {
             return false;
         };
         // Pushes that wait for the next step stay with the body.
-        if *state != self.main_box.state {
+        if state != self.main_box.state() {
             return false;
         }
-        let (main_box, own) = (&mut self.main_box, &mut runner.simulation);
-        swap(&mut own.driver.state, state);
-        swap(&mut own.driver.memory, memory);
-        swap(&mut own.driver.contact, contact);
-        swap(&mut own.driver.integrator, &mut main_box.integrator);
-        swap(&mut own.balance, &mut main_box.balance);
-        swap(&mut own.diverged, &mut main_box.diverged);
-        swap(&mut own.next_impulse, &mut main_box.next_impulse);
-        swap(&mut runner.track, &mut main_box.track);
-        swap(&mut runner.reference, &mut main_box.reference);
-        (main_box.state, main_box.before) = (*state, *state);
-        // Both stand at the same input.
+        swap(runner, &mut self.main_box);
+        // The step stays with the place, and both stand at the same input.
+        swap(&mut runner.factor, &mut self.main_box.factor);
         runner.next_input = self.inputs.end();
-        own.model = self.law.clone();
+        runner.simulation.model = self.law.clone();
+        // What the plugin steps is with the plugin.
+        let (new, old) = (&mut self.main_box.simulation, &mut runner.simulation);
+        *state = new.driver.state;
+        old.driver.contact = replace(contact, new.driver.contact.clone());
+        old.driver.memory = replace(memory, take(&mut new.driver.memory));
+        self.main_box.skew = 0.0;
+        self.before = (*state, false);
         self.checkpoints.truncate(1);
         true
     }
 
     /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
     pub fn kept(&self) -> usize {
-        let samples: usize = self.trajectories().map(|t| t.2.series.kept()).sum();
+        let samples: usize = self.trajectories().map(|r| r.track.series.kept()).sum();
         samples + self.rules.len() + self.checkpoints.len()
     }
 }

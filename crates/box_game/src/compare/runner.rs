@@ -1,4 +1,4 @@
-//! One compared integrator: its simulation, its clock, its balance.
+//! One trajectory, the main box's or a comparison's: its simulation, its clock, its balance.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub(crate) struct Shared<'a> {
     pub(crate) clock: f64,
 }
 
-/// A comparison with what is measured of it.
+/// A trajectory with what is measured of it.
 #[derive(Clone, Debug)]
 pub struct Runner {
     /// The simulation and its balance.
@@ -61,9 +61,14 @@ impl Runner {
         }
     }
 
-    /// The integrator of the comparison.
+    /// The integrator.
     pub fn integrator(&self) -> Integrator {
         self.simulation.driver.integrator
+    }
+
+    /// The state now.
+    pub fn state(&self) -> &BodyState {
+        &self.simulation.driver.state
     }
 
     /// One step of `h` \[s\] of a runner that has not diverged.
@@ -101,14 +106,6 @@ impl Runner {
             self.next_input += 1;
         }
         self.next_input > first
-    }
-
-    /// Puts the comparison into `state` at `t` \[s\] with a new balance.
-    pub(crate) fn resync(&mut self, law: &Arc<Model>, state: BodyState, t: f64, next_input: u64) {
-        self.simulation.restart(law, state, t);
-        self.next_input = next_input;
-        self.reference = Some(state);
-        self.track.reopen(law, &self.simulation.balance, &state, t);
     }
 
     /// The same without its past, to return to.

@@ -9,16 +9,15 @@ use super::series::{VISIBLE_ANGLE, VISIBLE_DISTANCE};
 use super::view::{CompareView, TrajectoryView};
 
 /// Lateness from which a person sees that something is wrong \[s\].
-pub const VISIBLE_LATENESS: f64 = 0.1;
+pub(crate) const VISIBLE_LATENESS: f64 = 0.1;
 /// Energy drift that is worth a word.
 const VISIBLE_ENERGY: f64 = 0.01;
 /// Errors below are rounding.
-pub const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// How right a trajectory is, by the worst so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quality {
-    /// Nothing to see.
+pub(crate) enum Quality {
     Right,
     /// The flip with this number, from 1, came late by this time \[s\]; early if negative.
     Late(usize, f64),
@@ -33,7 +32,7 @@ pub enum Quality {
 impl Quality {
     /// Of a trajectory with these figures: largest distance \[m\] and angle \[°\] so far, lateness of its flips,
     /// status. `attitude` says which of distance and angle to name.
-    pub fn of(
+    pub(crate) fn of(
         (distance, angle): (f64, f64),
         late: Option<(usize, f64)>,
         status: Status,
@@ -61,7 +60,7 @@ impl Quality {
     }
 
     /// A sign that repeats the word.
-    pub const fn sign(self) -> &'static str {
+    pub(crate) const fn sign(self) -> &'static str {
         match self {
             Self::Right => "✔",
             Self::Late(..) => "⏰",
@@ -91,7 +90,7 @@ impl fmt::Display for Quality {
 }
 
 /// Two significant digits: a label is read in passing.
-pub fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
     match size {
         _ if !value.is_finite() => "–".to_owned(),
@@ -106,13 +105,13 @@ pub fn short(value: f64) -> String {
 
 impl TrajectoryView {
     /// How right it is; `attitude` as in [`Quality::of`].
-    pub fn quality(&self, attitude: bool) -> Quality {
+    pub(crate) fn quality(&self, attitude: bool) -> Quality {
         Quality::of(self.worst, self.late, self.status, attitude)
     }
 }
 
 /// One sentence: who is wrong, by how much, who is right, and at what cost.
-pub fn headline(view: &CompareView) -> String {
+pub(crate) fn headline(view: &CompareView) -> String {
     let quality = |t: &TrajectoryView| t.quality(view.attitude);
     let by_severity = |a: &&TrajectoryView, b: &&TrajectoryView| {
         let [a, b] = [a, b].map(|t| quality(t).severity());

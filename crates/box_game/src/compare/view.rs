@@ -41,8 +41,7 @@ impl Default for Settings {
 
 /// The comparison in one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct CompareView {
-    /// What is chosen.
+pub(crate) struct CompareView {
     pub settings: Settings,
     /// The main box, then the comparisons.
     pub trajectories: Vec<TrajectoryView>,
@@ -52,11 +51,9 @@ pub struct CompareView {
     pub reference: String,
     /// After this time \[s\] the motion is chaotic, and there are no errors.
     pub horizon: Option<f64>,
-    /// Vertical lines in the plots.
     pub rules: Vec<Rule>,
     /// Whether nothing but inputs should change the energy.
     pub conservative: bool,
-    /// How far the sweep is.
     pub sweep: SweepView,
     /// What there is to say about this comparison, or nothing.
     pub note: String,
@@ -68,22 +65,17 @@ pub struct CompareView {
 
 /// One trajectory in one frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrajectoryView {
-    /// The integrator.
+pub(crate) struct TrajectoryView {
     pub integrator: Integrator,
-    /// Whether it is the main box.
     pub main_box: bool,
-    /// Its step \[s\].
     pub dt: f64,
     /// By how much it took the last input late \[s\].
     pub skew: f64,
-    /// What can be said of it.
     pub status: Status,
     /// Of the recent samples [ns per body-step].
     pub cost: Option<Cost>,
     /// Mean cost of this run so far [ns per simulated second], as the sweep measures it.
     pub run_cost: Option<f64>,
-    /// Force evaluations per step.
     pub evaluations: f64,
     /// Now, in the order of [`Quantity::ALL`]; NaN where unknown.
     pub now: [f64; Quantity::ALL.len()],
@@ -93,35 +85,28 @@ pub struct TrajectoryView {
     pub late: Option<(usize, f64)>,
     /// Energies \[J\]: of translation, of rotation, potential.
     pub energies: [f64; 3],
-    /// The lines of the open plot.
     pub lines: Vec<(Quantity, Vec<[f64; 2]>)>,
 }
 
 impl TrajectoryView {
-    /// One of the present values.
-    pub fn get(&self, quantity: Quantity) -> f64 {
+    pub(crate) fn get(&self, quantity: Quantity) -> f64 {
         self.now[quantity as usize]
     }
 
     /// Cost of a simulated second \[ns\]: the minimum, as everywhere.
-    pub fn cost_per_second(&self) -> Option<f64> {
+    pub(crate) fn cost_per_second(&self) -> Option<f64> {
         let cost = self.cost?.min / self.dt;
         (cost > 0.0 && cost.is_finite()).then_some(cost)
     }
 
-    /// Whether it was given up.
-    pub fn diverged(&self) -> bool {
+    pub(crate) fn diverged(&self) -> bool {
         self.status.is_diverged()
     }
 }
 
-/// The sweep in one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SweepView {
-    /// Whether it runs.
+pub(crate) struct SweepView {
     pub running: bool,
-    /// Points done and to do.
     pub progress: (u32, u32),
-    /// The lines so far.
     pub lines: Vec<SweepLine>,
 }

@@ -140,10 +140,7 @@ pub fn play(
             }
             return;
         }
-        let picture = matches!(
-            action,
-            Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
-        );
+        let picture = matches!(action, Action::Screenshot | Action::ScreenshotTo(_));
         if picture && comparison.is_sweeping() {
             return;
         }

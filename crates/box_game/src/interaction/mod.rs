@@ -1,13 +1,13 @@
 //! Interaction with the box: pushes, pokes, grabs, steps back, undo.
 //!
-//! [`push`]: impulses; [`grab`]: the spring; [`pick`]: where a ray meets the box; [`mouse`]: gestures to
-//! actions (needs a camera), with a mouse or a finger ([`mod@pointer`]); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
+//! `push`: impulses; [`grab`]: the spring; `pick`: where a ray meets the box; `mouse`: gestures to actions (needs a
+//! camera), with a mouse or a finger (`pointer`); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
 
 pub mod grab;
-pub mod mouse;
-pub mod pick;
-pub mod pointer;
-pub mod push;
+pub(crate) mod mouse;
+mod pick;
+pub(crate) mod pointer;
+mod push;
 pub mod rewind;
 pub mod undo;
 

@@ -20,7 +20,7 @@ const STRENGTH: (f64, f64) = (0.05, 50.0);
 
 /// State of the mouse on the box.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
-pub enum Hand {
+pub(crate) enum Hand {
     /// The mouse moves the camera.
     #[default]
     Idle,
@@ -47,7 +47,7 @@ pub enum Hand {
 impl Hand {
     /// After this frame of the pointer, which may be over the panel. `aim` gives the point of the box under the cursor, `anchor` the point of the
     /// world under it at a depth.
-    pub fn next(
+    pub(crate) fn next(
         self,
         pointer: &Pointer,
         over_panel: bool,
@@ -104,7 +104,7 @@ impl Hand {
 }
 
 /// Reads the mouse and asks for pokes and grabs.
-pub fn use_mouse(
+pub(crate) fn use_mouse(
     mut hand: ResMut<Hand>,
     keys: Res<ButtonInput<KeyCode>>,
     pointer: Res<Pointer>,
@@ -145,7 +145,7 @@ pub fn use_mouse(
 }
 
 /// Draws the arrow of a poke, and the line from the held point to its target.
-pub fn draw_hand(
+pub(crate) fn draw_hand(
     hand: Res<Hand>,
     grip: Res<Grip>,
     session: Res<Session>,
@@ -178,7 +178,6 @@ mod tests {
     use super::*;
 
     const ON_BOX: Hit = Hit {
-        distance: 3.0,
         point: DVec3::new(0.1, 0.2, 0.5),
         normal: DVec3::Z,
     };
@@ -197,79 +196,82 @@ mod tests {
         }
     }
 
-    fn pressed() -> Pointer {
-        Pointer {
-            left_pressed: true,
-            ..held(0.0)
+    /// The button went down on the box.
+    fn pressed() -> Hand {
+        Hand::Pressed {
+            hit: ON_BOX,
+            at: Vec2::ZERO,
+            strength: 1.0,
         }
     }
 
-    fn step(hand: Hand, pointer: Pointer, aim: Option<Hit>) -> (Hand, Vec<Action>) {
-        over(false, hand, pointer, aim)
-    }
-
-    fn over(panel: bool, hand: Hand, pointer: Pointer, aim: Option<Hit>) -> (Hand, Vec<Action>) {
+    /// The hand after `pointer`, over the panel or not, with this point of the box under it; and what it asks for.
+    fn next(
+        hand: Hand,
+        pointer: Pointer,
+        over_panel: bool,
+        aim: Option<Hit>,
+    ) -> (Hand, Vec<Action>) {
         let mut out = Vec::new();
         let anchor = |depth| Some(DVec3::Z * depth);
-        let next = hand.next(&pointer, panel, || aim, anchor, |_| 7.0, &mut out);
+        let next = hand.next(&pointer, over_panel, || aim, anchor, |_| 7.0, &mut out);
         (next, out)
     }
 
     #[test]
     fn a_click_pokes_with_the_strength_scrolled() {
-        let (hand, out) = step(Hand::Idle, pressed(), Some(ON_BOX));
-        assert!(matches!(hand, Hand::Pressed { .. }) && out.is_empty());
         let wheel = Pointer {
             notches: 2.0,
             ..held(2.0)
         };
-        let (hand, _) = step(hand, wheel, None);
-        let (hand, out) = step(hand, Pointer::default(), None);
-        assert_eq!(hand, Hand::Idle);
+        let (scrolled, _) = next(pressed(), wheel, false, None);
+        let (hand, out) = next(scrolled, Pointer::default(), false, None);
         let [Action::Poke(poke)] = out[..] else {
             panic!("{out:?}");
         };
-        assert_eq!((poke.body_point, poke.normal), (ON_BOX.point, DVec3::Z));
+        assert_eq!((hand, poke.body_point), (Hand::Idle, ON_BOX.point));
+        assert_eq!(poke.normal, DVec3::Z);
         assert!((poke.strength - NOTCH * NOTCH).abs() < 1e-12);
     }
 
+    /// A gesture belongs to what it began on; Escape ends a drag until the button is pressed again.
     #[test]
     fn a_drag_grabs_until_released_wherever_that_is() {
-        let (hand, _) = step(Hand::Idle, pressed(), Some(ON_BOX));
-        assert_eq!(step(hand, held(20.0), None), (HOLD, vec![]));
-        // Over the panel it is still the hand's.
-        let grab = Action::Grab(Some(Hold {
-            body_point: ON_BOX.point,
-            anchor: DVec3::Z * 7.0,
-        }));
-        assert_eq!(over(true, HOLD, held(400.0), None), (HOLD, vec![grab]));
-        let released = (Hand::Idle, vec![Action::Grab(None)]);
-        assert_eq!(step(HOLD, Pointer::default(), None), released);
-    }
-
-    #[test]
-    fn escape_ends_a_drag_until_the_button_is_pressed_again() {
+        let (idle, up, on_box) = (Hand::Idle, Pointer::default(), Some(ON_BOX));
+        let press = Pointer {
+            left_pressed: true,
+            ..held(0.0)
+        };
         let escape = Pointer {
             canceled: true,
             ..held(20.0)
         };
-        for (hand, pointer, next) in [
-            (HOLD, escape, Hand::Canceled),
-            (Hand::Canceled, held(30.0), Hand::Canceled),
-            (Hand::Canceled, Pointer::default(), Hand::Idle),
+        let grab = Action::Grab(Some(Hold {
+            body_point: ON_BOX.point,
+            anchor: DVec3::Z * 7.0,
+        }));
+        let release = vec![Action::Grab(None)];
+        for (hand, pointer, over_panel, aim, expected, asked) in [
+            (idle, press, false, on_box, pressed(), vec![]),
+            (pressed(), held(20.0), false, None, HOLD, vec![]),
+            (HOLD, held(400.0), true, None, HOLD, vec![grab]),
+            (HOLD, up, false, None, idle, release),
+            (HOLD, escape, false, on_box, Hand::Canceled, vec![]),
+            (
+                Hand::Canceled,
+                held(30.0),
+                false,
+                on_box,
+                Hand::Canceled,
+                vec![],
+            ),
+            (Hand::Canceled, up, false, on_box, idle, vec![]),
+            // Begun beside the box, on the panel, or on empty space and moved over the box.
+            (idle, press, false, None, idle, vec![]),
+            (idle, press, true, on_box, idle, vec![]),
+            (idle, held(5.0), false, on_box, idle, vec![]),
         ] {
-            assert_eq!(step(hand, pointer, Some(ON_BOX)), (next, vec![]));
+            assert_eq!(next(hand, pointer, over_panel, aim), (expected, asked));
         }
-    }
-
-    #[test]
-    fn what_begins_elsewhere_is_not_the_hand_s() {
-        assert_eq!(step(Hand::Idle, pressed(), None).0, Hand::Idle);
-        assert_eq!(
-            over(true, Hand::Idle, pressed(), Some(ON_BOX)).0,
-            Hand::Idle
-        );
-        // A drag that began on empty space and comes over the box.
-        assert_eq!(step(Hand::Idle, held(5.0), Some(ON_BOX)).0, Hand::Idle);
     }
 }

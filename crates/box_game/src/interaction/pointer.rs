@@ -8,11 +8,11 @@ use bevy::window::PrimaryWindow;
 /// Pixels of a touch pad that are a notch of a wheel.
 const PIXELS_PER_NOTCH: f32 = 40.0;
 /// Factor of the camera's distance per notch.
-pub const NOTCH: f32 = 0.9;
+pub(crate) const NOTCH: f32 = 0.9;
 
 /// The pointer in one frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pointer {
+pub(crate) struct Pointer {
     /// Its place [logical pixels], if it is over the window.
     pub at: Option<Vec2>,
     /// The left button, or a finger, is down.

@@ -8,7 +8,7 @@ use crate::demo_2012;
 use crate::scene::session::{MainBox, Session};
 
 /// Observes pushes and pokes.
-pub fn on_action(
+pub(crate) fn on_action(
     action: On<Action>,
     main_box: Query<(Entity, &RigidBox, &BodyState), With<MainBox>>,
     mut session: ResMut<Session>,

@@ -6,7 +6,7 @@ use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use box_physics::floor::ContactState;
 use box_physics::prelude::{
-    BodyState, IntegratorMemory, PhysicsClock, RigidBox, StepPhysics, WorldAabb,
+    BodySnapshot, BodyState, IntegratorMemory, PhysicsClock, RestingSince, StepPhysics,
 };
 use box_scenarios::dissertation;
 
@@ -31,22 +31,35 @@ pub struct Moment {
     next_impulse: usize,
     demo: Option<dissertation::State>,
     /// Sorted by number.
-    bodies: Vec<(BoxNumber, BodyState, IntegratorMemory, ContactState)>,
+    bodies: Vec<(BoxNumber, BodySnapshot)>,
 }
 
 impl Moment {
     /// The present moment; `None` with more than [`MOST_BODIES`] bodies.
     pub fn now(world: &mut World) -> Option<Self> {
-        let mut query = world.query::<(&BoxNumber, &BodyState, &IntegratorMemory, &ContactState)>();
-        if query.iter(world).len() > MOST_BODIES {
+        let mut bodies = world.query::<(
+            &BoxNumber,
+            &BodyState,
+            &IntegratorMemory,
+            &ContactState,
+            &RestingSince,
+        )>();
+        if bodies.iter(world).len() > MOST_BODIES {
             return None;
         }
-        let mut bodies: Vec<_> = query
+        let bodies = bodies
             .iter(world)
-            .map(|(&number, &state, memory, contact)| {
-                (number, state, memory.clone(), contact.clone())
-            })
-            .collect();
+            .map(|(&number, &state, memory, contact, &resting)| {
+                let (memory, contact) = (memory.clone(), contact.clone());
+                let body = BodySnapshot {
+                    state,
+                    memory,
+                    contact,
+                    resting,
+                };
+                (number, body)
+            });
+        let mut bodies: Vec<_> = bodies.collect();
         bodies.sort_unstable_by_key(|body| body.0);
         Some(Self {
             clock: *world.resource::<PhysicsClock>(),
@@ -64,29 +77,12 @@ impl Moment {
         world.insert_resource(clock);
         world.resource_mut::<Session>().next_impulse = self.next_impulse;
         world.resource_mut::<Demo2012>().state = self.demo;
-        let mut query = world.query::<(
-            &BoxNumber,
-            &RigidBox,
-            &mut BodyState,
-            &mut IntegratorMemory,
-            &mut ContactState,
-            &mut Transform,
-            &mut WorldAabb,
-        )>();
-        for (number, body, mut state, mut memory, mut contact, mut transform, mut aabb) in
-            query.iter_mut(world)
-        {
-            let Ok(at) = self.bodies.binary_search_by_key(number, |body| body.0) else {
-                continue;
-            };
-            let (_, kept, then, touched) = &self.bodies[at];
-            *state = *kept;
-            memory.clone_from(then);
-            contact.clone_from(touched);
-            *aabb = WorldAabb::of(body, kept);
-            // The pose in f32 is what the plugin would write: no teleport.
-            transform.translation = kept.position.as_vec3();
-            transform.rotation = kept.rotation.as_quat();
+        let mut boxes = world.query::<(Entity, &BoxNumber)>();
+        let boxes: Vec<_> = boxes.iter(world).map(|(e, number)| (e, *number)).collect();
+        for (entity, number) in boxes {
+            if let Ok(at) = self.bodies.binary_search_by_key(&number, |body| body.0) {
+                world.entity_mut(entity).insert(self.bodies[at].1.clone());
+            }
         }
     }
 }

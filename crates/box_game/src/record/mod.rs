@@ -1,10 +1,9 @@
-//! Records of a run: CSV log, time series for the plots, pictures, application log.
+//! Records of a run: CSV log, time series for the plots, pictures.
 
-pub mod application_log;
 pub mod csv_log;
 pub mod history;
 mod rows;
-pub mod screenshot;
+pub(crate) mod screenshot;
 
 use bevy::prelude::*;
 use box_physics::prelude::{PhysicsSchedule, PhysicsSystems};
@@ -33,8 +32,7 @@ pub struct PicturesPlugin;
 
 impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<screenshot::PlotArea>()
-            .add_observer(screenshot::on_action)
+        app.add_observer(screenshot::on_action)
             .add_systems(Update, (screenshot::take_screenshot, screenshot::film));
     }
 }

@@ -3,19 +3,16 @@
 
 use bevy::diagnostic::{DiagnosticsStore, FrameCount};
 use bevy::prelude::*;
-use box_physics::prelude::{
-    BodyState, GlobalIntegrator, Integrator, PhysicsClock, PhysicsTimings, Quarantined,
-};
+use box_physics::prelude::{Integrator, PhysicsClock, PhysicsTimings, Quarantined};
 
 use super::csv_log::{CsvLog, Row};
 use super::history::{History, frame_time};
 use crate::action::Action;
 use crate::compare::sampling::IntegratorSamples;
-use crate::compare::track::Track;
 use crate::compare::{Comparison, Quantity};
 use crate::platform;
 use crate::scene::session::{MainBox, Session};
-use box_scenarios::{Model, Status};
+use box_scenarios::Status;
 
 /// Observes the switch of the log.
 pub(super) fn on_action(
@@ -51,8 +48,8 @@ pub(super) fn on_action(
 pub(super) fn write_rows(
     log: Option<ResMut<CsvLog>>,
     (mut session, mut comparison): (ResMut<Session>, ResMut<Comparison>),
-    main_box: Query<(&BodyState, Has<Quarantined>), With<MainBox>>,
-    (clock, integrator): (Res<PhysicsClock>, Res<GlobalIntegrator>),
+    main_box: Query<Has<Quarantined>, With<MainBox>>,
+    clock: Res<PhysicsClock>,
     (timings, samples, history): (Res<PhysicsTimings>, Res<IntegratorSamples>, Res<History>),
     (diagnostics, frame, real): (
         Option<Res<DiagnosticsStore>>,
@@ -66,8 +63,8 @@ pub(super) fn write_rows(
         session.fallbacks += outcome.fallbacks;
         session.unconverged += outcome.unconverged;
     }
-    let event = core::mem::take(&mut session.events).join("; ");
-    let (Some(mut log), Some((state, quarantined))) = (log, main_box.iter().next()) else {
+    let mut event = core::mem::take(&mut session.events).join("; ");
+    let (Some(mut log), Some(quarantined)) = (log, main_box.iter().next()) else {
         return;
     };
     let Some(run) = &mut comparison.run else {
@@ -84,82 +81,55 @@ pub(super) fn write_rows(
         frame_ms: frame_time(diagnostics.as_deref()),
         ..Row::default()
     };
-    let main_box = &run.main_box;
-    let (main_integrator, main_track) = (integrator.0, &main_box.track);
-    let mut rows = vec![Row {
-        sim_t_s: clock.time(),
-        dt_s: clock.step() * f64::from(substeps),
-        substeps,
-        rhs_evals: timings.integrator(integrator.0).outcome.evaluations,
-        contacts: main_box.contacts,
-        state: if quarantined {
-            Status::Quarantined
-        } else {
-            main_box.status()
-        },
-        event,
-        ..measured(
-            &common,
-            main_integrator,
-            (&*run.law, state),
-            main_track,
-            &samples,
-        )
-    }];
-    for (trajectory, runner) in (1..).zip(&mut run.comparisons) {
-        let (simulation, track) = (&runner.simulation, &runner.track);
-        let driver = &simulation.driver;
-        if driver.totals.steps == runner.logged {
+    let (step, law) = (run.step, run.law.clone());
+    for (trajectory, runner) in
+        (0..).zip([&mut run.main_box].into_iter().chain(&mut run.comparisons))
+    {
+        let (main, track) = (trajectory == 0, &runner.track);
+        let (driver, totals) = (&runner.simulation.driver, runner.simulation.driver.totals);
+        if !main && totals.steps == runner.logged {
             continue;
         }
-        runner.logged = driver.totals.steps;
-        let skew = core::mem::take(&mut runner.skew);
-        let now = (&*simulation.model, &driver.state);
-        rows.push(Row {
-            trajectory,
+        let cost = samples.cost(driver.integrator);
+        let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
+        let model = if main { &law } else { &runner.simulation.model };
+        let row = Row {
             sim_t_s: driver.time,
-            dt_s: runner.factor * run.step,
-            substeps: 1,
-            rhs_evals: driver.totals.evaluations / driver.totals.steps.max(1),
-            contacts: driver.contacts(),
-            state: simulation.status(),
-            event: if skew > 0.0 {
-                format!("input {skew:e} s late")
+            trajectory,
+            integrator: driver.integrator.id().to_owned(),
+            dt_s: runner.factor * step * if main { f64::from(substeps) } else { 1.0 },
+            substeps: if main { substeps } else { 1 },
+            rhs_evals: if main {
+                timings.integrator(driver.integrator).outcome.evaluations
             } else {
-                String::new()
+                totals.evaluations / totals.steps.max(1)
             },
-            ..measured(&common, driver.integrator, now, track, &samples)
-        });
-    }
-    for row in rows {
+            step_ns_min: cost.map(|c| c.min),
+            step_ns_med: cost.map(|c| c.median),
+            pos_err_m: known(Quantity::Position),
+            rot_err_deg: known(Quantity::Attitude),
+            local_pos_err_m: known(Quantity::LocalPosition),
+            energy_j: model.energy(&driver.state),
+            energy_rel: known(Quantity::Energy),
+            angmom_rel: Some(track.now.momentum).filter(|v| v.is_finite()),
+            contacts: driver.contacts(),
+            state: if main && quarantined {
+                Status::Quarantined
+            } else {
+                runner.simulation.status()
+            },
+            event: match runner.skew {
+                _ if main => core::mem::take(&mut event),
+                skew if skew > 0.0 => format!("input {skew:e} s late"),
+                _ => String::new(),
+            },
+            ..common.clone()
+        };
+        (runner.logged, runner.skew) = (totals.steps, 0.0);
         if let Err(error) = log.write(&row) {
             session.notice(format!("log closed: {error}"));
             commands.remove_resource::<CsvLog>();
             return;
         }
-    }
-}
-
-/// The columns that every trajectory has.
-fn measured(
-    common: &Row,
-    integrator: Integrator,
-    (law, state): (&Model, &BodyState),
-    track: &Track,
-    samples: &IntegratorSamples,
-) -> Row {
-    let cost = samples.cost(integrator);
-    let known = |quantity| Some(track.now.sample.get(quantity)).filter(|v| v.is_finite());
-    Row {
-        integrator: integrator.id().to_owned(),
-        step_ns_min: cost.map(|c| c.min),
-        step_ns_med: cost.map(|c| c.median),
-        pos_err_m: known(Quantity::Position),
-        rot_err_deg: known(Quantity::Attitude),
-        local_pos_err_m: known(Quantity::LocalPosition),
-        energy_j: law.energy(state),
-        energy_rel: known(Quantity::Energy),
-        angmom_rel: Some(track.now.momentum).filter(|v| v.is_finite()),
-        ..common.clone()
     }
 }

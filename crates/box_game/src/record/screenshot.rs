@@ -14,22 +14,13 @@ use crate::platform;
 use crate::scene::session::Session;
 use crate::view::renderer::PictureTarget;
 
-/// The open plot or table \[pixels\]; empty while the drawer is shut.
-#[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct PlotArea(pub URect);
-
-/// A picture of the next frame.
+/// A picture of the next frame, for this file or the next free `box_game-NN.png`.
 #[derive(Resource, Clone, Debug)]
-pub struct ScreenshotRequest {
-    /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
-    pub path: Option<PathBuf>,
-    /// The open plot or table alone.
-    pub plot: bool,
-}
+pub(crate) struct ScreenshotRequest(pub Option<PathBuf>);
 
 /// A series of pictures being taken.
 #[derive(Resource, Debug)]
-pub struct Filming {
+pub(crate) struct Filming {
     film: Film,
     taken: u32,
     /// Time of the first picture \[s\].
@@ -37,11 +28,10 @@ pub struct Filming {
 }
 
 /// Observes requests for pictures.
-pub fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
-    let (path, plot) = match &*action {
-        Action::Screenshot => (None, false),
-        Action::ScreenshotTo(path) => (Some(path.clone()), false),
-        Action::SavePlot(path) => (path.clone(), true),
+pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
+    let path = match &*action {
+        Action::Screenshot => None,
+        Action::ScreenshotTo(path) => Some(path.clone()),
         Action::Record(film) => {
             if !(film.rate > 0.0 && film.rate.is_finite()) {
                 session.notice(format!("film: rate {}: allowed: above 0", film.rate));
@@ -56,12 +46,12 @@ pub fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands:
         }
         _ => return,
     };
-    commands.insert_resource(ScreenshotRequest { path, plot });
+    commands.insert_resource(ScreenshotRequest(path));
 }
 
 /// What takes pictures.
 #[derive(SystemParam)]
-pub struct Capture<'w, 's> {
+pub(crate) struct Capture<'w, 's> {
     target: Res<'w, PictureTarget>,
     session: ResMut<'w, Session>,
     pending: ResMut<'w, PendingPictures>,
@@ -69,30 +59,21 @@ pub struct Capture<'w, 's> {
 }
 
 /// Takes the requested picture.
-pub fn take_screenshot(
-    request: Option<Res<ScreenshotRequest>>,
-    plot: Res<PlotArea>,
-    mut capture: Capture,
-) {
+pub(crate) fn take_screenshot(request: Option<Res<ScreenshotRequest>>, mut capture: Capture) {
     let Some(request) = request else {
         return;
     };
     capture.commands.remove_resource::<ScreenshotRequest>();
-    let name = if request.plot { "plot" } else { "box_game" };
     // A file that was named needs no notice, which would be in the next picture.
-    let named = request.path.is_some();
-    let path = request.path.clone();
-    match path.map_or_else(|| platform::next_free(name, "png"), Ok) {
+    let (path, named) = (request.0.clone(), request.0.is_some());
+    match path.map_or_else(|| platform::next_free("box_game", "png"), Ok) {
         Err(error) => capture.session.notice(error.to_string()),
-        Ok(_) if request.plot && plot.0.is_empty() => {
-            capture.session.notice("no plot is open; M opens the plots");
-        }
-        Ok(path) => capture.picture(request.plot.then_some(plot.0), path, named),
+        Ok(path) => capture.picture(path, named),
     }
 }
 
 /// Takes the pictures of a series that are due.
-pub fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
+pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
     let Some(mut filming) = filming else {
         return;
     };
@@ -112,7 +93,7 @@ pub fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture
         return;
     }
     let path = folder.join(format!("{:04}.png", filming.taken + 1));
-    capture.picture(None, path, true);
+    capture.picture(path, true);
     filming.taken += 1;
     if filming.taken >= filming.film.pictures {
         capture.commands.remove_resource::<Filming>();
@@ -120,8 +101,8 @@ pub fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture
 }
 
 impl Capture<'_, '_> {
-    /// Takes a picture, or the part `area` of it, and saves it at `path`.
-    fn picture(&mut self, area: Option<URect>, path: PathBuf, named: bool) {
+    /// Takes a picture and saves it at `path`.
+    fn picture(&mut self, path: PathBuf, named: bool) {
         self.pending.0 += 1;
         let picture = Screenshot(self.target.0.clone());
         self.commands.spawn(picture).observe(
@@ -129,7 +110,7 @@ impl Capture<'_, '_> {
                   mut session: ResMut<Session>,
                   mut pending: ResMut<PendingPictures>| {
                 pending.0 = pending.0.saturating_sub(1);
-                match save(&captured.image, area, &path) {
+                match save(&captured.image, &path) {
                     Ok(()) if named => info!("picture: {}", path.display()),
                     Ok(()) => session.notice(format!("picture: {}", path.display())),
                     Err(error) => session.notice(format!("picture {}: {error}", path.display())),
@@ -140,11 +121,8 @@ impl Capture<'_, '_> {
 }
 
 /// Writes a PNG.
-fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
-    let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
-    if let Some(URect { min, max }) = area {
-        picture = picture.crop_imm(min.x, min.y, max.x - min.x, max.y - min.y);
-    }
+fn save(image: &Image, path: &Path) -> io::Result<()> {
+    let picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
     let mut png = io::Cursor::new(Vec::new());
     let format = ImageFormat::Png.as_image_crate_format();
     let format = format.ok_or_else(|| io::Error::other("built without PNG"))?;

@@ -1,4 +1,4 @@
-//! The clock: speed, pause, step size, and time lost to slow frames.
+//! The clock: speed, pause and step size.
 
 use core::time::Duration;
 
@@ -9,12 +9,8 @@ use super::session::Session;
 use crate::action::Action;
 use crate::parameters::SPEEDS;
 
-/// The longest frame that is simulated \[s\]; the rest of a longer one is dropped, counted and shown. At
-/// 60 Hz and real time that is 15 ticks; at most it is 1920 (dt = 1/1920 s, speed 4).
-pub const LONGEST_FRAME: f64 = 0.25;
-
 /// Observes pause and speed.
-pub fn on_action(
+pub(crate) fn on_action(
     action: On<Action>,
     session: Res<Session>,
     mut clock: ResMut<PhysicsClock>,
@@ -36,7 +32,7 @@ pub fn on_action(
 }
 
 /// Sets the target speed, within its ladder.
-pub fn set_speed(world: &mut World, speed: f64) {
+pub(crate) fn set_speed(world: &mut World, speed: f64) {
     if !speed.is_finite() {
         return;
     }
@@ -44,27 +40,13 @@ pub fn set_speed(world: &mut World, speed: f64) {
     world.resource_mut::<Session>().speed = speed;
     let mut time = world.resource_mut::<Time<Virtual>>();
     time.set_relative_speed_f64(speed);
-    time.set_max_delta(Duration::from_secs_f64(LONGEST_FRAME));
 }
 
 /// Gives the clocks the session's step and substeps.
-pub fn set_step(world: &mut World) {
+pub(crate) fn set_step(world: &mut World) {
     let parameters = world.resource::<Session>().parameters;
     world
         .resource_mut::<Time<Fixed>>()
         .set_timestep(Duration::from_secs_f64(parameters.step));
     world.resource_mut::<PhysicsClock>().substeps = parameters.substeps();
-}
-
-/// Counts the simulated time lost to frames longer than [`LONGEST_FRAME`].
-pub fn count_dropped(
-    real: Res<Time<Real>>,
-    time: Res<Time<Virtual>>,
-    clock: Res<PhysicsClock>,
-    mut session: ResMut<Session>,
-) {
-    let over = real.delta().saturating_sub(time.max_delta());
-    if !over.is_zero() && !clock.paused {
-        session.dropped += over.as_secs_f64() * session.speed;
-    }
 }

@@ -1,7 +1,7 @@
 //! The scene being played: its parameters, its start, its clock, and the files that scenes come from.
 
 mod boxes;
-pub mod clock;
+pub(crate) mod clock;
 pub mod library;
 pub mod session;
 pub mod start;
@@ -21,6 +21,6 @@ impl Plugin for ScenePlugin {
                 PhysicsSchedule,
                 start::apply_timed_impulses.in_set(PhysicsSystems::First),
             )
-            .add_systems(Update, (library::watch_scenes, clock::count_dropped));
+            .add_systems(Update, library::watch_scenes);
     }
 }

@@ -52,8 +52,6 @@ pub struct Session {
     pub plot: Plot,
     /// The latest messages.
     pub notices: VecDeque<String>,
-    /// Simulated time dropped by hitches since the start of the scene \[s\].
-    pub dropped: f64,
     /// Body-steps since the start of the scene that the integrator delegated to `split`.
     pub fallbacks: u64,
     /// Body-steps since then whose iteration ended at its cap.
@@ -79,7 +77,6 @@ impl Session {
             hidden: false,
             plot: Plot::Energy,
             notices: VecDeque::new(),
-            dropped: 0.0,
             fallbacks: 0,
             unconverged: 0,
         }

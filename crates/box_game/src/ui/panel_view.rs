@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 use box_physics::energy::potential_energy;
 use box_physics::prelude::{
-    BodyState, Floor, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox, WorldAabb,
+    BodyState, Floor, GlobalIntegrator, Integrator, PhysicsClock, Quarantined, RigidBox,
 };
 use box_scenarios::Status;
 
@@ -38,23 +38,14 @@ pub struct Sources<'w, 's> {
     log: Option<Res<'w, CsvLog>>,
     floor: Option<Res<'w, Floor>>,
     adapter: Option<Res<'w, RenderAdapterInfo>>,
-    target: Res<'w, PictureTarget>,
+    target: Option<Res<'w, PictureTarget>>,
     library: Res<'w, SceneLibrary>,
     undo: Res<'w, UndoStack>,
     demo: Res<'w, Demo2012>,
     /// The panel follows their scale and may change it.
     pub(crate) preferences: ResMut<'w, Preferences>,
-    main_box: Query<
-        'w,
-        's,
-        (
-            &'static RigidBox,
-            &'static BodyState,
-            Option<&'static WorldAabb>,
-            Has<Quarantined>,
-        ),
-        With<MainBox>,
-    >,
+    main_box:
+        Query<'w, 's, (&'static RigidBox, &'static BodyState, Has<Quarantined>), With<MainBox>>,
 }
 
 /// The view of this frame.
@@ -72,7 +63,7 @@ pub fn view(s: &Sources) -> PanelView {
         steps: s.clock.steps(),
         speed: session.speed,
         actual_speed: s.history.actual_speed(),
-        dropped: session.dropped,
+        dropped: s.clock.dropped().as_secs_f64(),
         parameters: session.parameters,
         defaults: session.defaults,
         figures,
@@ -103,11 +94,13 @@ pub fn view(s: &Sources) -> PanelView {
         log: s.log.as_ref().map(|log| LogView {
             path: log.path().display().to_string(),
             rows: log.rows(),
-            bytes: log.bytes(),
         }),
         // An image offscreen is as good from a CPU.
         software_rendering: device == Some(wgpu::DeviceType::Cpu)
-            && matches!(s.target.0, RenderTarget::Window(_)),
+            && matches!(
+                s.target.as_deref(),
+                Some(PictureTarget(RenderTarget::Window(_)))
+            ),
         notices: session.notices.iter().cloned().collect(),
         preferences: *s.preferences,
         scene_errors: s.library.errors(),
@@ -120,7 +113,7 @@ pub fn view(s: &Sources) -> PanelView {
 
 /// Figures of the main box, and its state.
 fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
-    let (body, state, aabb, quarantined) = s.main_box.iter().next()?;
+    let (body, state, quarantined) = s.main_box.iter().next()?;
     let forces = s.session.forces();
     let law = forces.forces(body);
     let floor = s.floor.as_deref().map_or(0.0, |f| f.height);
@@ -140,18 +133,10 @@ fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
         state.position.y,
         state.position.z,
     ];
-    let touching = match (aabb, &s.floor) {
-        (Some(aabb), Some(f)) => f64::from(aabb.0.min.y) <= f.height + 1e-4 * body.radius(),
-        _ => false,
-    };
-    let still = state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO;
-    let status = match (quarantined, touching, still) {
-        (true, ..) => Status::Quarantined,
-        (_, true, true) => Status::Resting,
-        (_, true, false) => Status::Contact,
-        _ => Status::Ok,
-    };
-    Some((figures, status))
+    let run = s.comparison.run.as_ref();
+    let status = run.map_or(Status::Ok, |run| run.main_box.simulation.status());
+    let frozen = quarantined.then_some(Status::Quarantined);
+    Some((figures, frozen.unwrap_or(status)))
 }
 
 fn history(s: &Sources) -> HistoryView {
@@ -173,8 +158,5 @@ fn demo(demo: &Demo2012) -> DemoView {
     DemoView {
         stepper: demo.stepper,
         cycle_us: demo.cycle_ns as f64 * 1e-3,
-        log: demo
-            .log()
-            .map(|(path, cycles)| (path.display().to_string(), cycles)),
     }
 }

@@ -13,7 +13,6 @@ use crate::camera::views::{self, PictureArea};
 use crate::input::focus::UiFocus;
 use crate::parameters::UI_SCALES;
 use crate::preferences::Preferences;
-use crate::record::screenshot::PlotArea;
 use crate::view::renderer::PictureTarget;
 
 /// The camera of the panel.
@@ -58,7 +57,7 @@ pub(super) fn show_panel(
     mut state: Local<PanelState>,
     mut actions: ResMut<Actions>,
     mut focus: ResMut<UiFocus>,
-    (mut picture, mut plot): (ResMut<PictureArea>, ResMut<PlotArea>),
+    mut picture: ResMut<PictureArea>,
     camera: Single<&Camera, With<PanelCamera>>,
 ) -> Result {
     let start = Instant::now();
@@ -78,9 +77,8 @@ pub(super) fn show_panel(
             || pointer.is_some_and(|p| !layout.central.contains(p)),
     };
     let whole = camera.physical_target_size().unwrap_or(UVec2::ONE);
-    let pixels = |rect| pixels(rect, context.pixels_per_point(), whole);
-    plot.0 = layout.plot.map(pixels).unwrap_or_default();
-    *picture = PictureArea(pixels(layout.central), layout.captions);
+    let central = pixels(layout.central, context.pixels_per_point(), whole);
+    *picture = PictureArea(central, layout.captions);
     state.cost = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
 }

@@ -167,12 +167,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn a_cuboid_has_six_faces_and_its_marks() {
-        let strokes: usize = faces(Vec3::ONE).map(|f| f.strokes(0.0).count()).sum();
-        assert_eq!(cuboid(Vec3::ONE, false).count_vertices(), 24);
-        assert_eq!(cuboid(Vec3::ONE, true).count_vertices(), 24 + 4 * strokes);
-        assert_eq!(lines(Vec3::ONE).count(), 3 + 4 + 4);
-    }
 }

@@ -2,6 +2,7 @@
 
 use bevy::camera::RenderTarget;
 use bevy::camera::visibility::VisibilitySystems;
+use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::window::screenshot::Screenshot;
@@ -76,7 +77,13 @@ fn title(
 
 /// Bevy's plugins for a window, or for pictures without one.
 pub fn renderer(offscreen: bool, size: (u32, u32)) -> bevy::app::PluginGroupBuilder {
-    let plugins = DefaultPlugins.set(crate::record::application_log::plugin());
+    let plugins = DefaultPlugins.set(LogPlugin {
+        // Notes of the libraries about the machine do not help a player.
+        filter: "wgpu=error,naga=warn,bevy_egui=error,winit=error,bevy_asset=error,bevy_app=warn"
+            .to_owned(),
+        custom_layer: platform::log_layer,
+        ..default()
+    });
     if offscreen {
         plugins
             .set(WindowPlugin {

@@ -50,7 +50,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
         section.tables.insert(0, table);
         section.verdicts = verdicts;
     }
-    section.write_figures(ctx.folder())?;
+    section.write_figures(&ctx.folder)?;
     Ok(section)
 }
 

@@ -98,15 +98,15 @@ pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
             manifest.display()
         )));
     }
-    ctx.progress
-        .say("building and running box_peers (the first build takes a quarter of an hour) …");
+    let notice = "building and running box_peers (the first build takes a quarter of an hour) …";
+    ctx.progress.suspend(|| eprintln!("{notice}"));
     let mut command = Command::new("cargo");
     command
         .args(["run", "--release", "--locked", "--quiet", "--manifest-path"])
         .arg(&manifest)
         .arg("--")
         .arg("--output")
-        .arg(ctx.folder());
+        .arg(&ctx.folder);
     if ctx.quick {
         command.arg("--quick");
     }

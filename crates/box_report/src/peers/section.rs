@@ -59,7 +59,7 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     }
     section.verdicts = verdicts(measured);
     write_csvs(ctx, measured)?;
-    section.write_figures(ctx.folder())?;
+    section.write_figures(&ctx.folder)?;
     Ok(section)
 }
 

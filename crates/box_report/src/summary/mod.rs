@@ -63,6 +63,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
             .and_then(|d| d.limits(s).copied());
         let limit = |k: usize| limits.map_or_else(String::new, |l: [Limit; 4]| shown(l[k]));
         let score = results.stability.as_ref().map(|d| d.score(s));
+        let ns = |situation| results.timings.as_ref()?.of(situation, s);
         Row {
             integrator: s.id(),
             invisible_10s_30hz: seen(30, THROW),
@@ -72,8 +73,8 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
             invisible_60s_60hz: seen(60, MINUTE),
             invisible_60s_120hz: seen(120, MINUTE),
             us_per_simulated_s_60hz: results.work_precision.as_ref().and_then(|w| w.cost(s, 60)),
-            ns_per_step_many: results.timings.as_ref().and_then(|t| t.many(s)),
-            ns_per_step_one: results.timings.as_ref().and_then(|t| t.one(s)),
+            ns_per_step_many: ns("free-many"),
+            ns_per_step_one: ns("free-one"),
             limit_spin: limit(0),
             limit_drag: limit(1),
             limit_damper: limit(2),

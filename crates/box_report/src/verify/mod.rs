@@ -97,7 +97,7 @@ fn rows<'a>(cases: &'a [Case], options: &'a Options) -> impl Iterator<Item = Row
             .integrators()
             .iter()
             .flat_map(|&integrator| {
-                options.steps().iter().map(move |&dt| Row {
+                options.dt.iter().map(move |&dt| Row {
                     case,
                     integrator,
                     dt,

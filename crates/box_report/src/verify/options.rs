@@ -17,7 +17,7 @@ pub(crate) struct Options {
     integrator: Vec<Integrator>,
     /// Steps, separated by commas: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_step, default_value = "60hz,120hz,240hz")]
-    dt: Vec<f64>,
+    pub(super) dt: Vec<f64>,
     /// Only cases whose name matches, as in 'pub0*'
     #[arg(long, value_name = "GLOB")]
     pub(super) case: Option<glob::Pattern>,
@@ -43,10 +43,5 @@ impl Options {
         } else {
             &self.integrator
         }
-    }
-
-    /// The requested steps \[s\].
-    pub(super) fn steps(&self) -> &[f64] {
-        &self.dt
     }
 }

@@ -282,7 +282,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     section.tables.push(at_60_hz(ctx, data));
     section.tables.push(orders(ctx, data));
     section.verdicts = vec![spread(data)];
-    section.write_figures(ctx.folder())?;
+    section.write_figures(&ctx.folder)?;
     Ok(section)
 }
 

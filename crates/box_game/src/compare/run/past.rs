@@ -34,7 +34,7 @@ impl Run {
             t: self.clock,
             reference: self.reference.clone(),
             law: self.law.clone(),
-            main_box: (main_box.balance, main_box.track.now.worst),
+            main_box: (main_box.simulation.balance, main_box.track.now.worst),
             comparisons: self.comparisons.iter().map(Runner::save).collect(),
         });
         if self.checkpoints.len() > CHECKPOINTS {
@@ -67,7 +67,7 @@ impl Run {
             runner.factor = factor;
         }
         let main_box = &mut self.main_box;
-        (main_box.balance, main_box.track.now.worst) = c.main_box;
+        (main_box.simulation.balance, main_box.track.now.worst) = c.main_box;
         self.arrive(t, state);
     }
 
@@ -88,11 +88,12 @@ impl Run {
         let last = self.main_box.track.series.last();
         let left = last.map(|s| s.get(Quantity::Energy));
         let left = left.filter(|energy| energy.is_finite()).unwrap_or(0.0);
-        self.main_box.balance.rebase(&self.law, state, left);
-        self.main_box.diverged = self.main_box.diverged.filter(|d| d.t <= t);
-        self.main_box.state = *state;
-        self.main_box.before = *state;
+        let own = &mut self.main_box.simulation;
+        own.balance.rebase(&self.law, state, left);
+        own.diverged = own.diverged.filter(|d| d.t <= t);
+        (own.driver.state, own.driver.time) = (*state, t);
+        own.next_impulse = self.impulses.partition_point(|i| i.t < t - 1e-9);
         self.main_box.reference = self.reference.at(t);
-        self.main_box.next_impulse = self.impulses.partition_point(|i| i.t < t - 1e-9);
+        self.before = (*state, false);
     }
 }

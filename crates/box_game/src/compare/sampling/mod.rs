@@ -3,12 +3,13 @@
 //! scene, step or load change. Neither is older than two seconds, unless the clock is so coarse that a round of all
 //! integrators takes longer. The mean over the run, for the work–precision plot, covers what its sweep covers.
 //!
-//! A sample lasts at least [`GRAINS`] grains of the clock. In a browser, where a grain may be 100 µs, it is made of
+//! A sample lasts at least `GRAINS` grains of the clock. In a browser, where a grain may be 100 µs, it is made of
 //! parts in several frames; [`IntegratorSamples::uncertainty`] says what the grain leaves of it.
 
 mod turn;
 
-pub use turn::{GRAINS, Turn, measure_grain, shortest_sample};
+use turn::GRAINS;
+pub(crate) use turn::{Turn, measure_grain, shortest_sample};
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -10,12 +10,11 @@ use box_physics::prelude::Integrator;
 /// A sample lasts at least this long.
 const SHORTEST: Duration = Duration::from_micros(100);
 /// And at least this many grains of the clock.
-pub const GRAINS: u32 = 50;
+pub(crate) const GRAINS: u32 = 50;
 
 /// A sample in the making.
 #[derive(Clone, Debug, Default)]
-pub struct Turn {
-    /// Number of the integrator.
+pub(crate) struct Turn {
     pub integrator: usize,
     /// Calls timed so far, in this number of parts.
     pub(super) calls: u32,
@@ -35,7 +34,7 @@ impl Turn {
     }
 
     /// One part of at least `part`, for a sample of at least `shortest`; returns that once it is complete.
-    pub fn take(
+    pub(crate) fn take(
         &mut self,
         snapshot: &mut Snapshot,
         (part, shortest): (Duration, Duration),
@@ -73,7 +72,6 @@ impl Turn {
         })
     }
 
-    /// The next integrator's.
     pub(super) fn next(&self) -> Self {
         Self::of((self.integrator + 1) % Integrator::ALL.len())
     }
@@ -87,12 +85,12 @@ impl Turn {
 }
 
 /// The shortest sample with a clock of this grain.
-pub fn shortest_sample(grain: Duration) -> Duration {
+pub(crate) fn shortest_sample(grain: Duration) -> Duration {
     SHORTEST.max(grain * GRAINS)
 }
 
 /// The smallest difference that the clock shows: the median of a few.
-pub fn measure_grain() -> Duration {
+pub(crate) fn measure_grain() -> Duration {
     let mut steps = [Duration::ZERO; 9];
     for step in &mut steps {
         let last = Instant::now();

@@ -55,14 +55,6 @@ pub(super) fn segments(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]>
         .filter(|stretch| !stretch.is_empty())
 }
 
-/// A staircase: each value holds until the next.
-pub(super) fn staircase(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let steps = points
-        .windows(2)
-        .flat_map(|pair| [[pair[1][0], pair[0][1]], pair[1]]);
-    points.first().copied().into_iter().chain(steps).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,14 +125,5 @@ mod tests {
         assert!(fewer(|p| [p[0], f64::NAN]) <= MAX_POINTS);
         assert_eq!(fewer(|_| [f64::NAN; 2]), 0);
         assert_eq!(fewer(|p| [3.0, p[1]]), 3);
-    }
-
-    #[test]
-    fn stairs() {
-        assert_eq!(
-            staircase(&[[0.0, 1.0], [1.0, 5.0], [2.0, 2.0]]),
-            [[0.0, 1.0], [1.0, 1.0], [1.0, 5.0], [2.0, 5.0], [2.0, 2.0]]
-        );
-        assert!(staircase(&[]).is_empty());
     }
 }

@@ -98,17 +98,6 @@ pub(super) fn grouped(value: u64) -> String {
     text
 }
 
-/// A file size.
-pub(super) fn bytes(value: u64) -> String {
-    // A file of 2^53 bytes is beyond any log.
-    let size = value as f64;
-    match value {
-        0..1024 => format!("{value} B"),
-        1024..1_048_576 => format!("{:.1} KiB", size / 1024.0),
-        _ => format!("{:.1} MiB", size / 1_048_576.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,10 +169,8 @@ mod tests {
     }
 
     #[test]
-    fn counts_and_sizes() {
+    fn thousands_stand_apart() {
         let counts = [7, 1_482, 1_234_567].map(grouped);
         assert_eq!(counts, ["7", "1\u{a0}482", "1\u{a0}234\u{a0}567"]);
-        let sizes = [512, 2048, 3 << 20].map(bytes);
-        assert_eq!(sizes, ["512 B", "2.0 KiB", "3.0 MiB"]);
     }
 }

@@ -40,14 +40,3 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Esc", "close a list, release the box"),
     ("Ctrl + Q", "quit"),
 ];
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn every_key_says_what_it_does_once() {
-        for (k, (key, what)) in super::KEYS.iter().enumerate() {
-            assert!(!key.is_empty() && !what.is_empty());
-            assert!(super::KEYS[..k].iter().all(|(other, _)| other != key));
-        }
-    }
-}

@@ -143,14 +143,8 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
             panel.choice(ui, demo.stepper == stepper, words, Action::SetDemo(stepper));
         }
         if demo.stepper.is_some() {
-            let name = ["Start cycle log", "Stop cycle log"][usize::from(demo.log.is_some())];
-            let hint = "Write the time of every integration cycle to a text file, as in 2012.";
-            panel.button(ui, text(name, hint), Action::ToggleDemoLog);
             let cycle = number((demo.cycle_us * 100.0).round() / 100.0);
             ui.small(format!("last cycle {cycle} µs"));
-            if let Some((path, cycles)) = &demo.log {
-                ui.small(format!("{path} · {cycles} cycles"));
-            }
         }
     });
     let words = match demo.stepper {
@@ -169,7 +163,6 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
 /// game's own keys, so that one press is one request.
 pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
     if !panel.view.show_help {
-        panel.memory.sure = false;
         return;
     }
     let screen = ui.ctx().content_rect();
@@ -183,7 +176,6 @@ pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
             let hint = "Restore the scene's own parameters.";
             let reset = text("Reset all parameters", hint);
             panel.button(ui, reset, Action::ResetParameters);
-            reset_everything(ui, panel);
         });
         ui.horizontal_wrapped(|ui| scale(ui, panel));
         ui.label("Right-click a slider to reset it. Typed values may exceed the slider's range.");
@@ -195,21 +187,6 @@ pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
     if modal.inner || modal.backdrop_response.clicked() {
         panel.ask(Action::ToggleHelp);
     }
-}
-
-/// The last rung of the ladder asks once more.
-fn reset_everything(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let hint = "Restore the first scene and every default.";
-    if !panel.memory.sure {
-        let reset = text("Reset everything…", hint);
-        panel.memory.sure = button(ui, reset, "reset everything");
-        return;
-    }
-    let before = panel.out.len();
-    let yes = text("Yes, reset everything", hint);
-    panel.button(ui, yes, Action::ResetEverything);
-    let no = button(ui, text("No", "Change nothing."), "no");
-    panel.memory.sure = !no && panel.out.len() == before;
 }
 
 /// Scales of the panel by one click.

@@ -6,10 +6,10 @@ use bevy::light::NotShadowCaster;
 use bevy::prelude::*;
 use box_physics::prelude::Integrator;
 
-use super::shown::{Shown, color, drawn, shown, sideways};
+use super::shown::{Shown, color, shown, sideways};
 use crate::action::compare::Layout;
 use crate::camera::orbit::OrbitCamera;
-use crate::camera::views::{self, PictureArea};
+use crate::camera::views;
 use crate::compare::{Comparison, Run};
 use crate::scene::session::Session;
 use crate::view::marks::cuboid;
@@ -33,7 +33,6 @@ pub(super) struct Piece {
 /// A solid box for every comparison that is drawn beside the main box (over it, edges do), and the ground under it.
 pub(super) fn place_pieces(
     comparison: Res<Comparison>,
-    area: Option<Res<PictureArea>>,
     mut pieces: Query<(
         &Piece,
         &mut Transform,
@@ -59,8 +58,7 @@ pub(super) fn place_pieces(
         }
     };
     let mesh = |piece: Piece| if piece.ground { &plane } else { &solid };
-    let layout = drawn(&comparison, area.is_some());
-    let mut missing = wanted(run, layout);
+    let mut missing = wanted(run, comparison.settings.layout);
     for (piece, mut transform, mut visibility, mut shape, mut layers) in &mut pieces {
         let Some(n) = missing.iter().position(|(p, ..)| p == piece) else {
             visibility.set_if_neq(Visibility::Hidden);
@@ -140,31 +138,21 @@ fn piece(shown: &Shown<'_>, ground: bool) -> Piece {
     }
 }
 
-/// Change of the camera by the row, to be undone with it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Moved {
-    scene: String,
-    /// Times its distance.
-    factor: f32,
-    /// Added to its pitch \[rad\].
-    lift: f32,
-}
-
 /// The camera far enough away to show every comparison, and higher where it would look along their row and see
-/// the nearest alone.
+/// the nearest alone. What the row changed, the factor of the distance and the lift \[rad\], is undone with it.
 pub(super) fn step_back(
     comparison: Res<Comparison>,
-    session: Option<Res<Session>>,
-    mut cameras: Query<&mut OrbitCamera>,
-    mut moved: Local<Moved>,
+    session: Res<Session>,
+    mut camera: Single<&mut OrbitCamera>,
+    mut moved: Local<(&'static str, (f32, f32))>,
 ) {
     let Some(run) = &comparison.run else {
         return;
     };
-    let scene = session.map_or_else(String::new, |s| s.scenario.id.to_owned());
+    let scene = session.scenario.id;
     // A new scene has just brought its own camera.
-    let before = if moved.scene == scene && moved.factor > 0.0 {
-        (moved.factor, moved.lift)
+    let before = if moved.0 == scene {
+        moved.1
     } else {
         (1.0, 0.0)
     };
@@ -172,10 +160,8 @@ pub(super) fn step_back(
     let mut after = (1.0, 0.0);
     if side_by_side && !run.comparisons.is_empty() {
         after.0 = 1.0 + STEP_BACK * run.comparisons.len() as f32;
-        let along_the_row = cameras.iter().any(|camera| {
-            let view = Vec3::new(camera.yaw.sin(), 0.0, camera.yaw.cos());
-            view.dot(sideways(run)).abs() > ALONG
-        });
+        let view = Vec3::new(camera.yaw.sin(), 0.0, camera.yaw.cos());
+        let along_the_row = view.dot(sideways(run)).abs() > ALONG;
         after.1 = match (before.1 > 0.0, along_the_row) {
             (true, _) => before.1,
             (false, true) if before.0 == 1.0 => LIFT,
@@ -183,14 +169,8 @@ pub(super) fn step_back(
         };
     }
     if after != before {
-        for mut camera in &mut cameras {
-            camera.distance *= after.0 / before.0;
-            camera.pitch = (camera.pitch + after.1 - before.1).clamp(-1.5, 1.5);
-        }
+        camera.distance *= after.0 / before.0;
+        camera.pitch = (camera.pitch + after.1 - before.1).clamp(-1.5, 1.5);
     }
-    *moved = Moved {
-        scene,
-        factor: after.0,
-        lift: after.1,
-    };
+    *moved = (scene, after);
 }

@@ -64,7 +64,7 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
         if let (Some(rule), Some(floor)) = (impact, run.law.floor)
             && let Some(share) = growth(run.clock, rule.t)
         {
-            let at = run.main_box.state.position.as_vec3();
+            let at = run.main_box.state().position.as_vec3();
             ring(at.with_y(floor.height as f32), Color32::WHITE, share);
         }
     }
@@ -115,18 +115,5 @@ fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64
             let tick = middle - 6.0..=middle + 6.0;
             painter.vline(x(flip), tick, Stroke::new(3.0, *color));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_ring_grows_once() {
-        assert_eq!(growth(5.0, 5.1), None);
-        assert_eq!(growth(5.0, 5.0), Some(0.0));
-        assert_eq!(growth(5.0, 5.0 - RING), Some(1.0));
-        assert_eq!(growth(6.0, 5.0), None);
     }
 }

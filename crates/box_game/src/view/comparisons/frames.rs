@@ -10,9 +10,9 @@ use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, style};
 
 use super::acting;
-use super::shown::{Shown, color, drawn, pin, shown, tip};
+use super::shown::{Shown, color, pin, shown, tip};
 use crate::action::compare::Layout;
-use crate::camera::views::{Edges, Fourth, HiddenEdges, PictureArea, Pins, Second, Third};
+use crate::camera::views::{Edges, Fourth, HiddenEdges, Pins, Second, Third};
 use crate::compare::{Comparison, Quantity, Run};
 use crate::view::marks;
 
@@ -58,7 +58,6 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
 pub(super) fn draw_frames(
     comparison: Res<Comparison>,
     trails: Res<Trails>,
-    area: Option<Res<PictureArea>>,
     (mut edges, mut hidden, mut pins): (Gizmos<Edges>, Gizmos<HiddenEdges>, Gizmos<Pins>),
     mut second: Gizmos<Second>,
     mut third: Gizmos<Third>,
@@ -67,7 +66,7 @@ pub(super) fn draw_frames(
     let Some(run) = &comparison.run else {
         return;
     };
-    let layout = drawn(&comparison, area.is_some());
+    let layout = comparison.settings.layout;
     if layout == Layout::Solo {
         return;
     }
@@ -198,20 +197,4 @@ fn edges(half: DVec3) -> impl Iterator<Item = [DVec3; 2]> {
     let ends = (0..8).flat_map(|k| [1, 2, 4].map(|bit| (k, k | bit)));
     ends.filter(|(k, other)| k != other)
         .map(move |(k, other)| [corners[k], corners[other]])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_box_has_twelve_edges_of_its_size() {
-        let lengths = edges(DVec3::new(0.5, 0.25, 0.125)).map(|[a, b]| a.distance(b));
-        let lengths: Vec<_> = lengths.collect();
-        assert_eq!(lengths.len(), 12);
-        for size in [1.0, 0.5, 0.25] {
-            let count = lengths.iter().filter(|l| (*l - size).abs() < 1e-5);
-            assert_eq!(count.count(), 4, "{size}");
-        }
-    }
 }

@@ -68,7 +68,7 @@ impl Label {
 pub(super) fn draw(
     context: &Context,
     seen: &Seen<'_>,
-    area: Option<&PictureArea>,
+    area: &PictureArea,
     stepper: Option<Stepper>,
 ) {
     let (run, layout) = (seen.run, seen.layout);
@@ -77,7 +77,7 @@ pub(super) fn draw(
     }
     // In pixels; the views and the whole of them.
     let pixels = |r: bevy::math::URect| points(r.as_rect(), 1.0 / context.pixels_per_point());
-    let views = area.filter(|_| layout == Layout::Views);
+    let views = (layout == Layout::Views).then_some(area);
     let view = views.map_or(seen.view, |area| pixels(area.0));
     let cells = views.map(|area| cells(area.0, seen.trajectories.len()));
     let cells: Vec<Rect> = cells.into_iter().flatten().map(pixels).collect();
@@ -111,12 +111,12 @@ pub(super) fn draw(
             }
         }
         Layout::Solo | Layout::Overlaid => {
-            let position = run.main_box.state.position.as_vec3();
+            let position = run.main_box.state().position.as_vec3();
             let edge = position + *seen.eye.right() * run.law.body.radius() as f32;
             let (center, edge) = (seen.at(position), seen.at(edge));
             let reach = center.zip(edge).map_or(0.0, |(a, b)| a.distance(b));
             let mut room = view;
-            room.min.y += area.map_or(0.0, |area| area.1);
+            room.min.y += area.1;
             if let Some(strip) = strip_place(seen) {
                 room.max.y = strip.top();
             }

@@ -18,8 +18,7 @@ use crate::compare::Comparison;
 use crate::demo_2012::Demo2012;
 use crate::scene::session::Session;
 
-/// Draws the comparisons of a [`Comparison`] over the picture of the first 3-D camera. Needs a renderer and
-/// [`ComparePlugin`](crate::compare::ComparePlugin); labels need `EguiPlugin`.
+/// Draws the comparisons of a [`Comparison`] over the picture of the first 3-D camera.
 pub(super) struct ComparisonsPlugin;
 
 impl Plugin for ComparisonsPlugin {
@@ -43,18 +42,17 @@ impl Plugin for ComparisonsPlugin {
 /// Draws labels, rings and the strip of flips over the picture.
 fn draw_overlay(
     comparison: Res<Comparison>,
-    session: Option<Res<Session>>,
-    demo: Option<Res<Demo2012>>,
+    (session, demo): (Res<Session>, Res<Demo2012>),
     mut contexts: EguiContexts,
     camera: Query<(&Camera, &GlobalTransform), (With<Camera3d>, Without<SplitView>)>,
     window: Query<&Window>,
-    area: Option<Res<PictureArea>>,
+    area: Res<PictureArea>,
 ) -> Result {
     let Some(run) = &comparison.run else {
         return Ok(());
     };
     let context = contexts.ctx_mut()?;
-    let layout = shown::drawn(&comparison, area.is_some());
+    let layout = comparison.settings.layout;
     let scale = window.iter().next().map_or(1.0, Window::scale_factor) / context.pixels_per_point();
     let seen = camera.iter().next().and_then(|(camera, eye)| {
         let view = camera.logical_viewport_rect()?;
@@ -70,11 +68,7 @@ fn draw_overlay(
         })
     });
     if let Some(seen) = seen {
-        // The demo of 2012 moves its box itself.
-        let stepper = demo
-            .zip(session)
-            .and_then(|(d, session)| d.active(&session));
-        labels::draw(context, &seen, area.as_deref(), stepper);
+        labels::draw(context, &seen, &area, demo.active(&session));
         events::draw(context, &seen);
     }
     Ok(())

@@ -8,8 +8,8 @@ use box_scenarios::Status;
 
 use crate::action::compare::Layout;
 use crate::camera::views;
+use crate::compare::Run;
 use crate::compare::track::Track;
-use crate::compare::{Comparison, Run};
 use crate::view::style;
 
 /// Distance of two comparisons in radii of the box.
@@ -64,17 +64,10 @@ pub(super) fn points(rect: Rect, scale: f32) -> egui::Rect {
 
 /// Every trajectory that is drawn, the main box's first.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
-    let main_box = Shown {
-        integrator: run.main_box.integrator,
-        state: &run.main_box.state,
-        track: &run.main_box.track,
-        offset: Vec3::ZERO,
-        status: run.main_box.status(),
-    };
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
-    let comparisons = run.comparisons.iter().enumerate().map(|(k, r)| Shown {
-        integrator: r.simulation.driver.integrator,
-        state: &r.simulation.driver.state,
+    let shown = run.trajectories().enumerate().map(|(k, r)| Shown {
+        integrator: r.integrator(),
+        state: r.state(),
         track: &r.track,
         offset: match layout {
             Layout::SideBySide => side * place(k),
@@ -82,19 +75,18 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
         },
         status: r.simulation.status(),
     });
-    let beside = match layout {
-        Layout::Solo => 0,
-        Layout::Overlaid | Layout::SideBySide => run.comparisons.len(),
-        Layout::Views => run.comparisons.len().min(views::MOST - 1),
+    let most = match layout {
+        Layout::Solo => 1,
+        Layout::Overlaid | Layout::SideBySide => usize::MAX,
+        Layout::Views => views::MOST,
     };
-    let main_box = std::iter::once(main_box);
-    main_box.chain(comparisons.take(beside)).collect()
+    shown.take(most).collect()
 }
 
-/// Right, left, right, left of the main box.
+/// The main box, then right, left, right, left of it.
 fn place(k: usize) -> f32 {
-    let ring = (k / 2 + 1) as f32;
-    if k.is_multiple_of(2) { ring } else { -ring }
+    let ring = k.div_ceil(2) as f32;
+    if k.is_multiple_of(2) { -ring } else { ring }
 }
 
 /// Across the motion over the floor, horizontally.
@@ -110,14 +102,6 @@ pub(super) fn sideways(run: &Run) -> Vec3 {
 
 pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
     style::of(integrator).srgb().with_alpha(alpha)
-}
-
-/// The layout as it is drawn: views need a room for the picture, and are else drawn in one place.
-pub(super) fn drawn(comparison: &Comparison, area: bool) -> Layout {
-    match comparison.settings.layout {
-        Layout::Views if !area => Layout::Overlaid,
-        layout => layout,
-    }
 }
 
 /// Length of a pin outside the box, over the box's radius.

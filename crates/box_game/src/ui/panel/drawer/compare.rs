@@ -223,7 +223,6 @@ fn rules(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
             RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150)),
             RuleKind::Step => ("dt changed", Color32::from_rgb(90, 140, 170)),
             RuleKind::Integrator => ("integrator changed", Color32::from_rgb(170, 140, 80)),
-            RuleKind::Resync => ("re-sync", Color32::from_gray(160)),
         };
         let dash = match rule.kind {
             RuleKind::Contact => LineStyle::Solid,

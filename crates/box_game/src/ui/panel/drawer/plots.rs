@@ -9,7 +9,7 @@ use egui_plot::{
 };
 
 use super::super::axis::{self, ALONG, UPRIGHT, from_axis, to_axis};
-use super::super::decimate::{MAX_POINTS, decimate, segments, staircase};
+use super::super::decimate::{MAX_POINTS, decimate, segments};
 use super::super::format::number;
 use super::super::view::PanelView;
 use super::super::widgets::{describe, note, within};
@@ -86,7 +86,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
     );
 }
 
-/// CPU use of the process and the system, as stairs: the system measures it only now and then.
+/// CPU use of the process and the system.
 pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
     if let Some(reason) = view.history.no_cpu {
         ui.label(reason);
@@ -116,13 +116,7 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
                 ("● this process", process, style::PROCESS),
                 ("○ whole system", system, style::SYSTEM),
             ] {
-                line(
-                    plot,
-                    name,
-                    &decimate(MAX_POINTS, &staircase(&points)),
-                    looks,
-                    2.0,
-                );
+                line(plot, name, &decimate(MAX_POINTS, &points), looks, 2.0);
             }
         };
         let response = plot.show(ui, draw).response;

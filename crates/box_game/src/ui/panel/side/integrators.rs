@@ -214,33 +214,22 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     }
 }
 
-/// Layout, fairness, re-sync.
+/// Layout and fairness.
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
     ui.horizontal_wrapped(|ui| {
         ui.label("Layout");
-        for layout in compare::Layout::ALL {
-            let hint = match layout {
-                compare::Layout::Solo => "The main box alone (G).",
-                compare::Layout::Overlaid => "All in one place, comparisons as edges (G).",
-                compare::Layout::SideBySide => "Side by side; only the picture is shifted (V).",
-                compare::Layout::Views => "One view each, for up to four (V).",
-            };
+        for (layout, name, hint) in compare::Layout::ALL {
             let chosen = view.settings.layout == layout;
-            let words = text(layout.name(), hint);
-            panel.choice(ui, chosen, words, CompareAction::SetLayout(layout));
+            let action = CompareAction::SetLayout(layout);
+            panel.choice(ui, chosen, text(name, hint), action);
         }
     });
     ui.horizontal_wrapped(|ui| {
-        for fairness in Fairness::ALL {
-            let hint = match fairness {
-                Fairness::Step => "Same step for every integrator.",
-                Fairness::Evaluations => "Same force evaluations per simulated second.",
-                Fairness::Cost => "Same measured cost per simulated second.",
-            };
+        for (fairness, name, hint) in Fairness::ALL {
             let chosen = view.settings.fairness == fairness;
-            let words = text(fairness.name(), hint);
-            panel.choice(ui, chosen, words, CompareAction::SetFairness(fairness));
+            let action = CompareAction::SetFairness(fairness);
+            panel.choice(ui, chosen, text(name, hint), action);
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -248,8 +237,6 @@ fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
         panel.button(ui, all, CompareAction::CompareAll);
         let none = text("Compare none", "Compare nothing.");
         panel.button(ui, none, CompareAction::CompareNone);
-        let hint = "Move the main box and every comparison to the reference's state.";
-        panel.button(ui, text("Re-sync", hint), CompareAction::Resync);
     });
     if !view.note.is_empty() {
         ui.small(&view.note);

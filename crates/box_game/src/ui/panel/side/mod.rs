@@ -5,7 +5,7 @@ mod parameters;
 
 use bevy_egui::egui::{CollapsingHeader, Grid, Label, ScrollArea, Ui, style::ScrollStyle};
 
-use super::format::{bytes, grouped, quantity};
+use super::format::{grouped, quantity};
 use super::view::FIGURES;
 use super::widgets::{Panel, id_of, identify, text};
 use crate::action::Action;
@@ -123,7 +123,7 @@ fn log(ui: &mut Ui, panel: &mut Panel<'_>) {
     panel.button(ui, text(&name, &hint), Action::CopyCommandLine);
     if let Some(log) = log {
         ui.add(Label::new(&log.path).wrap().selectable(true));
-        ui.label(format!("{} rows · {}", grouped(log.rows), bytes(log.bytes)));
+        ui.label(format!("{} rows", grouped(log.rows)));
     } else {
         ui.label("No log.");
     }

@@ -1,4 +1,4 @@
-//! Hints, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
+//! Hints, the search for a scene, the strip of 2012, scene errors, notices.
 
 use bevy_egui::egui::{Event, Key};
 use box_scenarios::Scenario;
@@ -67,11 +67,7 @@ fn words_arrows_and_enter_choose_a_scene() {
 fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
     let mut person = with(|view| view.demo = Some(demo()));
     person.sees_all(&[Stepper::Heun.fault(), "9.81 m/s"]);
-    person.asks_for([
-        Action::SetDemo(Some(Stepper::Rk4)),
-        Action::ToggleDemoLog,
-        Action::SetDemo(None),
-    ]);
+    person.asks_for([Action::SetDemo(Some(Stepper::Rk4)), Action::SetDemo(None)]);
     let chosen = Action::SetDemo(Some(Stepper::Heun));
     assert_eq!(person.click_on(chosen), [], "it is chosen");
     let mut demo = demo();
@@ -85,15 +81,6 @@ fn errors_of_scene_files_stay_in_the_window() {
     let error = "assets/scenes/a.ron:6:9: body.mass: must be positive";
     let person = with(|view| view.scene_errors = vec![error.into()]);
     assert!(person.sees_part(error));
-}
-
-#[test]
-fn everything_is_reset_only_when_sure() {
-    let mut person = with(|view| view.show_help = true);
-    for own in ["reset everything", "no", "reset everything"] {
-        assert_eq!(person.click(own), []);
-    }
-    person.asks_for([Action::ResetEverything, Action::SetUiScale(1.5)]);
 }
 
 #[test]

@@ -24,7 +24,6 @@ fn clock_speed_and_log_in_words() {
         view.log = Some(LogView {
             path: "/home/me/run-07.csv".into(),
             rows: 1482,
-            bytes: 4096,
         });
     });
     for text in [
@@ -33,7 +32,7 @@ fn clock_speed_and_log_in_words() {
         "⚠ no GPU",
         "/home/me/run-07.csv",
         "● REC 1\u{a0}482",
-        "1\u{a0}482 rows · 4.0 KiB",
+        "1\u{a0}482 rows",
     ] {
         assert!(person.sees(text), "{text}");
     }
@@ -86,7 +85,7 @@ fn help_lists_every_key_and_closes() {
     // Esc belongs to the game's keys.
     person.harness.key_press(Key::Escape);
     assert_eq!(person.asked(), []);
-    person.asks_for([Action::ResetParameters]);
+    person.asks_for([Action::ResetParameters, Action::SetUiScale(1.5)]);
     assert_eq!(person.click("Close help"), [Action::ToggleHelp]);
 }
 
@@ -204,23 +203,4 @@ fn a_plot_under_the_pointer_is_frozen() {
     person.look();
     assert!(!person.sees("⏸ frozen"));
     assert!(words(&person).1.contains("Split 50"));
-}
-
-/// Best of twenty, so that a busy machine does not fail it; about 2 ms alone.
-#[test]
-fn a_frame_is_cheap_with_full_histories() {
-    let mut view = sample_view();
-    view.plot = Plot::Timing;
-    for history in &mut view.history.timing {
-        let point = |k| (f64::from(k), 100.0 + f64::from(k % 13));
-        *history = (0..10_000).map(point).collect();
-    }
-    let mut person = Person::before(view, Vec2::new(1920.0, 1080.0));
-    let frame = |_| {
-        let start = std::time::Instant::now();
-        person.harness.step();
-        start.elapsed()
-    };
-    let best = (0..20).map(frame).min().expect("twenty");
-    assert!(best.as_millis() < 15, "{best:?}");
 }

@@ -1,0 +1,23 @@
+//! The vertical lines in the plots.
+
+/// What a vertical line in the plots stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RuleKind {
+    /// The main box met the floor.
+    Contact,
+    /// A push, a changed parameter, a placing by hand.
+    Input,
+    /// Another step size.
+    Step,
+    /// The main box got another integrator.
+    Integrator,
+}
+
+/// A vertical line in the plots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Simulated time \[s\].
+    pub t: f64,
+    /// What happened.
+    pub kind: RuleKind,
+}
