@@ -22,7 +22,7 @@ script() { # of the scenes whose ids stand on the lines of the input, to put pic
     }
     END { at(0, "Quit"); print "]" }'
 }
-scenes=$($game --list-scenes | awk '/^[a-z]/ { print $1 }' FS=' *: ')
+scenes=$($game --list-scenes | awk '{ print $1 }')
 sheet() { # size, file
   local folder=target/film/$1
   mkdir -p "$folder"

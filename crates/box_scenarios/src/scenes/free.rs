@@ -61,11 +61,11 @@ pub fn thin_plate() -> Scenario {
         title: "Thin plate",
         lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order integrators gain energy here first.",
         hints: [
-            "Open the [Energy tab]: Midpoint and Implicit midpoint have the same order and opposite energy behavior.",
+            "Tick [Midpoint (RK2)] and open the [Energy tab]: Implicit midpoint has its order and the opposite energy behavior.",
             "Press [30 Hz] and see who still tumbles in step with the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
-        recommended: &["split", "midpoint", "implicit-midpoint", "rk4"],
+        recommended: &["split", "semi-implicit-euler", "implicit-midpoint", "rk4"],
         boxes: 1,
         view: SceneView::from(30.0, 25.0),
     }
@@ -126,7 +126,7 @@ pub fn damped_spin() -> Scenario {
             "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
-        recommended: &["split", "exact", "rk4", "semi-implicit-euler"],
+        recommended: &["split", "semi-implicit-euler", "rk4", "exact"],
         boxes: 1,
         view: SceneView::from(30.0, 22.0),
     }
@@ -141,11 +141,11 @@ pub fn separatrix() -> Scenario {
         title: "Separatrix",
         lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
         hints: [
-            "Open the [Energy tab]: Implicit midpoint keeps the energy, RK4 does not.",
+            "Open the [Energy tab]: Velocity Verlet is off by 1e-4 and flips, RK4 is right to rounding.",
             "Tick [Engine: Avian 993]: no flip at all means that the gyroscopic term is missing.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
-        recommended: &["split", "exact", "implicit-midpoint", "rk4"],
+        recommended: &["split", "velocity-verlet", "rk4", "implicit-midpoint"],
         boxes: 1,
         view: SceneView::from(30.0, 22.0).with_plot(Plot::Error),
     }

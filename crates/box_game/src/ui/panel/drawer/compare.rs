@@ -26,10 +26,10 @@ const MOST_RULES: usize = 200;
 const TIME: &str = "time of the trajectories";
 
 /// The colors of the three energies: those of no integrator's line.
-const ENERGIES: [(&str, Color32); 3] = [
-    ("translation", Color32::from_rgb(0x8d, 0xa0, 0xcb)),
-    ("rotation", Color32::from_rgb(0xe7, 0xd4, 0x8f)),
-    ("potential", Color32::from_rgb(0x80, 0x88, 0x90)),
+const ENERGIES: [(&str, [u8; 3]); 3] = [
+    ("translation", [0x8D, 0xA0, 0xCB]),
+    ("rotation", [0xE7, 0xD4, 0x8F]),
+    ("potential", [0x80, 0x88, 0x90]),
 ];
 
 /// Distance and angle to the reference.
@@ -243,10 +243,12 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     let totals = view.trajectories.iter().map(|t| total(&t.energies));
     let most = totals.fold(1e-12, f64::max);
     note(ui, format!("energy, full bar {} J", number(most)));
+    let theme = ui.ctx().theme();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        for (name, color) in ENERGIES {
-            ui.add(Label::new(RichText::new(name).small().color(color)).extend());
+        for (name, rgb) in ENERGIES {
+            let name = RichText::new(name).color(style::ink(rgb, theme));
+            ui.add(Label::new(name.small()).extend());
         }
     });
     // All of them fit: a drawer that grows with them would not shrink again.
@@ -266,15 +268,15 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
             Align2::LEFT_CENTER,
             looks.glyph,
             FontId::proportional(size.y.clamp(5.0, 12.0)),
-            looks.ink(ui.ctx().theme()),
+            looks.ink(theme),
         );
         let mut x = place.left() + 16.0;
         let scale = (place.width() - 16.0) / most as f32;
-        for (energy, (_, color)) in trajectory.energies.iter().zip(ENERGIES) {
+        for (energy, (_, rgb)) in trajectory.energies.iter().zip(ENERGIES) {
             let width = (energy.abs() as f32 * scale).min(place.right() - x);
             if width.is_finite() && width > 0.0 {
                 let bar = Rect::from_min_size(pos2(x, place.top()), vec2(width, size.y));
-                painter.rect_filled(bar, 0.0, color);
+                painter.rect_filled(bar, 0.0, style::ink(rgb, theme));
                 x += width;
             }
         }
