@@ -216,7 +216,6 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
     ui.horizontal_wrapped(|ui| {
-        ui.label("Layout");
         for layout in compare::Layout::ALL {
             let hint = match layout {
                 compare::Layout::Solo => "The main box alone (G).",
