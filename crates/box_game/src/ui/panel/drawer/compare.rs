@@ -94,6 +94,16 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str, still
             let text = style::in_ink(ui, trajectory.integrator, text);
             ui.add(Label::new(text.small()).extend());
         }
+        let mut kinds: Vec<RuleKind> = Vec::new();
+        for rule in &view.rules {
+            if !kinds.contains(&rule.kind) {
+                kinds.push(rule.kind);
+                let (name, rgb) = looks(rule.kind);
+                let color = style::ink(rgb, ui.ctx().theme());
+                let text = RichText::new(format!("| {name}")).small();
+                ui.add(Label::new(text.color(color)).extend());
+            }
+        }
         for quantity in still {
             let name = quantity.label().split(" [").next().unwrap_or_default();
             ui.add(Label::new(RichText::new(format!("{name}: none")).small().weak()).extend());
@@ -214,17 +224,23 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
     }
 }
 
+/// Name and color of the line of an event.
+const fn looks(kind: RuleKind) -> (&'static str, [u8; 3]) {
+    match kind {
+        RuleKind::Contact => ("contact", [105; 3]),
+        RuleKind::Input => ("push or change", [150, 110, 150]),
+        RuleKind::Step => ("dt changed", [90, 140, 170]),
+        RuleKind::Integrator => ("integrator changed", [170, 140, 80]),
+        RuleKind::Resync => ("re-sync", [160; 3]),
+    }
+}
+
 /// A thin line for each event since `start`.
 fn rules(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
     let newest = view.rules.len().saturating_sub(MOST_RULES);
     for rule in view.rules[newest..].iter().filter(|r| r.t >= start) {
-        let (name, color) = match rule.kind {
-            RuleKind::Contact => ("contact", Color32::from_gray(105)),
-            RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150)),
-            RuleKind::Step => ("dt changed", Color32::from_rgb(90, 140, 170)),
-            RuleKind::Integrator => ("integrator changed", Color32::from_rgb(170, 140, 80)),
-            RuleKind::Resync => ("re-sync", Color32::from_gray(160)),
-        };
+        let (name, rgb) = looks(rule.kind);
+        let color = style::ink(rgb, plot.ctx().theme());
         let dash = match rule.kind {
             RuleKind::Contact => LineStyle::Solid,
             _ => LineStyle::Dashed { length: 4.0 },
