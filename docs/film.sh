@@ -6,7 +6,7 @@
 set -euo pipefail
 game=${GAME:-cargo run --release --locked --bin box_game --}
 script() { # of the scenes whose ids stand on the lines of the input, to put pictures into a folder
-  awk -v folder="$1" '
+  LC_ALL=C awk -v folder="$1" '
     function at(t, actions) { printf "(at: %.2f, actions: [%s]),\n", start + t, actions }
     function still(t) { at(t, sprintf("ScreenshotTo(\"%s/%03d.png\")", folder, ++n)) }
     BEGIN { print "["; at(0, "TogglePlots") }

@@ -20,6 +20,9 @@ const NARROWEST: f32 = 200.0;
 /// Width of the energy bars, and of a drawer that has room for them [points].
 const BARS: f32 = 150.0;
 const ROOM_FOR_BARS: f32 = 760.0;
+/// Height of the time axis, and width of a letter of the upright axis's label [points].
+const AXIS: f32 = 36.0;
+const LETTER: f32 = 6.5;
 /// Marks of the time axis that are shown at most.
 const MOST_RULES: usize = 200;
 /// The common axis of all curves.
@@ -156,7 +159,11 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
     } else {
         [-1e-9, 1e-9]
     };
-    let plot = frame(label, [("simulated time [s]", false), (label, log)])
+    // In a low plot the unit alone: a long label would reach over the legend.
+    let unit = label.find('[').map_or(label, |start| &label[start..]);
+    let wide = ui.available_height() > AXIS + LETTER * label.len() as f32;
+    let axis = if wide { label } else { unit };
+    let plot = frame(label, [("simulated time [s]", false), (axis, log)])
         .link_axis(TIME, [true, false])
         .link_cursor(TIME, [true, false])
         .include_y(least[0])

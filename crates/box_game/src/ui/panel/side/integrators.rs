@@ -8,6 +8,7 @@ use bevy_egui::egui::{
 use box_bench::measure::Cost;
 use box_physics::plugin::Stage;
 use box_physics::prelude::Integrator;
+use box_scenarios::dissertation::Stepper;
 
 use super::super::format::number;
 use super::super::view::PanelView;
@@ -35,11 +36,13 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.add(Label::new(text).truncate())
             .on_hover_text("Dashed white in the picture. Errors are measured against it.");
     }
+    let stepper = panel.view.demo.as_ref().and_then(|demo| demo.stepper);
     let main = view.trajectories.iter().find(|t| t.main_box);
     let main = main.and_then(|t| t.cost).map_or(f64::NAN, |c| c.min);
     for trajectory in &view.trajectories {
         ui.horizontal(|ui| {
-            let name = name(ui, trajectory);
+            let stepper = stepper.filter(|_| trajectory.main_box);
+            let name = name(ui, trajectory, stepper);
             ui.add(Label::new(name).extend());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let integrator = trajectory.integrator;
@@ -49,6 +52,9 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
                     if button(ui, stop, &format!("stop {}", integrator.id())) {
                         panel.ask(CompareAction::ToggleComparison(integrator));
                     }
+                }
+                if stepper.is_some() {
+                    return;
                 }
                 let mut cost = nanoseconds(trajectory.cost.map(|cost| cost.min));
                 let ratio = trajectory.cost.map_or(f64::NAN, |cost| cost.min / main);
@@ -65,13 +71,14 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Mark and name.
-fn name(ui: &Ui, trajectory: &TrajectoryView) -> LayoutJob {
+/// Mark and name; the main box has the name of the stepper of 2012 that moves it.
+fn name(ui: &Ui, trajectory: &TrajectoryView, stepper: Option<Stepper>) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = TextStyle::Body.resolve(ui.style());
     let looks = style::of(trajectory.integrator);
     let mark = looks.glyph.to_string();
-    let name = format!(" {}", trajectory.integrator.name());
+    let name = stepper.map_or(trajectory.integrator.name(), Stepper::name);
+    let name = format!(" {name}");
     let main = if trajectory.main_box { " (main)" } else { "" };
     for (text, color) in [
         (mark.as_str(), looks.ink(ui.ctx().theme())),
