@@ -119,7 +119,7 @@ mod tests {
     use crate::action::compare::Layout;
     use crate::camera::views::MOST;
     use crate::compare::Comparison;
-    use bevy::ecs::schedule::SystemKey;
+    use bevy::ecs::schedule::{InternedSystemSet, SystemKey};
     use bevy::light::Cascades;
     use bevy::log::LogPlugin;
     use bevy::render::RenderPlugin;
@@ -153,10 +153,10 @@ mod tests {
     }
 
     /// Whether every system of `first` ends before any of `second` begins, whatever the executor.
-    fn ordered(schedule: &Schedule, first: &dyn SystemSet, second: &dyn SystemSet) -> bool {
+    fn ordered(schedule: &Schedule, first: InternedSystemSet, second: InternedSystemSet) -> bool {
         let graph = schedule.graph();
-        let of = |set: &dyn SystemSet| {
-            let systems = graph.systems_in_set(set.intern()).expect("a set");
+        let of = |set: InternedSystemSet| {
+            let systems = graph.systems_in_set(set).expect("a set");
             systems.iter().copied().collect::<Vec<SystemKey>>()
         };
         let order: Vec<_> = schedule.systems().expect("built").map(|s| s.0).collect();
@@ -180,7 +180,8 @@ mod tests {
             .schedule_scope(PostUpdate, |world, schedule| {
                 schedule.initialize(world).expect("an order");
                 let cascades = SimulationLightSystems::UpdateDirectionalLightCascades;
-                assert!(ordered(schedule, &EguiPostUpdateSet::EndPass, &cascades));
+                let panel = EguiPostUpdateSet::EndPass.intern();
+                assert!(ordered(schedule, panel, cascades.intern()));
             });
         for (layout, views) in [
             (Layout::Overlaid, 1),

@@ -67,7 +67,7 @@ pub const PICTURE_GOOD: Color32 = Color32::from_rgb(0x8F, 0xE3, 0xB4);
 /// See [`PICTURE_TEXT`].
 pub const PICTURE_BAD: Color32 = Color32::from_rgb(0xFF, 0xB4, 0x8F);
 /// The plate of a label; nearly opaque, so that its text can be read over a white box.
-pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xF2);
+pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xF5);
 
 /// The process in the plot of CPU use.
 pub const PROCESS: IntegratorStyle = IntegratorStyle {
