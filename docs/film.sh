@@ -28,8 +28,8 @@ sheet() { # size, file
   mkdir -p "$folder"
   script "$folder" <<<"$scenes" >"$folder/script.ron"
   $game --script "$folder/script.ron" --offscreen --no-settings --size "$1"
-  ffmpeg -loglevel error -y -i "$folder/%03d.png" -frames:v 1 -q:v 9 \
-    -vf "scale=360:-1:flags=lanczos,tile=5x$(wc -l <<<"$scenes"):padding=4:color=white" "$2"
+  ffmpeg -loglevel error -y -i "$folder/%03d.png" -frames:v 1 -q:v 9 -pix_fmt yuvj420p \
+    -vf "scale=320:-1:flags=lanczos,tile=5x$(wc -l <<<"$scenes"):padding=4:color=white" "$2"
 }
 sheet 1280x720 docs/film.jpg
 sheet 1920x1080 target/film/1920x1080.jpg
