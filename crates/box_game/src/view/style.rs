@@ -268,7 +268,8 @@ mod tests {
         let ctx = Context::default();
         let _ = ctx.run_ui(egui::RawInput::default(), |ui| install(ui.ctx(), false));
         for theme in [Theme::Dark, Theme::Light] {
-            let visuals = &ctx.style_of(theme).visuals;
+            let style = ctx.style_of(theme);
+            let visuals = &style.visuals;
             let (panel, field) = (visuals.panel_fill, visuals.extreme_bg_color);
             let check = |name: &str, text: Color32, ground: Color32| {
                 let contrast = contrast(text, luminance(ground));

@@ -22,7 +22,7 @@ const BARS: f32 = 150.0;
 const ROOM_FOR_BARS: f32 = 760.0;
 /// Height of the time axis, and width of a letter of the upright axis's label [points].
 const AXIS: f32 = 36.0;
-const LETTER: f32 = 6.5;
+const LETTER: f32 = 5.6;
 /// Marks of the time axis that are shown at most.
 const MOST_RULES: usize = 200;
 /// The common axis of all curves.
