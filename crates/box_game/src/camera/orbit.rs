@@ -17,6 +17,9 @@ use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneOpened;
 use crate::view::renderer::PictureTarget;
 
+/// Radius of the middle of the picture over the distance of the camera.
+const MIDDLE: f32 = 0.3;
+
 /// Pose of the camera.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
@@ -79,6 +82,14 @@ impl OrbitCamera {
             distance,
             ..self
         }
+    }
+
+    /// Goes along with a box that leaves the middle of the picture, no farther than it has to; a view that was shifted
+    /// away from the box stays where it is.
+    fn keep_in_view(&mut self, before: Vec3, now: Vec3) {
+        let most = (MIDDLE * self.distance).max(before.distance(self.target));
+        let out = now - self.target;
+        self.target += out - out.clamp_length_max(most);
     }
 
     /// The pose as a Bevy transform.
@@ -191,8 +202,10 @@ pub(crate) fn move_camera(
     // with the main box.
     let stays = floor.is_some() || session.scenario.view.target.is_some();
     let at = main_box.iter().next().map(|state| state.position.as_vec3());
-    if let (false, Some(now), Some(before)) = (stays, at, *seen) {
-        orbit.target += now - before;
+    match (at, *seen) {
+        (Some(now), Some(before)) if !stays => orbit.target += now - before,
+        (Some(now), Some(before)) if floor.is_some() => orbit.keep_in_view(before, now),
+        _ => {}
     }
     *seen = at;
     if let Some(request) = request {
@@ -307,5 +320,23 @@ mod tests {
             ..before
         };
         assert_eq!(near.zoomed(0.5, Some(fixed)), near);
+    }
+
+    #[test]
+    fn a_box_that_is_pushed_away_stays_in_the_picture() {
+        let mut camera = CAMERA;
+        let step = Vec3::new(0.1, 0.0, 0.02);
+        let mut at = CAMERA.target;
+        for k in 0..100 {
+            camera.keep_in_view(at, at + step);
+            at += step;
+            assert!(at.distance(camera.target) <= MIDDLE * camera.distance + 1e-5);
+            assert!(k > 10 || camera == CAMERA, "it moved too early");
+        }
+        // Shifted away by hand.
+        camera.target.y += 9.0;
+        let shifted = camera;
+        camera.keep_in_view(at, at);
+        assert!(camera.target.distance(shifted.target) < 1e-5);
     }
 }

@@ -7,6 +7,7 @@ use box_scenarios::Status;
 use super::Quantity;
 use super::series::{VISIBLE_ANGLE, VISIBLE_DISTANCE};
 use super::view::{CompareView, TrajectoryView};
+use crate::ui::panel::format::grouped;
 
 /// Lateness from which a person sees that something is wrong \[s\].
 pub(crate) const VISIBLE_LATENESS: f64 = 0.1;
@@ -96,6 +97,10 @@ pub(crate) fn short(value: f64) -> String {
         _ if !value.is_finite() => "–".to_owned(),
         _ if size < ROUNDING => "0".to_owned(),
         _ if !(1e-3..1e5).contains(&size) => format!("{value:.0e}"),
+        _ if size >= 1e4 => {
+            let sign = if value < 0.0 { "-" } else { "" };
+            format!("{sign}{}", grouped(1000 * (size / 1e3).round() as u64))
+        }
         _ => {
             let decimals = (1.0 - size.log10().floor()).clamp(0.0, 4.0) as usize;
             format!("{value:.decimals$}")
@@ -183,6 +188,7 @@ mod tests {
             (3.45, "3.5"),
             (34.5, "34"),
             (345.0, "345"),
+            (-28_696.0, "-29\u{a0}000"),
             (f64::NAN, "–"),
         ] {
             assert_eq!(short(value), text, "{value}");

@@ -48,7 +48,6 @@ const SHIPPED: &[(&str, &str)] = &[
     shipped!("assets/scenes/example.ron"),
     shipped!("assets/scenes/moon-hop.ron"),
     shipped!("assets/scenes/weighted-bar.ron"),
-    shipped!("assets/scripts/film.ron"),
     shipped!("assets/scripts/flip-race.ron"),
     shipped!("assets/scripts/tour.ron"),
 ];

@@ -9,6 +9,7 @@ use bevy_egui::{EguiContexts, EguiGlobalSettings, PrimaryEguiContext, egui};
 use super::panel::{self, PanelMemory};
 use super::panel_view::{self, Sources};
 use crate::action::Actions;
+use crate::action::compare::Layout;
 use crate::camera::views::{self, PictureArea};
 use crate::input::focus::UiFocus;
 use crate::parameters::UI_SCALES;
@@ -77,8 +78,14 @@ pub(super) fn show_panel(
             || pointer.is_some_and(|p| !layout.central.contains(p)),
     };
     let whole = camera.physical_target_size().unwrap_or(UVec2::ONE);
-    let central = pixels(layout.central, context.pixels_per_point(), whole);
-    *picture = PictureArea(central, layout.captions);
+    let pixels = |rect| pixels(rect, context.pixels_per_point(), whole);
+    // Views stand below the captions, which would cover the upper ones and their names.
+    let (mut room, mut captions) = (layout.central, layout.captions);
+    if view.compare.settings.layout == Layout::Views {
+        room.min.y = (room.min.y + captions).min(room.max.y);
+        captions = 0.0;
+    }
+    *picture = PictureArea(pixels(room), captions);
     state.cost = start.elapsed().as_secs_f64() * 1e3;
     Ok(())
 }

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::view::window::screenshot::Screenshot;
 use bevy::window::{ExitCondition, PrimaryWindow, WindowRef, WindowResolution};
+use bevy_egui::EguiPostUpdateSet;
 use box_physics::prelude::GlobalIntegrator;
 
 use crate::camera::views::SplitView;
@@ -34,7 +35,9 @@ impl Plugin for TargetPlugin {
             image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
             app.add_systems(
                 PostUpdate,
-                draw_pictures_alone.before(VisibilitySystems::CheckVisibility),
+                draw_pictures_alone
+                    .after(EguiPostUpdateSet::EndPass)
+                    .before(VisibilitySystems::CheckVisibility),
             );
             let mut images = app.world_mut().resource_mut::<Assets<Image>>();
             RenderTarget::Image(images.add(image).into())
@@ -47,7 +50,8 @@ impl Plugin for TargetPlugin {
     }
 }
 
-/// Without a window, only frames that become pictures are drawn: in software a frame takes a second.
+/// Without a window, only frames that become pictures are drawn: in software a frame takes a second. After the panel,
+/// which switches on what its layout shows.
 fn draw_pictures_alone(
     pictures: Query<(), With<Screenshot>>,
     mut cameras: Query<(&mut Camera, Has<SplitView>)>,

@@ -66,8 +66,8 @@ pub const PICTURE_WEAK: Color32 = Color32::from_rgb(0xB4, 0xBC, 0xC8);
 pub const PICTURE_GOOD: Color32 = Color32::from_rgb(0x8F, 0xE3, 0xB4);
 /// See [`PICTURE_TEXT`].
 pub const PICTURE_BAD: Color32 = Color32::from_rgb(0xFF, 0xB4, 0x8F);
-/// The plate of a label.
-pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xDC);
+/// The plate of a label; nearly opaque, so that its text can be read over a white box.
+pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xF5);
 
 /// The process in the plot of CPU use.
 pub const PROCESS: IntegratorStyle = IntegratorStyle {
@@ -86,13 +86,16 @@ pub const SYSTEM: IntegratorStyle = IntegratorStyle {
 
 const DASHED: LineStyle = LineStyle::Dashed { length: 8.0 };
 
-/// The panel in each theme: ground, fields on it, text, captions, the one accent and text on it.
+/// The panel in each theme: ground, fields on it, buttons, check boxes and sliders, text, captions, errors, the one
+/// accent.
 struct Palette {
     panel: Color32,
     field: Color32,
     button: Color32,
+    control: Color32,
     text: Color32,
     weak: Color32,
+    error: Color32,
     accent: Color32,
 }
 
@@ -102,16 +105,20 @@ const fn palette(theme: Theme) -> Palette {
             panel: Color32::from_rgb(0x15, 0x18, 0x1D),
             field: Color32::from_rgb(0x0D, 0x0F, 0x13),
             button: Color32::from_rgb(0x2A, 0x2F, 0x38),
+            control: Color32::from_rgb(0x6A, 0x73, 0x80),
             text: Color32::from_rgb(0xDD, 0xE2, 0xE9),
             weak: Color32::from_rgb(0xA4, 0xAD, 0xBA),
+            error: Color32::from_rgb(0xFF, 0x8A, 0x80),
             accent: Color32::from_rgb(0x1F, 0x62, 0xC8),
         },
         Theme::Light => Palette {
             panel: Color32::from_rgb(0xF4, 0xF5, 0xF7),
             field: Color32::from_rgb(0xFF, 0xFF, 0xFF),
             button: Color32::from_rgb(0xDF, 0xE3, 0xE9),
+            control: Color32::from_rgb(0x83, 0x8C, 0x99),
             text: Color32::from_rgb(0x1A, 0x1E, 0x25),
             weak: Color32::from_rgb(0x52, 0x5C, 0x69),
+            error: Color32::from_rgb(0xB3, 0x26, 0x1E),
             accent: Color32::from_rgb(0x1F, 0x62, 0xC8),
         },
     }
@@ -126,11 +133,39 @@ const MONOSPACE: f32 = 13.0;
 /// Contrast of text with its ground: WCAG 2.1, 1.4.3.
 const CONTRAST: f32 = 4.5;
 
-/// The contrast of two colors, 1 to 21 (WCAG 2.1).
-fn contrast(a: Color32, b: Color32) -> f32 {
-    let luminance = |c: Color32| Srgba::rgb_u8(c.r(), c.g(), c.b()).luminance();
-    let (a, b) = (luminance(a), luminance(b));
-    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+/// Relative luminance, 0 to 1.
+fn luminance(c: Color32) -> f32 {
+    Srgba::rgb_u8(c.r(), c.g(), c.b()).luminance()
+}
+
+/// The contrast of a color with a ground of this luminance, 1 to 21 (WCAG 2.1).
+fn contrast(color: Color32, ground: f32) -> f32 {
+    let color = luminance(color);
+    (color.max(ground) + 0.05) / (color.min(ground) + 0.05)
+}
+
+/// The luminance of a label's plate over white.
+fn plate() -> f32 {
+    luminance(PICTURE_PLATE) + 1.0 - f32::from(PICTURE_PLATE.a()) / 255.0
+}
+
+/// The color mixed with white or black until it can be read on a ground of this luminance.
+fn readable(rgb: [u8; 3], ground: f32) -> Color32 {
+    let end = if ground < 0.18 { 255.0 } else { 0.0 };
+    let mixed = |k: u8| {
+        let share = f64::from(k) / 20.0;
+        let mix = |c: u8| (f64::from(c) * (1.0 - share) + end * share) as u8;
+        let [r, g, b] = rgb.map(mix);
+        Color32::from_rgb(r, g, b)
+    };
+    let mut mixed = (0..20).map(mixed);
+    let found = mixed.find(|c| contrast(*c, ground) >= CONTRAST);
+    found.unwrap_or_else(|| Color32::from_gray(end as u8))
+}
+
+/// A color for text, lines and bars on the panel.
+pub fn ink(rgb: [u8; 3], theme: Theme) -> Color32 {
+    readable(rgb, luminance(palette(theme).panel))
 }
 
 impl IntegratorStyle {
@@ -140,24 +175,14 @@ impl IntegratorStyle {
         Color::srgb_u8(r, g, b)
     }
 
-    /// The color for egui.
-    pub const fn color(self) -> Color32 {
-        Color32::from_rgb(self.rgb[0], self.rgb[1], self.rgb[2])
+    /// The color for text and lines on the panel.
+    pub fn ink(self, theme: Theme) -> Color32 {
+        ink(self.rgb, theme)
     }
 
-    /// The color for text and lines on the panel: the integrator's own, mixed with white or black until it can be read.
-    pub fn ink(self, theme: Theme) -> Color32 {
-        let Palette { panel, text, .. } = palette(theme);
-        let end = if theme == Theme::Dark { 255.0 } else { 0.0 };
-        let mixed = |k: u8| {
-            let share = f64::from(k) / 20.0;
-            let mix = |c: u8| (f64::from(c) * (1.0 - share) + end * share) as u8;
-            let [r, g, b] = self.rgb.map(mix);
-            Color32::from_rgb(r, g, b)
-        };
-        let mut mixed = (0..20).map(mixed);
-        let readable = mixed.find(|c| contrast(*c, panel) >= CONTRAST);
-        readable.unwrap_or(text)
+    /// The color for marks over the picture, on plates.
+    pub fn ink_on_picture(self) -> Color32 {
+        readable(self.rgb, plate())
     }
 }
 
@@ -204,6 +229,7 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
     visuals.window_fill = palette.panel;
     visuals.extreme_bg_color = palette.field;
     visuals.weak_text_color = Some(palette.weak);
+    visuals.error_fg_color = palette.error;
     visuals.selection.bg_fill = palette.accent;
     visuals.selection.stroke.color = Color32::WHITE;
     visuals.hyperlink_color = palette.accent;
@@ -211,7 +237,9 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
     widgets.noninteractive.fg_stroke.color = palette.text;
     widgets.inactive.fg_stroke.color = palette.text;
     widgets.inactive.weak_bg_fill = palette.button;
-    widgets.inactive.bg_fill = palette.button;
+    for state in [&mut widgets.inactive, &mut widgets.hovered] {
+        state.bg_fill = palette.control;
+    }
     for state in [&mut widgets.noninteractive, &mut widgets.inactive] {
         state.corner_radius = egui::CornerRadius::same(4);
     }
@@ -220,6 +248,9 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Contrast of a control with its ground, and of the mark in it: WCAG 2.1, 1.4.11.
+    const OUTLINE: f32 = 3.0;
 
     #[test]
     fn no_two_integrators_share_color_and_mark_or_color_and_dash() {
@@ -231,34 +262,68 @@ mod tests {
         }
     }
 
-    /// Text on the panel, in the picture and in the integrators' colors, in both themes.
+    /// Text on the panel and its controls, in the picture, and in the colors of integrators, in both themes.
     #[test]
     fn text_can_be_read() {
+        let ctx = Context::default();
+        let _ = ctx.run_ui(egui::RawInput::default(), |ui| install(ui.ctx(), false));
         for theme in [Theme::Dark, Theme::Light] {
-            let p = palette(theme);
-            for (name, text, ground) in [
-                ("text", p.text, p.panel),
-                ("text in a field", p.text, p.field),
-                ("text on a button", p.text, p.button),
-                ("caption", p.weak, p.panel),
-                ("caption in a field", p.weak, p.field),
-                ("selected", Color32::WHITE, p.accent),
-            ] {
-                let contrast = contrast(text, ground);
+            let style = ctx.style_of(theme);
+            let visuals = &style.visuals;
+            let (panel, field) = (visuals.panel_fill, visuals.extreme_bg_color);
+            let check = |name: &str, text: Color32, ground: Color32| {
+                let contrast = contrast(text, luminance(ground));
                 assert!(contrast >= CONTRAST, "{theme:?} {name}: {contrast}");
+            };
+            for ground in [panel, field, visuals.window_fill, visuals.faint_bg_color] {
+                // A faint ground is added to the panel's.
+                let ground = if ground.a() == 0 {
+                    panel + ground
+                } else {
+                    ground
+                };
+                check("text", visuals.text_color(), ground);
+                check("caption", visuals.weak_text_color(), ground);
+                check("heading", visuals.strong_text_color(), ground);
+                check("error", visuals.error_fg_color, ground);
+            }
+            let selection = &visuals.selection;
+            check("selected", selection.stroke.color, selection.bg_fill);
+            let widgets = &visuals.widgets;
+            let states = [
+                &widgets.inactive,
+                &widgets.hovered,
+                &widgets.active,
+                &widgets.open,
+            ];
+            for (state, k) in states.into_iter().zip(0..) {
+                check(
+                    &format!("control {k}"),
+                    state.text_color(),
+                    state.weak_bg_fill,
+                );
+            }
+            for state in [&widgets.inactive, &widgets.hovered] {
+                let fill = luminance(state.bg_fill);
+                assert!(contrast(panel, fill) >= OUTLINE, "{theme:?}: check box");
+                assert!(
+                    contrast(state.text_color(), fill) >= OUTLINE,
+                    "{theme:?}: tick"
+                );
             }
             for &integrator in Integrator::ALL {
-                let ink = of(integrator).ink(theme);
-                assert!(contrast(ink, p.panel) >= CONTRAST, "{theme:?} {integrator}");
+                check(integrator.name(), of(integrator).ink(theme), panel);
             }
         }
-        let plate = Color32::from_rgb(0x1C, 0x20, 0x27);
-        for text in [PICTURE_TEXT, PICTURE_WEAK, PICTURE_GOOD, PICTURE_BAD] {
-            assert!(contrast(text, plate) >= CONTRAST, "{text:?}");
+        let words = [PICTURE_TEXT, PICTURE_WEAK, PICTURE_GOOD, PICTURE_BAD];
+        let dark = palette(Theme::Dark);
+        let captions = [dark.text, dark.weak, dark.error];
+        let marks = Integrator::ALL.iter().map(|&i| of(i).ink_on_picture());
+        for text in words.into_iter().chain(captions).chain(marks) {
+            assert!(contrast(text, plate()) >= CONTRAST, "{text:?}");
         }
-        assert!(
-            (contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 21.0 * 4.0 * f32::EPSILON
-        );
+        let black_on_white = contrast(Color32::BLACK, luminance(Color32::WHITE));
+        assert!((black_on_white - 21.0).abs() < 21.0 * 4.0 * f32::EPSILON);
     }
 
     /// No text is set smaller than the captions, and captions have 12 points.

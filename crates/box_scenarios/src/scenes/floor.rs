@@ -40,7 +40,7 @@ pub fn drop() -> Scenario {
         lesson: "Bounce n reaches e^(2n) of the first height, infinitely many of them in a finite time, then rest. An integrator that finds the impact inside the step keeps its order.",
         hints: [
             "Set [Restitution] to 1 or 0.",
-            "Read [Spin |ω|]: a flat landing must not start one.",
+            "Open [NOW] and read [Spin |ω|]: a flat landing must not start one.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
@@ -59,7 +59,7 @@ pub fn bounce() -> Scenario {
         title: "Hundred bounces",
         lesson: "With e = 1 the box must come back to the same height a hundred times. Energy gained or lost at each contact adds up where everyone can see it.",
         hints: [
-            "Press [Faster] and read [Total energy] after a minute.",
+            "Press [Faster], open [NOW] and read [Total energy] after a minute.",
             "Open the [Energy tab]: integrators that are exact on the parabola stay, the others climb or sink.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(1.0, 0.0)),
@@ -129,7 +129,7 @@ pub fn load() -> Scenario {
         title: "Load test",
         lesson: "Thousands of boxes thrown over a floor: what a body and a step cost, in nanoseconds, for each integrator.",
         hints: [
-            "Move [Boxes] and read the time of a step.",
+            "Open [LOAD], move [Boxes] and read the time of a step.",
             "Open the [Timing tab]: four evaluations need not cost four times as much.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
@@ -151,7 +151,7 @@ pub fn contact() -> Scenario {
         lesson: "A tilted box lands on one corner and turns the fall into spin. When exactly it touched decides everything after.",
         hints: [
             "Press [Step] to go through the impact.",
-            "Read [Total energy]: it may fall at an impact and must never rise.",
+            "Open [NOW] and read [Total energy]: it may fall at an impact and must never rise.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
@@ -171,7 +171,7 @@ pub fn dice_tray() -> Scenario {
         title: "Dice tray",
         lesson: "Dice are thrown against the walls of a tray. In an edge or a corner all contacts are solved together; energy never grows there either, and a die at rest does not move by a bit.",
         hints: [
-            "Move [Boxes] to 25 and press [Restart].",
+            "Open [LOAD], move [Boxes] to 25 and press [Restart].",
             "Set [Restitution] to 1 and [Friction] to 0: they never stop.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.3).in_tray(3.0)),

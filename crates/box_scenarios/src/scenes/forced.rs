@@ -69,11 +69,11 @@ pub fn heavy_top() -> Scenario {
         title: "Heavy top",
         lesson: "A spinning bar leans and does not fall: it precesses and nods. Energy, the spin about its axis and the vertical angular momentum are constant.",
         hints: [
-            "Raise [dt] until the nodding is wrong, then switch to [Split, order 4].",
-            "Switch to [Explicit Euler]: it tips over.",
+            "Raise [dt] until the nodding is wrong, then open [Add or switch] and click [Split, order 4].",
+            "Open [Add or switch] and tick [Implicit midpoint]: it keeps the energy and falls behind.",
         ],
         setup: Setup::new(body, start, forces, 5.0),
-        recommended: &["split", "split4", "rk4", "implicit-midpoint"],
+        recommended: &["split", "explicit-euler", "rk4", "split4"],
         boxes: 1,
         view: SceneView::from(25.0, 12.0),
     }

@@ -18,7 +18,7 @@ pub fn dzhanibekov() -> Scenario {
         title: "Dzhanibekov flip",
         lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: an integrator that changes the energy flips early, late, or the wrong way round.",
         hints: [
-            "Tick [Explicit Euler]: it gains energy and loses the flip.",
+            "Open [Add or switch] and tick [Explicit Euler]: it gains energy and loses the flip.",
             "Press [120 Hz] and see whose flips move.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
@@ -38,7 +38,7 @@ pub fn stable_axis() -> Scenario {
         lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the integrator's own.",
         hints: [
             "Press [Faster] and open the [Energy tab] after a minute.",
-            "Tick [Engine: rescaled]: it walks to the middle axis and flips, for it keeps |L|, not the energy.",
+            "Open [Add or switch] and tick [Engine: rescaled]: it walks to the middle axis and flips, for it keeps |L|, not the energy.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
@@ -61,11 +61,11 @@ pub fn thin_plate() -> Scenario {
         title: "Thin plate",
         lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order integrators gain energy here first.",
         hints: [
-            "Open the [Energy tab]: Midpoint and Implicit midpoint have the same order and opposite energy behavior.",
+            "Open [Add or switch] and tick [Midpoint (RK2)]: Implicit midpoint has its order and the opposite energy behavior.",
             "Press [30 Hz] and see who still tumbles in step with the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
-        recommended: &["split", "midpoint", "implicit-midpoint", "rk4"],
+        recommended: &["split", "semi-implicit-euler", "implicit-midpoint", "rk4"],
         boxes: 1,
         view: SceneView::from(30.0, 25.0),
     }
@@ -126,7 +126,7 @@ pub fn damped_spin() -> Scenario {
             "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
-        recommended: &["split", "exact", "rk4", "semi-implicit-euler"],
+        recommended: &["split", "semi-implicit-euler", "rk4", "exact"],
         boxes: 1,
         view: SceneView::from(30.0, 22.0),
     }
@@ -141,11 +141,11 @@ pub fn separatrix() -> Scenario {
         title: "Separatrix",
         lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
         hints: [
-            "Open the [Energy tab]: Implicit midpoint keeps the energy, RK4 does not.",
-            "Tick [Engine: Avian 993]: no flip at all means that the gyroscopic term is missing.",
+            "Open the [Energy tab]: Velocity Verlet is off by 1e-4 and flips, RK4 is right to rounding.",
+            "Open [Add or switch] and tick [Engine: Avian 993]: no flip at all means that the gyroscopic term is missing.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
-        recommended: &["split", "exact", "implicit-midpoint", "rk4"],
+        recommended: &["split", "velocity-verlet", "rk4", "implicit-midpoint"],
         boxes: 1,
         view: SceneView::from(30.0, 22.0).with_plot(Plot::Error),
     }

@@ -108,7 +108,7 @@ fn tick(place: f64, span: f64) -> String {
     if (place - exponent).abs() < 1e-9 {
         match exponent as i32 {
             ..=-17 => "≤1e-17".to_owned(),
-            n @ -3..=5 => 10_f64.powi(n).to_string(),
+            n @ -3..=5 => number(10_f64.powi(n)),
             n => format!("1e{n}"),
         }
     } else if span <= LABELED && (digit == 2.0 || digit == 5.0) {
@@ -176,7 +176,7 @@ mod tests {
         for (low, high, labels) in [
             (0.5, 3.5, "10 100 1000"),
             (-6.5, -1.5, "1e-6 1e-5 1e-4 0.001 0.01"),
-            (4.5, 7.2, "100000 1e6 1e7"),
+            (3.5, 6.2, "10\u{a0}000 1e5 1e6"),
             (1.9, 3.1, "100 200 500 1000"),
             (2.1, 2.9, "200 500"),
         ] {

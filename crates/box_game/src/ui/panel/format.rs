@@ -86,7 +86,7 @@ fn plain(text: &str) -> Option<f64> {
 }
 
 /// `1482` as `1 482`, with a narrow no-break space.
-pub(super) fn grouped(value: u64) -> String {
+pub(crate) fn grouped(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {

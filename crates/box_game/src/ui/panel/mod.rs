@@ -15,7 +15,7 @@
 mod axis;
 pub(crate) mod decimate;
 mod drawer;
-mod format;
+pub(crate) mod format;
 mod keys;
 mod memory;
 mod overlay;

@@ -111,15 +111,12 @@ fn wanted(run: &Run, layout: Layout) -> Vec<(Piece, Transform, RenderLayers)> {
         (piece(t, false), place, views::only(view))
     });
     let mut wanted: Vec<_> = boxes.collect();
-    // Along the motion over a floor, else a plate under a box that stays.
+    // A strip of the floor along the motion.
     let (start, radius) = (run.start(), run.law.body.radius() as f32);
     let moving = start.velocity.length() > 0.1;
-    if layout == Layout::SideBySide && (run.law.floor.is_some() || !moving) {
+    if let (Layout::SideBySide, Some(floor)) = (layout, run.law.floor) {
         let origin = start.position.as_vec3();
-        let height = match run.law.floor {
-            Some(floor) => floor.height as f32 + 0.004,
-            None => origin.y - 1.5 * radius,
-        };
+        let height = floor.height as f32 + 0.004;
         let length = if moving { 40.0 } else { 3.5 };
         wanted.extend(trajectories.iter().map(|t| {
             let place = Transform::from_translation((origin + t.offset).with_y(height))

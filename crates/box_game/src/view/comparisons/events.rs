@@ -55,7 +55,7 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
         for t in trajectories {
             let newest = t.track.flips.times().last();
             if let Some(share) = newest.and_then(|&flip| growth(t.track.now.sample.t, flip)) {
-                let color = style::of(t.integrator).color();
+                let color = style::of(t.integrator).ink_on_picture();
                 ring(t.place(seen.tip), color, share);
             }
         }
@@ -72,7 +72,7 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
         let due = ('┄', Color32::WHITE, run.reference_flips.times());
         let rows = trajectories.iter().map(|t| {
             let looks = style::of(t.integrator);
-            (looks.glyph, looks.color(), t.track.flips.times())
+            (looks.glyph, looks.ink_on_picture(), t.track.flips.times())
         });
         let rows: Vec<_> = [due].into_iter().chain(rows).collect();
         strip(&painter, place, run.clock, &rows);

@@ -135,7 +135,7 @@ impl Lines<'_> {
                 );
             }
         }
-        if let Some(state) = run.trusted().filter(|_| self.solid) {
+        if let Some(&state) = run.trusted().filter(|_| self.solid) {
             let reference = Shown {
                 state,
                 ..*trajectory

@@ -15,7 +15,7 @@ use super::events::strip_place;
 use super::shown::{Seen, points};
 use crate::action::compare::Layout;
 use crate::camera::views::{PictureArea, cells};
-use crate::compare::verdict::Quality;
+use crate::compare::verdict::{Quality, short};
 use crate::view::style;
 
 /// In a picture narrower than this \[points\] a label is the integrator's mark without its name.
@@ -131,8 +131,15 @@ fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label>
     let attitude = run.attitude_says_more();
     let mut labels: Vec<Label> = Vec::new();
     if let (Some(reference), Layout::Overlaid) = (run.trusted(), layout) {
+        let mut name = "Reference".to_owned();
+        // The camera goes along with a box in flight: that it rises and falls is to be read.
+        if run.law.floor.is_none() && run.law.forces.gravity.length() > 0.0 {
+            let rise = reference.position.y - run.start().position.y;
+            let side = if rise < 0.0 { "below" } else { "above" };
+            name += &format!(", {} m {side} the start", short(rise.abs()));
+        }
         labels.push(Label {
-            marks: vec![('┄', Color32::WHITE, "Reference".to_owned())],
+            marks: vec![('┄', Color32::WHITE, name)],
             at: seen.at(reference.point(seen.tip).as_vec3()),
             ..Label::default()
         });
@@ -152,7 +159,7 @@ fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label>
         let side_by_side = layout == Layout::SideBySide;
         let looks = style::of(t.integrator);
         let label = Label {
-            marks: vec![(looks.glyph, looks.color(), name)],
+            marks: vec![(looks.glyph, looks.ink_on_picture(), name)],
             word: match quality {
                 Quality::Right => quality.sign().to_owned(),
                 _ => format!("{} {quality}", quality.sign()),

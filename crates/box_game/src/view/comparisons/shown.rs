@@ -1,6 +1,6 @@
 //! The trajectories that are drawn, and their places.
 
-use bevy::math::DVec3;
+use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use bevy_egui::egui;
 use box_physics::prelude::{BodyState, Integrator};
@@ -9,6 +9,7 @@ use box_scenarios::Status;
 use crate::action::compare::Layout;
 use crate::camera::views;
 use crate::compare::Run;
+use crate::compare::runner::Runner;
 use crate::compare::track::Track;
 use crate::view::style;
 
@@ -19,7 +20,7 @@ const PITCH: f32 = 2.7;
 #[derive(Clone, Copy)]
 pub(super) struct Shown<'a> {
     pub integrator: Integrator,
-    pub state: &'a BodyState,
+    pub state: BodyState,
     pub track: &'a Track,
     /// By how much its picture is shifted.
     pub offset: Vec3,
@@ -67,7 +68,7 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
     let shown = run.trajectories().enumerate().map(|(k, r)| Shown {
         integrator: r.integrator(),
-        state: r.state(),
+        state: at_the_clock(run, r),
         track: &r.track,
         offset: match layout {
             Layout::SideBySide => side * place(k),
@@ -81,6 +82,20 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
         Layout::Views => views::MOST,
     };
     shown.take(most).collect()
+}
+
+/// The state of a comparison at the clock's time, before which a step longer than the clock's ends: it moves on as it
+/// does at that end.
+fn at_the_clock(run: &Run, runner: &Runner) -> BodyState {
+    let driver = &runner.simulation.driver;
+    let (mut state, ahead) = (driver.state, run.clock - driver.time);
+    let between = 0.0..runner.factor * run.step;
+    if between.contains(&ahead) && !runner.simulation.status().is_diverged() {
+        let turn = state.angular_velocity(&run.law.body) * ahead;
+        state.position += state.velocity * ahead;
+        state.rotation = DQuat::from_scaled_axis(turn) * state.rotation;
+    }
+    state
 }
 
 /// The main box, then right, left, right, left of it.
@@ -144,7 +159,7 @@ mod tests {
         let places = shown(&run, Layout::SideBySide);
         assert_eq!(places.len(), 4);
         for (k, a) in places.iter().enumerate() {
-            assert_eq!(a.state, &setup.initial);
+            assert_eq!(a.state, setup.initial);
             // Across the slide, and apart.
             assert!(a.offset.x.abs() < 1e-6 && a.offset.y == 0.0);
             let apart = PITCH * setup.body.radius() as f32 * 0.99;
@@ -154,5 +169,25 @@ mod tests {
         let overlaid = shown(&run, Layout::Overlaid);
         assert!(overlaid.iter().all(|s| s.offset == Vec3::ZERO));
         assert_eq!(shown(&run, Layout::Solo).len(), 1);
+    }
+
+    /// A comparison with longer steps is drawn at the time of all others.
+    #[test]
+    fn all_are_drawn_at_one_time() {
+        let setup = Scenario::find("throw").expect("a scene").setup;
+        let mut run = Run::new(&setup, None, Integrator::Split, 1.0 / 60.0);
+        run.choose([Integrator::Rk4]);
+        run.comparisons[0].factor = 3.0;
+        run.clock = 2.0 / 60.0;
+        let drawn = shown(&run, Layout::Overlaid)[1].state;
+        let start = &setup.initial;
+        let moved = drawn.position - start.position;
+        assert!((moved - start.velocity * run.clock).length() < 1e-12);
+        let turned = drawn.attitude_difference(start);
+        let spin = start.angular_velocity(&setup.body).length();
+        assert!((turned - spin * run.clock).abs() < 1e-9);
+        // One that catches up is drawn where it is.
+        run.clock = 1.0;
+        assert_eq!(shown(&run, Layout::Overlaid)[1].state, *start);
     }
 }

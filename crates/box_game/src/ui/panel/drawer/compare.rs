@@ -20,16 +20,19 @@ const NARROWEST: f32 = 200.0;
 /// Width of the energy bars, and of a drawer that has room for them [points].
 const BARS: f32 = 150.0;
 const ROOM_FOR_BARS: f32 = 760.0;
+/// Height of the time axis, and width of a letter of the upright axis's label [points].
+const AXIS: f32 = 36.0;
+const LETTER: f32 = 5.6;
 /// Marks of the time axis that are shown at most.
 const MOST_RULES: usize = 200;
 /// The common axis of all curves.
 const TIME: &str = "time of the trajectories";
 
 /// The colors of the three energies: those of no integrator's line.
-const ENERGIES: [(&str, Color32); 3] = [
-    ("translation", Color32::from_rgb(0x8d, 0xa0, 0xcb)),
-    ("rotation", Color32::from_rgb(0xe7, 0xd4, 0x8f)),
-    ("potential", Color32::from_rgb(0x80, 0x88, 0x90)),
+const ENERGIES: [(&str, [u8; 3]); 3] = [
+    ("translation", [0x8D, 0xA0, 0xCB]),
+    ("rotation", [0xE7, 0xD4, 0x8F]),
+    ("potential", [0x80, 0x88, 0x90]),
 ];
 
 /// Distance and angle to the reference.
@@ -94,6 +97,16 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str, still
             let text = style::in_ink(ui, trajectory.integrator, text);
             ui.add(Label::new(text.small()).extend());
         }
+        let mut kinds: Vec<RuleKind> = Vec::new();
+        for rule in &view.rules {
+            if !kinds.contains(&rule.kind) {
+                kinds.push(rule.kind);
+                let (name, rgb) = looks(rule.kind);
+                let color = style::ink(rgb, ui.ctx().theme());
+                let text = RichText::new(format!("| {name}")).small();
+                ui.add(Label::new(text.color(color)).extend());
+            }
+        }
         for quantity in still {
             let name = quantity.label().split(" [").next().unwrap_or_default();
             ui.add(Label::new(RichText::new(format!("{name}: none")).small().weak()).extend());
@@ -146,7 +159,11 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
     } else {
         [-1e-9, 1e-9]
     };
-    let plot = frame(label, [("simulated time [s]", false), (label, log)])
+    // In a low plot the unit alone: a long label would reach over the legend.
+    let unit = label.find('[').map_or(label, |start| &label[start..]);
+    let wide = ui.available_height() > AXIS + LETTER * label.len() as f32;
+    let axis = if wide { label } else { unit };
+    let plot = frame(label, [("simulated time [s]", false), (axis, log)])
         .link_axis(TIME, [true, false])
         .link_cursor(TIME, [true, false])
         .include_y(least[0])
@@ -214,16 +231,22 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
     }
 }
 
+/// Name and color of the line of an event.
+const fn looks(kind: RuleKind) -> (&'static str, [u8; 3]) {
+    match kind {
+        RuleKind::Contact => ("contact", [105; 3]),
+        RuleKind::Input => ("push or change", [150, 110, 150]),
+        RuleKind::Step => ("dt changed", [90, 140, 170]),
+        RuleKind::Integrator => ("integrator changed", [170, 140, 80]),
+    }
+}
+
 /// A thin line for each event since `start`.
 fn rules(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
     let newest = view.rules.len().saturating_sub(MOST_RULES);
     for rule in view.rules[newest..].iter().filter(|r| r.t >= start) {
-        let (name, color) = match rule.kind {
-            RuleKind::Contact => ("contact", Color32::from_gray(105)),
-            RuleKind::Input => ("push or change", Color32::from_rgb(150, 110, 150)),
-            RuleKind::Step => ("dt changed", Color32::from_rgb(90, 140, 170)),
-            RuleKind::Integrator => ("integrator changed", Color32::from_rgb(170, 140, 80)),
-        };
+        let (name, rgb) = looks(rule.kind);
+        let color = style::ink(rgb, plot.ctx().theme());
         let dash = match rule.kind {
             RuleKind::Contact => LineStyle::Solid,
             _ => LineStyle::Dashed { length: 4.0 },
@@ -242,10 +265,12 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     let totals = view.trajectories.iter().map(|t| total(&t.energies));
     let most = totals.fold(1e-12, f64::max);
     note(ui, format!("energy, full bar {} J", number(most)));
+    let theme = ui.ctx().theme();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        for (name, color) in ENERGIES {
-            ui.add(Label::new(RichText::new(name).small().color(color)).extend());
+        for (name, rgb) in ENERGIES {
+            let name = RichText::new(name).color(style::ink(rgb, theme));
+            ui.add(Label::new(name.small()).extend());
         }
     });
     // All of them fit: a drawer that grows with them would not shrink again.
@@ -265,15 +290,15 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
             Align2::LEFT_CENTER,
             looks.glyph,
             FontId::proportional(size.y.clamp(5.0, 12.0)),
-            looks.ink(ui.ctx().theme()),
+            looks.ink(theme),
         );
         let mut x = place.left() + 16.0;
         let scale = (place.width() - 16.0) / most as f32;
-        for (energy, (_, color)) in trajectory.energies.iter().zip(ENERGIES) {
+        for (energy, (_, rgb)) in trajectory.energies.iter().zip(ENERGIES) {
             let width = (energy.abs() as f32 * scale).min(place.right() - x);
             if width.is_finite() && width > 0.0 {
                 let bar = Rect::from_min_size(pos2(x, place.top()), vec2(width, size.y));
-                painter.rect_filled(bar, 0.0, color);
+                painter.rect_filled(bar, 0.0, style::ink(rgb, theme));
                 x += width;
             }
         }

@@ -32,10 +32,10 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     note(
         ui,
         format!(
-            "fastest sample of two seconds · plugin {} a step · comparisons {} µs · panel {} µs · frame {} ms{}",
+            "fastest sample of two seconds · plugin {} a step · comparisons {} ms · panel {} ms · frame {} ms{}",
             view.step_time(),
-            short(view.compare.comparisons_ms * 1e3),
-            short(view.compare.panel_ms * 1e3),
+            short(view.compare.comparisons_ms),
+            short(view.compare.panel_ms),
             short(view.frame_time_ms),
             clock.unwrap_or_default(),
         ),

@@ -8,6 +8,7 @@ use bevy_egui::egui::{
 use box_bench::measure::Cost;
 use box_physics::plugin::Stage;
 use box_physics::prelude::Integrator;
+use box_scenarios::dissertation::Stepper;
 
 use super::super::format::number;
 use super::super::view::PanelView;
@@ -35,11 +36,13 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
         ui.add(Label::new(text).truncate())
             .on_hover_text("Dashed white in the picture. Errors are measured against it.");
     }
+    let stepper = panel.view.demo.as_ref().and_then(|demo| demo.stepper);
     let main = view.trajectories.iter().find(|t| t.main_box);
     let main = main.and_then(|t| t.cost).map_or(f64::NAN, |c| c.min);
     for trajectory in &view.trajectories {
         ui.horizontal(|ui| {
-            let name = name(ui, trajectory);
+            let stepper = stepper.filter(|_| trajectory.main_box);
+            let name = name(ui, trajectory, stepper);
             ui.add(Label::new(name).extend());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let integrator = trajectory.integrator;
@@ -49,6 +52,9 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
                     if button(ui, stop, &format!("stop {}", integrator.id())) {
                         panel.ask(CompareAction::ToggleComparison(integrator));
                     }
+                }
+                if stepper.is_some() {
+                    return;
                 }
                 let mut cost = nanoseconds(trajectory.cost.map(|cost| cost.min));
                 let ratio = trajectory.cost.map_or(f64::NAN, |cost| cost.min / main);
@@ -65,13 +71,14 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Mark and name.
-fn name(ui: &Ui, trajectory: &TrajectoryView) -> LayoutJob {
+/// Mark and name; the main box has the name of the stepper of 2012 that moves it.
+fn name(ui: &Ui, trajectory: &TrajectoryView, stepper: Option<Stepper>) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = TextStyle::Body.resolve(ui.style());
     let looks = style::of(trajectory.integrator);
     let mark = looks.glyph.to_string();
-    let name = format!(" {}", trajectory.integrator.name());
+    let name = stepper.map_or(trajectory.integrator.name(), Stepper::name);
+    let name = format!(" {name}");
     let main = if trajectory.main_box { " (main)" } else { "" };
     for (text, color) in [
         (mark.as_str(), looks.ink(ui.ctx().theme())),
@@ -93,11 +100,11 @@ const COST: &str = "Cost of a step of a box in this scene, and over that of the 
                     last two seconds, as in sweep and report. Median and 95th percentile stand in the table.";
 
 /// Colors of the stages of a step.
-const STAGES: [Color32; Stage::ALL.len()] = [
-    Color32::from_rgb(0x4C, 0x8D, 0xF0),
-    Color32::from_rgb(0xE6, 0x9F, 0x00),
-    Color32::from_rgb(0x8A, 0x93, 0xA0),
-    Color32::from_rgb(0x3F, 0xB0, 0x8A),
+const STAGES: [[u8; 3]; Stage::ALL.len()] = [
+    [0x4C, 0x8D, 0xF0],
+    [0xE6, 0x9F, 0x00],
+    [0x8A, 0x93, 0xA0],
+    [0x3F, 0xB0, 0x8A],
 ];
 
 /// Time of a step in the plugin by stage: a stacked bar of now, and the last two seconds as columns.
@@ -120,28 +127,26 @@ fn step_cost(ui: &mut Ui, view: &PanelView) {
     let named = |k: usize| format!("{} {} µs", Stage::ALL[k].name(), short(stages[k]));
     let words: Vec<String> = (0..stages.len()).map(named).collect();
     describe(&response, &format!("Step by stage: {}", words.join(", ")));
+    let colors = STAGES.map(|rgb| style::ink(rgb, ui.ctx().theme()));
     let painter = ui.painter_at(place);
     painter.rect_filled(place, 3.0, ui.visuals().extreme_bg_color);
     // The bar of now, over its whole width; below it the columns, the highest at full height.
     let bar = Rect::from_min_size(place.min, vec2(size.x, 9.0));
-    stack(&painter, bar, &stages, total(&stages), false);
+    let parts =
+        |stages: &[f64; Stage::ALL.len()]| stages.iter().copied().zip(colors).collect::<Vec<_>>();
+    stack(&painter, bar, &parts(&stages), total(&stages), false);
     let history = &view.stage_history;
     let most = history.iter().map(|s| total(s)).fold(1e-9, f64::max);
     let width = size.x / history.len().max(1) as f32;
     for (k, stages) in history.iter().enumerate() {
         let corner = bar.left_bottom() + vec2(k as f32 * width, 2.0);
         let column = vec2(width, place.bottom() - corner.y);
-        stack(
-            &painter,
-            Rect::from_min_size(corner, column),
-            stages,
-            most,
-            true,
-        );
+        let room = Rect::from_min_size(corner, column);
+        stack(&painter, room, &parts(stages), most, true);
     }
     response.on_hover_ui(|ui| {
         ui.label("Median of the last two seconds by the plugin's own clock, without rendering; below, each step.");
-        for (words, color) in words.iter().zip(STAGES) {
+        for (words, color) in words.iter().zip(colors) {
             ui.horizontal(|ui| {
                 ui.colored_label(color, "■");
                 ui.label(words);
@@ -151,9 +156,9 @@ fn step_cost(ui: &mut Ui, view: &PanelView) {
 }
 
 /// Stages one after the other, or one above the other, in a room for `most`.
-fn stack(painter: &Painter, room: Rect, stages: &[f64], most: f64, upright: bool) {
+fn stack(painter: &Painter, room: Rect, parts: &[(f64, Color32)], most: f64, upright: bool) {
     let mut left = room;
-    for (time, color) in stages.iter().zip(STAGES) {
+    for &(time, color) in parts {
         let share = (time / most) as f32;
         if !share.is_finite() || share <= 0.0 {
             continue;
@@ -218,7 +223,6 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
     ui.horizontal_wrapped(|ui| {
-        ui.label("Layout");
         for (layout, name, hint) in compare::Layout::ALL {
             let chosen = view.settings.layout == layout;
             let action = CompareAction::SetLayout(layout);
@@ -250,7 +254,12 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     let cost = nanoseconds(timing.map(|cost| cost.min));
     let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
     // Marks differ in width; the names line up.
-    let mark = style::in_ink(ui, integrator, style::of(integrator).glyph);
+    let glyph = style::of(integrator).glyph;
+    let mark = match active {
+        // On the accent, every mark has the color of the text.
+        true => RichText::new(glyph),
+        false => style::in_ink(ui, integrator, glyph),
+    };
     let mark = mark.size(15.0).atom_size(vec2(16.0, 14.0));
     let [suffix, prefix] = if active {
         [" · active", "active, "]

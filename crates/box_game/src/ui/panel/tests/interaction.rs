@@ -4,9 +4,10 @@ use bevy_egui::egui::{Event, Key};
 use box_scenarios::Scenario;
 use box_scenarios::dissertation::Stepper;
 
-use super::{demo, id_of, with};
+use super::{Person, TALL, demo, id_of, sample_view, with};
 use crate::action::{Action, Plot};
 use crate::parameters::Parameters;
+use crate::ui::panel::PanelMemory;
 
 #[test]
 fn the_lesson_says_what_to_try() {
@@ -16,27 +17,39 @@ fn the_lesson_says_what_to_try() {
 }
 
 /// Every hint of every scene names a control, in brackets, that is on the panel under this name: a widget, a slider
-/// with its unit, or a figure to read.
+/// with its unit, or a figure to read. One that is in a closed section comes after the section's name.
 #[test]
 fn every_hint_names_a_control() {
     for scene in Scenario::ALL.iter().map(|build| build()) {
-        let mut names: Vec<String> = Vec::new();
-        for plot in [Plot::Error, Plot::WorkPrecision] {
-            let person = with(|view| {
+        let names = |all_open| {
+            let names = [Plot::Error, Plot::WorkPrecision].map(|plot| {
+                let mut view = sample_view();
                 view.parameters = Parameters::of(&scene);
                 view.plot = plot;
                 view.demo = (scene.id == crate::demo_2012::SCENE).then(demo);
+                let memory = PanelMemory {
+                    all_open,
+                    ..PanelMemory::default()
+                };
+                let person = Person::remembering(memory, view, TALL);
+                let names = person.nodes().into_iter().map(|(_, name, _)| name);
+                names.collect::<Vec<_>>()
             });
-            names.extend(person.nodes().into_iter().map(|(_, name, _)| name));
-        }
+            names.concat()
+        };
+        let (at_first, opened) = (names(false), names(true));
         for hint in scene.hints {
             let named = format!("{}: '{hint}'", scene.id);
             let controls: Vec<&str> = hint.split(['[', ']']).skip(1).step_by(2).collect();
             assert!(!controls.is_empty(), "{named} names no control");
+            let mut section = false;
             for control in controls {
                 let with_unit = format!("{control} [");
                 let is_it = |n: &String| n == control || n.starts_with(&with_unit);
-                assert!(names.iter().any(is_it), "{named}: no control '{control}'");
+                let seen = at_first.iter().any(is_it);
+                let there = seen || section && opened.iter().any(is_it);
+                assert!(there, "{named}: no control '{control}'");
+                section |= ["Add or switch", "NOW", "LOAD"].contains(&control);
             }
         }
     }

@@ -11,12 +11,14 @@ use super::super::drawer::TABS;
 use super::super::{FIGURES, HistoryView, LogView, PanelLayout, PanelMemory, PanelView, SHARE};
 use super::{Person, TALL, USUAL, demo, sample_view, with};
 use crate::action::{Action, Plot};
-use crate::compare::CompareView;
+use crate::compare::{CompareView, Rule, RuleKind};
 use crate::parameters::{Parameter, Parameters};
 
-/// 1280×720 at 75, 100, 150 and 200 %, 1920×1080 at 75 and 100 %, a narrow window: points.
-const SIZES: [(f32, f32); 7] = [
+/// 1280×720 at 75, 100, 125, 150 and 200 %, 1920×1080 at 75, 100 and 200 %, a narrow window: points.
+const SIZES: [(f32, f32); 9] = [
     (900.0, 720.0),
+    (1024.0, 576.0),
+    (960.0, 540.0),
     (1706.0, 960.0),
     (1280.0, 720.0),
     (853.0, 480.0),
@@ -51,6 +53,13 @@ fn long() -> PanelView {
         trajectory.skew = 0.012_345 * k as f64;
         trajectory.now = [-1.234_567e-9; 7];
     }
+    let kinds = [
+        RuleKind::Contact,
+        RuleKind::Input,
+        RuleKind::Step,
+        RuleKind::Integrator,
+    ];
+    view.compare.rules = kinds.map(|kind| Rule { t: 1.0, kind }).into();
     view.compare.note = "The trajectories simulate the first box alone, without the load.".into();
     view.figures = [-1.234_567e-9; FIGURES.len()];
     for (cost, _) in &mut view.timings {
