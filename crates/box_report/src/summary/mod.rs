@@ -235,7 +235,7 @@ fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
         )
     };
     let shown = |r: &&Row| {
-        let mut all = ROWS.iter().flat_map(|(_, integrators)| *integrators);
+        let mut all = ROWS.iter().flat_map(|(_, integrators)| integrators.iter());
         all.any(|i| i.id() == r.integrator)
     };
     let row = |r: &Row| {

@@ -133,7 +133,7 @@ pub(super) fn balance_growth(integrator: Integrator) -> f64 {
         // λ² = m g d/I, I = m (d² + a²/6) about the edge or corner.
         let d = trial.state.position.y;
         let rate = (G * d / (d * d + 1.0 / 6.0)).sqrt();
-        let (mut steps, mut before, mut now) = (0_u32, 0.0, 0.0);
+        let (mut steps, mut before, mut now) = (0_u32, 0.0_f64, 0.0_f64);
         let mut passes = |spin: f64| {
             while now < spin {
                 if steps > 3600 {
@@ -146,7 +146,11 @@ pub(super) fn balance_growth(integrator: Integrator) -> f64 {
             }
             STEP * (f64::from(steps) - (now / spin).ln() / (now / before).ln())
         };
-        let time = -passes(1e-9) + passes(1e-3);
+        let (from, to) = (passes(1e-9), passes(1e-3));
+        if !to.is_finite() {
+            return f64::INFINITY;
+        }
+        let time = to - from;
         worst = worst.max((time * rate / 1e6_f64.ln() - 1.0).abs());
     }
     worst
