@@ -170,6 +170,7 @@ fn the_default_is_exact_in_flight_and_fourth_order_under_forces() {
         ("pub11", 1e-7),
         ("pub13", 1e-10),
         ("pub15", 1e-6),
+        ("pub19", 1e-12),
     ] {
         let m = case(prefix).measure(Integrator::Split, 1.0 / 60.0);
         let position = ["pub07", "pub08", "pub09", "pub10", "pub11"].contains(&prefix);

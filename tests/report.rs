@@ -106,7 +106,7 @@ fn a_quick_run_writes_every_page_table_and_figure() {
         let row = format!("| `{integrator}` | `{:016x}` |", fingerprint(*integrator));
         assert!(page.contains(&row), "{row}");
     }
-    // The page of one minute: five rows, two sentences, where the numbers come from; its figures there and small.
+    // The page of one minute: two tables, two sentences, where the numbers come from; its figures there and small.
     let digest = read(&docs.join("results.md"));
     for part in [
         "| `split` (the default) |",
@@ -114,6 +114,7 @@ fn a_quick_run_writes_every_page_table_and_figure() {
         "| `rk4` (the yardstick) |",
         "| `engine-rescaled` / `engine-newton` (",
         "| `heun-2012` (the dissertation's, 2012) |",
+        "At 30 · 60 · 120 Hz: scenes of 13",
         "At 60 Hz take `",
         "Where `rk4` wins",
         "rustc 1.",

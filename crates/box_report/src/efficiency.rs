@@ -79,7 +79,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         "efficiency",
         "Efficiency",
         "For each scene the cheapest integrator and step that stay below an error, from the points of the \
-         work–precision diagrams: what it costs per body and simulated second on one core. The error is the \
+         work–precision diagrams: what it costs per box and simulated second on one core, for many boxes by the plugin's path. The error is the \
          first one named for the scene (attitude in rad, position in m).",
     );
     let mut rows = Vec::new();

@@ -75,32 +75,38 @@ pub(crate) fn ticks() -> u64 {
 
 /// Watches every scene under every integrator at every rate.
 pub(crate) fn measure(ctx: &Context) -> Result<Visible, Stop> {
+    let longest = if ctx.quick { QUICK_WATCH } else { MINUTE };
+    watch(&ctx.integrators, longest, |family| ctx.tick(family.title))
+}
+
+/// Watches every scene to its end, for `longest` \[s\] at most, and calls `done` after each.
+fn watch(
+    integrators: &[Integrator],
+    longest: f64,
+    mut done: impl FnMut(&Family) -> Result<(), Stop>,
+) -> Result<Visible, Stop> {
     let mut seen = Vec::new();
     for (k, family) in Family::all().iter().enumerate() {
-        let watch = if ctx.quick {
-            family.watch.min(QUICK_WATCH)
-        } else {
-            family.watch
-        };
+        let end = family.watch.min(longest);
         let finest = RATES[RATES.len() - 1];
         let reference = family
-            .reference(1.0 / f64::from(finest), watch)
+            .reference(1.0 / f64::from(finest), end)
             .map_err(Stop::Internal)?;
         let size = 2.0 * family.setup.body.half_extents().max_element();
         for rate in RATES {
             let reference = reference.every((finest / rate) as usize);
-            for &integrator in &ctx.integrators {
+            for &integrator in integrators {
                 let at = family.first_passing(&reference, integrator, 1, ATTITUDE, SIZE * size);
                 seen.push(Seen {
                     family: k,
                     integrator,
                     rate,
                     at,
-                    end: watch,
+                    end,
                 });
             }
         }
-        ctx.tick(family.title)?;
+        done(family)?;
     }
     Ok(Visible { seen })
 }
@@ -170,5 +176,23 @@ fn table(ctx: &Context, data: &Visible, rate: u32) -> Table {
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
         csv: "visible.csv".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_shows_under_the_default_for_a_minute() {
+        let (default, engine) = (Integrator::Split, Integrator::EngineRescaled);
+        let data = watch(&[default, engine], MINUTE, |_| Ok(())).expect("references");
+        let scenes = Family::all().len();
+        for rate in RATES {
+            let first = data.first(default, rate);
+            let unseen = data.invisible(default, rate, MINUTE);
+            assert_eq!(unseen, scenes, "{rate} Hz: first visible after {first:?} s");
+            assert!(data.invisible(engine, rate, MINUTE) < scenes / 2);
+        }
     }
 }

@@ -10,7 +10,7 @@ use crate::context::{Context, Stop};
 use crate::document::{Section, Table};
 use crate::stability::{StabilityData, shown};
 use crate::timing::Timings;
-use crate::visible::{MINUTE, THROW, Visible};
+use crate::visible::{MINUTE, RATES, THROW, Visible};
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
@@ -32,7 +32,12 @@ struct Row {
     invisible_60s_30hz: Option<usize>,
     invisible_60s_60hz: Option<usize>,
     invisible_60s_120hz: Option<usize>,
+    error_of_split_30hz: Option<f64>,
+    error_of_split_60hz: Option<f64>,
+    error_of_split_120hz: Option<f64>,
+    us_per_simulated_s_30hz: Option<f64>,
     us_per_simulated_s_60hz: Option<f64>,
+    us_per_simulated_s_120hz: Option<f64>,
     ns_per_step_many: Option<f64>,
     ns_per_step_one: Option<f64>,
     limit_spin: String,
@@ -57,6 +62,9 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
             let visible = results.visible.as_ref();
             visible.map(|v| v.invisible(s, rate, seconds))
         };
+        let work = results.work_precision.as_ref();
+        let error = |rate| work.map(|w| w.median_ratio(s, Integrator::Split, rate));
+        let cost = |rate| work.and_then(|w| w.cost(s, rate));
         let limits = results
             .stability
             .as_ref()
@@ -72,7 +80,12 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
             invisible_60s_30hz: seen(30, MINUTE),
             invisible_60s_60hz: seen(60, MINUTE),
             invisible_60s_120hz: seen(120, MINUTE),
-            us_per_simulated_s_60hz: results.work_precision.as_ref().and_then(|w| w.cost(s, 60)),
+            error_of_split_30hz: error(30),
+            error_of_split_60hz: error(60),
+            error_of_split_120hz: error(120),
+            us_per_simulated_s_30hz: cost(30),
+            us_per_simulated_s_60hz: cost(60),
+            us_per_simulated_s_120hz: cost(120),
             ns_per_step_many: ns("free-many"),
             ns_per_step_one: ns("free-one"),
             limit_spin: limit(0),
@@ -87,6 +100,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
     let rows: Vec<Row> = ctx.integrators.iter().map(row).collect();
     files::write_csv(&ctx.file("summary.csv"), &rows)?;
     section.tables.push(at_60_hz(results));
+    section.tables.push(at_each_rate(ctx, results, &rows));
     section.tables.push(Table {
         title: "Every integrator".to_owned(),
         note: format!(
@@ -200,6 +214,67 @@ fn at_60_hz(results: &Results) -> Table {
     }
 }
 
+/// The same integrators at every rate against the default; whether any integrator beats it.
+fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
+    let default = Integrator::Split;
+    let beats = |rate| {
+        let better = results.better_and_cheaper(ctx, default, rate);
+        better
+            .into_iter()
+            .map(move |i| format!("`{i}` at {rate} Hz"))
+    };
+    let better: Vec<String> = RATES.into_iter().flat_map(beats).collect();
+    let verdict = if better.is_empty() {
+        format!(
+            "Of {} integrators none has both a smaller error and a clearly smaller cost than `{default}`, at any of these rates.",
+            ctx.integrators.len()
+        )
+    } else {
+        format!(
+            "Both a smaller error and a clearly smaller cost than `{default}`: {}.",
+            text::list(&better)
+        )
+    };
+    let shown = |r: &&Row| {
+        let mut all = ROWS.iter().flat_map(|(_, integrators)| integrators.iter());
+        all.any(|i| i.id() == r.integrator)
+    };
+    let row = |r: &Row| {
+        let error = |e: Option<f64>| e.map_or_else(|| "–".to_owned(), text::error);
+        let [a, b, c] = [
+            r.error_of_split_30hz,
+            r.error_of_split_60hz,
+            r.error_of_split_120hz,
+        ]
+        .map(error);
+        let [x, y, z] = [
+            r.us_per_simulated_s_30hz,
+            r.us_per_simulated_s_60hz,
+            r.us_per_simulated_s_120hz,
+        ]
+        .map(|c| number(c, 2));
+        vec![
+            text::code(r.integrator),
+            for_a_minute(r),
+            format!("{a} · {b} · {c}"),
+            format!("{x} · {y} · {z}"),
+        ]
+    };
+    Table {
+        title: "At 30, 60 and 120 Hz".to_owned(),
+        note: format!(
+            "At 30 · 60 · 120 Hz: scenes of {} in which no error shows for a minute; the error as a multiple of `{default}`'s, in the median \
+             scene; µs per box and simulated second, geometric mean over the scenes (100 boxes by the plugin's path). {verdict}",
+            Family::all().len()
+        ),
+        columns: ["integrator", "nothing shows", "error", "cost [µs/s]"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: rows.iter().filter(shown).map(row).collect(),
+        csv: "summary.csv".to_owned(),
+    }
+}
+
 /// The limits of spin, drag, damper and spring at a rate [1/s], in words.
 fn breaks_at(limits: [Limit; 4], rate: f64) -> String {
     let [spin, drag, damper, spring] = limits;
@@ -225,10 +300,25 @@ fn breaks_at(limits: [Limit; 4], rate: f64) -> String {
     }
 }
 
+fn or_dash(n: Option<usize>) -> String {
+    n.map_or_else(|| "–".to_owned(), |n| n.to_string())
+}
+
+fn number(x: Option<f64>, digits: usize) -> String {
+    x.map_or_else(|| "–".to_owned(), |x| text::significant(x, digits))
+}
+
+/// Scenes in which nothing shows for a minute, at every rate.
+fn for_a_minute(r: &Row) -> String {
+    format!(
+        "{} · {} · {}",
+        or_dash(r.invisible_60s_30hz),
+        or_dash(r.invisible_60s_60hz),
+        or_dash(r.invisible_60s_120hz)
+    )
+}
+
 fn cells(r: &Row) -> Vec<String> {
-    let or_dash = |n: Option<usize>| n.map_or_else(|| "–".to_owned(), |n| n.to_string());
-    let number =
-        |x: Option<f64>, digits| x.map_or_else(|| "–".to_owned(), |x| text::significant(x, digits));
     vec![
         text::code(r.integrator),
         format!(
@@ -237,12 +327,7 @@ fn cells(r: &Row) -> Vec<String> {
             or_dash(r.invisible_10s_60hz),
             or_dash(r.invisible_10s_120hz)
         ),
-        format!(
-            "{} · {} · {}",
-            or_dash(r.invisible_60s_30hz),
-            or_dash(r.invisible_60s_60hz),
-            or_dash(r.invisible_60s_120hz)
-        ),
+        for_a_minute(r),
         number(r.us_per_simulated_s_60hz, 2),
         number(r.ns_per_step_many, 3),
         number(r.ns_per_step_one, 3),

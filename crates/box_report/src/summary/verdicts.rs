@@ -35,7 +35,12 @@ impl Results {
 
     /// The integrators that have both a smaller error than `one` in the median scene and a clearly smaller cost at
     /// `rate`.
-    fn better_and_cheaper(&self, ctx: &Context, one: Integrator, rate: u32) -> Vec<Integrator> {
+    pub(super) fn better_and_cheaper(
+        &self,
+        ctx: &Context,
+        one: Integrator,
+        rate: u32,
+    ) -> Vec<Integrator> {
         let Some(work) = self.work_precision.as_ref() else {
             return Vec::new();
         };

@@ -128,7 +128,7 @@ pub(super) fn write_table<'a>(
     if current.is_some() {
         writeln!(
             out,
-            "\nerrors: maximum over the samples; evals: force evaluations per step; L and E relative to the start"
+            "\nerrors: maximum over the samples; evals: force evaluations per step; L and E relative to the start; ns/step: one box by its plain step"
         )?;
         writeln!(
             out,

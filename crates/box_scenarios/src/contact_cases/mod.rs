@@ -119,6 +119,13 @@ pub fn contact_cases() -> Vec<ContactCase> {
             rest::balance,
         ),
         case(
+            27,
+            "the same",
+            "growth of the spin against e^{λt}, λ² = m g d/I, relative",
+            0.01,
+            rest::balance_growth,
+        ),
+        case(
             28,
             "sliding to rest, µ = 0.5 (pub17)",
             "position error over the run [m]",
@@ -206,7 +213,7 @@ pub fn contact_cases() -> Vec<ContactCase> {
             31,
             "spinning plate, 3 and 20 rad/s",
             "time to rest against the law of four loaded corners, off by [steps]",
-            2.0,
+            1.0,
             slide::spin_down,
         ),
         case(31, "the same", "walk of the center [m]", 1e-3, slide::walk),

@@ -93,15 +93,20 @@ fn time_to_fall(rate: impl Fn(f64) -> f64, tilt: f64) -> f64 {
         .sum()
 }
 
-/// The longer of the times that a cube stands on an edge and on a corner, balanced as well as f64 can
-/// write it down \[s\]; infinite if it never falls, and if it fell before rounding could tell.
-pub(super) fn balance(integrator: Integrator) -> f64 {
+/// A cube of 1 m on an edge and on a corner, balanced as well as f64 can write it down.
+fn balanced(integrator: Integrator) -> [Trial; 2] {
     // The diagonal upright: a turn about (−1, 0, 1)/√2 by the angle whose cosine is 1/√3.
     let axis = DVec3::new(-1.0, 0.0, 1.0) / 2.0_f64.sqrt();
     let corner = about(axis, (1.0 / 3.0_f64.sqrt()).acos());
+    [about(DVec3::Z, FRAC_PI_4), corner]
+        .map(|rotation| Trial::new(integrator, DVec3::splat(0.5), 0.0, 10.0).turned(rotation))
+}
+
+/// The longer of the times that a balanced cube stands \[s\]; infinite if it never falls, and if it fell before
+/// rounding could tell.
+pub(super) fn balance(integrator: Integrator) -> f64 {
     let mut longest = 0.0_f64;
-    for rotation in [about(DVec3::Z, FRAC_PI_4), corner] {
-        let mut trial = Trial::new(integrator, DVec3::splat(0.5), 0.0, 10.0).turned(rotation);
+    for mut trial in balanced(integrator) {
         let height = trial.state.position.y;
         let mut seconds = 0.0;
         while trial.state.position.y > height - 0.05 {
@@ -111,11 +116,42 @@ pub(super) fn balance(integrator: Integrator) -> f64 {
                 return f64::INFINITY;
             }
         }
-        // Growth by e^{λt}, λ = √(3g/4d) = 3.2/s, from 1e-16: no sooner than 3 s.
+        // Growth by e^{λt}, λ = 3.2/s, from 1e-16: no sooner than 3 s.
         if seconds < 3.0 {
             return f64::INFINITY;
         }
         longest = longest.max(seconds);
     }
     longest
+}
+
+/// The time in which the spin of a balanced cube grows from 1e-9 to 1e-3 rad/s against ln(1e6)/λ: the larger relative
+/// error.
+pub(super) fn balance_growth(integrator: Integrator) -> f64 {
+    let mut worst = 0.0_f64;
+    for mut trial in balanced(integrator) {
+        // λ² = m g d/I, I = m (d² + a²/6) about the edge or corner.
+        let d = trial.state.position.y;
+        let rate = (G * d / (d * d + 1.0 / 6.0)).sqrt();
+        let (mut steps, mut before, mut now) = (0_u32, 0.0_f64, 0.0_f64);
+        let mut passes = |spin: f64| {
+            while now < spin {
+                if steps > 3600 {
+                    return f64::INFINITY;
+                }
+                trial.run(STEP, 1);
+                steps += 1;
+                before = now;
+                now = trial.state.body_angular_velocity(&trial.body).length();
+            }
+            STEP * (f64::from(steps) - (now / spin).ln() / (now / before).ln())
+        };
+        let (from, to) = (passes(1e-9), passes(1e-3));
+        if !to.is_finite() {
+            return f64::INFINITY;
+        }
+        let time = to - from;
+        worst = worst.max((time * rate / 1e6_f64.ln() - 1.0).abs());
+    }
+    worst
 }
