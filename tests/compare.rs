@@ -170,6 +170,10 @@ fn a_diverged_comparison_stops_at_its_last_good_state() {
     assert!(diverged.t < 3.0 && lost.driver.state.is_valid());
     assert!(run(&app).main_box.simulation.diverged.is_none());
     assert!(run(&app).clock > 3.0);
+    compare(&mut app, CompareAction::Resync);
+    let back = Integrator::SemiImplicitEuler;
+    assert!(comparison(&app, back).simulation.diverged.is_none());
+    assert!(measured_of(&app, back, Quantity::Position) < 1e-9);
 }
 
 /// Making a comparison's integrator the main one swaps the two. Each trajectory stays that of one integrator.
@@ -311,6 +315,13 @@ fn the_integrator_of_2012_moves_only_the_main_box() {
     }
     // It falls at 9.81 m/s from the start, so the difference is three meters by now.
     assert!(run(&app).main_box.track.now.worst.0 > 1.0);
+    // The library's integrator continues from the current state of the box. The comparisons follow, and all
+    // values are correct again.
+    ask(&mut app, Action::SetDemo(None));
+    compare(&mut app, CompareAction::Resync);
+    play(&mut app, 10);
+    let apart = main_box(&mut app).position - compared(&app, Integrator::Rk4).position;
+    assert!(apart.length() < 1e-9, "{apart}");
 }
 
 /// The first run: `dzhanibekov`, the main box, two comparisons and the drawer on Energy. Within five seconds

@@ -48,6 +48,16 @@ impl Runner {
         }
     }
 
+    /// The same integrator begins again in `state` at `t` \[s\] under `model`.
+    pub fn restart(&mut self, model: &Arc<Model>, state: BodyState, t: f64) {
+        let (integrator, totals) = (self.driver.integrator, self.driver.totals);
+        self.driver = Driver::new(state, integrator).at_time(t);
+        self.driver.totals = totals;
+        self.model = model.clone();
+        self.balance = Balance::new(model, &state);
+        self.diverged = None;
+    }
+
     /// The setup's impulses up to `until` \[s\]; returns whether there were any.
     pub fn take_impulses(&mut self, impulses: &[TimedImpulse], until: f64) -> bool {
         let first = self.next_impulse;

@@ -21,6 +21,8 @@ pub enum CompareAction {
     ToggleComparisons,
     /// Quantity that is equal for all integrators.
     SetFairness(Fairness),
+    /// Move everything to the reference's state.
+    Resync,
     /// Time span of the plots.
     SetWindow(Window),
     /// Errors on a logarithmic or a linear axis.

@@ -186,6 +186,9 @@ fn follow(
 
 /// Carries out a request.
 fn apply(world: &mut World, action: CompareAction) {
+    if action == CompareAction::Resync {
+        return resync(world);
+    }
     let mut comparison = world.resource_mut::<Comparison>();
     let settings = &mut comparison.settings;
     match action {
@@ -207,7 +210,7 @@ fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLocal => settings.local ^= true,
         CompareAction::StartSweep => comparison.request_sweep(),
         CompareAction::CancelSweep => comparison.sweep.cancel(),
-        CompareAction::Copy => {}
+        CompareAction::Resync | CompareAction::Copy => {}
     }
 }
 
@@ -232,6 +235,18 @@ fn start_sweep(world: &mut World) {
     if let Err(error) = comparison.sweep.start(task) {
         let mut session = world.resource_mut::<Session>();
         session.notice(format!("sweep: {error}"));
+    }
+}
+
+/// Every comparison, and the main box, into the reference's state.
+fn resync(world: &mut World) {
+    let mut comparison = world.resource_mut::<Comparison>();
+    let Some(state) = comparison.run.as_mut().and_then(Run::resync) else {
+        return;
+    };
+    let mut main_box = world.query_filtered::<&mut BodyState, With<MainBox>>();
+    if let Some(mut now) = main_box.iter_mut(world).next() {
+        *now = state;
     }
 }
 

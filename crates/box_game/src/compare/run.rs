@@ -298,6 +298,20 @@ impl Run {
         true
     }
 
+    /// Puts every trajectory into the reference's state and opens new books; returns that state for the body.
+    pub fn resync(&mut self) -> Option<BodyState> {
+        let state = self.reference.follow(self.clock)?;
+        self.reference.push(self.clock, &Change::Place(state));
+        let (t, next) = (self.clock, self.inputs.end());
+        for runner in iter::once(&mut self.main_box).chain(&mut self.comparisons) {
+            runner.resync(&self.law, state, t, next);
+        }
+        self.before = (state, false);
+        self.reference_flips = Flips::new(&self.law, &state, t);
+        self.rule(t, RuleKind::Resync);
+        Some(state)
+    }
+
     /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own
     /// integrator, if the comparison is where the clock is. Takes what the plugin keeps of the main box and puts
     /// there what it should keep.

@@ -108,6 +108,14 @@ impl Runner {
         self.next_input > first
     }
 
+    /// Puts the comparison into `state` at `t` \[s\] with a new balance.
+    pub(crate) fn resync(&mut self, law: &Arc<Model>, state: BodyState, t: f64, next_input: u64) {
+        self.simulation.restart(law, state, t);
+        self.next_input = next_input;
+        self.reference = Some(state);
+        self.track.reopen(law, &self.simulation.balance, &state, t);
+    }
+
     /// The same without its past, to return to.
     pub(crate) fn save(&self) -> Self {
         let now = self.track.now;

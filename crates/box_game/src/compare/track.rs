@@ -46,12 +46,16 @@ pub struct Track {
 impl Track {
     /// At the start.
     pub fn new(model: &Model, balance: &Balance, state: &BodyState, t: f64) -> Self {
-        let mut track = Self {
-            flips: Flips::new(model, state, t),
-            ..Self::default()
-        };
-        track.observe((model, balance), state, t, Some(state), None);
+        let mut track = Self::default();
+        track.reopen(model, balance, state, t);
         track
+    }
+
+    /// The same trajectory goes on from `state` with a new balance; the past stays.
+    pub(crate) fn reopen(&mut self, model: &Model, balance: &Balance, state: &BodyState, t: f64) {
+        self.now = Measured::default();
+        self.flips = Flips::new(model, state, t);
+        self.observe((model, balance), state, t, Some(state), None);
     }
 
     /// Forgets what was after `t` \[s\].

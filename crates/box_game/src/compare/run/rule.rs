@@ -11,6 +11,8 @@ pub enum RuleKind {
     Step,
     /// The main box got another integrator.
     Integrator,
+    /// The comparisons were put into the reference's state.
+    Resync,
 }
 
 /// A vertical line in the plots.

@@ -238,6 +238,7 @@ const fn looks(kind: RuleKind) -> (&'static str, [u8; 3]) {
         RuleKind::Input => ("push or change", [150, 110, 150]),
         RuleKind::Step => ("dt changed", [90, 140, 170]),
         RuleKind::Integrator => ("integrator changed", [170, 140, 80]),
+        RuleKind::Resync => ("re-sync", [160; 3]),
     }
 }
 

@@ -219,7 +219,7 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     }
 }
 
-/// Layout and fairness.
+/// Layout, fairness, re-sync.
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
     ui.horizontal_wrapped(|ui| {
@@ -241,6 +241,8 @@ fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
         panel.button(ui, all, CompareAction::CompareAll);
         let none = text("Compare none", "Compare nothing.");
         panel.button(ui, none, CompareAction::CompareNone);
+        let hint = "Move the main box and every comparison to the reference's state.";
+        panel.button(ui, text("Re-sync", hint), CompareAction::Resync);
     });
     if !view.note.is_empty() {
         ui.small(&view.note);

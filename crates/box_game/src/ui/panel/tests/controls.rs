@@ -16,7 +16,7 @@ const BUTTONS: &str = "TogglePicker PreviousScene NextScene TogglePause Step(1) 
     ToggleLog CopyCommandLine Set(RestitutionLaw,1.0) SelectPlot(error) SelectPlot(timing) \
     SelectPlot(cpu) SelectPlot(work_precision) SelectPlot(table) Compare(SetLayout(solo)) \
     Compare(SetLayout(side_by_side)) Compare(SetFairness(evaluations)) Compare(SetFairness(cost)) \
-    Compare(CompareAll) Compare(CompareNone) Compare(ToggleLogarithmicEnergy) \
+    Compare(CompareAll) Compare(CompareNone) Compare(Resync) Compare(ToggleLogarithmicEnergy) \
     Compare(SetWindow(ten)) Compare(Copy)";
 
 #[test]
