@@ -114,7 +114,9 @@ pub enum Action {
     Screenshot,
     /// Save it under this name.
     ScreenshotTo(PathBuf),
-    /// Film the picture, as numbered PNGs.
+    /// Save a PNG of the open plot or table alone, under this name or the next free one.
+    SavePlot(Option<PathBuf>),
+    /// Film the picture, as animated PNG.
     Record(Film),
     /// Copy the command line that restores this session to the clipboard.
     CopyCommandLine,

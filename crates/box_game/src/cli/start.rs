@@ -115,7 +115,10 @@ fn end(
         None => {
             // A picture left from an earlier run must not pass for this one's.
             platform::remove(path);
-            commands.insert_resource(ScreenshotRequest(Some(path.clone())));
+            commands.insert_resource(ScreenshotRequest {
+                path: Some(path.clone()),
+                plot: false,
+            });
             *asked = Some(*frames);
         }
         Some(_) if platform::exists(path) => {

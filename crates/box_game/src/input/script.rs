@@ -140,7 +140,10 @@ pub fn play(
             }
             return;
         }
-        let picture = matches!(action, Action::Screenshot | Action::ScreenshotTo(_));
+        let picture = matches!(
+            action,
+            Action::Screenshot | Action::ScreenshotTo(_) | Action::SavePlot(_)
+        );
         if picture && comparison.is_sweeping() {
             return;
         }

@@ -32,7 +32,8 @@ pub struct PicturesPlugin;
 
 impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(screenshot::on_action)
+        app.init_resource::<screenshot::PlotArea>()
+            .add_observer(screenshot::on_action)
             .add_systems(Update, (screenshot::take_screenshot, screenshot::film));
     }
 }

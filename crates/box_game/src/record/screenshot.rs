@@ -14,9 +14,18 @@ use crate::platform;
 use crate::scene::session::Session;
 use crate::view::renderer::PictureTarget;
 
-/// A picture of the next frame, for this file or the next free `box_game-NN.png`.
+/// The open plot or table \[pixels\]; empty while the drawer is shut.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(crate) struct PlotArea(pub URect);
+
+/// A picture of the next frame.
 #[derive(Resource, Clone, Debug)]
-pub(crate) struct ScreenshotRequest(pub Option<PathBuf>);
+pub(crate) struct ScreenshotRequest {
+    /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
+    pub path: Option<PathBuf>,
+    /// The open plot or table alone.
+    pub plot: bool,
+}
 
 /// A series of pictures being taken.
 #[derive(Resource, Debug)]
@@ -29,9 +38,10 @@ pub(crate) struct Filming {
 
 /// Observes requests for pictures.
 pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
-    let path = match &*action {
-        Action::Screenshot => None,
-        Action::ScreenshotTo(path) => Some(path.clone()),
+    let (path, plot) = match &*action {
+        Action::Screenshot => (None, false),
+        Action::ScreenshotTo(path) => (Some(path.clone()), false),
+        Action::SavePlot(path) => (path.clone(), true),
         Action::Record(film) => {
             if !(film.rate > 0.0 && film.rate.is_finite()) {
                 session.notice(format!("film: rate {}: allowed: above 0", film.rate));
@@ -46,7 +56,7 @@ pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut co
         }
         _ => return,
     };
-    commands.insert_resource(ScreenshotRequest(path));
+    commands.insert_resource(ScreenshotRequest { path, plot });
 }
 
 /// What takes pictures.
@@ -59,16 +69,25 @@ pub(crate) struct Capture<'w, 's> {
 }
 
 /// Takes the requested picture.
-pub(crate) fn take_screenshot(request: Option<Res<ScreenshotRequest>>, mut capture: Capture) {
+pub(crate) fn take_screenshot(
+    request: Option<Res<ScreenshotRequest>>,
+    plot: Res<PlotArea>,
+    mut capture: Capture,
+) {
     let Some(request) = request else {
         return;
     };
     capture.commands.remove_resource::<ScreenshotRequest>();
+    let name = if request.plot { "plot" } else { "box_game" };
     // A file that was named needs no notice, which would be in the next picture.
-    let (path, named) = (request.0.clone(), request.0.is_some());
-    match path.map_or_else(|| platform::next_free("box_game", "png"), Ok) {
+    let named = request.path.is_some();
+    let path = request.path.clone();
+    match path.map_or_else(|| platform::next_free(name, "png"), Ok) {
         Err(error) => capture.session.notice(error.to_string()),
-        Ok(path) => capture.picture(path, named),
+        Ok(_) if request.plot && plot.0.is_empty() => {
+            capture.session.notice("no plot is open; M opens the plots");
+        }
+        Ok(path) => capture.picture(request.plot.then_some(plot.0), path, named),
     }
 }
 
@@ -93,7 +112,7 @@ pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut 
         return;
     }
     let path = folder.join(format!("{:04}.png", filming.taken + 1));
-    capture.picture(path, true);
+    capture.picture(None, path, true);
     filming.taken += 1;
     if filming.taken >= filming.film.pictures {
         capture.commands.remove_resource::<Filming>();
@@ -101,8 +120,8 @@ pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut 
 }
 
 impl Capture<'_, '_> {
-    /// Takes a picture and saves it at `path`.
-    fn picture(&mut self, path: PathBuf, named: bool) {
+    /// Takes a picture, or the part `area` of it, and saves it at `path`.
+    fn picture(&mut self, area: Option<URect>, path: PathBuf, named: bool) {
         self.pending.0 += 1;
         let picture = Screenshot(self.target.0.clone());
         self.commands.spawn(picture).observe(
@@ -110,7 +129,7 @@ impl Capture<'_, '_> {
                   mut session: ResMut<Session>,
                   mut pending: ResMut<PendingPictures>| {
                 pending.0 = pending.0.saturating_sub(1);
-                match save(&captured.image, &path) {
+                match save(&captured.image, area, &path) {
                     Ok(()) if named => info!("picture: {}", path.display()),
                     Ok(()) => session.notice(format!("picture: {}", path.display())),
                     Err(error) => session.notice(format!("picture {}: {error}", path.display())),
@@ -121,8 +140,11 @@ impl Capture<'_, '_> {
 }
 
 /// Writes a PNG.
-fn save(image: &Image, path: &Path) -> io::Result<()> {
-    let picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
+fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
+    let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
+    if let Some(URect { min, max }) = area {
+        picture = picture.crop_imm(min.x, min.y, max.x - min.x, max.y - min.y);
+    }
     let mut png = io::Cursor::new(Vec::new());
     let format = ImageFormat::Png.as_image_crate_format();
     let format = format.ok_or_else(|| io::Error::other("built without PNG"))?;

@@ -14,6 +14,7 @@ use crate::camera::views::{self, PictureArea};
 use crate::input::focus::UiFocus;
 use crate::parameters::UI_SCALES;
 use crate::preferences::Preferences;
+use crate::record::screenshot::PlotArea;
 use crate::view::renderer::PictureTarget;
 
 /// The camera of the panel.
@@ -58,7 +59,7 @@ pub(super) fn show_panel(
     mut state: Local<PanelState>,
     mut actions: ResMut<Actions>,
     mut focus: ResMut<UiFocus>,
-    mut picture: ResMut<PictureArea>,
+    (mut picture, mut plot): (ResMut<PictureArea>, ResMut<PlotArea>),
     camera: Single<&Camera, With<PanelCamera>>,
 ) -> Result {
     let start = Instant::now();
@@ -79,6 +80,7 @@ pub(super) fn show_panel(
     };
     let whole = camera.physical_target_size().unwrap_or(UVec2::ONE);
     let pixels = |rect| pixels(rect, context.pixels_per_point(), whole);
+    plot.0 = layout.plot.map(pixels).unwrap_or_default();
     // Views stand below the captions, which would cover the upper ones and their names.
     let (mut room, mut captions) = (layout.central, layout.captions);
     if view.compare.settings.layout == Layout::Views {

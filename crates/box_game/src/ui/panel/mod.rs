@@ -48,6 +48,8 @@ pub struct PanelLayout {
     pub central: Rect,
     /// How much of it captions cover from its top \[points\].
     pub captions: f32,
+    /// The open plot or table \[points\].
+    pub plot: Option<Rect>,
 }
 
 /// Width of the side panel, which shows everything in it [points].
@@ -75,6 +77,7 @@ pub fn show(
         return PanelLayout {
             central: window,
             captions: 0.0,
+            plot: None,
         };
     }
     egui::Panel::top("top bar").show(ui, |ui| top_bar::show(ui, panel));
@@ -91,18 +94,20 @@ pub fn show(
             .exact_size(SIDE)
             .show(ui, |ui| side::show(ui, panel));
     }
-    if open {
+    let plot = open.then(|| {
         let most = most(ui, 0.0).max(DRAWER_LEAST);
         egui::Panel::bottom("drawer")
             .resizable(true)
             .default_size((ui.available_height() * DRAWER).clamp(DRAWER_LEAST, most))
             .size_range(DRAWER_LEAST..=most)
-            .show(ui, |ui| drawer::show(ui, panel));
-    }
+            .show(ui, |ui| drawer::show(ui, panel))
+            .inner
+    });
     let left = ui.available_rect_before_wrap();
     let central = Rect::from_min_size(left.min, left.size().max(egui::Vec2::ZERO));
     PanelLayout {
         central,
         captions: overlay::captions(ui, central, panel),
+        plot,
     }
 }

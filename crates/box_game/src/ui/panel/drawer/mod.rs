@@ -5,7 +5,7 @@ mod plots;
 mod table;
 mod work_precision;
 
-use bevy_egui::egui::{RichText, Ui};
+use bevy_egui::egui::{Rect, RichText, Ui};
 
 use super::widgets::{Panel, Text, text};
 use crate::action::compare::{CompareAction, Window};
@@ -44,8 +44,8 @@ pub(super) const TABS: [(Plot, &str, &str); 6] = [
     ),
 ];
 
-/// Draws the tabs and the chosen one's content.
-pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+/// Draws the tabs and the chosen one's content; returns where that is.
+pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) -> Rect {
     let view = panel.view;
     let now = ui.input(|i| i.time);
     let frozen = &mut panel.memory.frozen;
@@ -58,6 +58,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
         ui.separator();
         tools(ui, panel);
+        let hint = "Save this plot or table as plot-NN.png in the current folder.";
+        panel.button(ui, Text("PNG", "Save plot", hint), Action::SavePlot(None));
         if panel.memory.frozen.is_some() {
             ui.label(RichText::new("⏸ frozen").strong()).on_hover_text(
                 "The plots are frozen while the pointer is over them; the simulation runs on.",
@@ -81,6 +83,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         frozen.get_or_insert_with(|| (view.clone(), 0.0)).1 = now + THAW;
     }
     panel.memory.frozen = frozen;
+    place
 }
 
 /// Options of the open tab.

@@ -13,7 +13,7 @@ use crate::parameters::Parameter;
 /// Requests by one click on the sample, in the words of a script.
 const BUTTONS: &str = "TogglePicker PreviousScene NextScene TogglePause Step(1) StepBack(1) Restart Slower Faster \
     TogglePlots TogglePanel ToggleHelp ToggleAabb ToggleContacts ToggleAxes FrameCamera HomeCamera Screenshot \
-    ToggleLog CopyCommandLine Set(RestitutionLaw,1.0) SelectPlot(error) SelectPlot(timing) \
+    ToggleLog CopyCommandLine SavePlot(None) Set(RestitutionLaw,1.0) SelectPlot(error) SelectPlot(timing) \
     SelectPlot(cpu) SelectPlot(work_precision) SelectPlot(table) Compare(SetLayout(solo)) \
     Compare(SetLayout(side_by_side)) Compare(SetFairness(evaluations)) Compare(SetFairness(cost)) \
     Compare(CompareAll) Compare(CompareNone) Compare(Resync) Compare(ToggleLogarithmicEnergy) \
