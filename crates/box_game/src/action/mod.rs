@@ -102,6 +102,8 @@ pub enum Action {
     Grab(Option<Hold>),
     /// In the 2012 scene: a stepper of the dissertation, or the plugin.
     SetDemo(#[serde(with = "stepper")] Option<Stepper>),
+    /// Start or stop the dissertation's log of cycle times, a text file.
+    ToggleDemoLog,
     /// Draw the re-fitted bounding boxes.
     ToggleAabb,
     /// Draw contact points, normals and impulses.

@@ -1,6 +1,9 @@
 //! The demo of 2012 on screen: in its scene the main box moves as [`box_scenarios::dissertation`] has it, or,
 //! at the press of a button, as ours.
 
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{
@@ -9,6 +12,7 @@ use box_physics::prelude::{
 use box_scenarios::dissertation::{Demo, State, Stepper};
 
 use crate::action::Action;
+use crate::platform::{self, Stream};
 use crate::scene::session::{MainBox, Session};
 use crate::scene::start::{SceneOpened, SceneStarted};
 
@@ -46,10 +50,12 @@ impl Plugin for Demo2012Plugin {
     }
 }
 
-/// Observes the choice of a stepper.
+/// Observes the choice of a stepper and the switch of the log.
 fn on_action(action: On<Action>, mut commands: Commands) {
-    if let Action::SetDemo(stepper) = *action {
-        commands.queue(move |world: &mut World| choose(world, stepper));
+    match *action {
+        Action::SetDemo(stepper) => commands.queue(move |world: &mut World| choose(world, stepper)),
+        Action::ToggleDemoLog => commands.queue(toggle_log),
+        _ => {}
     }
 }
 
@@ -62,6 +68,7 @@ pub struct Demo2012 {
     pub state: Option<State>,
     /// Time of the last integration cycle \[ns\].
     pub cycle_ns: u64,
+    log: Option<CycleLog>,
 }
 
 impl Default for Demo2012 {
@@ -70,6 +77,7 @@ impl Default for Demo2012 {
             stepper: Some(Stepper::default()),
             state: None,
             cycle_ns: 0,
+            log: None,
         }
     }
 }
@@ -78,6 +86,38 @@ impl Demo2012 {
     /// The stepper, if it is in charge in `session`'s scene.
     pub fn active(&self, session: &Session) -> Option<Stepper> {
         self.stepper.filter(|_| session.scenario.id == SCENE)
+    }
+
+    /// The file that the cycle times go to.
+    pub fn log(&self) -> Option<(&Path, u64)> {
+        self.log.as_ref().map(|l| (l.path.as_path(), l.cycles))
+    }
+}
+
+/// The demo's log: the time of every integration cycle, a line each, as text.
+#[derive(Debug)]
+struct CycleLog {
+    path: PathBuf,
+    file: Stream,
+    cycles: u64,
+}
+
+impl CycleLog {
+    fn create(path: PathBuf) -> io::Result<Self> {
+        let mut file = platform::create(&path)?;
+        file.write_all(b"cycle milliseconds stepper\n")?;
+        Ok(Self {
+            path: platform::absolute(&path)?,
+            file,
+            cycles: 0,
+        })
+    }
+
+    fn write(&mut self, stepper: Stepper, nanoseconds: u64) -> io::Result<()> {
+        self.cycles += 1;
+        let (cycle, milliseconds) = (self.cycles, nanoseconds as f64 * 1e-6);
+        let line = format!("{cycle} {milliseconds:.6} {}\n", stepper.id());
+        self.file.write_all(line.as_bytes())
     }
 }
 
@@ -109,6 +149,12 @@ fn run_cycle(
     transform.translation = state.position.as_vec3();
     transform.rotation = state.rotation.as_quat();
     *aabb = WorldAabb::of(body, &state);
+    if let Some(log) = &mut demo.log
+        && let Err(error) = log.write(stepper, demo.cycle_ns)
+    {
+        warn!("the log of 2012 ends: {error}");
+        demo.log = None;
+    }
 }
 
 /// Chooses a stepper of 2012, or ours. Each goes on from where the box is.
@@ -141,8 +187,42 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
     Demo::of(&body, None).push(state, Demo::force_for(impulse), body_point);
 }
 
+/// Starts or ends the log of cycle times.
+fn toggle_log(world: &mut World) {
+    let mut demo = world.resource_mut::<Demo2012>();
+    let text = if let Some(CycleLog { path, cycles, .. }) = demo.log.take() {
+        format!("log of 2012 closed: {} ({cycles} cycles)", path.display())
+    } else {
+        match platform::next_free("cycles-2012", "txt").and_then(CycleLog::create) {
+            Ok(log) => format!("log of 2012: {}", demo.log.insert(log).path.display()),
+            Err(error) => format!("log of 2012: {error}"),
+        }
+    };
+    world.resource_mut::<Session>().notice(text);
+}
+
 fn main_box(world: &mut World) -> Option<(RigidBox, BodyState)> {
     let mut boxes = world.query_filtered::<(&RigidBox, &BodyState), With<MainBox>>();
     let (body, state) = boxes.iter(world).next()?;
     Some((*body, *state))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_is_a_line_a_cycle() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("log.txt");
+        let mut log = CycleLog::create(path.clone()).expect("writable");
+        log.write(Stepper::Rk4, 1_234_567).expect("writable");
+        log.write(Stepper::Heun, 500).expect("writable");
+        drop(log);
+        let text = std::fs::read_to_string(path).expect("written");
+        assert_eq!(
+            text,
+            "cycle milliseconds stepper\n1 1.234567 2012-rk4\n2 0.000500 2012-heun\n"
+        );
+    }
 }

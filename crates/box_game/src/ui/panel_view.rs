@@ -158,5 +158,8 @@ fn demo(demo: &Demo2012) -> DemoView {
     DemoView {
         stepper: demo.stepper,
         cycle_us: demo.cycle_ns as f64 * 1e-3,
+        log: demo
+            .log()
+            .map(|(path, cycles)| (path.display().to_string(), cycles)),
     }
 }

@@ -143,8 +143,14 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
             panel.choice(ui, demo.stepper == stepper, words, Action::SetDemo(stepper));
         }
         if demo.stepper.is_some() {
+            let name = ["Start cycle log", "Stop cycle log"][usize::from(demo.log.is_some())];
+            let hint = "Write the time of every integration cycle to a text file, as in 2012.";
+            panel.button(ui, text(name, hint), Action::ToggleDemoLog);
             let cycle = number((demo.cycle_us * 100.0).round() / 100.0);
             ui.small(format!("last cycle {cycle} µs"));
+            if let Some((path, cycles)) = &demo.log {
+                ui.small(format!("{path} · {cycles} cycles"));
+            }
         }
     });
     let words = match demo.stepper {

@@ -103,6 +103,8 @@ pub(crate) struct DemoView {
     pub stepper: Option<Stepper>,
     /// The last integration cycle \[µs\].
     pub cycle_us: f64,
+    /// The file of its cycle times and their number.
+    pub log: Option<(String, u64)>,
 }
 
 /// Histories, oldest first; times are seconds since the start of the program or the scene.

@@ -80,7 +80,11 @@ fn words_arrows_and_enter_choose_a_scene() {
 fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
     let mut person = with(|view| view.demo = Some(demo()));
     person.sees_all(&[Stepper::Heun.fault(), "9.81 m/s"]);
-    person.asks_for([Action::SetDemo(Some(Stepper::Rk4)), Action::SetDemo(None)]);
+    person.asks_for([
+        Action::SetDemo(Some(Stepper::Rk4)),
+        Action::ToggleDemoLog,
+        Action::SetDemo(None),
+    ]);
     let chosen = Action::SetDemo(Some(Stepper::Heun));
     assert_eq!(person.click_on(chosen), [], "it is chosen");
     let mut demo = demo();

@@ -48,6 +48,7 @@ fn demo() -> DemoView {
     DemoView {
         stepper: Some(Stepper::Heun),
         cycle_us: 1.25,
+        log: None,
     }
 }
 
