@@ -245,6 +245,26 @@ fn digits_and_symbols_do_not_collide_on_other_keyboards() {
 }
 
 #[test]
+fn the_reset_ladder_ends_with_everything() {
+    let mut app = game("bounce --dt 1/120 --substeps 3 --integrator rk4");
+    ask(&mut app, Action::Set(Parameter::Gravity, 1.0));
+    ask(&mut app, Action::SetSpeed(0.25));
+    ask(&mut app, Action::ToggleAabb);
+    ask(&mut app, Action::SetUiScale(1.5));
+    ask(&mut app, Action::ResetEverything);
+    let now = session(&app);
+    assert_eq!(now.scenario.id, Scenario::default().id);
+    assert_eq!(now.parameters, now.defaults);
+    assert_eq!(now.speed, 1.0);
+    assert_eq!(integrator(&app), Integrator::default());
+    assert_eq!(clock(&app).substeps, 1);
+    let preferences = *app.world().resource::<Preferences>();
+    assert_eq!(preferences, Preferences::default());
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    assert_eq!(step, Time::<Fixed>::from_hz(60.0).timestep());
+}
+
+#[test]
 fn slow_motion_is_a_ladder_with_ends() {
     let mut app = game("throw --speed 0.5");
     let speed = app.world().resource::<Time<Virtual>>().relative_speed_f64();

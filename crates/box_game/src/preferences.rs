@@ -77,6 +77,7 @@ pub fn on_action(action: On<Action>, mut preferences: ResMut<Preferences>) {
         Action::SetUiScale(scale) if scale.is_finite() => {
             preferences.ui_scale = (scale as f32).clamp(UI_SCALES.0, UI_SCALES.1);
         }
+        Action::ResetEverything => *preferences = Preferences::default(),
         _ => {}
     }
 }

@@ -84,6 +84,8 @@ pub enum Action {
     Set(Parameter, f64),
     /// Restore the scene's own parameters.
     ResetParameters,
+    /// Restore the first scene and every default.
+    ResetEverything,
     /// Undo the last change of a parameter, or the last restart.
     Undo,
     /// Redo the last undone change.

@@ -3,13 +3,13 @@
 use bevy::prelude::*;
 use box_physics::prelude::{
     AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, DVec3, ExternalForce,
-    Floor, Friction, LinearDrag, PhysicsClock, PointForces, QuadraticDrag, ReportPersisting,
-    Restitution, RigidBox, Springs, StaticPlane, WorldGravity,
+    Floor, Friction, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
+    ReportPersisting, Restitution, RigidBox, Springs, StaticPlane, WorldGravity,
 };
 use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
 
 use super::boxes::place;
-use super::clock::set_step;
+use super::clock::{set_speed, set_step};
 use super::session::{BoxNumber, MainBox, SceneEntity, Session};
 use crate::action::Action;
 use crate::parameters::{Effect, Parameter, Parameters};
@@ -37,6 +37,7 @@ pub fn on_action(action: On<Action>, mut commands: Commands) {
             session.parameters = session.own_parameters();
             start_scene(world);
         }),
+        Action::ResetEverything => commands.queue(reset_everything),
         _ => {}
     }
 }
@@ -115,6 +116,22 @@ pub fn take_effect(world: &mut World, effect: Effect, event: String) {
         }
         Effect::None => {}
     }
+}
+
+/// The game as it opens; log and notices stay.
+fn reset_everything(world: &mut World) {
+    world.insert_resource(GlobalIntegrator::default());
+    world.resource_mut::<PhysicsClock>().paused = false;
+    let mut session = world.resource_mut::<Session>();
+    let fresh = Session::new(Scenario::default(), session.seed);
+    *session = Session {
+        run: session.run,
+        notices: core::mem::take(&mut session.notices),
+        ..fresh
+    };
+    set_speed(world, 1.0);
+    set_step(world);
+    open_scene(world, Scenario::default(), true);
 }
 
 /// Applies the scene's timed impulses, to every box, at the first step boundary at or after their time.

@@ -20,6 +20,8 @@ pub struct PanelMemory {
     pub(super) search: String,
     /// The marked one of the scenes found.
     pub(super) picked: usize,
+    /// "Reset everything" was pressed once.
+    pub(super) sure: bool,
     /// A value that restarts the scene, while it is dragged.
     pub(super) draft: Option<(Parameter, f64)>,
     /// Work–precision shows the position error or the attitude's; what says more, if `None`.

@@ -169,6 +169,7 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
 /// game's own keys, so that one press is one request.
 pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
     if !panel.view.show_help {
+        panel.memory.sure = false;
         return;
     }
     let screen = ui.ctx().content_rect();
@@ -182,6 +183,7 @@ pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
             let hint = "Restore the scene's own parameters.";
             let reset = text("Reset all parameters", hint);
             panel.button(ui, reset, Action::ResetParameters);
+            reset_everything(ui, panel);
         });
         ui.horizontal_wrapped(|ui| scale(ui, panel));
         ui.label("Right-click a slider to reset it. Typed values may exceed the slider's range.");
@@ -193,6 +195,21 @@ pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
     if modal.inner || modal.backdrop_response.clicked() {
         panel.ask(Action::ToggleHelp);
     }
+}
+
+/// The last rung of the ladder asks once more.
+fn reset_everything(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let hint = "Restore the first scene and every default.";
+    if !panel.memory.sure {
+        let reset = text("Reset everything…", hint);
+        panel.memory.sure = button(ui, reset, "reset everything");
+        return;
+    }
+    let before = panel.out.len();
+    let yes = text("Yes, reset everything", hint);
+    panel.button(ui, yes, Action::ResetEverything);
+    let no = button(ui, text("No", "Change nothing."), "no");
+    panel.memory.sure = !no && panel.out.len() == before;
 }
 
 /// Scales of the panel by one click.

@@ -1,4 +1,4 @@
-//! Hints, the search for a scene, the strip of 2012, scene errors, notices.
+//! Hints, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
 
 use bevy_egui::egui::{Event, Key};
 use box_scenarios::Scenario;
@@ -98,6 +98,15 @@ fn errors_of_scene_files_stay_in_the_window() {
     let error = "assets/scenes/a.ron:6:9: body.mass: must be positive";
     let person = with(|view| view.scene_errors = vec![error.into()]);
     assert!(person.sees_part(error));
+}
+
+#[test]
+fn everything_is_reset_only_when_sure() {
+    let mut person = with(|view| view.show_help = true);
+    for own in ["reset everything", "no", "reset everything"] {
+        assert_eq!(person.click(own), []);
+    }
+    person.asks_for([Action::ResetEverything, Action::SetUiScale(1.5)]);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn help_lists_every_key_and_closes() {
     // Esc belongs to the game's keys.
     person.harness.key_press(Key::Escape);
     assert_eq!(person.asked(), []);
-    person.asks_for([Action::ResetParameters, Action::SetUiScale(1.5)]);
+    person.asks_for([Action::ResetParameters]);
     assert_eq!(person.click("Close help"), [Action::ToggleHelp]);
 }
 
