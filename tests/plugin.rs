@@ -6,6 +6,8 @@ mod clock;
 mod contacts;
 #[path = "plugin/floor.rs"]
 mod floor;
+#[path = "plugin/forced.rs"]
+mod forced;
 #[path = "plugin/planes.rs"]
 mod planes;
 #[path = "plugin/pushes.rs"]

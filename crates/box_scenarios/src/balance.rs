@@ -13,9 +13,9 @@ use box_physics::force::rates;
 use box_physics::prelude::{BodyState, DVec3};
 
 use crate::driver::Driver;
-use crate::driver::Model;
 use crate::live_reference::best_integrator;
 use crate::metrics::{energy_scale, momentum_scale};
+use crate::model::Model;
 
 /// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
 /// 4096 times smaller than the comparison's would be with the same.

@@ -85,6 +85,7 @@ pub use components::{
     LinearDrag, OneShotForce, PointForces, QuadraticDrag, Quarantined, ReportContacts,
     ReportPersisting, RestingSince, Springs, WorldAabb,
 };
+pub use contacts::FloorPlugin;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 pub use messages::{
@@ -95,6 +96,7 @@ pub use parallel::PhysicsThreads;
 pub use queries::{
     BodyMut, BodyMutItem, BodyMutReadOnly, BodyMutReadOnlyItem, BodyRef, BodyRefItem,
 };
+pub use refit::AabbPlugin;
 pub use resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
 pub use run::StepPhysics;
 pub use sets::{FixedPhysics, PhysicsSchedule, PhysicsSystems, RunPhysics};
@@ -113,7 +115,6 @@ use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-    SystemCondition, common_conditions,
 };
 use bevy::transform::components::Transform;
 
@@ -121,9 +122,7 @@ use self::components::NearFloor;
 use self::sleeping::Sleep;
 use self::transforms::PublishedPose;
 use crate::body::RigidBox;
-use crate::floor::{
-    ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
-};
+use crate::floor::{Floor, Friction, Restitution, StaticPlane};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
@@ -245,6 +244,7 @@ impl Plugin for PhysicsPlugin {
         require::<NearFloor, NearFloor>(app);
         require::<Sleep, Sleep>(app);
 
+        let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
         // Not `add_schedule`: systems that users gave it before the plugin stay.
         app.init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, |schedule| {
@@ -311,12 +311,8 @@ impl Plugin for PhysicsPlugin {
                 )
                     .chain(),
             )
-            .add_systems(
-                self.schedule.unwrap_or_else(|| FixedPhysics.intern()),
-                run::run_physics.in_set(RunPhysics),
-            );
-        let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
-        app.insert_resource(run::RunsIn(schedule));
+            .insert_resource(run::RunsIn(schedule))
+            .add_systems(schedule, run::run_physics.in_set(RunPhysics));
         if self.schedule.is_none() {
             add_own_schedule(app);
         }
@@ -356,59 +352,6 @@ fn register_types(app: &mut App) {
         .register_type::<BodyQuarantined>();
 }
 
-/// Contact with a [`Floor`] and with [`StaticPlane`]s. Leave it out and they are nothing, and bodies carry no contact memory.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FloorPlugin;
-
-impl Plugin for FloorPlugin {
-    fn is_unique(&self) -> bool {
-        false
-    }
-
-    fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<Self>() {
-            return;
-        }
-        app.init_resource::<ContactSettings>()
-            .add_message::<FloorContact>()
-            .add_message::<Landed>()
-            .register_type::<Floor>()
-            .register_type::<StaticPlane>()
-            .register_type::<ContactSettings>()
-            .register_type::<Friction>()
-            .register_type::<Restitution>()
-            .register_type::<ContactState>()
-            .register_type::<ReportContacts>()
-            .register_type::<ReportPersisting>()
-            .register_type::<RestingSince>()
-            .register_type::<FloorContact>()
-            .register_type::<ContactPhase>()
-            .register_type::<ContactReport>()
-            .register_type::<Landed>()
-            .register_type::<Settled>()
-            .register_type::<Woken>();
-        require::<RestingSince, RestingSince>(app);
-        require::<ContactState, ContactState>(app);
-        app.add_systems(
-            PhysicsSchedule,
-            (contact::contact, contacts::report_contacts)
-                .chain()
-                .in_set(PhysicsSystems::Contact),
-        )
-        .add_systems(
-            run::BeforeSteps,
-            (
-                contacts::end_all_contacts.run_if(
-                    common_conditions::resource_removed::<Floor>
-                        .or_else(contacts::last_plane_removed),
-                ),
-                faults::report_invalid_planes,
-            ),
-        );
-        contacts::build(app);
-    }
-}
-
 /// Gives every body a `C`, and as part of `B` where it is lost.
 fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
     // An error means that bodies were spawned before the plugin was added: they are completed like others.
@@ -417,26 +360,4 @@ fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
         run::BeforeSteps,
         faults::restore_component::<C, B>.before(placement::show_changes::<true>),
     );
-}
-
-/// Re-fits a [`WorldAabb`] on every body after each step. Leave it out and bodies have none.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct AabbPlugin;
-
-impl Plugin for AabbPlugin {
-    fn is_unique(&self) -> bool {
-        false
-    }
-
-    fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<Self>() {
-            return;
-        }
-        app.register_type::<WorldAabb>();
-        require::<WorldAabb, WorldAabb>(app);
-        app.add_systems(
-            PhysicsSchedule,
-            refit::refit_aabbs.in_set(PhysicsSystems::Refit),
-        );
-    }
 }

@@ -1,7 +1,9 @@
 //! The bounding boxes of all bodies, fitted at once.
 
+use bevy::app::{App, Plugin};
 use bevy::ecs::change_detection::Ref;
 use bevy::ecs::error::Result;
+use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::{Query, Res, ResMut};
 
 use super::chunks::Columns;
@@ -10,6 +12,7 @@ use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sleeping::{Changes, Sleep, SleepClock};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use super::transforms::LIGHT;
+use super::{PhysicsSchedule, PhysicsSystems, require};
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
 use crate::math::{VectorLoop, vectorized};
@@ -90,6 +93,25 @@ pub(crate) fn refit_aabbs(
         timings.record_stage(Stage::Refit, watch.lap());
     }
     Ok(())
+}
+
+/// Re-fits a [`WorldAabb`] on every body after each step. Leave it out and bodies have none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AabbPlugin;
+
+impl Plugin for AabbPlugin {
+    fn is_unique(&self) -> bool {
+        false
+    }
+
+    fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            return;
+        }
+        app.register_type::<WorldAabb>();
+        require::<WorldAabb, WorldAabb>(app);
+        app.add_systems(PhysicsSchedule, refit_aabbs.in_set(PhysicsSystems::Refit));
+    }
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ pub(crate) fn run_physics(world: &mut World) {
     Unsmoothed::begin_tick(world);
     world.run_schedule(BeforeSteps);
     advance(world);
-    // Seldom are there any.
+    // Usually empty.
     let quarantined = world.get_resource::<Messages<BodyQuarantined>>();
     if quarantined.is_some_and(|messages| !messages.is_empty())
         && let Err(error) = world.run_system_cached(report_quarantined)
@@ -56,7 +56,7 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     if delta.is_zero() || !settings_are_valid(world) {
         return;
     }
-    let substeps = world.resource::<PhysicsClock>().substeps.clamp(1, 1024);
+    let substeps = world.resource::<PhysicsClock>().substeps.max(1);
     for _ in 0..substeps {
         let mut clock = world.resource_mut::<PhysicsClock>();
         clock.begin_step(delta, substeps);

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, Integrator};
 
-use crate::driver::{Driver, Model};
+use crate::driver::Driver;
+use crate::model::Model;
 use crate::setup::TimedImpulse;
 
 /// The integrator that is closest to the truth under `model`, in fine steps.

@@ -17,8 +17,8 @@ use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, DVec3};
 
-use crate::driver::Model;
 use crate::metrics::StateError;
+use crate::model::Model;
 use crate::reference::{ReferenceKind, ReferenceSolution};
 use crate::setup::{Setup, TimedImpulse};
 use fine::Fine;
