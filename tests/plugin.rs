@@ -167,18 +167,6 @@ fn impulses_act_in_order_at_the_start_of_the_step() {
 }
 
 #[test]
-fn an_impulse_for_a_body_that_is_gone_is_dropped() {
-    let mut app = app();
-    let gone = app.spawn((brick(), tumbling()));
-    let stays = app.spawn((brick(), tumbling()));
-    app.send(ApplyImpulse::center(gone, DVec3::X));
-    app.send(ApplyImpulse::center(stays, DVec3::X * 3.0));
-    app.world_mut().despawn(gone);
-    app.update();
-    assert_eq!(app.state(stays).velocity.x, 2.0);
-}
-
-#[test]
 fn pause_stops_and_a_single_step_is_one_tick() {
     let mut app = app();
     let entity = app.spawn((brick(), tumbling()));

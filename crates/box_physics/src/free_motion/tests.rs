@@ -6,7 +6,7 @@ use crate::rotation::compose;
 use crate::state::BodyState;
 use proptest::prelude::*;
 
-fn angle(a: DQuat, b: DQuat) -> f64 {
+pub(super) fn angle(a: DQuat, b: DQuat) -> f64 {
     let d = a.conjugate() * b;
     2.0 * libm::atan2(d.xyz().length(), d.w.abs())
 }

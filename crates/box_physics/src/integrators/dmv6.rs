@@ -219,7 +219,7 @@ fn newton_correction(b: DVec3, e: DVec3, c: DVec3, f: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::super::IntegratorMemory;
-    use super::super::testing::{drag, expect_turn, run_counted};
+    use super::super::testing::{expect_turn, run_counted};
     use super::*;
     use crate::force::Gravity;
     use crate::free_motion::{FreeRotation, free_rotation};
@@ -279,15 +279,6 @@ mod tests {
                 (b.rotation, b.angular_momentum)
             );
         }
-    }
-
-    /// Damping rescales time exactly: the energy falls by e^{−2γt}, as in the closed form.
-    #[test]
-    fn angular_damping() {
-        let (body, start) = spinning([0.5, 0.25, 0.125], [1.5, 2.5, 1.0]);
-        let (state, _) = run_counted::<Dmv6>(&body, start, &drag(0.0, 0.25), 10.0, 600);
-        let ratio = state.rotational_energy(&body) / start.rotational_energy(&body);
-        assert!((ratio * libm::exp(5.0) - 1.0).abs() < 1e-12);
     }
 
     proptest! {

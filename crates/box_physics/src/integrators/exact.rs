@@ -170,26 +170,6 @@ mod tests {
         );
     }
 
-    /// The contact solver takes many trial steps from one state to find an impact, then keeps one of them.
-    #[test]
-    fn trial_steps_change_nothing() {
-        let (body, start) = tumbling();
-        let law = damped();
-        let (mut plain, mut memory) = (start, IntegratorMemory::default());
-        let (mut tried, mut tried_memory) = (start, IntegratorMemory::default());
-        let mut scratch = IntegratorMemory::default();
-        for _ in 0..100 {
-            Exact::step(&body, &mut plain, &law, 0.01, &mut memory);
-            for tau in [0.005, 0.0025, 0.0075, -0.3] {
-                let mut trial = tried;
-                scratch.clone_from(&tried_memory);
-                Exact::step(&body, &mut trial, &law, tau, &mut scratch);
-            }
-            Exact::step(&body, &mut tried, &law, 0.01, &mut tried_memory);
-            assert_eq!(plain, tried);
-        }
-    }
-
     /// A change of step size keeps the event; any other change does not.
     #[test]
     fn an_event_is_a_change() {

@@ -225,39 +225,10 @@ fn rotate(
 
 #[cfg(test)]
 mod tests {
+    use super::super::Rk4;
     use super::super::testing::{Case, run};
-    use super::super::{IntegratorMemory, Rk4};
     use super::*;
     use crate::force::{Forces, Spring};
-
-    /// Free fall with linear drag from any start is exact at any step: one step equals many.
-    #[test]
-    fn one_step_equals_many_where_it_is_exact() {
-        let body = RigidBox::new(DVec3::new(0.25, 0.5, 0.25), 6.0).expect("valid");
-        let d = Dissipation {
-            linear_drag: 2.0,
-            angular_damping: 0.25,
-            ..Dissipation::NONE
-        };
-        let law = Forces {
-            acceleration: DVec3::new(0.0, -9.81, 0.0),
-            dissipation: d,
-            ..Default::default()
-        };
-        let start = BodyState::at(DVec3::Y)
-            .with_velocity(DVec3::new(3.0, 9.0, -1.0))
-            .with_body_angular_velocity(&body, DVec3::new(1.0, 12.0, 0.5));
-        let (mut one, mut many) = (start, start);
-        let mut memory = IntegratorMemory::default();
-        Split::step(&body, &mut one, &law, 2.0, &mut memory);
-        for _ in 0..256 {
-            Split::step(&body, &mut many, &law, 2.0 / 256.0, &mut memory);
-        }
-        assert!((one.position - many.position).length() < 1e-13);
-        assert!((one.velocity - many.velocity).length() < 1e-13);
-        assert!((one.angular_momentum - many.angular_momentum).length() < 1e-12);
-        assert!(one.attitude_difference(&many) < 1e-12);
-    }
 
     /// The discrete closed form on a central spring: Chin's five shears.
     #[test]

@@ -9,7 +9,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel};
 use crate::math::Trigonometry;
-use crate::rotation::free_rotation_order4_by;
+use crate::rotation::free_rotation_order4;
 use crate::state::BodyState;
 
 /// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b`. The kick is K = wrench. The drift is
@@ -105,7 +105,7 @@ struct Order4<'a, T>(&'a mut T);
 impl<T: Trigonometry> FreeRotationFlow for Order4<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        free_rotation_order4_by(body, state, h, self.0);
+        free_rotation_order4(body, state, h, self.0);
     }
 }
 

@@ -7,7 +7,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{ForceModel, applied_rates};
 use crate::math::Trigonometry;
-use crate::rotation::free_rotation_three_axes_by;
+use crate::rotation::free_rotation_three_axes;
 use crate::state::BodyState;
 
 /// v += h/2 a(x, v); x += h v; v += h/2 a(x, v), and the same for L with the torques. The drift is five
@@ -58,7 +58,7 @@ impl Integrate for VelocityVerlet {
     ) -> StepOutcome {
         half_kick(body, state, force, 0.5 * h);
         state.position += h * state.velocity;
-        free_rotation_three_axes_by(body, state, h, trigonometry);
+        free_rotation_three_axes(body, state, h, trigonometry);
         half_kick(body, state, force, 0.5 * h);
         StepOutcome::plain(2)
     }

@@ -11,7 +11,7 @@
 //! | at points of the body, evaluated at every stage of the integrator | [`PointForces`], [`Springs`] |
 //! | drag and damping, relative to the [`Wind`] | [`LinearDrag`], [`QuadraticDrag`], [`AngularDamping`], [`AngularDrag`] |
 //! | anything else that depends on the state | the core, with a [`ForceModel`](crate::force::ForceModel) of your own |
-//! | the floor, walls and ramps | the resource [`Floor`], entities with [`StaticPlane`]; [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
+//! | the floor, walls and ramps | the resource [`Floor`](crate::floor::Floor), entities with [`StaticPlane`](crate::floor::StaticPlane); [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
 //!
 //! A force that no body has costs nothing.
 //!
@@ -122,7 +122,7 @@ use self::components::NearFloor;
 use self::sleeping::Sleep;
 use self::transforms::PublishedPose;
 use crate::body::RigidBox;
-use crate::floor::{Floor, Friction, Restitution, StaticPlane};
+use crate::floor::{Friction, Restitution};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
@@ -143,7 +143,8 @@ use crate::state::BodyState;
 /// ```
 ///
 /// To leave a part out: `PhysicsPlugins::default().build().disable::<AabbPlugin>()`; the same for
-/// [`FloorPlugin`] and [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`] resource there is no contact work.
+/// [`FloorPlugin`] and [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`](crate::floor::Floor)
+/// resource there is no contact work.
 #[derive(Clone, Debug, Default)]
 pub struct PhysicsPlugins {
     physics: PhysicsPlugin,

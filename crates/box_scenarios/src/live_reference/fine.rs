@@ -51,11 +51,7 @@ impl Fine {
             let i = *i;
             self.run(i.t, h);
             self.waiting.pop_front();
-            self.driver.state.apply_impulse_at_body_point(
-                &self.model.body,
-                i.impulse,
-                i.body_point,
-            );
+            self.driver.apply(&self.model, &i);
         }
         self.run(t, h);
         let here = (self.driver.time - t).abs() <= 1e-9 * h;

@@ -1,3 +1,4 @@
+use super::super::tests::angle;
 use super::*;
 use proptest::prelude::*;
 
@@ -6,11 +7,6 @@ const CUBE: DVec3 = DVec3::ONE;
 fn body(inertia: DVec3) -> RigidBox {
     let cube = RigidBox::new(CUBE, 1.0).expect("valid");
     cube.with_inertia(inertia).expect("valid")
-}
-
-fn angle(a: DQuat, b: DQuat) -> f64 {
-    let d = compose(a.conjugate(), b);
-    2.0 * libm::atan2(d.xyz().length(), d.w.abs())
 }
 
 /// Errors of attitude \[rad\] and momentum (relative) with respect to `reference`.
