@@ -173,8 +173,8 @@ impl Group<'_> {
         for (k, ((body, state), memory)) in
             bodies.iter().zip(&mut *states).zip(memories).enumerate()
         {
-            let law = Gravity(gravity.at(row.start + k));
-            total += S::step(body, state, &law, h, memory);
+            let force = Gravity(gravity.at(row.start + k));
+            total += S::step(body, state, &force, h, memory);
         }
         for (k, (state, before)) in states.iter_mut().zip(before).enumerate() {
             let i = row.start + k;
@@ -299,8 +299,8 @@ fn step_each<S: Integrate>(
         let before = states[i];
         let mut after = before;
         let mut small = SmallArguments::default();
-        let (law, mut none) = (Gravity(gravity.at(i)), MemorySlot::none());
-        S::advance(&bodies[i], &mut after, &law, h, &mut none, &mut small);
+        let (force, mut none) = (Gravity(gravity.at(i)), MemorySlot::none());
+        S::advance(&bodies[i], &mut after, &force, h, &mut none, &mut small);
         let applies = small.all_small() & is_valid(&after);
         let clears = gravity.clears(i, &bodies[i], &before, &after, h);
         let reason = if clears { 0.0 } else { MEETS };

@@ -1,7 +1,7 @@
 //! `exact`: the closed-form motion since the last event, without accumulated errors.
 
 use super::split;
-use super::trajectory::{FreeFlight, Trajectory};
+use super::trajectory::{FlightForces, Trajectory};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
@@ -73,13 +73,12 @@ impl Integrate for Exact {
                 ..StepOutcome::plain(evaluations)
             };
         }
-        let rate = d.linear_drag * body.inverse_mass();
-        let law = FreeFlight::new(body, d.blown(force.acceleration(), rate), &d);
+        let flight = FlightForces::new(body, force);
         match memory.recall() {
-            Some(trajectory) => trajectory.advance(&law, state, h),
+            Some(trajectory) => trajectory.advance(&flight, state, h),
             None => {
                 let mut trajectory = Trajectory::new(body, state);
-                trajectory.advance(&law, state, h);
+                trajectory.advance(&flight, state, h);
                 memory.store(trajectory);
             }
         }

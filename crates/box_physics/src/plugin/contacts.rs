@@ -1,7 +1,6 @@
-//! The plugin of floor and planes, and the contacts that are reported: every one that began ends once, whatever happens
-//! to its body.
+//! The contacts that are reported: every one that began ends once, whatever happens to its body.
 
-use bevy::app::{App, Plugin};
+use bevy::app::App;
 use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::component::Component;
 use bevy::ecs::entity::Entity;
@@ -11,23 +10,16 @@ use bevy::ecs::message::MessageWriter;
 use bevy::ecs::observer::On;
 use bevy::ecs::query::{Allow, Has, With, Without};
 use bevy::ecs::resource::Resource;
-use bevy::ecs::schedule::{IntoScheduleConfigs, SystemCondition, common_conditions};
 use bevy::ecs::system::{Commands, Query, Res};
 use bevy::ecs::world::{DeferredWorld, World};
 use glam::DVec3;
 
 use super::components::{NearFloor, Quarantined, ReportContacts, ReportPersisting, RestingSince};
-use super::contact::contact;
-use super::faults::report_invalid_planes;
 use super::forces::Step;
-use super::messages::{ContactPhase, FloorContact, Landed, Settled, Woken};
-use super::run::BeforeSteps;
-use super::{PhysicsSchedule, PhysicsSystems, require};
+use super::messages::{ContactPhase, FloorContact, Landed, Woken};
 use crate::aabb;
 use crate::body::RigidBox;
-use crate::floor::{
-    ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
-};
+use crate::floor::{ContactReport, ContactState, Floor, StaticPlane};
 use crate::state::BodyState;
 
 /// Impacts that follow each other within this time \[s\] are one landing.
@@ -227,72 +219,25 @@ pub(crate) fn last_plane_removed(
     removed.read().count() > 0 && left.is_empty() && floor.is_none()
 }
 
-/// Contact with a [`Floor`] and with [`StaticPlane`]s. Leave it out and they are nothing, and bodies carry no contact memory.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FloorPlugin;
-
-impl Plugin for FloorPlugin {
-    fn is_unique(&self) -> bool {
-        false
-    }
-
-    fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<Self>() {
-            return;
-        }
-        app.init_resource::<ContactSettings>()
-            .add_message::<FloorContact>()
-            .add_message::<Landed>()
-            .register_type::<Floor>()
-            .register_type::<StaticPlane>()
-            .register_type::<ContactSettings>()
-            .register_type::<Friction>()
-            .register_type::<Restitution>()
-            .register_type::<ContactState>()
-            .register_type::<ReportContacts>()
-            .register_type::<ReportPersisting>()
-            .register_type::<RestingSince>()
-            .register_type::<FloorContact>()
-            .register_type::<ContactPhase>()
-            .register_type::<ContactReport>()
-            .register_type::<Landed>()
-            .register_type::<Settled>()
-            .register_type::<Woken>();
-        require::<RestingSince, RestingSince>(app);
-        require::<ContactState, ContactState>(app);
-        app.add_systems(
-            PhysicsSchedule,
-            (contact, report_contacts)
-                .chain()
-                .in_set(PhysicsSystems::Contact),
-        )
-        .add_systems(
-            BeforeSteps,
-            (
-                end_all_contacts.run_if(
-                    common_conditions::resource_removed::<Floor>.or_else(last_plane_removed),
-                ),
-                report_invalid_planes,
-            ),
+/// Adds the observers of what ends the contacts of a body.
+pub(crate) fn build(app: &mut App) {
+    app.insert_resource(ContactEnabled)
+        // Of a body that is despawned as well.
+        .add_observer(|end: On<Remove, RigidBox>, mut world: DeferredWorld| {
+            forget_contacts(&mut world, end.entity);
+        })
+        .add_observer(|end: On<Remove, ContactState>, mut world: DeferredWorld| {
+            forget_contacts(&mut world, end.entity);
+        })
+        .add_observer(|end: On<Add, Disabled>, mut world: DeferredWorld| {
+            end_contacts(&mut world, end.entity);
+        })
+        .add_observer(|end: On<Add, Quarantined>, mut world: DeferredWorld| {
+            end_contacts(&mut world, end.entity);
+        })
+        .add_observer(
+            |end: On<Remove, ReportContacts>, mut world: DeferredWorld| {
+                end_reports(&mut world, end.entity);
+            },
         );
-        app.insert_resource(ContactEnabled)
-            // Of a body that is despawned as well.
-            .add_observer(|end: On<Remove, RigidBox>, mut world: DeferredWorld| {
-                forget_contacts(&mut world, end.entity);
-            })
-            .add_observer(|end: On<Remove, ContactState>, mut world: DeferredWorld| {
-                forget_contacts(&mut world, end.entity);
-            })
-            .add_observer(|end: On<Add, Disabled>, mut world: DeferredWorld| {
-                end_contacts(&mut world, end.entity);
-            })
-            .add_observer(|end: On<Add, Quarantined>, mut world: DeferredWorld| {
-                end_contacts(&mut world, end.entity);
-            })
-            .add_observer(
-                |end: On<Remove, ReportContacts>, mut world: DeferredWorld| {
-                    end_reports(&mut world, end.entity);
-                },
-            );
-    }
 }

@@ -60,6 +60,7 @@ mod contact;
 mod contacts;
 mod faults;
 mod flight;
+mod floor;
 mod forces;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -85,7 +86,7 @@ pub use components::{
     LinearDrag, OneShotForce, PointForces, QuadraticDrag, Quarantined, ReportContacts,
     ReportPersisting, RestingSince, Springs, WorldAabb,
 };
-pub use contacts::FloorPlugin;
+pub use floor::FloorPlugin;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 pub use messages::{
@@ -110,8 +111,6 @@ use bevy::app::{
     App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder,
     PreUpdate, Startup,
 };
-use bevy::ecs::bundle::Bundle;
-use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
@@ -238,12 +237,12 @@ impl Plugin for PhysicsPlugin {
         register_types(app);
         placement::build(app);
         // A state that is lost begins again where the body is shown.
-        require::<BodyState, (BodyState, PublishedPose)>(app);
-        require::<IntegratorMemory, IntegratorMemory>(app);
-        require::<Transform, Transform>(app);
-        require::<PublishedPose, PublishedPose>(app);
-        require::<NearFloor, NearFloor>(app);
-        require::<Sleep, Sleep>(app);
+        faults::require::<BodyState, (BodyState, PublishedPose)>(app);
+        faults::require::<IntegratorMemory, IntegratorMemory>(app);
+        faults::require::<Transform, Transform>(app);
+        faults::require::<PublishedPose, PublishedPose>(app);
+        faults::require::<NearFloor, NearFloor>(app);
+        faults::require::<Sleep, Sleep>(app);
 
         let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
         // Not `add_schedule`: systems that users gave it before the plugin stay.
@@ -290,12 +289,12 @@ impl Plugin for PhysicsPlugin {
                     .in_set(PhysicsSystems::Writeback),
             ),
         );
-        app.init_schedule(run::BeforeSteps)
-            .edit_schedule(run::BeforeSteps, |schedule| {
+        app.init_schedule(sets::BeforeSteps)
+            .edit_schedule(sets::BeforeSteps, |schedule| {
                 schedule.set_executor(SingleThreadedExecutor::new());
             })
             .add_systems(
-                run::BeforeSteps,
+                sets::BeforeSteps,
                 (
                     placement::show_changes::<true>,
                     faults::report_parents,
@@ -351,14 +350,4 @@ fn register_types(app: &mut App) {
         .register_type::<Gravity>()
         .register_type::<ApplyImpulse>()
         .register_type::<BodyQuarantined>();
-}
-
-/// Gives every body a `C`, and as part of `B` where it is lost.
-fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
-    // An error means that bodies were spawned before the plugin was added: they are completed like others.
-    let _ = app.try_register_required_components::<RigidBox, C>();
-    app.add_systems(
-        run::BeforeSteps,
-        faults::restore_component::<C, B>.before(placement::show_changes::<true>),
-    );
 }

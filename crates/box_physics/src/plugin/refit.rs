@@ -8,11 +8,12 @@ use bevy::ecs::system::{Query, Res, ResMut};
 
 use super::chunks::Columns;
 use super::components::WorldAabb;
+use super::faults::require;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
+use super::sets::{PhysicsSchedule, PhysicsSystems};
 use super::sleeping::{Changes, Sleep, SleepClock};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use super::transforms::LIGHT;
-use super::{PhysicsSchedule, PhysicsSystems, require};
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
 use crate::math::{VectorLoop, vectorized};

@@ -12,17 +12,12 @@ use bevy::ecs::world::World;
 use bevy::time::{Fixed, Time};
 use log::warn;
 
-use super::PhysicsSchedule;
 use super::faults::{restore_resources, settings_are_valid};
 use super::messages::BodyQuarantined;
 use super::placement::{Unsmoothed, show_changes};
 use super::quarantine::report_quarantined;
 use super::resources::PhysicsClock;
-
-/// What is done once a tick, paused or not, before its steps. On one thread: an executor of many would take
-/// longer to wake them than these systems need.
-#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct BeforeSteps;
+use super::sets::{BeforeSteps, PhysicsSchedule};
 
 /// One tick of the clock of this schedule. Paused, nothing moves.
 pub(crate) fn run_physics(world: &mut World) {

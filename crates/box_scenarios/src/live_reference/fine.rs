@@ -9,7 +9,7 @@ use crate::driver::Driver;
 use crate::model::Model;
 use crate::setup::TimedImpulse;
 
-/// The integrator that is closest to the truth under `model`, in fine steps.
+/// The integrator that is closest to the reference under `model`, in fine steps.
 pub fn best_integrator(model: &Model) -> Integrator {
     let d = model.forces.dissipation();
     if d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
