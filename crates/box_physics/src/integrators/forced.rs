@@ -13,12 +13,14 @@ use crate::state::BodyState;
 /// Fewer bodies than this are stepped one by one.
 const FEW: usize = 16;
 
-/// At most [`BLOCK`] consecutive bodies, each with its own forces.
+/// Consecutive bodies, each with its own forces, as [`Integrate::step_forced`] gets them: at most 64, all in free flight.
+/// It composes its step of the methods.
 pub struct ForcedGroup<'a, F> {
     bodies: &'a [RigidBox],
     states: &'a mut [BodyState],
     memories: &'a mut [IntegratorMemory],
-    pub(super) forces: &'a [F],
+    /// The force model of each body.
+    pub forces: &'a [F],
     /// Indices of bodies whose states would become invalid; those states are left unchanged.
     faults: &'a mut Vec<usize>,
 }
@@ -61,7 +63,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
     }
 
     /// The integrator's plain step, body by body.
-    pub(super) fn one_by_one<S: Integrate>(&mut self, range: Range<usize>, h: f64) -> StepOutcome {
+    pub fn one_by_one<S: Integrate>(&mut self, range: Range<usize>, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
         for i in range {
             let (state, memory) = (&mut self.states[i], &mut self.memories[i]);
@@ -73,7 +75,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
     }
 
     /// Applies `kick` to the bodies of `range`, one by one.
-    pub(super) fn kick(
+    pub fn kick(
         &mut self,
         range: Range<usize>,
         kick: impl Fn(&RigidBox, &mut BodyState, &F),
@@ -84,7 +86,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
     }
 
     /// Free flight of the bodies of `range` over `h` by the integrator's step in lanes.
-    pub(super) fn drift<S: Integrate>(&mut self, range: Range<usize>, h: f64) {
+    pub fn drift<S: Integrate>(&mut self, range: Range<usize>, h: f64) {
         let (start, known) = (range.start, self.faults.len());
         let last = range.end - 1;
         let gravity: [DVec3; BLOCK] =
@@ -105,7 +107,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
     }
 
     /// Steps the bodies of `range` by `step`. A body whose state is invalid after it stays unchanged.
-    pub(super) fn keeping_valid(&mut self, range: Range<usize>, step: impl FnOnce(&mut Self)) {
+    pub fn keeping_valid(&mut self, range: Range<usize>, step: impl FnOnce(&mut Self)) {
         let (start, last) = (range.start, range.end - 1);
         let before: [BodyState; BLOCK] = core::array::from_fn(|k| self.states[last.min(start + k)]);
         step(self);
