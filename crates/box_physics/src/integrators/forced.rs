@@ -75,11 +75,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
     }
 
     /// Applies `kick` to the bodies of `range`, one by one.
-    pub fn kick(
-        &mut self,
-        range: Range<usize>,
-        kick: impl Fn(&RigidBox, &mut BodyState, &F),
-    ) {
+    pub fn kick(&mut self, range: Range<usize>, kick: impl Fn(&RigidBox, &mut BodyState, &F)) {
         for i in range {
             kick(&self.bodies[i], &mut self.states[i], &self.forces[i]);
         }
