@@ -6,6 +6,8 @@ mod clock;
 mod contacts;
 #[path = "plugin/floor.rs"]
 mod floor;
+#[path = "plugin/forced.rs"]
+mod forced;
 #[path = "plugin/planes.rs"]
 mod planes;
 #[path = "plugin/pushes.rs"]
@@ -162,18 +164,6 @@ fn impulses_act_in_order_at_the_start_of_the_step() {
     app.update();
     core(Integrator::Split, &mut expected, &FREE, 1);
     assert_eq!(app.state(entity), expected);
-}
-
-#[test]
-fn an_impulse_for_a_body_that_is_gone_is_dropped() {
-    let mut app = app();
-    let gone = app.spawn((brick(), tumbling()));
-    let stays = app.spawn((brick(), tumbling()));
-    app.send(ApplyImpulse::center(gone, DVec3::X));
-    app.send(ApplyImpulse::center(stays, DVec3::X * 3.0));
-    app.world_mut().despawn(gone);
-    app.update();
-    assert_eq!(app.state(stays).velocity.x, 2.0);
 }
 
 #[test]

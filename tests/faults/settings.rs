@@ -39,7 +39,7 @@ fn a_duplicate_plugin_is_ignored() {
 #[test]
 fn a_removed_setting_is_restored() {
     let log = Log::start();
-    let removals: [(&str, fn(&mut World)); 4] = [
+    let removals: [(&str, fn(&mut World)); 5] = [
         ("WorldGravity", |w| {
             w.remove_resource::<WorldGravity>();
         }),
@@ -51,6 +51,9 @@ fn a_removed_setting_is_restored() {
         }),
         ("PhysicsThreads", |w| {
             w.remove_resource::<PhysicsThreads>();
+        }),
+        ("ContactSettings", |w| {
+            w.remove_resource::<ContactSettings>();
         }),
     ];
     for (name, remove) in removals {

@@ -34,7 +34,10 @@ type Act = fn(&mut App, Entity);
 
 #[test]
 fn every_contact_that_began_ends_once() {
-    let ends: [(&str, Act); 12] = [
+    let ends: [(&str, Act); 13] = [
+        ("thrown far", |app, entity| {
+            app.send(ApplyImpulse::center(entity, DVec3::Y * 3000.0));
+        }),
         ("despawned", |app, entity| {
             app.world_mut().despawn(entity);
         }),
@@ -113,23 +116,6 @@ fn reports_begin_when_somebody_asks_for_them() {
     assert_eq!(reports(&mut app, entity, 1), [0, 0, 1]);
     app.world_mut().entity_mut(entity).remove::<Disabled>();
     assert_eq!(reports(&mut app, entity, 1), [1, 0, 0]);
-}
-
-/// Without the contact settings, the defaults and the floor apply.
-#[test]
-fn settings_of_the_contact_that_are_removed_are_restored() {
-    let (mut app, entity) = lying();
-    app.play(20);
-    let before = app.state(entity);
-    app.world_mut().remove_resource::<ContactSettings>();
-    for _ in 0..20 {
-        app.update();
-        assert_eq!(app.state(entity), before);
-    }
-    assert_eq!(
-        *app.world().resource::<ContactSettings>(),
-        ContactSettings::DEFAULT
-    );
 }
 
 /// A body that is moved within the step has a matching bounding box, even if it was at rest.

@@ -3,19 +3,21 @@
 //!
 //! A [`Snapshot`] copies the bodies, states and contacts of one moment. Each call puts the copies back there and steps
 //! them by the path that the plugin takes for that many bodies: in free flight under gravity alone several at a time in
-//! SIMD lanes, with other forces one by one or in [`ForcedGroup`]s, at the floor by the contact solver. The steps are a few
+//! SIMD lanes, with other forces by [`ForcedGroup::step_each`], at the floor by the contact solver. The steps are a few
 //! ([`Snapshot::new`]) or those of a whole scene ([`Snapshot::of_scene`]).
 //!
 //! All integrators take turns on the same snapshot ([`measure`](crate::measure)). The cost is the **minimum** of the
 //! samples, in ns per body-step; the median says how quiet the machine was. The second figure, where it is wanted, is
 //! that of a lone body by the integrator's plain step ([`lone_body`]).
 
+use core::ops::Range;
+
 use box_physics::floor::{
     ContactSettings, ContactState, Floor, FloorContext, may_touch, step_on_floor,
 };
 use box_physics::force::{ForceModel, Gravity};
 use box_physics::integrators::{ForcedGroup, GravityField, Group, Integrate, IntegratorVisitor};
-use box_physics::prelude::{BodyState, Integrator, IntegratorMemory, RigidBox, StepOutcome};
+use box_physics::prelude::{BodyState, DVec3, Integrator, IntegratorMemory, RigidBox, StepOutcome};
 use box_scenarios::{Driver, ForceSet, Model, Setup};
 
 use crate::measure::{Contender, Cost, Settings, interleaved};
@@ -24,8 +26,6 @@ use crate::measure::{Contender, Cost, Settings, interleaved};
 const MOST: usize = 512;
 /// The same where some are at the floor: a call stays within a few milliseconds.
 const MOST_AT_FLOOR: usize = 128;
-/// Bodies under other forces that the plugin steps together: at least, at most.
-const TOGETHER: (usize, usize) = (16, 64);
 /// Body-steps in a call, roughly, and the steps that may be.
 const BODY_STEPS: usize = 1024;
 const STEPS: (usize, usize) = (4, 16);
@@ -37,7 +37,7 @@ const SCENE_BODIES: usize = 32;
 pub const LONGEST_SCENE: f64 = 10.0;
 
 /// See the module.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     bodies: Vec<RigidBox>,
     start: Vec<(BodyState, ContactState)>,
@@ -61,16 +61,10 @@ impl Snapshot {
         h: f64,
     ) -> Option<Self> {
         let mut this = Self {
-            bodies: Vec::new(),
-            start: Vec::new(),
-            states: Vec::new(),
-            contacts: Vec::new(),
-            memories: Vec::new(),
-            faults: Vec::new(),
             forces: forces.clone(),
             floor,
             h,
-            steps: 0,
+            ..Self::default()
         };
         let mut at_floor = false;
         for (body, state, contact) in bodies.take(MOST) {
@@ -154,81 +148,65 @@ impl Snapshot {
         })
     }
 
-    fn fly<S: Integrate>(&mut self, from: usize, to: usize) -> StepOutcome {
-        if from == to {
-            return StepOutcome::default();
-        }
-        S::step_group(
-            &mut Group {
-                bodies: &self.bodies[from..to],
-                states: &mut self.states[from..to],
-                memories: &mut self.memories[from..to],
-                gravity: GravityField::Uniform(self.forces.gravity),
-                faults: &mut self.faults,
-                floor: None,
-            },
-            self.h,
-        )
-    }
-
-    /// All bodies, each under its own forces, as many at a time as in the plugin.
-    fn forced<S: Integrate>(&mut self) -> StepOutcome {
-        let mut outcome = StepOutcome::default();
-        let count = self.bodies.len();
-        for start in (0..count).step_by(TOGETHER.1) {
-            let range = start..count.min(start + TOGETHER.1);
-            let body = |k: usize| &self.bodies[(start + k).min(count - 1)];
-            let forces: [_; TOGETHER.1] = std::array::from_fn(|k| self.forces.forces(body(k)));
-            let mut group = ForcedGroup {
-                bodies: &self.bodies[range.clone()],
-                states: &mut self.states[range.clone()],
-                memories: &mut self.memories[range.clone()],
-                forces: &forces[..range.len()],
-                faults: &mut self.faults,
-            };
-            outcome += S::step_forced(&mut group, self.h);
-        }
-        outcome
+    /// Consecutive bodies in free flight, under `gravity` alone or each under its own forces.
+    fn fly<S: Integrate, F: ForceModel>(
+        &mut self,
+        range: Range<usize>,
+        gravity: Option<DVec3>,
+        force: &impl Fn(&RigidBox) -> F,
+    ) -> StepOutcome {
+        let (h, faults) = (self.h, &mut self.faults);
+        let bodies = &self.bodies[range.clone()];
+        let states = &mut self.states[range.clone()];
+        let memories = &mut self.memories[range];
+        let Some(gravity) = gravity else {
+            let columns = (bodies, states, memories);
+            return ForcedGroup::step_each::<S>(columns, |k| force(&bodies[k]), h, faults);
+        };
+        let mut group = Group {
+            bodies,
+            states,
+            memories,
+            gravity: GravityField::Uniform(gravity),
+            faults,
+            floor: None,
+        };
+        S::step_group(&mut group, h)
     }
 
     fn step<S: Integrate>(&mut self) -> StepOutcome {
-        let mut outcome = StepOutcome::default();
-        let (count, only_gravity) = (self.bodies.len(), self.forces.is_gravity_alone());
+        let forces = core::mem::take(&mut self.forces);
+        let outcome = if forces.is_gravity_alone() {
+            let gravity = Some(forces.gravity);
+            self.step_under::<S, _>(gravity, |_| Gravity(forces.gravity))
+        } else {
+            self.step_under::<S, _>(None, |body| forces.forces(body))
+        };
+        self.forces = forces;
+        outcome
+    }
+
+    fn step_under<S: Integrate, F: ForceModel>(
+        &mut self,
+        gravity: Option<DVec3>,
+        force: impl Fn(&RigidBox) -> F,
+    ) -> StepOutcome {
+        let (mut outcome, count) = (StepOutcome::default(), self.bodies.len());
         if self.floor.is_none() {
-            if only_gravity {
-                return self.fly::<S>(0, count);
-            }
-            if S::FORCED_IN_LANES && count >= TOGETHER.0 {
-                return self.forced::<S>();
-            }
+            return self.fly::<S, F>(0..count, gravity, &force);
         }
-        let gravity = Gravity(self.forces.gravity);
         // In flight, not yet stepped.
         let mut from = 0;
         for i in 0..count {
-            if only_gravity {
-                if self.is_at_floor(i, &gravity) {
-                    outcome += self.fly::<S>(from, i);
-                    outcome += self.touch::<S, _>(i, &gravity);
-                    self.restore_if_invalid(i);
-                    from = i + 1;
-                }
-            } else {
-                let forces = core::mem::take(&mut self.forces);
-                let force = forces.forces(&self.bodies[i]);
-                outcome += if self.is_at_floor(i, &force) {
-                    self.touch::<S, _>(i, &force)
-                } else {
-                    let (body, state) = (&self.bodies[i], &mut self.states[i]);
-                    S::step(body, state, &force, self.h, &mut self.memories[i])
-                };
+            let force_here = force(&self.bodies[i]);
+            if self.is_at_floor(i, &force_here) {
+                outcome += self.fly::<S, F>(from..i, gravity, &force);
+                outcome += self.touch::<S, F>(i, &force_here);
                 self.restore_if_invalid(i);
-                self.forces = forces;
+                from = i + 1;
             }
         }
-        if only_gravity {
-            outcome += self.fly::<S>(from, count);
-        }
+        outcome += self.fly::<S, F>(from..count, gravity, &force);
         outcome
     }
 
@@ -302,7 +280,11 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
+    use bevy::prelude::{Entity, With};
+    use box_physics::plugin::{BodyTorque, ExternalForce, PointForces, Springs};
+
     use crate::bodies::Situation;
+    use crate::plugin_world::PluginWorld;
 
     fn snapshot(situation: Situation, n: usize) -> Snapshot {
         let bodies = situation.bodies(n);
@@ -315,44 +297,68 @@ mod tests {
         Snapshot::new(bodies, &forces, floor, 1.0 / 60.0).expect("bodies")
     }
 
-    /// A call is the plugin's steps: the same bits, for one body and for many, in flight, near the floor, on it.
+    /// A call is the plugin's steps: the same bits, for one body, few and many, in flight, near the floor, on it, under
+    /// gravity alone and with torques, point forces and springs.
     #[test]
     fn it_steps_as_the_plugin_does() {
-        use crate::plugin_world::PluginWorld;
         for situation in [
             Situation::Flight,
             Situation::Near,
             Situation::Settling,
             Situation::Rest,
         ] {
-            for n in [1, 9] {
-                let mut snapshot = snapshot(situation, n);
-                // Over the clock's step, which is whole nanoseconds.
-                snapshot.h = Duration::from_nanos(16_666_667).as_secs_f64();
-                let mut world = PluginWorld::new(situation, Integrator::Split, n);
-                world.restart();
-                snapshot.call(Integrator::Split);
-                for _ in 0..snapshot.steps {
-                    world.step();
-                }
-                let world = world.app().world_mut();
-                let mut states = world
-                    .query::<&BodyState>()
-                    .iter(world)
-                    .copied()
-                    .collect::<Vec<_>>();
-                let by_place = |a: &BodyState, b: &BodyState| {
-                    let key = |s: &BodyState| {
-                        ((s.position.z / 4.0).round(), (s.position.x / 4.0).round())
-                    };
-                    key(a).partial_cmp(&key(b)).expect("finite")
-                };
-                states.sort_by(by_place);
-                let mut ours = snapshot.states.clone();
-                ours.sort_by(by_place);
-                assert_eq!(states, ours, "{} bodies: {}", n, situation.name());
+            let forces = ForceSet {
+                body_torque: DVec3::X * 0.2,
+                world_torque: DVec3::Z * 0.1,
+                ..ForceSet::none()
+            }
+            .with_dipole(DVec3::Y, DVec3::X * 0.3)
+            .with_spring(DVec3::splat(0.1), DVec3::Y, 0.1, 0.0);
+            // Fewer and more than are stepped together under forces.
+            for n in [1, 9, 40] {
+                same_as_the_plugin(situation, n, ForceSet::none());
+                same_as_the_plugin(situation, n, forces.clone());
             }
         }
+    }
+
+    fn same_as_the_plugin(situation: Situation, n: usize, forces: ForceSet) {
+        let mut snapshot = snapshot(situation, n);
+        // Over the clock's step, which is whole nanoseconds.
+        snapshot.h = Duration::from_nanos(16_666_667).as_secs_f64();
+        let mut plugin = PluginWorld::new(situation, Integrator::Split, n);
+        plugin.restart();
+        let world = plugin.app().world_mut();
+        if forces.has_wrench() {
+            let mut bodies = world.query_filtered::<Entity, With<RigidBox>>();
+            for entity in bodies.iter(world).collect::<Vec<_>>() {
+                world.entity_mut(entity).insert((
+                    ExternalForce {
+                        torque: forces.world_torque,
+                        ..ExternalForce::default()
+                    },
+                    BodyTorque(forces.body_torque),
+                    PointForces(forces.point_forces.clone()),
+                    Springs(forces.springs.clone()),
+                ));
+            }
+            let gravity = situation.gravity();
+            snapshot.forces = ForceSet { gravity, ..forces };
+        }
+        snapshot.call(Integrator::Split);
+        for _ in 0..snapshot.steps {
+            plugin.step();
+        }
+        let world = plugin.app().world_mut();
+        let mut states: Vec<_> = world.query::<&BodyState>().iter(world).copied().collect();
+        let by_place = |a: &BodyState, b: &BodyState| {
+            let key = |s: &BodyState| ((s.position.z / 4.0).round(), (s.position.x / 4.0).round());
+            key(a).partial_cmp(&key(b)).expect("finite")
+        };
+        states.sort_by(by_place);
+        let mut ours = snapshot.states.clone();
+        ours.sort_by(by_place);
+        assert_eq!(states, ours, "{n} bodies: {}", situation.name());
     }
 
     /// Many bodies in flight are stepped in SIMD lanes: cheaper than one by one. Where forces forbid that, they are not.

@@ -5,7 +5,7 @@
 //! E = E₀ + inputs + forces + contact + residual        (the same for L, a vector in world axes)
 //! ```
 //!
-//! What a force or the floor rightly does in one step is the change along the accurate flow of the law,
+//! What a force or the floor rightly does in one step is the change along the accurate flow of the force model,
 //! from the comparison's own state at the beginning of that step: a simulation in finer steps by the integrator of
 //! [`best_integrator`]. Under conservative forces away from the floor nothing is booked and nothing computed.
 
@@ -13,9 +13,9 @@ use box_physics::force::rates;
 use box_physics::prelude::{BodyState, DVec3};
 
 use crate::driver::Driver;
-use crate::driver::Model;
 use crate::live_reference::best_integrator;
 use crate::metrics::{energy_scale, momentum_scale};
+use crate::model::Model;
 
 /// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
 /// 4096 times smaller than the comparison's would be with the same.
@@ -58,16 +58,16 @@ pub struct Residual {
 
 impl Balance {
     /// Opens the books.
-    pub fn new(law: &Model, state: &BodyState) -> Self {
-        let start = law.energy(state);
+    pub fn new(model: &Model, state: &BodyState) -> Self {
+        let start = model.energy(state);
         let momentum = state.angular_momentum_world();
         Self {
             start,
             given: start,
             momentum,
-            energy_scale: energy_scale(start, state.kinetic_energy(&law.body)),
+            energy_scale: energy_scale(start, state.kinetic_energy(&model.body)),
             momentum_scale: momentum_scale(momentum.length(), 0.0),
-            kinetic_scale: state.kinetic_energy(&law.body).max(reach(law, state)),
+            kinetic_scale: state.kinetic_energy(&model.body).max(reach(model, state)),
             ..Self::default()
         }
     }
@@ -91,21 +91,21 @@ impl Balance {
     }
 
     /// Books what forces and floor do in a step of `h` \[s\] from `state`.
-    pub fn step(&mut self, law: &Model, state: &BodyState, h: f64) {
-        let meets = law.may_touch(state, h);
-        let d = law.forces.dissipation();
-        let turns = law.forces.has_wrench() || d.angular_damping != 0.0 || d.angular_drag != 0.0;
-        if !meets && !turns && law.is_conservative() {
+    pub fn step(&mut self, model: &Model, state: &BodyState, h: f64) {
+        let meets = model.may_touch(state, h);
+        let d = model.forces.dissipation();
+        let turns = model.forces.has_wrench() || d.angular_damping != 0.0 || d.angular_drag != 0.0;
+        if !meets && !turns && model.is_conservative() {
             return;
         }
-        let mut flow = Driver::new(*state, best_integrator(law));
+        let mut flow = Driver::new(*state, best_integrator(model));
         for _ in 0..PARTS {
-            if flow.step(law, h / f64::from(PARTS)).is_none() {
+            if flow.step(model, h / f64::from(PARTS)).is_none() {
                 return;
             }
         }
-        let mut change = law.energy(&flow.state) - law.energy(state);
-        if law.forces.has_wrench() {
+        let mut change = model.energy(&flow.state) - model.energy(state);
+        if model.forces.has_wrench() {
             self.given += change.max(0.0);
         } else {
             // Drag and floor only take.
@@ -113,7 +113,7 @@ impl Balance {
         }
         if meets {
             self.contact += change;
-        } else if !law.is_conservative() {
+        } else if !model.is_conservative() {
             self.forces += change;
         }
         self.momentum += flow.state.angular_momentum_world() - state.angular_momentum_world();
@@ -131,18 +131,18 @@ impl Balance {
     }
 
     /// Opens the books in `state` with `energy` (over its scale) already left over.
-    pub fn rebase(&mut self, law: &Model, state: &BodyState, energy: f64) {
-        self.inputs += law.energy(state) - self.expected() - energy * self.energy_scale;
-        self.given = self.given.max(law.energy(state));
+    pub fn rebase(&mut self, model: &Model, state: &BodyState, energy: f64) {
+        self.inputs += model.energy(state) - self.expected() - energy * self.energy_scale;
+        self.given = self.given.max(model.energy(state));
         self.momentum = state.angular_momentum_world();
     }
 
     /// What is left over in `state`.
-    pub fn residual(&self, law: &Model, state: &BodyState) -> Residual {
+    pub fn residual(&self, model: &Model, state: &BodyState) -> Residual {
         let l = state.angular_momentum_world();
         let right = self.momentum;
         Residual {
-            energy: (law.energy(state) - self.expected()) / self.energy_scale,
+            energy: (model.energy(state) - self.expected()) / self.energy_scale,
             momentum: (l.length() - right.length()) / self.momentum_scale,
             vector: (l - right).length() / self.momentum_scale,
             direction: if l.length().min(right.length()) > 1e-9 * self.momentum_scale {
@@ -178,21 +178,21 @@ mod tests {
     /// Runs a scene with its books and returns the largest residual of the energy.
     fn worst(id: &str, integrator: Integrator, seconds: f64) -> f64 {
         let setup = Scenario::find(id).expect("a scene").setup;
-        let law = Model::of(&setup);
+        let model = Model::of(&setup);
         let mut comparison = Driver::new(setup.initial, integrator);
-        let mut balance = Balance::new(&law, &comparison.state);
+        let mut balance = Balance::new(&model, &comparison.state);
         let mut worst = 0.0_f64;
         for _ in 0..(seconds / H) as u32 {
-            balance.step(&law, &comparison.state, H);
-            comparison.step(&law, H);
-            worst = worst.max(balance.residual(&law, &comparison.state).energy.abs());
+            balance.step(&model, &comparison.state, H);
+            comparison.step(&model, H);
+            worst = worst.max(balance.residual(&model, &comparison.state).energy.abs());
         }
         worst
     }
 
     /// Drag, torque and lossy impacts are not drift: an integrator that is right about them has none left.
     #[test]
-    fn what_the_law_takes_is_not_drift() {
+    fn what_forces_and_floor_take_is_not_drift() {
         for (id, integrator, most) in [
             ("quadratic-drag", Integrator::Rk4, 1e-9),
             ("damped-spin", Integrator::Exact, 1e-12),
@@ -205,9 +205,9 @@ mod tests {
         }
     }
 
-    /// And what an integrator gets wrong shows, dissipation or not.
+    /// With dissipation or without.
     #[test]
-    fn what_a_integrator_gets_wrong_is() {
+    fn what_an_integrator_gets_wrong_shows() {
         assert!(worst("dzhanibekov", Integrator::SemiImplicitEuler, 3.0) > 0.1);
         assert!(worst("quadratic-drag", Integrator::ExplicitEuler, 3.0) > 1e-4);
         assert!(worst("bounce", Integrator::ExplicitEuler, 3.0) > 1e-3);
@@ -217,13 +217,13 @@ mod tests {
     #[test]
     fn a_push_is_booked() {
         let setup = Scenario::find("playground").expect("a scene").setup;
-        let law = Model::of(&setup);
-        let mut balance = Balance::new(&law, &setup.initial);
+        let model = Model::of(&setup);
+        let mut balance = Balance::new(&model, &setup.initial);
         let mut pushed = setup.initial;
-        pushed.apply_impulse_at_body_point(&law.body, DVec3::X * 3.0, DVec3::Z * 0.5);
-        balance.input((&law, &setup.initial), (&law, &pushed));
+        pushed.apply_impulse_at_body_point(&model.body, DVec3::X * 3.0, DVec3::Z * 0.5);
+        balance.input((&model, &setup.initial), (&model, &pushed));
         assert!(balance.inputs > 2.0);
-        let left = balance.residual(&law, &pushed);
+        let left = balance.residual(&model, &pushed);
         assert!(left.energy.abs() < 1e-15 && left.momentum == 0.0 && left.direction == 0.0);
     }
 }

@@ -5,7 +5,7 @@
 //! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
 //! - [`setup`] and [`forces`]: what a scene consists of.
 //! - [`mod@reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
-//! - [`driver`]: one box stepped as the plugin steps it; [`run`]: a whole setup, from sample to sample;
+//! - [`model`]: a box and everything that acts on it; [`driver`]: its steps, bit for bit those of the plugin; [`run`]: a whole setup, from sample to sample;
 //!   [`mod@simulate`]: against its reference; [`metrics`]: the errors.
 //! - [`live_reference`]: what to measure against while inputs come; [`balance`]: what energy and angular momentum
 //!   should be; [`runner`]: one integrator with its balance; [`comparison`]: all integrators against one reference.
@@ -40,6 +40,7 @@ pub mod hard_cases;
 mod limits;
 pub mod live_reference;
 pub mod metrics;
+pub mod model;
 pub mod oracle;
 pub mod random;
 pub mod reference;
@@ -60,12 +61,13 @@ pub mod view;
 pub use balance::{Balance, Residual};
 pub use comparison::{ComparisonResult, IntegratorComparison, IntegratorResult, Moment};
 pub use contact_cases::{ContactCase, contact_cases};
-pub use driver::{Driver, Model, Totals};
+pub use driver::{Driver, Totals};
 pub use families::{Family, FamilyRun, Metric, ReferenceTable};
 pub use forces::ForceSet;
 pub use hard_cases::{HardCase, hard_cases};
 pub use live_reference::{Change, LiveReference, Uncertainty};
 pub use metrics::{Errors, StateError};
+pub use model::Model;
 pub use reference::{ReferenceKind, ReferenceSolution};
 pub use run::{End, Plan, run_plan};
 pub use runner::{Runner, local_error};

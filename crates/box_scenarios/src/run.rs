@@ -3,7 +3,8 @@
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
-use crate::driver::{Driver, Model, Totals};
+use crate::driver::{Driver, Totals};
+use crate::model::Model;
 use crate::setup::{Setup, TimedImpulse};
 
 /// How many equal steps of at most `dt` \[s\] fill `interval` \[s\]: the ceiling of their ratio, where a

@@ -6,9 +6,9 @@ use box_physics::prelude::{BodyState, Integrator};
 
 use crate::balance::Balance;
 use crate::driver::Driver;
-use crate::driver::Model;
 use crate::live_reference::Change;
 use crate::metrics::StateError;
+use crate::model::Model;
 use crate::setup::TimedImpulse;
 use crate::status::{Divergence, Reason, Status};
 

@@ -2,8 +2,9 @@
 
 use box_physics::integrators::Integrator;
 
-use crate::driver::{Driver, Model};
+use crate::driver::Driver;
 use crate::forces::ForceSet;
+use crate::model::Model;
 use crate::setup::Setup;
 
 /// The change of the rotational energy of a freely spinning body over `steps` steps of `h` \[s\],

@@ -88,37 +88,6 @@ fn wind_is_a_moving_frame_under_every_integrator() {
     }
 }
 
-/// Linear drag in wind, in closed form; an integrator that is exact for drag hits it at any step.
-#[test]
-fn a_leaf_ends_with_the_wind() {
-    let body = RigidBox::default();
-    let (wind, c) = (DVec3::X * 8.0, 3.0);
-    let law = Forces {
-        acceleration: DVec3::NEG_Y * 9.81,
-        dissipation: Dissipation {
-            linear_drag: c,
-            wind,
-            ..Dissipation::NONE
-        },
-        ..Forces::default()
-    };
-    let terminal = wind + law.acceleration / c;
-    for integrator in [Integrator::Split, Integrator::Exact, Integrator::Split4] {
-        let (mut state, mut memory) = (BodyState::default(), IntegratorMemory::default());
-        for n in 1..=40 {
-            integrator.step(&body, &mut state, &law, 0.1, &mut memory);
-            let t = 0.1 * f64::from(n);
-            let lost = 1.0 - libm::exp(-c * t);
-            assert!(
-                (state.velocity - terminal * lost).length() < 1e-12,
-                "{integrator}"
-            );
-            let position = terminal * (t - lost / c);
-            assert!((state.position - position).length() < 1e-12, "{integrator}");
-        }
-    }
-}
-
 /// On a damped spring the wind holds a body at the stretch F/k, under every integrator.
 #[test]
 fn a_kite_stands_in_the_wind() {

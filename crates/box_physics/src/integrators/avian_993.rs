@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::engine_newton::velocities_first;
-use super::slope::turn;
+use super::slope::{turn, turned_back};
 use super::{EngineRescaled, Integrate, IntegratorInfo, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -74,9 +74,7 @@ fn turn_momentum(
     } else {
         DVec3::ZERO
     };
-    let turn = exponential_map_by(h * axis, trigonometry);
-    let across = turn.xyz().cross(l);
-    state.angular_momentum = l + 2.0 * (turn.xyz().cross(across) - turn.w * across);
+    state.angular_momentum = turned_back(l, exponential_map_by(h * axis, trigonometry));
 }
 
 #[cfg(test)]

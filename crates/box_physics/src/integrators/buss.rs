@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::slope::turned_back;
 use super::velocity_verlet::{VelocityVerlet, half_kick};
 use super::{EnergyBehavior, Integrate, IntegratorInfo, Keeps, MemorySlot, MenuGroup, StepOutcome};
 use crate::body::RigidBox;
@@ -70,9 +71,7 @@ pub(super) fn kick_drift_kick<F: ForceModel>(
     let turn = exponential_map_by(h * mean(w, rate, h, augmented), trigonometry);
     state.rotation = compose(state.rotation, turn);
     state.renormalize();
-    // L turned backward: with p the vector part of the turn, L − 2w p×L + 2p×(p×L).
-    let across = turn.xyz().cross(l);
-    state.angular_momentum = l + 2.0 * (turn.xyz().cross(across) - turn.w * across);
+    state.angular_momentum = turned_back(l, turn);
     half_kick(body, state, force, 0.5 * h);
 }
 

@@ -98,7 +98,7 @@ fn rescaled_gyroscopic_step(body: &RigidBox, state: &BodyState, h: f64) -> DVec3
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Case, expect_damping, expect_new_velocities, run};
+    use super::super::testing::{brick, expect_damping, expect_new_velocities, run};
     use super::*;
     use crate::force::Gravity;
 
@@ -118,16 +118,10 @@ mod tests {
         expect_new_velocities::<EngineRescaled>();
     }
 
-    /// |L| is conserved to rounding, the motion is bounded at any step, and the energy tends to L²/2I of the
-    /// middle axis.
+    /// The energy tends to L²/2I of the middle axis.
     #[test]
-    fn momentum_is_conserved_and_energy_tends_to_the_middle_axis() {
-        let Case { body, start, .. } = Case::free();
-        let l = start.angular_momentum.length();
-        for h in [0.01, 1.0, 100.0] {
-            let s = run::<EngineRescaled>(&body, start, &Gravity(DVec3::ZERO), 1000.0 * h, 1000);
-            assert!((s.angular_momentum.length() - l).abs() < 1e-12 * l && s.is_finite());
-        }
+    fn the_energy_tends_to_the_middle_axis() {
+        let body = brick();
         for axis in [DVec3::X, DVec3::Z] {
             let start =
                 BodyState::default().with_body_angular_velocity(&body, axis + DVec3::splat(0.05));

@@ -1,7 +1,7 @@
 //! `exact`: the closed-form motion since the last event, without accumulated errors.
 
 use super::split;
-use super::trajectory::{FreeFlight, Trajectory};
+use super::trajectory::{FlightForces, Trajectory};
 use super::{
     EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
     Order, Orders, Stability, StepOutcome,
@@ -73,13 +73,12 @@ impl Integrate for Exact {
                 ..StepOutcome::plain(evaluations)
             };
         }
-        let rate = d.linear_drag * body.inverse_mass();
-        let law = FreeFlight::new(body, d.blown(force.acceleration(), rate), &d);
+        let flight = FlightForces::new(body, force);
         match memory.recall() {
-            Some(trajectory) => trajectory.advance(&law, state, h),
+            Some(trajectory) => trajectory.advance(&flight, state, h),
             None => {
                 let mut trajectory = Trajectory::new(body, state);
-                trajectory.advance(&law, state, h);
+                trajectory.advance(&flight, state, h);
                 memory.store(trajectory);
             }
         }
@@ -168,26 +167,6 @@ mod tests {
             coarse < 1e-6 && fine < 1.2e-2 * coarse,
             "{coarse:e} {fine:e}"
         );
-    }
-
-    /// The contact solver takes many trial steps from one state to find an impact, then keeps one of them.
-    #[test]
-    fn trial_steps_change_nothing() {
-        let (body, start) = tumbling();
-        let law = damped();
-        let (mut plain, mut memory) = (start, IntegratorMemory::default());
-        let (mut tried, mut tried_memory) = (start, IntegratorMemory::default());
-        let mut scratch = IntegratorMemory::default();
-        for _ in 0..100 {
-            Exact::step(&body, &mut plain, &law, 0.01, &mut memory);
-            for tau in [0.005, 0.0025, 0.0075, -0.3] {
-                let mut trial = tried;
-                scratch.clone_from(&tried_memory);
-                Exact::step(&body, &mut trial, &law, tau, &mut scratch);
-            }
-            Exact::step(&body, &mut tried, &law, 0.01, &mut tried_memory);
-            assert_eq!(plain, tried);
-        }
     }
 
     /// A change of step size keeps the event; any other change does not.

@@ -8,6 +8,7 @@
 
 mod batch;
 mod damped_kick;
+mod extrapolation;
 mod flows;
 mod forced;
 mod implicit_stage;
@@ -114,7 +115,7 @@ pub trait Integrate: Sized + 'static {
     /// Steps the bodies of `group`, each under its own forces. Each result equals that of [`Integrate::step`] bit for
     /// bit.
     fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
-        group.one_by_one::<Self>(0..group.bodies.len(), h)
+        group.one_by_one::<Self>(0..group.forces.len(), h)
     }
 }
 

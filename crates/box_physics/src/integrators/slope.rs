@@ -57,3 +57,10 @@ pub(super) fn turn(
     state.rotation = compose(state.rotation, turn);
     state.renormalize();
 }
+
+/// `l` turned backward: with p the vector part of the turn and w its scalar part, L − 2w p×L + 2p×(p×L).
+#[inline(always)]
+pub(super) fn turned_back(l: DVec3, turn: DQuat) -> DVec3 {
+    let across = turn.xyz().cross(l);
+    l + 2.0 * (turn.xyz().cross(across) - turn.w * across)
+}

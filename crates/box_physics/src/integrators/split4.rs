@@ -9,7 +9,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel};
 use crate::math::Trigonometry;
-use crate::rotation::free_rotation_order4_by;
+use crate::rotation::free_rotation_order4;
 use crate::state::BodyState;
 
 /// K₁ D₁ K₂ D₂ K₃ D₃ K₄ D₃ K₃ D₂ K₂ D₁ K₁: Blanes and Moan's `SRKN6b`. The kick is K = wrench. The drift is
@@ -105,7 +105,7 @@ struct Order4<'a, T>(&'a mut T);
 impl<T: Trigonometry> FreeRotationFlow for Order4<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        free_rotation_order4_by(body, state, h, self.0);
+        free_rotation_order4(body, state, h, self.0);
     }
 }
 
@@ -119,40 +119,10 @@ fn stiffness(body: &RigidBox, d: &Dissipation) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Case, drag, on, run, run_counted, spring};
+    use super::super::testing::{drag, on, run, run_counted, spring};
     use super::*;
     use crate::force::Forces;
     use glam::DVec3;
-
-    /// pub08 and pub13: linear drag is exact, angular damping is as accurate as the rotation.
-    #[test]
-    fn free_flight_with_damping() {
-        let case = Case::free();
-        let cube = RigidBox::cube(1.0, 2.0).expect("valid");
-        let start = BodyState::at(DVec3::Y).with_velocity(DVec3::new(10.0, 12.0, 3.0));
-        let law = Forces {
-            acceleration: DVec3::NEG_Y * 9.81,
-            ..drag(1.0, 0.0)
-        };
-        let s = run::<Split4>(&cube, start, &law, 10.0, 60);
-        let exact = DVec3::new(19.865241060018292, -132.38610776822216, 5.959572318005487);
-        assert!((s.position - exact).length() < 1e-11);
-        let start =
-            BodyState::default().with_body_angular_velocity(&case.body, DVec3::new(1.0, 8.0, 2.0));
-        let mut exact = start;
-        exact.rotation = glam::DQuat::from_xyzw(
-            0.36521694042289415,
-            0.05682587682347167,
-            0.9261170556720784,
-            -0.07546260891769074,
-        );
-        let error = |rate: u32| {
-            run::<Split4>(&case.body, start, &drag(0.0, 0.25), 10.0, 10 * rate)
-                .attitude_difference(&exact)
-        };
-        assert!(error(60) < 1e-8);
-        assert!((libm::log2(error(30) / error(60)) - 4.0).abs() < 0.2);
-    }
 
     /// On a central spring: the product of its thirteen shears, to rounding; bounded up to ωh = 3.16.
     #[test]

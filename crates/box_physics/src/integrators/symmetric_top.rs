@@ -8,7 +8,7 @@ use super::{
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
-use crate::rotation::free_rotation_strang_by;
+use crate::rotation::free_rotation_strang;
 use crate::state::BodyState;
 
 /// Strang's composition with the free rotation by the symmetric-top splitting.
@@ -62,6 +62,6 @@ struct Strang<'a, T>(&'a mut T);
 impl<T: Trigonometry> FreeRotationFlow for Strang<'_, T> {
     #[inline(always)]
     fn flow(&mut self, body: &RigidBox, state: &mut BodyState, h: f64) {
-        free_rotation_strang_by(body, state, h, self.0);
+        free_rotation_strang(body, state, h, self.0);
     }
 }

@@ -240,17 +240,6 @@ impl Case {
             ..*end
         })
     }
-
-    /// Asserts that the error falls by 2^order from `rate` to twice the rate, within a fifth of an order.
-    pub(crate) fn expect_order<S: Integrate>(&self, rate: u32, order: f64) {
-        let (coarse, fine) = (self.error::<S>(rate), self.error::<S>(2 * rate));
-        let observed = libm::log2(coarse / fine);
-        assert!(
-            (observed - order).abs() < 0.2,
-            "{}: order {observed:.2} ({coarse:e} to {fine:e})",
-            S::INFO.id
-        );
-    }
 }
 
 /// The torque (Rµ)×B as a pair of forces.

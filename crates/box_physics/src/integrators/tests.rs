@@ -1,6 +1,5 @@
 use super::testing::{Case, on, spring};
 use super::*;
-use crate::force::Gravity;
 use glam::DVec3;
 
 #[test]
@@ -58,15 +57,5 @@ fn evaluations_as_claimed() {
                 );
             }
         }
-    }
-}
-
-#[test]
-fn a_zero_step_is_the_identity_bit_for_bit() {
-    let (body, start) = crate::force::tests::setting();
-    for &i in Integrator::ALL {
-        let (mut state, mut memory) = (start, IntegratorMemory::default());
-        i.step(&body, &mut state, &Gravity(DVec3::NEG_Y), 0.0, &mut memory);
-        assert_eq!(state, start, "{i}");
     }
 }

@@ -3,14 +3,14 @@
 use glam::DVec3;
 
 use crate::body::RigidBox;
-use crate::force::Dissipation;
+use crate::force::ForceModel;
 use crate::free_motion::FreeRotation;
 use crate::math::Exponential;
 use crate::state::BodyState;
 
 /// Inputs of the center's motion and of the spin damping besides the state.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FreeFlight {
+pub(super) struct FlightForces {
     /// [m/s²]
     acceleration: DVec3,
     /// c₁/m [1/s]
@@ -19,12 +19,14 @@ pub(super) struct FreeFlight {
     damping_rate: f64,
 }
 
-impl FreeFlight {
+impl FlightForces {
     #[inline(always)]
-    pub(super) fn new(body: &RigidBox, acceleration: DVec3, d: &Dissipation) -> Self {
+    pub(super) fn new<F: ForceModel>(body: &RigidBox, force: &F) -> Self {
+        let d = force.dissipation();
+        let drag_rate = d.linear_drag * body.inverse_mass();
         Self {
-            acceleration,
-            drag_rate: d.linear_drag * body.inverse_mass(),
+            acceleration: d.blown(force.acceleration(), drag_rate),
+            drag_rate,
             damping_rate: d.angular_damping,
         }
     }
@@ -71,7 +73,7 @@ impl Trajectory {
 
     /// Advances `state`, the result of the last step, by `h` \[s\].
     #[inline]
-    pub(super) fn advance(&mut self, law: &FreeFlight, state: &mut BodyState, h: f64) {
+    pub(super) fn advance(&mut self, flight: &FlightForces, state: &mut BodyState, h: f64) {
         if h != self.step {
             self.origin += self.steps * self.step;
             self.step = h;
@@ -80,7 +82,7 @@ impl Trajectory {
         self.steps += 1.0;
         let t = self.origin + self.steps * h;
         let before = state.rotation;
-        *state = self.at(law, t);
+        *state = self.at(flight, t);
         // Selects the sign of q that continues the motion, for interpolation.
         if state.rotation.dot(before) < 0.0 {
             state.rotation = -state.rotation;
@@ -89,12 +91,12 @@ impl Trajectory {
 
     /// The state at time `t` \[s\] since the event.
     #[inline]
-    fn at(&self, law: &FreeFlight, t: f64) -> BodyState {
-        let FreeFlight {
+    fn at(&self, flight: &FlightForces, t: f64) -> BodyState {
+        let FlightForces {
             acceleration,
             drag_rate,
             damping_rate,
-        } = *law;
+        } = *flight;
         let (position, velocity) = (self.event.position, self.event.velocity);
         let drag = Exponential::new(drag_rate * t);
         let damping = Exponential::new(damping_rate * t);

@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use bevy::app::App;
 use bevy::ecs::bundle::Bundle;
 use bevy::ecs::change_detection::{DetectChanges, Ref};
 use bevy::ecs::component::Component;
@@ -9,6 +10,7 @@ use bevy::ecs::entity::Entity;
 use bevy::ecs::hierarchy::{ChildOf, Children};
 use bevy::ecs::query::{Added, Changed, Has, Or, With, Without};
 use bevy::ecs::resource::Resource;
+use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::{Commands, Local, Query, Res, ResMut, SystemChangeTick};
 use bevy::ecs::world::World;
 use bevy::time::{Real, Time, Virtual};
@@ -20,7 +22,9 @@ use super::components::Checked;
 use super::contacts::ContactEnabled;
 use super::forces::Step;
 use super::parallel::PhysicsThreads;
+use super::placement::show_changes;
 use super::resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
+use super::sets::BeforeSteps;
 use super::sleeping::any_newer;
 use crate::body::RigidBox;
 use crate::error::InvalidValue;
@@ -143,7 +147,7 @@ pub(crate) fn count_dropped_time(
 
 /// Inserts a `B` into bodies without a `C`, which their [`RigidBox`] requires: it was removed, or the body was spawned
 /// before the plugin was added.
-pub(crate) fn restore_component<C: Component, B: Bundle + Default>(
+fn restore_component<C: Component, B: Bundle + Default>(
     bodies: Query<Entity, (With<RigidBox>, Without<C>)>,
     mut commands: Commands,
     mut warned: Local<bool>,
@@ -158,6 +162,16 @@ pub(crate) fn restore_component<C: Component, B: Bundle + Default>(
             );
         }
     }
+}
+
+/// Gives every body a `C`, and as part of `B` where it is lost.
+pub(crate) fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
+    // An error means that bodies were spawned before the plugin was added: they are completed like others.
+    let _ = app.try_register_required_components::<RigidBox, C>();
+    app.add_systems(
+        BeforeSteps,
+        restore_component::<C, B>.before(show_changes::<true>),
+    );
 }
 
 /// Logs values out of their range that came past the constructors, where they are new.

@@ -32,15 +32,6 @@ pub(crate) struct FreeFlight<'a, 'w, 's> {
     pub(crate) below: Option<FloorBelow>,
 }
 
-impl NearFloor {
-    /// Whether the body is left to *Contact* in this step; noted.
-    #[inline(always)]
-    fn leave(&mut self, may_touch: impl FnOnce() -> bool) -> bool {
-        self.pending = self.touched || may_touch();
-        self.pending
-    }
-}
-
 impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
     type Output = Tally;
 
@@ -55,10 +46,13 @@ impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
         let floor = step.floor.as_ref();
         let floor = floor.filter(|_| !S::BRANCHES && step.planes.is_empty());
         self.below = floor.map(|floor| FloorBelow::new(floor, &step.settings, step.h));
+        let gravity = |i| Gravity(forces.gravity(first + i, step.gravity));
         let left = match self.below {
             _ if !step.has_contact() => 0,
-            Some(_) => self.leave_to_contact(|_, _, _| false),
-            None => self.leave_to_contact(|body, state, model| step.may_touch(body, state, model)),
+            Some(_) => self.leave_to_contact(gravity, |_, _, _| false),
+            None => self.leave_to_contact(gravity, |body, state, model| {
+                step.may_touch(body, state, model)
+            }),
         };
         match left {
             0 => self.run::<S>(0..bodies.len(), &mut tally),
@@ -77,15 +71,16 @@ const SHORT: usize = 16;
 
 impl FreeFlight<'_, '_, '_> {
     /// Marks the bodies that touched floor or planes, or may. How many there are.
-    fn leave_to_contact(
+    fn leave_to_contact<F: ForceModel>(
         &mut self,
-        may_touch: impl Fn(&RigidBox, &BodyState, &Gravity) -> bool,
+        model: impl Fn(usize) -> F,
+        may_touch: impl Fn(&RigidBox, &BodyState, &F) -> bool,
     ) -> usize {
         let mut left = 0;
         for (i, near) in self.near.iter_mut().enumerate() {
-            let model = Gravity(self.forces.gravity(self.first + i, self.step.gravity));
             let (body, state) = (&self.bodies[i], &self.states[i]);
-            left += usize::from(near.leave(|| may_touch(body, state, &model)));
+            near.pending = near.touched || may_touch(body, state, &model(i));
+            left += usize::from(near.pending);
         }
         left
     }
@@ -201,56 +196,43 @@ impl FreeFlight<'_, '_, '_> {
         }
     }
 
+    /// The bodies that are not left to *Contact*, each under its own forces.
     fn each<S: Integrate, F: ForceModel>(&mut self, model: impl Fn(usize) -> F) -> Tally {
-        let (mut tally, mut start, count) = (Tally::default(), 0, self.bodies.len());
-        for i in 0..=count {
-            let leave = i < count
-                && self.step.has_contact()
-                && self.near[i].leave(|| {
-                    self.step
-                        .may_touch(&self.bodies[i], &self.states[i], &model(i))
-                });
-            if leave || i == count || i - start == GATHERED {
-                self.forced::<S, F>(start..i, &model, &mut tally);
-                start = i + usize::from(leave);
-            }
+        let mut tally = Tally::default();
+        if !self.step.has_contact() {
+            self.forced::<S, F>(0..self.bodies.len(), &model, &mut tally);
+            return tally;
+        }
+        let step = self.step;
+        self.leave_to_contact(&model, |body, state, model| {
+            step.may_touch(body, state, model)
+        });
+        let mut next = 0;
+        while let Some(range) = self.next_run(next) {
+            next = range.end;
+            self.forced::<S, F>(range, &model, &mut tally);
         }
         tally
     }
 
-    /// At most [`GATHERED`] bodies, each under its own forces.
     fn forced<S: Integrate, F: ForceModel>(
         &mut self,
         run: Range<usize>,
         model: &impl Fn(usize) -> F,
         tally: &mut Tally,
     ) {
+        let known = tally.faults.len();
+        let columns = (
+            &self.bodies[run.clone()],
+            &mut self.states[run.clone()],
+            &mut self.memories[run.clone()],
+        );
+        let forces = |k: usize| model(run.start + k);
+        tally.outcome +=
+            ForcedGroup::step_each::<S>(columns, forces, self.step.h, &mut tally.faults);
         tally.bodies += run.len() as u64;
-        if S::FORCED_IN_LANES && run.len() >= SHORT {
-            let forces: [F; GATHERED] =
-                core::array::from_fn(|k| model(run.end.min(run.start + k + 1) - 1));
-            let known = tally.faults.len();
-            let mut group = ForcedGroup {
-                bodies: &self.bodies[run.clone()],
-                states: &mut self.states[run.clone()],
-                memories: &mut self.memories[run.clone()],
-                forces: &forces[..run.len()],
-                faults: &mut tally.faults,
-            };
-            tally.outcome += S::step_forced(&mut group, self.step.h);
-            for i in &mut tally.faults[known..] {
-                *i += self.first + run.start;
-            }
-            return;
-        }
-        for i in run {
-            let (body, state) = (&self.bodies[i], &mut self.states[i]);
-            let (before, memory) = (*state, &mut self.memories[i]);
-            tally.outcome += S::step(body, state, &model(i), self.step.h, memory);
-            if !state.is_valid() {
-                *state = before;
-                tally.faults.push(self.first + i);
-            }
+        for i in &mut tally.faults[known..] {
+            *i += self.first + run.start;
         }
     }
 }

@@ -11,7 +11,7 @@
 //! | at points of the body, evaluated at every stage of the integrator | [`PointForces`], [`Springs`] |
 //! | drag and damping, relative to the [`Wind`] | [`LinearDrag`], [`QuadraticDrag`], [`AngularDamping`], [`AngularDrag`] |
 //! | anything else that depends on the state | the core, with a [`ForceModel`](crate::force::ForceModel) of your own |
-//! | the floor, walls and ramps | the resource [`Floor`], entities with [`StaticPlane`]; [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
+//! | the floor, walls and ramps | the resource [`Floor`](crate::floor::Floor), entities with [`StaticPlane`](crate::floor::StaticPlane); [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
 //!
 //! A force that no body has costs nothing.
 //!
@@ -60,6 +60,7 @@ mod contact;
 mod contacts;
 mod faults;
 mod flight;
+mod floor;
 mod forces;
 #[cfg(feature = "gizmos")]
 mod gizmos;
@@ -85,6 +86,7 @@ pub use components::{
     LinearDrag, OneShotForce, PointForces, QuadraticDrag, Quarantined, ReportContacts,
     ReportPersisting, RestingSince, Springs, WorldAabb,
 };
+pub use floor::FloorPlugin;
 #[cfg(feature = "gizmos")]
 pub use gizmos::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 pub use messages::{
@@ -95,6 +97,7 @@ pub use parallel::PhysicsThreads;
 pub use queries::{
     BodyMut, BodyMutItem, BodyMutReadOnly, BodyMutReadOnlyItem, BodyRef, BodyRefItem,
 };
+pub use refit::AabbPlugin;
 pub use resources::{GlobalIntegrator, PhysicsClock, Wind, WorldGravity};
 pub use run::StepPhysics;
 pub use sets::{FixedPhysics, PhysicsSchedule, PhysicsSystems, RunPhysics};
@@ -108,12 +111,9 @@ use bevy::app::{
     App, FixedMainScheduleOrder, FixedPostUpdate, Plugin, PluginGroup, PluginGroupBuilder,
     PreUpdate, Startup,
 };
-use bevy::ecs::bundle::Bundle;
-use bevy::ecs::component::Component;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::{
     IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-    SystemCondition, common_conditions,
 };
 use bevy::transform::components::Transform;
 
@@ -121,9 +121,7 @@ use self::components::NearFloor;
 use self::sleeping::Sleep;
 use self::transforms::PublishedPose;
 use crate::body::RigidBox;
-use crate::floor::{
-    ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
-};
+use crate::floor::{Friction, Restitution};
 use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
@@ -144,7 +142,8 @@ use crate::state::BodyState;
 /// ```
 ///
 /// To leave a part out: `PhysicsPlugins::default().build().disable::<AabbPlugin>()`; the same for
-/// [`FloorPlugin`] and [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`] resource there is no contact work.
+/// [`FloorPlugin`] and [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`](crate::floor::Floor)
+/// resource there is no contact work.
 #[derive(Clone, Debug, Default)]
 pub struct PhysicsPlugins {
     physics: PhysicsPlugin,
@@ -238,13 +237,14 @@ impl Plugin for PhysicsPlugin {
         register_types(app);
         placement::build(app);
         // A state that is lost begins again where the body is shown.
-        require::<BodyState, (BodyState, PublishedPose)>(app);
-        require::<IntegratorMemory, IntegratorMemory>(app);
-        require::<Transform, Transform>(app);
-        require::<PublishedPose, PublishedPose>(app);
-        require::<NearFloor, NearFloor>(app);
-        require::<Sleep, Sleep>(app);
+        faults::require::<BodyState, (BodyState, PublishedPose)>(app);
+        faults::require::<IntegratorMemory, IntegratorMemory>(app);
+        faults::require::<Transform, Transform>(app);
+        faults::require::<PublishedPose, PublishedPose>(app);
+        faults::require::<NearFloor, NearFloor>(app);
+        faults::require::<Sleep, Sleep>(app);
 
+        let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
         // Not `add_schedule`: systems that users gave it before the plugin stay.
         app.init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, |schedule| {
@@ -289,12 +289,12 @@ impl Plugin for PhysicsPlugin {
                     .in_set(PhysicsSystems::Writeback),
             ),
         );
-        app.init_schedule(run::BeforeSteps)
-            .edit_schedule(run::BeforeSteps, |schedule| {
+        app.init_schedule(sets::BeforeSteps)
+            .edit_schedule(sets::BeforeSteps, |schedule| {
                 schedule.set_executor(SingleThreadedExecutor::new());
             })
             .add_systems(
-                run::BeforeSteps,
+                sets::BeforeSteps,
                 (
                     placement::show_changes::<true>,
                     faults::report_parents,
@@ -311,12 +311,8 @@ impl Plugin for PhysicsPlugin {
                 )
                     .chain(),
             )
-            .add_systems(
-                self.schedule.unwrap_or_else(|| FixedPhysics.intern()),
-                run::run_physics.in_set(RunPhysics),
-            );
-        let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
-        app.insert_resource(run::RunsIn(schedule));
+            .insert_resource(run::RunsIn(schedule))
+            .add_systems(schedule, run::run_physics.in_set(RunPhysics));
         if self.schedule.is_none() {
             add_own_schedule(app);
         }
@@ -354,89 +350,4 @@ fn register_types(app: &mut App) {
         .register_type::<Gravity>()
         .register_type::<ApplyImpulse>()
         .register_type::<BodyQuarantined>();
-}
-
-/// Contact with a [`Floor`] and with [`StaticPlane`]s. Leave it out and they are nothing, and bodies carry no contact memory.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FloorPlugin;
-
-impl Plugin for FloorPlugin {
-    fn is_unique(&self) -> bool {
-        false
-    }
-
-    fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<Self>() {
-            return;
-        }
-        app.init_resource::<ContactSettings>()
-            .add_message::<FloorContact>()
-            .add_message::<Landed>()
-            .register_type::<Floor>()
-            .register_type::<StaticPlane>()
-            .register_type::<ContactSettings>()
-            .register_type::<Friction>()
-            .register_type::<Restitution>()
-            .register_type::<ContactState>()
-            .register_type::<ReportContacts>()
-            .register_type::<ReportPersisting>()
-            .register_type::<RestingSince>()
-            .register_type::<FloorContact>()
-            .register_type::<ContactPhase>()
-            .register_type::<ContactReport>()
-            .register_type::<Landed>()
-            .register_type::<Settled>()
-            .register_type::<Woken>();
-        require::<RestingSince, RestingSince>(app);
-        require::<ContactState, ContactState>(app);
-        app.add_systems(
-            PhysicsSchedule,
-            (contact::contact, contacts::report_contacts)
-                .chain()
-                .in_set(PhysicsSystems::Contact),
-        )
-        .add_systems(
-            run::BeforeSteps,
-            (
-                contacts::end_all_contacts.run_if(
-                    common_conditions::resource_removed::<Floor>
-                        .or_else(contacts::last_plane_removed),
-                ),
-                faults::report_invalid_planes,
-            ),
-        );
-        contacts::build(app);
-    }
-}
-
-/// Gives every body a `C`, and as part of `B` where it is lost.
-fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
-    // An error means that bodies were spawned before the plugin was added: they are completed like others.
-    let _ = app.try_register_required_components::<RigidBox, C>();
-    app.add_systems(
-        run::BeforeSteps,
-        faults::restore_component::<C, B>.before(placement::show_changes::<true>),
-    );
-}
-
-/// Re-fits a [`WorldAabb`] on every body after each step. Leave it out and bodies have none.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct AabbPlugin;
-
-impl Plugin for AabbPlugin {
-    fn is_unique(&self) -> bool {
-        false
-    }
-
-    fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<Self>() {
-            return;
-        }
-        app.register_type::<WorldAabb>();
-        require::<WorldAabb, WorldAabb>(app);
-        app.add_systems(
-            PhysicsSchedule,
-            refit::refit_aabbs.in_set(PhysicsSystems::Refit),
-        );
-    }
 }

@@ -1,12 +1,16 @@
 //! The bounding boxes of all bodies, fitted at once.
 
+use bevy::app::{App, Plugin};
 use bevy::ecs::change_detection::Ref;
 use bevy::ecs::error::Result;
+use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::{Query, Res, ResMut};
 
 use super::chunks::Columns;
 use super::components::WorldAabb;
+use super::faults::require;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
+use super::sets::{PhysicsSchedule, PhysicsSystems};
 use super::sleeping::{Changes, Sleep, SleepClock};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use super::transforms::LIGHT;
@@ -90,6 +94,25 @@ pub(crate) fn refit_aabbs(
         timings.record_stage(Stage::Refit, watch.lap());
     }
     Ok(())
+}
+
+/// Re-fits a [`WorldAabb`] on every body after each step. Leave it out and bodies have none.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AabbPlugin;
+
+impl Plugin for AabbPlugin {
+    fn is_unique(&self) -> bool {
+        false
+    }
+
+    fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            return;
+        }
+        app.register_type::<WorldAabb>();
+        require::<WorldAabb, WorldAabb>(app);
+        app.add_systems(PhysicsSchedule, refit_aabbs.in_set(PhysicsSystems::Refit));
+    }
 }
 
 #[cfg(test)]

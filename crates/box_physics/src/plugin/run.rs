@@ -12,17 +12,12 @@ use bevy::ecs::world::World;
 use bevy::time::{Fixed, Time};
 use log::warn;
 
-use super::PhysicsSchedule;
 use super::faults::{restore_resources, settings_are_valid};
 use super::messages::BodyQuarantined;
 use super::placement::{Unsmoothed, show_changes};
 use super::quarantine::report_quarantined;
 use super::resources::PhysicsClock;
-
-/// What is done once a tick, paused or not, before its steps. On one thread: an executor of many would take
-/// longer to wake them than these systems need.
-#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct BeforeSteps;
+use super::sets::{BeforeSteps, PhysicsSchedule};
 
 /// One tick of the clock of this schedule. Paused, nothing moves.
 pub(crate) fn run_physics(world: &mut World) {
@@ -30,7 +25,7 @@ pub(crate) fn run_physics(world: &mut World) {
     Unsmoothed::begin_tick(world);
     world.run_schedule(BeforeSteps);
     advance(world);
-    // Seldom are there any.
+    // Usually empty.
     let quarantined = world.get_resource::<Messages<BodyQuarantined>>();
     if quarantined.is_some_and(|messages| !messages.is_empty())
         && let Err(error) = world.run_system_cached(report_quarantined)
@@ -56,7 +51,7 @@ fn tick(world: &mut World, delta: core::time::Duration) {
     if delta.is_zero() || !settings_are_valid(world) {
         return;
     }
-    let substeps = world.resource::<PhysicsClock>().substeps.clamp(1, 1024);
+    let substeps = world.resource::<PhysicsClock>().substeps.max(1);
     for _ in 0..substeps {
         let mut clock = world.resource_mut::<PhysicsClock>();
         clock.begin_step(delta, substeps);

@@ -33,6 +33,11 @@ pub struct RunPhysics;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PhysicsSchedule;
 
+/// What is done once a tick, paused or not, before its steps. On one thread: an executor of many would take
+/// longer to wake them than these systems need.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct BeforeSteps;
+
 /// The sets of [`PhysicsSchedule`], chained in this order.
 ///
 /// A system between two of them finds what they promise.

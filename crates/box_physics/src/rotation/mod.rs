@@ -3,12 +3,8 @@
 mod frame;
 mod splitting;
 
-pub use splitting::{free_rotation_order4, free_rotation_strang, free_rotation_three_axes};
-
 pub(crate) use frame::SplitFrame;
-pub(crate) use splitting::{
-    free_rotation_order4_by, free_rotation_strang_by, free_rotation_three_axes_by,
-};
+pub(crate) use splitting::{free_rotation_order4, free_rotation_strang, free_rotation_three_axes};
 
 use glam::{DQuat, DVec3};
 

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use box_physics::prelude::{BodyState, Integrator};
 
 use crate::balance::Residual;
-use crate::driver::Model;
 use crate::driver::Totals;
 use crate::live_reference::{LiveReference, Uncertainty};
 use crate::metrics::StateError;
+use crate::model::Model;
 use crate::runner::{DUE, Runner, local_error};
 use crate::setup::Setup;
 use crate::status::Status;

@@ -4,8 +4,9 @@ use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
 use super::{Check, Finding, HardCase};
-use crate::driver::{Driver, Model};
+use crate::driver::Driver;
 use crate::metrics::{SpeedLimits, energy_scale};
+use crate::model::Model;
 use crate::reference::ReferenceSolution;
 use crate::setup::Setup;
 use crate::simulate::simulate;

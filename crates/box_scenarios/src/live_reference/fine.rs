@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, Integrator};
 
-use crate::driver::{Driver, Model};
+use crate::driver::Driver;
+use crate::model::Model;
 use crate::setup::TimedImpulse;
 
-/// The integrator that is closest to the truth under `model`, in fine steps.
+/// The integrator that is closest to the reference under `model`, in fine steps.
 pub fn best_integrator(model: &Model) -> Integrator {
     let d = model.forces.dissipation();
     if d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
@@ -50,11 +51,7 @@ impl Fine {
             let i = *i;
             self.run(i.t, h);
             self.waiting.pop_front();
-            self.driver.state.apply_impulse_at_body_point(
-                &self.model.body,
-                i.impulse,
-                i.body_point,
-            );
+            self.driver.apply(&self.model, &i);
         }
         self.run(t, h);
         let here = (self.driver.time - t).abs() <= 1e-9 * h;

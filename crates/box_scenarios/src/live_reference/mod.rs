@@ -17,8 +17,8 @@ use std::sync::Arc;
 
 use box_physics::prelude::{BodyState, DVec3};
 
-use crate::driver::Model;
 use crate::metrics::StateError;
+use crate::model::Model;
 use crate::reference::{ReferenceKind, ReferenceSolution};
 use crate::setup::{Setup, TimedImpulse};
 use fine::Fine;
@@ -91,12 +91,12 @@ enum Source {
 }
 
 impl LiveReference {
-    /// From `start` at time 0; `truth` is the scene's, if it is known. `step` \[s\] is the clock's.
+    /// From `start` at time 0; `known` is the scene's reference, if it has one. `step` \[s\] is the clock's.
     pub fn new(
         model: &Arc<Model>,
         start: BodyState,
         impulses: &[TimedImpulse],
-        truth: Option<ReferenceSolution>,
+        known: Option<ReferenceSolution>,
         step: f64,
     ) -> Self {
         let mut reference = Self {
@@ -109,12 +109,12 @@ impl LiveReference {
             uncertainty: Uncertainty::default(),
         };
         reference.set_clock_step(step);
-        let source = match truth.filter(|t| t.kind() != ReferenceKind::None) {
-            Some(truth) => {
-                if let ReferenceKind::Numerical { agreement } = truth.kind() {
+        let source = match known.filter(|r| r.kind() != ReferenceKind::None) {
+            Some(known) => {
+                if let ReferenceKind::Numerical { agreement } = known.kind() {
                     reference.widen(agreement, agreement);
                 }
-                Source::Trusted(Arc::new(truth))
+                Source::Trusted(Arc::new(known))
             }
             None => reference.fine(0.0, start, Some(start)),
         };
@@ -125,13 +125,13 @@ impl LiveReference {
     /// That of a setup, through all its impulses, for a clock of steps of `step` \[s\].
     pub fn of(setup: &Setup, step: f64) -> Self {
         let model = Arc::new(Model::of(setup));
-        let truth = ReferenceSolution::closed_form(setup).unwrap_or_else(|| {
+        let known = ReferenceSolution::closed_form(setup).unwrap_or_else(|| {
             // Its states are kept: of a longer scene the rest is simulated.
             let mut beginning = setup.clone();
             beginning.duration = beginning.duration.min(STORED);
             beginning.reference()
         });
-        Self::new(&model, setup.initial, &setup.impulses, Some(truth), step)
+        Self::new(&model, setup.initial, &setup.impulses, Some(known), step)
     }
 
     /// The clock's step \[s\] is another.
@@ -186,7 +186,7 @@ impl LiveReference {
         let newest = k + 1 == self.pieces.len();
         let from = self.pieces[k].from;
         let (state, finer) = match &mut self.pieces[k].source {
-            Source::Trusted(truth) => (truth.at((t - from).max(0.0)), None),
+            Source::Trusted(solution) => (solution.at((t - from).max(0.0)), None),
             Source::Fine(fine, check) => {
                 let finer = check.as_mut().map(|c| c.at(t, 0.5 * self.h));
                 (fine.at(t, self.h), finer)
@@ -254,7 +254,7 @@ impl LiveReference {
             ReferenceSolution::closed_form(&setup)
         });
         let source = match closed.flatten() {
-            Some(truth) => Source::Trusted(Arc::new(truth)),
+            Some(solution) => Source::Trusted(Arc::new(solution)),
             None => self.fine(t, state, check),
         };
         self.last = (t, state);
@@ -280,7 +280,7 @@ impl LiveReference {
     /// Where the present answer comes from, in words.
     pub fn description(&self) -> String {
         match self.pieces.back().map(|p| &p.source) {
-            Some(Source::Trusted(truth)) => truth.description().to_owned(),
+            Some(Source::Trusted(solution)) => solution.description().to_owned(),
             Some(Source::Fine(fine, _)) => format!(
                 "{} in steps of 1/{:.0} s",
                 fine.driver.integrator,

@@ -5,9 +5,9 @@ use box_physics::prelude::Integrator;
 fn of(id: &str) -> (LiveReference, Arc<Model>) {
     let s = Scenario::find(id).expect("a scene");
     let law = Arc::new(Model::of(&s.setup));
-    let truth = s.reference();
+    let known = s.reference();
     (
-        LiveReference::new(&law, s.setup.initial, &[], Some(truth), 1.0 / 60.0),
+        LiveReference::new(&law, s.setup.initial, &[], Some(known), 1.0 / 60.0),
         law,
     )
 }
@@ -34,10 +34,10 @@ fn a_push_starts_a_new_closed_form() {
         );
         assert!(reference.is_trusted());
     }
-    let truth = s.setup.clone().with_impulses(vec![kick(0.4), kick(0.7)]);
-    let truth = truth.reference();
+    let known = s.setup.clone().with_impulses(vec![kick(0.4), kick(0.7)]);
+    let known = known.reference();
     for t in [0.2, 0.55, 1.3] {
-        let (a, b) = (reference.at(t), truth.at(t));
+        let (a, b) = (reference.at(t), known.at(t));
         let e = StateError::between(&a.expect("kept"), &b.expect("closed"));
         assert!(e.position < 1e-12 && e.attitude < 1e-9, "{t}: {e:?}");
     }

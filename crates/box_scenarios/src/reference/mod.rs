@@ -270,7 +270,7 @@ mod tests {
                 continue;
             }
             let duration = s.setup.duration.min(10.0);
-            let reference = Numerical::new(&s.setup, &s.setup.initial, duration).expect("smooth");
+            let numerical = Numerical::new(&s.setup, &s.setup.initial, duration).expect("smooth");
             let bound = match s.id {
                 "separatrix" => 1e-5,
                 "dzhanibekov" => 1e-8,
@@ -280,7 +280,7 @@ mod tests {
                 let t = duration * f64::from(k) / 40.0;
                 let (a, b) = (
                     reference.at(t).expect("closed"),
-                    reference.at(t).expect("inside"),
+                    numerical.at(t).expect("inside"),
                 );
                 let error = difference(&a, &b);
                 assert!(error < bound, "{}: {error:e} at {t} s", s.id);

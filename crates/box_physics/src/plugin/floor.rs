@@ -1,0 +1,65 @@
+//! The plugin of floor and planes.
+
+use bevy::app::{App, Plugin};
+use bevy::ecs::schedule::{IntoScheduleConfigs, SystemCondition, common_conditions};
+
+use super::components::{ReportContacts, ReportPersisting, RestingSince};
+use super::messages::{ContactPhase, FloorContact, Landed, Settled, Woken};
+use super::sets::{BeforeSteps, PhysicsSchedule, PhysicsSystems};
+use super::{contact, contacts, faults};
+use crate::floor::{
+    ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
+};
+
+/// Contact with a [`Floor`] and with [`StaticPlane`]s. Leave it out and they are nothing, and bodies carry no contact memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FloorPlugin;
+
+impl Plugin for FloorPlugin {
+    fn is_unique(&self) -> bool {
+        false
+    }
+
+    fn build(&self, app: &mut App) {
+        if app.is_plugin_added::<Self>() {
+            return;
+        }
+        app.init_resource::<ContactSettings>()
+            .add_message::<FloorContact>()
+            .add_message::<Landed>()
+            .register_type::<Floor>()
+            .register_type::<StaticPlane>()
+            .register_type::<ContactSettings>()
+            .register_type::<Friction>()
+            .register_type::<Restitution>()
+            .register_type::<ContactState>()
+            .register_type::<ReportContacts>()
+            .register_type::<ReportPersisting>()
+            .register_type::<RestingSince>()
+            .register_type::<FloorContact>()
+            .register_type::<ContactPhase>()
+            .register_type::<ContactReport>()
+            .register_type::<Landed>()
+            .register_type::<Settled>()
+            .register_type::<Woken>();
+        faults::require::<RestingSince, RestingSince>(app);
+        faults::require::<ContactState, ContactState>(app);
+        app.add_systems(
+            PhysicsSchedule,
+            (contact::contact, contacts::report_contacts)
+                .chain()
+                .in_set(PhysicsSystems::Contact),
+        )
+        .add_systems(
+            BeforeSteps,
+            (
+                contacts::end_all_contacts.run_if(
+                    common_conditions::resource_removed::<Floor>
+                        .or_else(contacts::last_plane_removed),
+                ),
+                faults::report_invalid_planes,
+            ),
+        );
+        contacts::build(app);
+    }
+}
