@@ -10,7 +10,7 @@ use crate::state::BodyState;
 /// u_kn of all corners [m/s].
 pub(super) fn normal_velocities(body: &RigidBox, state: &BodyState, corners: &Corners) -> [f64; 8] {
     let omega = state.angular_velocity(body);
-    corners.lever.map(|r| state.velocity.y + omega.cross(r).y)
+    core::array::from_fn(|k| state.velocity.y + omega.cross(corners.lever(k)).y)
 }
 
 /// |L| max(1/I): no free motion spins faster [rad/s].

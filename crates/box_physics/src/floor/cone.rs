@@ -23,7 +23,7 @@ use glam::{DMat3, DVec3};
 
 use super::ContactSettings;
 use super::geometry::{Corner3, has, mask};
-use super::newton::Solution;
+use super::newton::{CoulombLaw, Solution};
 use super::operator::DelassusOperator;
 use super::projection::cancel;
 
@@ -94,32 +94,6 @@ impl<'a> Cone<'a> {
             own,
             other,
         }
-    }
-
-    /// Solves it for `b`. `near` is where to start: the impulses of a similar problem, or zero. What does not converge
-    /// in half of the iterations is
-    /// solved with a quarter of the friction in a quarter of them, and so on, and at last with none, directly: the
-    /// result always keeps the normal law and never gains energy; `converged` tells that it had to give way.
-    pub(super) fn solve(&self, b: &Corner3, near: &Corner3) -> Solution {
-        let operator = self.operator;
-        let n = operator.count;
-        let mut solution = Solution::NONE;
-        if b[..n].iter().all(|u| u.y >= 0.0) {
-            return solution; // nothing approaches: p = 0 is the solution
-        }
-        let target = self.settings.tolerance * operator.largest(b);
-        if self.friction == 0.0 {
-            answered("frictionless");
-            solution.p = self.smooth(b);
-            return solution;
-        }
-        let limit = self.settings.max_iterations / 2;
-        self.attempt(b, near, target, limit, &mut solution);
-        if !solution.converged {
-            answered("gave way");
-            self.give_way(b, target, &mut solution);
-        }
-        solution
     }
 
     #[cold]
@@ -301,6 +275,50 @@ impl<'a> Cone<'a> {
         let w = self.operator.after(b, &p);
         let leaves = |w: &DVec3| w.y >= -target;
         w[..self.operator.count].iter().all(leaves).then_some(p)
+    }
+}
+
+impl CoulombLaw<8> for Cone<'_> {
+    fn operator(&self) -> &DelassusOperator {
+        self.operator
+    }
+
+    fn norm(&self) -> f64 {
+        self.norm
+    }
+
+    #[inline(always)]
+    fn surface(&self, _: usize) -> (DVec3, f64) {
+        (DVec3::Y, self.friction)
+    }
+
+    #[inline(always)]
+    fn project(&self, _: usize, p: DVec3) -> DVec3 {
+        project(p, self.friction)
+    }
+
+    /// What does not converge in half of the iterations is solved with a quarter of the friction in a quarter of them,
+    /// and so on, and at last with none, directly.
+    fn solve(&self, b: &Corner3, near: &Corner3) -> Solution {
+        let operator = self.operator;
+        let n = operator.count;
+        let mut solution = Solution::NONE;
+        if b[..n].iter().all(|u| u.y >= 0.0) {
+            return solution; // nothing approaches: p = 0 is the solution
+        }
+        let target = self.settings.tolerance * operator.largest(b);
+        if self.friction == 0.0 {
+            answered("frictionless");
+            solution.p = self.smooth(b);
+            return solution;
+        }
+        let limit = self.settings.max_iterations / 2;
+        self.attempt(b, near, target, limit, &mut solution);
+        if !solution.converged {
+            answered("gave way");
+            self.give_way(b, target, &mut solution);
+        }
+        solution
     }
 }
 

@@ -45,8 +45,8 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         force,
         ..
     } = context;
-    let [first, second] = core::mem::take(&mut step.contact.spare.0);
-    let (mut first, mut second) = (Segment::new(first), Segment::new(second));
+    let [first, mut spare] = core::mem::take(&mut step.contact.spare.0);
+    let (mut first, mut second) = (Segment::new(first), None);
     let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
     let mut loads = None;
 
@@ -73,11 +73,11 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         if touching & set::<N>(|i| normal[i] < -hold) != 0 {
             let ordinary = outcome.impacts < settings.max_impacts;
             outcome.impacts_capped += u32::from(!ordinary);
-            let hit = resolve_impact(ground, step.state, places, touching, ordinary);
+            let hit = resolve_impact(ground, step.state, touching, ordinary);
             if let Some(report) = &mut step.report {
                 let fastest = each(touching).fold(0.0, |a: f64, i| a.max(-normal[i]));
                 report.strike(elapsed, fastest);
-                ground.record(report, in_world.position, &places.lever, &hit.impulse);
+                ground.record(report, in_world.position, places, &hit.impulse);
             }
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
@@ -106,7 +106,13 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             shortest: SHORTEST_STOP * time,
         };
         let flown = flown.take();
-        let (tau, segment) = start.until_event(time, flown, &mut first, &mut second, outcome);
+        let (tau, segment) = start.until_event(
+            time,
+            flown,
+            &mut first,
+            || second.get_or_insert_with(|| Segment::new(core::mem::take(&mut spare))),
+            outcome,
+        );
         iterations += segment.iterations;
         outcome.solves_capped += u32::from(segment.capped);
         if segment.still {
@@ -117,7 +123,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             loads = Some(load);
             let whole = segment.impulse.map(|p| p * (remaining / tau));
             if let Some(report) = &mut step.report {
-                ground.record(report, in_world.position, &places.lever, &whole);
+                ground.record(report, in_world.position, places, &whole);
             }
             break;
         }
@@ -127,14 +133,15 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         outcome.repair(segment.repaired);
         if let Some(report) = &mut step.report {
             let center = context.world_point(segment.state.position, elapsed + tau);
-            ground.record(report, center, &segment.places.lever, &segment.impulse);
+            ground.record(report, center, &segment.places, &segment.impulse);
         }
         *places = segment.places;
         *step.state = segment.state;
         core::mem::swap(step.memory, &mut segment.memory);
         remaining = (remaining - tau).max(0.0);
     }
-    step.contact.spare.0 = [first.memory, second.memory];
+    let spare = second.map_or(spare, |second| second.memory);
+    step.contact.spare.0 = [first.memory, spare];
     loads
 }
 
@@ -164,13 +171,13 @@ pub(super) fn give_way<G: Ground<N>, const N: usize>(
 
 impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
     /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
-    /// step over `time`, if it is known, with its memory in the first of the segments, which are overwritten.
+    /// step over `time`, if it is known, with its memory in `whole`; it and `other` are overwritten.
     fn until_event<'a>(
         &self,
         time: f64,
         flown: Option<Flown>,
         whole: &'a mut Segment<N>,
-        other: &'a mut Segment<N>,
+        other: impl FnOnce() -> &'a mut Segment<N>,
         outcome: &mut FloorOutcome,
     ) -> (f64, &'a mut Segment<N>) {
         let (ground, held) = (self.ground, self.candidates != 0);
@@ -224,7 +231,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             // With corners held it tells no more than the velocities at the start.
             search.end_rate = ground.normal_velocities(&whole.state, &whole.places);
         }
-        let (tau, segment, capped) = search.run(whole, height, other, |t, segment| {
+        let (tau, segment, capped) = search.run(whole, height, other(), |t, segment| {
             self.spent(outcome, t, segment);
             segment.places.height
         });

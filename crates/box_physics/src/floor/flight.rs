@@ -27,6 +27,7 @@ pub(super) struct Flown {
 }
 
 /// The commonest case. The lowest corner stands for all. `spare` gets the memory of what is not made.
+#[inline(always)]
 pub(super) fn fly<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,
     state: &mut BodyState,
@@ -40,17 +41,16 @@ pub(super) fn fly<S: Integrate, F: ForceModel>(
     if before <= margin {
         return Flight::Low;
     }
-    let mut end = *state;
+    let start = *state;
     spare.clone_from(memory);
-    let outcome = S::step(body, &mut end, force, h, spare);
-    let after = clearance(body, &end, floor.height + floor.velocity.y * h);
-    if after > margin && clears(body, state, force, h, before, after) {
-        *state = end;
-        core::mem::swap(memory, spare);
+    let outcome = S::step(body, state, force, h, memory);
+    let after = clearance(body, state, floor.height + floor.velocity.y * h);
+    if after > margin && clears(body, &start, force, h, before, after) {
         return Flight::Clear(outcome);
     }
+    core::mem::swap(memory, spare);
     Flight::Meets(Flown {
-        state: end,
+        state: core::mem::replace(state, start),
         outcome,
     })
 }

@@ -13,9 +13,8 @@ pub(super) type Corner3 = [DVec3; 8];
 /// floor, pairs of a plane and a corner among several planes. Place i belongs to corner i mod 8.
 #[derive(Clone, Copy)]
 pub(super) struct Places<const N: usize> {
-    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to the corner \[m\], world axes; index bits as in
-    /// [`crate::aabb::corners`].
-    pub(super) lever: Corner3,
+    /// The box's axes in the world, as long as its half-extents \[m\].
+    edges: [DVec3; 3],
     /// c_i = n·(x + r_k) − height \[m\]; infinite where there is no plane.
     pub(super) height: [f64; N],
 }
@@ -25,9 +24,24 @@ pub(super) type Corners = Places<8>;
 
 impl<const N: usize> Places<N> {
     pub(super) const NONE: Self = Self {
-        lever: [DVec3::ZERO; 8],
+        edges: [DVec3::ZERO; 3],
         height: [f64::INFINITY; N],
     };
+
+    /// The corners of a body at `attitude`, whose heights are not known yet.
+    pub(super) fn turned(body: &RigidBox, attitude: DMat3) -> Self {
+        Self {
+            edges: half_edges(body, attitude),
+            ..Self::NONE
+        }
+    }
+
+    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to corner `k` \[m\], world axes; index bits as in
+    /// [`crate::aabb::corners`].
+    #[inline(always)]
+    pub(super) fn lever(&self, k: usize) -> DVec3 {
+        lever(self.edges, k)
+    }
 
     /// The height of the lowest corner \[m\].
     pub(super) fn lowest(&self) -> f64 {
@@ -41,13 +55,8 @@ impl<const N: usize> Places<N> {
 }
 
 impl Corners {
-    /// The terms are added in an order in which opposite corners of a level face get levers that
-    /// are opposite to the last bit: a flat landing then has a torque of exactly zero.
     pub(super) fn at(floor: &Floor, body: &RigidBox, state: &BodyState) -> Self {
-        let mut new = Self {
-            lever: levers(body, DMat3::from_quat(state.rotation), 0xff),
-            ..Self::NONE
-        };
+        let mut new = Self::turned(body, DMat3::from_quat(state.rotation));
         new.rise(floor, state);
         new
     }
@@ -55,12 +64,13 @@ impl Corners {
     /// The same attitude at the height of `state`.
     pub(super) fn rise(&mut self, floor: &Floor, state: &BodyState) {
         let base = state.position.y - floor.height;
-        self.height = self.lever.map(|r| base + r.y);
+        self.height = core::array::from_fn(|k| base + self.lever(k).y);
     }
 }
 
 /// The box's axes in the world, as long as its half-extents \[m\].
-fn half_edges(body: &RigidBox, attitude: DMat3) -> [DVec3; 3] {
+#[inline(always)]
+pub(super) fn half_edges(body: &RigidBox, attitude: DMat3) -> [DVec3; 3] {
     let h = body.half_extents();
     [
         attitude.x_axis * h.x,
@@ -69,19 +79,12 @@ fn half_edges(body: &RigidBox, attitude: DMat3) -> [DVec3; 3] {
     ]
 }
 
-/// r_k \[m\].
+/// r_k \[m\]. The terms are added in an order in which opposite corners of a level face get levers that are opposite to
+/// the last bit: a flat landing then has a torque of exactly zero.
 #[inline(always)]
-fn lever([x, y, z]: [DVec3; 3], k: usize) -> DVec3 {
+pub(super) fn lever([x, y, z]: [DVec3; 3], k: usize) -> DVec3 {
     let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
     (sign(0) * x + sign(2) * z) + sign(1) * y
-}
-
-/// The levers of the corners in `set`; what stands for the others is not used.
-#[inline(always)]
-pub(super) fn levers(body: &RigidBox, attitude: DMat3, set: u8) -> Corner3 {
-    let edges = half_edges(body, attitude);
-    let lever = |k| has(set, k).then(|| lever(edges, k));
-    core::array::from_fn(|k| lever(k).unwrap_or(DVec3::ZERO))
 }
 
 /// The corners of the faces: those whose bit 0 is 0, is 1, and so on.
@@ -168,7 +171,7 @@ mod tests {
             .enumerate()
         {
             let point = state.point(r);
-            assert!((state.position + c.lever[k] - point).length() < 1e-15);
+            assert!((state.position + c.lever(k) - point).length() < 1e-15);
             assert!((c.height[k] - (point.y - 0.5)).abs() < 1e-15);
         }
     }

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::frame::Method;
-use super::geometry::{Corner3, Places, each, set};
-use super::newton::Solution;
+use super::geometry::{Places, each, set};
+use super::newton::CoulombLaw;
 use super::operator::DelassusOperator;
 use super::slips::Slips;
 use super::{ContactReport, ContactState, Floor, FloorContext};
@@ -81,15 +81,9 @@ pub(super) trait Ground<const N: usize> {
     /// The largest height of the center over a surface \[m\].
     fn height(&self, center: DVec3) -> f64;
 
-    /// Coulomb's law for the velocities `b`, with static friction if it `grips`; `near` is the solution of a similar
-    /// problem, or zero.
-    fn solve(
-        &self,
-        operator: &DelassusOperator<N>,
-        b: &[DVec3; N],
-        near: &[DVec3; N],
-        grips: bool,
-    ) -> Solution<N>;
+    /// Coulomb's law at the contacts of an operator, with static friction if it `grips`.
+    fn law<'a>(&'a self, operator: &'a DelassusOperator<N>, grips: bool)
+    -> impl CoulombLaw<N> + 'a;
     /// The energy between two solutions of an impact.
     fn way(&self, at: &Touching<N>, solutions: [&[DVec3; N]; 2]) -> Way;
     /// Those of the touching places that hold a face.
@@ -131,9 +125,9 @@ pub(super) trait Ground<const N: usize> {
 
     /// The contacts at these places of a body whose world axes are `attitude`.
     #[inline]
-    fn operator(&self, attitude: DMat3, lever: &Corner3, places: u64) -> DelassusOperator<N> {
+    fn operator(&self, attitude: DMat3, places: u64) -> DelassusOperator<N> {
         let body = self.level().context.body;
-        DelassusOperator::at(body, attitude, lever, Self::order(places))
+        DelassusOperator::at(body, attitude, Self::order(places))
     }
 
     /// The part of a vector along the surface at a place.
@@ -145,8 +139,8 @@ pub(super) trait Ground<const N: usize> {
 
     /// The velocity of the corner at a place relative to its surface, for the twist (v, ω).
     #[inline(always)]
-    fn relative(&self, k: usize, lever: &Corner3, (v, omega): (DVec3, DVec3)) -> DVec3 {
-        v + omega.cross(lever[k % 8]) - self.drift(k)
+    fn relative(&self, k: usize, places: &Places<N>, (v, omega): (DVec3, DVec3)) -> DVec3 {
+        v + omega.cross(places.lever(k % 8)) - self.drift(k)
     }
 
     /// The velocities of the contacts relative to their surfaces, for the twist (v, ω).
@@ -165,7 +159,7 @@ pub(super) trait Ground<const N: usize> {
         &self,
         report: &mut ContactReport,
         center: DVec3,
-        lever: &Corner3,
+        places: &Places<N>,
         impulse: &[DVec3; N],
     ) {
         for i in each(set::<N>(|i| impulse[i] != DVec3::ZERO)) {
@@ -173,14 +167,13 @@ pub(super) trait Ground<const N: usize> {
             let push = normal.dot(impulse[i]);
             report.normal += normal * push;
             report.tangential_impulse += self.along(i, impulse[i]);
-            report.push(k, center + lever[k], push);
+            report.push(k, center + places.lever(k), push);
         }
     }
 }
 
 /// The contacts of an impact, and the motion before it.
 pub(super) struct Touching<'a, const N: usize> {
-    pub(super) lever: &'a Corner3,
     pub(super) operator: &'a DelassusOperator<N>,
     /// (v, ω).
     pub(super) twist: (DVec3, DVec3),

@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 
 use super::RestitutionLaw;
-use super::geometry::Places;
 use super::ground::{Ground, Touching, Way};
+use super::newton::CoulombLaw;
 use crate::state::BodyState;
 
 /// What an impact did.
@@ -26,19 +26,17 @@ pub(super) struct ImpactOutcome<const N: usize> {
 pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     ground: &G,
     state: &mut BodyState,
-    places: &Places<N>,
     touching: u64,
     ordinary: bool,
 ) -> ImpactOutcome<N> {
     let (body, settings) = (ground.level().context.body, ground.level().context.settings);
     let attitude = DMat3::from_quat(state.rotation);
-    let operator = &ground.operator(attitude, &places.lever, touching);
+    let operator = &ground.operator(attitude, touching);
     let n = operator.count;
     let place = |i: usize| usize::from(operator.place[i]);
     let twist = (state.velocity, state.angular_velocity(body));
     let before = ground.velocities(operator, twist);
     let at = Touching {
-        lever: &places.lever,
         operator,
         twist,
         before,
@@ -56,7 +54,8 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     }
     let bounces = ordinary && fastest > threshold && (0..n).any(|i| restitution(i) > 0.0);
 
-    let mut solution = ground.solve(operator, &before, &[DVec3::ZERO; N], false);
+    let law = ground.law(operator, false);
+    let mut solution = law.solve(&before, &[DVec3::ZERO; N]);
     let mut repaired = None;
 
     if bounces {
@@ -67,7 +66,7 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
             let back = restitution(i) * normal[i].min(0.0);
             shifted[i] += ground.normal(place(i)) * back;
         }
-        solution = ground.solve(operator, &shifted, &plastic.p, false);
+        solution = law.solve(&shifted, &plastic.p);
         solution.iterations += plastic.iterations;
         solution.converged &= plastic.converged;
         let way = ground.way(&at, [&plastic.p, &solution.p]);

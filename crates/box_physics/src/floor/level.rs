@@ -7,7 +7,7 @@ use super::bounds::{curvature_bound, normal_velocities};
 use super::cone::Cone;
 use super::geometry::{Corner3, Corners, has, in_pairs, spans_face};
 use super::ground::{Ground, Level, Segment, Touching, Way};
-use super::newton::Solution;
+use super::newton::CoulombLaw;
 use super::operator::DelassusOperator;
 use super::projection::{HeldNormals, cancel, project_positions, recover_penetration};
 use crate::force::ForceModel;
@@ -65,16 +65,10 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         center.y - self.context.floor.height
     }
 
-    fn solve(
-        &self,
-        operator: &DelassusOperator,
-        b: &Corner3,
-        near: &Corner3,
-        grips: bool,
-    ) -> Solution {
+    fn law<'a>(&'a self, operator: &'a DelassusOperator, grips: bool) -> impl CoulombLaw<8> + 'a {
         let floor = self.context.floor;
         let friction = if grips { floor.grip() } else { floor.friction };
-        Cone::new(operator, friction, self.context.settings).solve(b, near)
+        Cone::new(operator, friction, self.context.settings)
     }
 
     fn way(&self, at: &Touching<8>, solutions: [&Corner3; 2]) -> Way {
@@ -158,7 +152,7 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
             }
         } else {
             let attitude = DMat3::from_quat(segment.state.rotation);
-            let operator = DelassusOperator::new(body, attitude, &segment.places.lever, held);
+            let operator = DelassusOperator::new(body, attitude, held);
             let components = corner.map(|k| if has(whole, k) { DVec3::ONE } else { DVec3::Y });
             let correction = cancel(&operator, &u, &components);
             operator.apply(&mut segment.state, &correction);

@@ -4,7 +4,7 @@
 use crate::ecs::*;
 use glam::{DQuat, DVec3};
 
-use super::geometry::{Corner3, Corners, has};
+use super::geometry::{Corners, Places, has};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -231,7 +231,7 @@ impl ContactReport {
 
     /// The corners of a body that touch the floor, with impulses of zero.
     #[cfg(feature = "bevy")]
-    pub(crate) fn touching(corners: u8, points: Corner3) -> Self {
+    pub(crate) fn touching(corners: u8, points: [DVec3; 8]) -> Self {
         Self {
             corners,
             points,
@@ -257,15 +257,15 @@ impl ContactReport {
     /// Adds what forces \[N\] at the corners make in the time `h` \[s\].
     pub(super) fn hold(&mut self, center: DVec3, corners: &Corners, h: f64, load: &[f64; 8]) {
         for k in (0..8).filter(|&k| load[k] != 0.0) {
-            self.push(k, center + corners.lever[k], load[k] * h);
+            self.push(k, center + corners.lever(k), load[k] * h);
         }
     }
 
     /// Ends the step with these corners touching.
-    pub(super) fn end(&mut self, center: DVec3, lever: &Corner3, touching: u8) {
+    pub(super) fn end<const N: usize>(&mut self, center: DVec3, places: &Places<N>, touching: u8) {
         self.corners |= touching;
         for k in (0..8).filter(|&k| has(touching, k)) {
-            self.points[k] = center + lever[k];
+            self.points[k] = center + places.lever(k);
         }
     }
 }

@@ -60,6 +60,9 @@ pub(super) trait CoulombLaw<const N: usize> {
     fn surface(&self, i: usize) -> (DVec3, f64);
     /// P: the normal part of an impulse made positive, the tangential one cut to the disc that belongs to it.
     fn project(&self, i: usize, p: DVec3) -> DVec3;
+    /// Solves the law for the velocities `b`; `near` is the solution of a similar problem, or zero. The result always keeps
+    /// the normal law and never gains energy; `converged` tells whether friction had to give way.
+    fn solve(&self, b: &[DVec3; N], near: &[DVec3; N]) -> Solution<N>;
 }
 
 /// The impulses for the velocities `b` to |w| within `target`, by steps from `start`, unless `iterations` comes to

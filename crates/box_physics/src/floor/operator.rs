@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::geometry::{Corner3, has, in_pairs, spans_face};
+use super::geometry::{half_edges, has, in_pairs, lever, spans_face};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
@@ -27,12 +27,7 @@ impl<const N: usize> DelassusOperator<N> {
     const IN_PAIRS: bool = N == 8;
 
     /// The first `count` contacts `place` of a body whose world axes are `attitude`.
-    pub(super) fn at(
-        body: &RigidBox,
-        attitude: DMat3,
-        lever: &Corner3,
-        (count, place): (usize, [u8; N]),
-    ) -> Self {
+    pub(super) fn at(body: &RigidBox, attitude: DMat3, (count, place): (usize, [u8; N])) -> Self {
         let j = body.inverse_inertia();
         let scaled = DMat3::from_cols(
             attitude.x_axis * j.x,
@@ -46,8 +41,9 @@ impl<const N: usize> DelassusOperator<N> {
             inverse_mass: body.inverse_mass(),
             inverse_inertia: scaled * attitude.transpose(),
         };
+        let edges = half_edges(body, attitude);
         for i in 0..count {
-            new.lever[i] = lever[usize::from(place[i]) % 8];
+            new.lever[i] = lever(edges, usize::from(place[i]) % 8);
         }
         new
     }
@@ -108,7 +104,12 @@ impl<const N: usize> DelassusOperator<N> {
 
     /// b + Wp.
     pub(super) fn after(&self, b: &[DVec3; N], p: &[DVec3; N]) -> [DVec3; N] {
-        let (v, omega) = self.twist(p);
+        self.moved(b, self.twist(p))
+    }
+
+    /// The velocities `b` and those of the twist (v, ω).
+    #[inline]
+    pub(super) fn moved(&self, b: &[DVec3; N], (v, omega): (DVec3, DVec3)) -> [DVec3; N] {
         let mut w = *b;
         for i in 0..self.count {
             w[i] += v + omega.cross(self.lever[i]);
@@ -151,8 +152,8 @@ impl<const N: usize> DelassusOperator<N> {
 
 impl DelassusOperator {
     /// The corners `set` of a body on a floor, whose world axes are `attitude`.
-    pub(super) fn new(body: &RigidBox, attitude: DMat3, lever: &Corner3, set: u8) -> Self {
-        Self::at(body, attitude, lever, in_pairs(set))
+    pub(super) fn new(body: &RigidBox, attitude: DMat3, set: u8) -> Self {
+        Self::at(body, attitude, in_pairs(set))
     }
 
     /// The contacts at the indices `kept` alone, in the same order.
@@ -214,9 +215,8 @@ mod tests {
     #[test]
     fn response_is_what_an_impulse_does() {
         let (body, state) = tilted();
-        let c = Corners::at(&Floor::default(), &body, &state);
         let attitude = DMat3::from_quat(state.rotation);
-        let operator = DelassusOperator::new(&body, attitude, &c.lever, 0b1011_0010);
+        let operator = DelassusOperator::new(&body, attitude, 0b1011_0010);
         assert_eq!(operator.count, 4);
         let mut p = [DVec3::ZERO; 8];
         for (i, q) in p.iter_mut().enumerate().take(4) {
@@ -246,7 +246,7 @@ mod tests {
             let bottom = corners.touching(0.85);
             assert_eq!(bottom.count_ones(), 4);
             let attitude = DMat3::from_quat(state.rotation);
-            let operator = DelassusOperator::new(&body, attitude, &corners.lever, bottom as u8);
+            let operator = DelassusOperator::new(&body, attitude, bottom as u8);
             let mut p = [DVec3::ZERO; 8];
             p[..4].fill(DVec3::Y * 0.3);
             assert_eq!(operator.resultant(&p).1, DVec3::ZERO);

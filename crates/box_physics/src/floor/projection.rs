@@ -5,7 +5,7 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::geometry::{Corner3, Corners, in_pairs, levers, spans_face};
+use super::geometry::{Corner3, Corners, in_pairs, spans_face};
 use super::operator::DelassusOperator;
 use crate::body::RigidBox;
 use crate::rotation::{compose, exponential_map};
@@ -274,8 +274,7 @@ pub(super) fn project_positions(
             continue;
         }
         let attitude = DMat3::from_quat(state.rotation);
-        let levers = levers(body, attitude, held);
-        let operator = DelassusOperator::new(body, attitude, &levers, held);
+        let operator = DelassusOperator::new(body, attitude, held);
         let gap = height.map(|height| DVec3::Y * height);
         let (shift, turn) = operator.twist(&cancel(&operator, &gap, &[DVec3::Y; 8]));
         state.position += shift;
@@ -315,11 +314,9 @@ mod tests {
             state.set_angular_velocity(&body, random.vector(3.0));
             state.rotation =
                 about(DVec3::Y, random.range(0.0, 6.0)) * about(DVec3::Z, random.range(0.2, 1.3));
-            let corners = Corners::at(&Floor::default(), &body, &state);
             let operator = DelassusOperator::new(
                 &body,
                 DMat3::from_quat(state.rotation),
-                &corners.lever,
                 [0b0000_0001, 0b0001_0001, 0b0101_0101, 0b0101_0100][i % 4],
             );
             let u = operator.velocities((state.velocity, state.angular_velocity(&body)));

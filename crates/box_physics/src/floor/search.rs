@@ -97,14 +97,16 @@ impl<const N: usize> Search<N> {
 
     /// No watched corner can have been below the floor between two samples: a dip between heights
     /// c₀ and c₁ needs an upward acceleration; the parabola of curvature M that just touches zero
-    /// has √c₀ + √c₁ = τ√(M/2). The deepest there can be has Mτ²/8.
+    /// has √c₀ + √c₁ = τ√(M/2), which c₀ + c₁ = τ²M/2 exceeds. The deepest there can be has Mτ²/8.
     fn clear(&self, from: &[f64; N], to: &[f64; N], tau: f64) -> bool {
-        if self.curvature * tau * tau <= 8.0 * self.dip {
+        let square = 0.5 * self.curvature * tau * tau;
+        if square <= 4.0 * self.dip {
             return true;
         }
-        let needed = tau * (0.5 * self.curvature).sqrt();
-        self.watched()
-            .all(|k| from[k].max(0.0).sqrt() + to[k].max(0.0).sqrt() >= needed)
+        self.watched().all(|k| {
+            let (from, to) = (from[k].max(0.0), to[k].max(0.0));
+            from + to >= square || from.sqrt() + to.sqrt() >= tau * (0.5 * self.curvature).sqrt()
+        })
     }
 
     /// Whether the motion over the whole time, which ends at these heights, touches nothing.

@@ -181,7 +181,7 @@ impl<F: ForceModel> Level<'_, F> {
         let now = corners.touching(2.0 * self.tolerance) as u8;
         if let Some(report) = &mut step.report {
             let center = context.world_point(step.state.position, h);
-            report.end(center, &corners.lever, now);
+            report.end(center, &corners, now);
             report.normal = DVec3::Y;
         }
         step.contact.touching = now;
@@ -208,6 +208,6 @@ fn held<F>(
     let corners = Corners::at(context.floor, context.body, state);
     let center = context.world_point(state.position, elapsed);
     report.hold(center, &corners, h, load);
-    report.end(center, &corners.lever, touching);
+    report.end(center, &corners, touching);
     report
 }

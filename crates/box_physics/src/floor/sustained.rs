@@ -18,10 +18,10 @@
 
 use glam::DVec3;
 
-use super::geometry::{corners, each, has, levers};
+use super::geometry::{each, has};
 use super::ground::{Ground, Segment, Start};
 use super::motion::{Supported, limit_energy};
-use super::newton::Solution;
+use super::newton::{CoulombLaw, Solution};
 use super::slips::STOPPED;
 use crate::force::ForceModel;
 use crate::integrators::StepOutcome;
@@ -34,28 +34,27 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         let (context, method) = (ground.level().context, ground.level().method);
         let body = context.body;
         let (middle, motion) = context.free_motion(start, self.elapsed, tau);
-        let lever = levers(body, middle, corners::<N>(self.candidates));
-        let operator = ground.operator(middle, &lever, self.candidates);
+        let operator = ground.operator(middle, self.candidates);
         let place = |i: usize| usize::from(operator.place[i]);
 
         let d = ground.velocities(&operator, motion);
         let still = 1e-9 * operator.largest(&d);
         let slips = |i: usize, mean: &[DVec3; N]| ground.slips(place(i), mean[i], still);
         let solve = |grips| {
-            let mut solution = ground.solve(&operator, &d, &[DVec3::ZERO; N], grips);
-            let mean = operator.after(&d, &solution.p);
-            // What was found is ½ p.
-            solution.p.iter_mut().for_each(|p| *p *= 2.0);
-            (solution, mean)
+            let solution = ground.law(&operator, grips).solve(&d, &[DVec3::ZERO; N]);
+            let half = operator.resultant(&solution.p);
+            let change = operator.twist_of(half);
+            let mean = operator.moved(&d, change);
+            (solution, mean, half, change)
         };
         // Static friction holds where no corner slips, before or after.
         let pushes = |i: usize, p: DVec3| ground.normal(place(i)).dot(p) > 0.0;
-        let holds = |(solution, mean): &(Solution<N>, [DVec3; N])| {
+        let holds = |(solution, mean, ..): &(Solution<N>, [DVec3; N], _, _)| {
             let mut loaded = (0..operator.count).filter(|&i| pushes(i, solution.p[i]));
             solution.converged && loaded.all(|i| !slips(i, mean))
         };
         let grips = |k| ground.surface(k).static_friction.is_some();
-        let (solution, mean) = (each(self.candidates).any(grips) && !self.slips())
+        let (solution, mean, half, change) = (each(self.candidates).any(grips) && !self.slips())
             .then(|| solve(true))
             .filter(holds)
             .unwrap_or_else(|| solve(false));
@@ -63,10 +62,10 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         segment.state = *start;
         segment.iterations = solution.iterations;
         segment.capped = !solution.converged;
-        segment.impulse = operator.by_place(&solution.p);
-        let (force, torque) = operator.resultant(&solution.p);
-        let (v, omega) = operator.twist_of((force, torque));
-        let twist = (motion.0 + 0.5 * v, motion.1 + 0.5 * omega);
+        // What was found is half of the impulses.
+        segment.impulse = operator.by_place(&solution.p.map(|p| 2.0 * p));
+        let (force, torque) = (2.0 * half.0, 2.0 * half.1);
+        let twist = (motion.0 + change.0, motion.1 + change.1);
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
         if at_rest && ground.holds_still(&operator, &mean, twist, still) {
             segment.places = *self.places;
@@ -76,7 +75,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
 
         if context.is_uniform() && !method.errs_in_gravity {
-            context.carry(&mut segment.state, tau, twist, v, torque);
+            context.carry(&mut segment.state, tau, twist, 2.0 * change.0, torque);
             segment.outcome = StepOutcome::plain(1);
         } else {
             let rate = 1.0 / tau;
@@ -101,14 +100,14 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
 
     /// Whether a corner that may be held slips.
     fn slips(&self) -> bool {
-        let (ground, lever) = (self.ground, &self.places.lever);
+        let ground = self.ground;
         let state = &self.state;
         let twist = (
             state.velocity,
             state.angular_velocity(ground.level().context.body),
         );
         each(self.candidates).any(|k| {
-            let slip = ground.along(k, ground.relative(k, lever, twist));
+            let slip = ground.along(k, ground.relative(k, self.places, twist));
             slip.length() > self.still_speed
         })
     }
@@ -127,8 +126,8 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         let (old, new) = (twist(&self.state), twist(&segment.state));
         let (mut whole, mut after) = (0, [DVec3::ZERO; N]);
         for k in each(held) {
-            after[k] = ground.relative(k, &segment.places.lever, new);
-            let before = ground.relative(k, &self.places.lever, old);
+            after[k] = ground.relative(k, &segment.places, new);
+            let before = ground.relative(k, self.places, old);
             let slip = [before, after[k]].map(|u| ground.along(k, u));
             let stops = self.stops(segment, k, has(stuck, k), slip, tau);
             whole |= u64::from(stops) << k;

@@ -3,32 +3,11 @@
 use glam::DVec3;
 
 use super::super::geometry::Corner3;
-use super::super::newton::{CoulombLaw, Solution, descend};
-use super::super::operator::DelassusOperator;
+use super::super::newton::{Solution, descend};
 use super::{Cone, answered, project};
 
 /// Gradient steps that lead to further starts, where neither zero nor the frictionless impulses led to the end.
 const GRADIENT_STEPS: [u32; 3] = [50, 200, 1000];
-
-impl CoulombLaw<8> for Cone<'_> {
-    fn operator(&self) -> &DelassusOperator {
-        self.operator
-    }
-
-    fn norm(&self) -> f64 {
-        self.norm
-    }
-
-    #[inline(always)]
-    fn surface(&self, _: usize) -> (DVec3, f64) {
-        (DVec3::Y, self.friction)
-    }
-
-    #[inline(always)]
-    fn project(&self, _: usize, p: DVec3) -> DVec3 {
-        project(p, self.friction)
-    }
-}
 
 impl Cone<'_> {
     /// Solves it to |w| within `target`, or until `solution.iterations` is `limit`; says in

@@ -30,14 +30,14 @@ fn impacts(n: usize, mut visit: impl FnMut(&DelassusOperator, &Corner3, f64)) {
         let count = if flat { 4 } else { 1 + i % 2 };
         if count == 2 {
             // An edge that touches is level.
-            let edge = corners.lever[order[1]] - corners.lever[order[0]];
+            let edge = corners.lever(order[1]) - corners.lever(order[0]);
             let level = DQuat::from_rotation_arc(edge.normalize(), edge.with_y(0.0).normalize());
             state.rotation = (level * state.rotation).normalize();
             corners = Corners::at(&Floor::default(), &body, &state);
         }
         let touching = mask(|k| order[..count].contains(&k));
         let attitude = DMat3::from_quat(state.rotation);
-        let operator = DelassusOperator::new(&body, attitude, &corners.lever, touching);
+        let operator = DelassusOperator::new(&body, attitude, touching);
         let b = operator.velocities((state.velocity, state.angular_velocity(&body)));
         visit(&operator, &b, body.mass());
     }

@@ -9,7 +9,7 @@ use crate::floor::Floor;
 use crate::floor::bounds::curvature_bound;
 use crate::floor::geometry::{each, has, set};
 use crate::floor::ground::{Ground, Level, Segment, Touching, Way};
-use crate::floor::newton::Solution;
+use crate::floor::newton::CoulombLaw;
 use crate::floor::operator::DelassusOperator;
 use crate::floor::projection::cancel_iteratively;
 use crate::force::ForceModel;
@@ -89,7 +89,7 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         let twist = (state.velocity, omega);
         let mut speed = [0.0; PAIRS];
         for i in 0..8 * self.planes.len() {
-            speed[i] = self.normal(i).dot(self.relative(i, &gaps.lever, twist));
+            speed[i] = self.normal(i).dot(self.relative(i, gaps, twist));
         }
         speed
     }
@@ -103,15 +103,13 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         self.over_all(|plane| plane.height(center))
     }
 
-    fn solve(
-        &self,
-        operator: &DelassusOperator<PAIRS>,
-        b: &Each,
-        _: &Each,
+    fn law<'a>(
+        &'a self,
+        operator: &'a DelassusOperator<PAIRS>,
         grips: bool,
-    ) -> Solution<PAIRS> {
+    ) -> impl CoulombLaw<PAIRS> + 'a {
         let friction = |floor: &Floor| if grips { floor.grip() } else { floor.friction };
-        Law::new(operator, self.planes, friction, self.world.context.settings).solve(b)
+        Law::new(operator, self.planes, friction, self.world.context.settings)
     }
 
     fn way(&self, at: &Touching<PAIRS>, [first, last]: [&Each; 2]) -> Way {
@@ -140,7 +138,7 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         at.operator.apply(state, p);
         let mut impulse = at.operator.by_place(p);
         if stopped != 0 {
-            let operator = self.operator(DMat3::from_quat(state.rotation), at.lever, stopped);
+            let operator = self.operator(DMat3::from_quat(state.rotation), stopped);
             let twist = (
                 state.velocity,
                 state.angular_velocity(self.world.context.body),
@@ -177,7 +175,7 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
                 break;
             }
             let attitude = DMat3::from_quat(state.rotation);
-            let operator = self.operator(attitude, &gaps.lever, held);
+            let operator = self.operator(attitude, held);
             let mut gap = NONE;
             for i in 0..operator.count {
                 let place = usize::from(operator.place[i]);
@@ -204,7 +202,7 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         after: &Each,
     ) -> bool {
         let attitude = DMat3::from_quat(segment.state.rotation);
-        let operator = self.operator(attitude, &segment.places.lever, held);
+        let operator = self.operator(attitude, held);
         let u = operator.place.map(|place| after[usize::from(place)]);
         let correction = self.cancel(&operator, &u, whole);
         operator.apply(&mut segment.state, &correction);

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::Plane;
 use crate::body::RigidBox;
-use crate::floor::geometry::{Places, levers};
+use crate::floor::geometry::Places;
 use crate::floor::operator::DelassusOperator;
 use crate::state::BodyState;
 
@@ -28,10 +28,7 @@ impl Gaps {
         state: &BodyState,
         elapsed: f64,
     ) -> Self {
-        let mut new = Self {
-            lever: levers(body, DMat3::from_quat(state.rotation), 0xff),
-            ..Self::NONE
-        };
+        let mut new = Self::turned(body, DMat3::from_quat(state.rotation));
         new.move_to(planes, state, elapsed);
         new
     }
@@ -41,7 +38,7 @@ impl Gaps {
         for (j, plane) in planes.iter().enumerate() {
             let base = plane.height(state.position) - plane.rise() * elapsed;
             for k in 0..8 {
-                self.height[8 * j + k] = base + plane.shape.normal.dot(self.lever[k]);
+                self.height[8 * j + k] = base + plane.shape.normal.dot(self.lever(k));
             }
         }
     }

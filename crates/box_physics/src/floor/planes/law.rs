@@ -49,6 +49,30 @@ impl CoulombLaw<PAIRS> for Law<'_> {
         let part = if length <= limit { 1.0 } else { limit / length };
         n * normal + along * part
     }
+
+    fn solve(&self, b: &Each, _: &Each) -> Solution<PAIRS> {
+        let operator = self.operator;
+        let mut solution = Solution::NONE;
+        if (0..operator.count).all(|i| self.normal[i].dot(b[i]) >= 0.0) {
+            return solution; // nothing approaches: p = 0 is the solution
+        }
+        let target = self.settings.tolerance * operator.largest(b);
+        let mut law = *self;
+        for attempt in 0..3 {
+            let limit = self.settings.max_iterations / 4 * (2 + attempt);
+            if let Some(p) = law.newton(b, target, limit, &mut solution.iterations) {
+                (solution.p, solution.converged) = (p, attempt == 0);
+                return solution;
+            }
+            law.friction = law.friction.map(|mu| 0.25 * mu);
+        }
+        law.friction = [0.0; PAIRS];
+        for _ in 0..LAST_SWEEPS {
+            law.sweep(b, &mut solution.p);
+        }
+        solution.converged = false;
+        solution
+    }
 }
 
 impl<'a> Law<'a> {
@@ -72,32 +96,6 @@ impl<'a> Law<'a> {
             law.friction[i] = friction(&plane.surface);
         }
         law
-    }
-
-    /// Solves it for `b`. What does not converge is solved with less friction, and at last with none; it never gains
-    /// energy, and `converged` tells that it had to give way.
-    pub(super) fn solve(&self, b: &Each) -> Solution<PAIRS> {
-        let operator = self.operator;
-        let mut solution = Solution::NONE;
-        if (0..operator.count).all(|i| self.normal[i].dot(b[i]) >= 0.0) {
-            return solution; // nothing approaches: p = 0 is the solution
-        }
-        let target = self.settings.tolerance * operator.largest(b);
-        let mut law = *self;
-        for attempt in 0..3 {
-            let limit = self.settings.max_iterations / 4 * (2 + attempt);
-            if let Some(p) = law.newton(b, target, limit, &mut solution.iterations) {
-                (solution.p, solution.converged) = (p, attempt == 0);
-                return solution;
-            }
-            law.friction = law.friction.map(|mu| 0.25 * mu);
-        }
-        law.friction = [0.0; PAIRS];
-        for _ in 0..LAST_SWEEPS {
-            law.sweep(b, &mut solution.p);
-        }
-        solution.converged = false;
-        solution
     }
 
     /// One contact after the other takes the impulse that its own block of W asks for.

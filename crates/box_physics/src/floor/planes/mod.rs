@@ -175,7 +175,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
             let corners = Corners::at(&level, body, state);
             report.normal = rest.planes.map_or(DVec3::Y, |(_, normal)| normal);
             report.hold(state.position, &corners, h, &rest.reaction);
-            report.end(state.position, &corners.lever, contact.touching);
+            report.end(state.position, &corners, contact.touching);
         }
         return outcome;
     }

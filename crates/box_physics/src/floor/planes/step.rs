@@ -67,7 +67,7 @@ pub(super) fn step<F: ForceModel>(
     let lowest = among.normal(gaps.deepest().0);
     let direction = impulses.normal.try_normalize().unwrap_or(lowest);
     if let Some(report) = report {
-        impulses.end(state.position, &gaps.lever, now);
+        impulses.end(state.position, &gaps, now);
         impulses.normal = direction;
         *report = impulses;
     }

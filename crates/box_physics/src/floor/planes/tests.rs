@@ -187,6 +187,7 @@ fn cost_among_planes_by_hand() {
 #[test]
 fn coulombs_law_holds_with_several_normals() {
     use super::among::Among;
+    use super::contacts::NONE;
     use super::law::Law;
     use crate::floor::ground::Ground;
     use crate::floor::newton::CoulombLaw;
@@ -218,10 +219,10 @@ fn coulombs_law_holds_with_several_normals() {
             let gaps = Gaps::over(&planes, &body, &state, 0.0);
             let attitude = DMat3::from_quat(state.rotation);
             let order = Among::<Gravity>::order(gaps.touching(1e-9));
-            let operator = DelassusOperator::at(&body, attitude, &gaps.lever, order);
+            let operator = DelassusOperator::at(&body, attitude, order);
             let b = operator.velocities((state.velocity, state.angular_velocity(&body)));
             let law = Law::new(&operator, &planes, |floor| floor.friction, &settings);
-            solver.note(&operator, &b, &law.solve(&b), |i| law.surface(i));
+            solver.note(&operator, &b, &law.solve(&b, &NONE), |i| law.surface(i));
         }
         solver.print(mu);
         assert!(solver.failed == 0 && solver.worst < 1e-9);

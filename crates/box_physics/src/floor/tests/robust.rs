@@ -1,7 +1,5 @@
 //! Whatever comes: no gain of energy, nothing below the floor, no endless loop.
 
-use std::time::Instant;
-
 use super::*;
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use crate::integrators::{ExplicitEuler, Heun2012, Rk4, SemiImplicitEuler, Split};
@@ -161,32 +159,4 @@ fn settle(n: u32) {
         scene.spin(random.vector(3.0));
         scene.run::<Split>(SIXTIETH, 180);
     }
-}
-
-/// By hand: what a step costs.
-#[test]
-#[ignore = "prints times and asserts none, as tests never assert times"]
-fn cost_by_hand() {
-    let half = DVec3::new(0.5, 0.25, 0.375);
-    let mut scene = Scene::new(half, 0.3, 0.5);
-    scene.run::<Split>(SIXTIETH, 3);
-    scene.time("resting", false);
-    scene.state.velocity.x = 4.0;
-    scene.time("sliding", true);
-    scene.spin(DVec3::Y * 3.0);
-    scene.time("sliding and spinning", true);
-    scene.state.rotation = about(DVec3::Z, 0.4);
-    scene.state.velocity = DVec3::NEG_Y;
-    scene.state.position.y -= scene.lowest();
-    scene.state.angular_momentum = DVec3::ZERO;
-    scene.time("edge impact", true);
-    scene.state.velocity = DVec3::ZERO;
-    scene.time("pivoting", true);
-    scene.state.position.y = 2.0;
-    scene.time("flying", true);
-
-    let clock = Instant::now();
-    settle(300);
-    let each = clock.elapsed().as_secs_f64() / (300.0 * 180.0);
-    println!("dropped and settling, 3 s: {:.0} ns", each * 1e9);
 }
