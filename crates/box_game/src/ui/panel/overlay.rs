@@ -146,8 +146,9 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
             let name = ["Start cycle log", "Stop cycle log"][usize::from(demo.log.is_some())];
             let hint = "Write the time of every integration cycle to a text file, as in 2012.";
             panel.button(ui, text(name, hint), Action::ToggleDemoLog);
-            let cycle = number((demo.cycle_us * 100.0).round() / 100.0);
-            ui.small(format!("last cycle {cycle} µs"));
+            let words = |us: f64| format!("{} µs", number((us * 100.0).round() / 100.0));
+            let cycle = panel.view.measured(demo.cycle_us, words);
+            ui.small(format!("last cycle {cycle}"));
             if let Some((path, cycles)) = &demo.log {
                 ui.small(format!("{path} · {cycles} cycles"));
             }
