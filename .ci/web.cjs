@@ -1,8 +1,8 @@
-// usage: node .ci/web.cjs FOLDER NATIVE.csv PICTURES [PART OF A TEST'S NAME]: plays the game in FOLDER in headless Chromium, compares the CSV of
-// its headless comparison with that of the native program, and leaves pictures.
+// usage: node .ci/web.cjs FOLDER NATIVE PICTURES [PART OF A TEST'S NAME]: plays the game in FOLDER in headless Chromium,
+// compares the CSVs of its headless comparison with those of the native program, NATIVE/SCENE.csv, and leaves pictures.
 const { createHash } = require("node:crypto");
 const { createServer } = require("node:http");
-const { readFileSync, existsSync, mkdirSync } = require("node:fs");
+const { readFileSync, readdirSync, existsSync, mkdirSync } = require("node:fs");
 const { join, extname } = require("node:path");
 const assert = require("node:assert");
 const { chromium } = require("playwright-core");
@@ -159,24 +159,28 @@ async function main() {
     },
 
     "the headless comparison finds the bits of the native program": async () => {
-      const game = await open("?scene=throw&headless&duration=2");
-      const file = await new Promise((done, failed) => {
-        game.page.once("download", async (file) => done({ name: file.suggestedFilename(), path: await file.path() }));
-        setTimeout(() => failed(new Error("no download")), PATIENCE).unref();
-      });
-      const texts = [file.path, native].map((path) => readFileSync(path, "utf8"));
-      const [here, there] = texts.map(bits);
-      console.log(`   ${here.rows} rows of ${Object.keys(here).length - 1} columns`);
-      const costs = texts.map((text) => new Map(table(text).map((row) => [row.integrator, Number(row.step_ns_min)])));
-      console.log("   | integrator | browser [ns] | native [ns] | ratio |\n   |---|---|---|---|");
-      for (const [id, ns] of costs[0]) {
-        const beside = costs[1].get(id);
-        console.log(`   | \`${id}\` | ${ns.toPrecision(3)} | ${beside.toPrecision(3)} | ${(ns / beside).toFixed(1)} |`);
+      const scenes = readdirSync(native).map((name) => name.replace(/\.csv$/, ""));
+      assert(scenes.length > 1);
+      for (const scene of scenes) {
+        const game = await open(`?scene=${scene}&headless&duration=2`);
+        const path = await new Promise((done, failed) => {
+          game.page.once("download", async (file) => done(await file.path()));
+          setTimeout(() => failed(new Error("no download")), PATIENCE).unref();
+        });
+        const texts = [path, join(native, `${scene}.csv`)].map((path) => readFileSync(path, "utf8"));
+        const [here, there] = texts.map(bits);
+        console.log(`   ${scene}: ${here.rows} rows of ${Object.keys(here).length - 1} columns`);
+        const costs = texts.map((text) => new Map(table(text).map((row) => [row.integrator, Number(row.step_ns_min)])));
+        console.log("   | integrator | browser [ns] | native [ns] | ratio |\n   |---|---|---|---|");
+        for (const [id, ns] of costs[0]) {
+          const beside = costs[1].get(id);
+          console.log(`   | \`${id}\` | ${ns.toPrecision(3)} | ${beside.toPrecision(3)} | ${(ns / beside).toFixed(1)} |`);
+        }
+        assert(there.rows > 100);
+        assert.deepEqual(here, there);
+        await game.page.locator("dialog pre", { hasText: "semi-implicit-euler" }).waitFor();
+        await game.close();
       }
-      assert(there.rows > 100);
-      assert.deepEqual(here, there);
-      await game.page.locator("dialog pre", { hasText: "semi-implicit-euler" }).waitFor();
-      await game.close();
     },
 
     "a wrong argument is named, with what is allowed": async () => {
