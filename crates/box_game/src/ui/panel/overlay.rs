@@ -8,12 +8,13 @@ use bevy_egui::egui::{
 use box_scenarios::dissertation::Stepper;
 
 use super::format::number;
-use super::keys::KEYS;
+use super::keys::{KEYS, SCREENSHOT};
 use super::view::DemoView;
 use super::widgets::{Panel, Text, button, text, within};
 use crate::action::Action;
 use crate::compare::verdict::headline;
 use crate::demo_2012::FAULTS;
+use crate::platform;
 use crate::view::style;
 
 /// In a picture lower than this [points] the lesson is left out (beside the strip of 2012 already in the second), and lower
@@ -232,7 +233,8 @@ fn scale(ui: &mut Ui, panel: &mut Panel<'_>) {
 fn keys(ui: &mut Ui) {
     let grid = Grid::new("keys").num_columns(2).striped(true);
     grid.show(ui, |ui| {
-        for (key, what) in KEYS {
+        let known = |key| key != SCREENSHOT || platform::SCREENSHOT_KEY.is_some();
+        for (key, what) in KEYS.iter().filter(|(key, _)| known(*key)) {
             ui.add(Label::new(RichText::new(*key).strong()).extend());
             ui.add(Label::new(*what).wrap());
             ui.end_row();
