@@ -8,7 +8,7 @@
 
 mod turn;
 
-pub use turn::{measure_grain, shortest_sample};
+pub use turn::{GRAINS, Turn, measure_grain, shortest_sample};
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -20,7 +20,6 @@ use box_bench::snapshot::{LONGEST_SCENE, Sample, Snapshot};
 use box_physics::floor::ContactState;
 use box_physics::plugin::Stage;
 use box_physics::prelude::{BodyState, Integrator, PhysicsClock, PhysicsTimings, RigidBox};
-use turn::{GRAINS, Turn};
 
 use crate::compare::Comparison;
 use crate::scene::session::Session;

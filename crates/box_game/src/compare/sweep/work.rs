@@ -173,7 +173,7 @@ async fn sample(
     snapshot.restart();
     let (mut elapsed, mut courses) = (Duration::ZERO, 0);
     while !(snapshot.is_at_start() && elapsed >= shortest) {
-        elapsed += stopwatch(&mut || {
+        let part = stopwatch(&mut || {
             let (begin, mut work) = (Instant::now(), 0);
             loop {
                 work += snapshot.advance(integrator, stretch);
@@ -184,6 +184,7 @@ async fn sample(
                 }
             }
         });
+        elapsed += part;
         pause().await;
     }
     elapsed.as_nanos() as f64 / (f64::from(courses) * snapshot.units())
