@@ -1,8 +1,8 @@
-// usage: node .ci/web.cjs FOLDER NATIVE.csv PICTURES [PART OF A TEST'S NAME]: plays the game in FOLDER in headless Chromium, compares the CSV of
-// its headless comparison with that of the native program, and leaves pictures.
+// usage: node .ci/web.cjs FOLDER NATIVE PICTURES [PART OF A TEST'S NAME]: plays the game in FOLDER in headless Chromium,
+// compares the CSVs of its headless comparison with those of the native program, NATIVE/SCENE.csv, and leaves pictures.
 const { createHash } = require("node:crypto");
 const { createServer } = require("node:http");
-const { readFileSync, existsSync, mkdirSync } = require("node:fs");
+const { readFileSync, readdirSync, existsSync, mkdirSync } = require("node:fs");
 const { join, extname } = require("node:path");
 const assert = require("node:assert");
 const { chromium } = require("playwright-core");
@@ -108,10 +108,17 @@ async function main() {
   const tests = {
     "it loads, obeys its query, and a box tumbles": async () => {
       const game = await open("?scene=dzhanibekov&integrator=split,rk4&plot=error&no-settings", {}, (page) =>
-        page.addInitScript(() => addEventListener("DOMContentLoaded", () => new MutationObserver(() => {
-          globalThis.shown ??= performance.now();
-        }).observe(document.getElementById("cover"), { attributeFilter: ["hidden"] }))));
+        page.addInitScript(() => addEventListener("DOMContentLoaded", () => {
+          const [cover, bar] = ["cover", "bar"].map((id) => document.getElementById(id));
+          const watch = (element, attribute, seen) => new MutationObserver(seen).observe(element, { attributeFilter: [attribute] });
+          watch(cover, "hidden", () => { globalThis.shown ??= performance.now(); });
+          globalThis.progress = [];
+          watch(bar, "value", () => globalThis.progress.push(bar.value));
+        })));
       await game.running();
+      const progress = await game.page.evaluate(() => globalThis.progress);
+      assert(progress.length > 2 && progress.at(-1) === 1, `${progress}`);
+      assert(progress.every((part, k) => k === 0 || part >= progress[k - 1]), `${progress}`);
       const [loaded, shown] = await game.page.evaluate(() => [
         performance.getEntriesByType("resource").find((entry) => entry.name.endsWith(".wasm")).responseEnd,
         globalThis.shown,
@@ -152,24 +159,28 @@ async function main() {
     },
 
     "the headless comparison finds the bits of the native program": async () => {
-      const game = await open("?scene=throw&headless&duration=2");
-      const file = await new Promise((done, failed) => {
-        game.page.once("download", async (file) => done({ name: file.suggestedFilename(), path: await file.path() }));
-        setTimeout(() => failed(new Error("no download")), PATIENCE).unref();
-      });
-      const texts = [file.path, native].map((path) => readFileSync(path, "utf8"));
-      const [here, there] = texts.map(bits);
-      console.log(`   ${here.rows} rows of ${Object.keys(here).length - 1} columns`);
-      const costs = texts.map((text) => new Map(table(text).map((row) => [row.integrator, Number(row.step_ns_min)])));
-      console.log("   | integrator | browser [ns] | native [ns] | ratio |\n   |---|---|---|---|");
-      for (const [id, ns] of costs[0]) {
-        const beside = costs[1].get(id);
-        console.log(`   | \`${id}\` | ${ns.toPrecision(3)} | ${beside.toPrecision(3)} | ${(ns / beside).toFixed(1)} |`);
+      const scenes = readdirSync(native).map((name) => name.replace(/\.csv$/, ""));
+      assert(scenes.length > 1);
+      for (const scene of scenes) {
+        const game = await open(`?scene=${scene}&headless&duration=2`);
+        const path = await new Promise((done, failed) => {
+          game.page.once("download", async (file) => done(await file.path()));
+          setTimeout(() => failed(new Error("no download")), PATIENCE).unref();
+        });
+        const texts = [path, join(native, `${scene}.csv`)].map((path) => readFileSync(path, "utf8"));
+        const [here, there] = texts.map(bits);
+        console.log(`   ${scene}: ${here.rows} rows of ${Object.keys(here).length - 1} columns`);
+        const costs = texts.map((text) => new Map(table(text).map((row) => [row.integrator, Number(row.step_ns_min)])));
+        console.log("   | integrator | browser [ns] | native [ns] | ratio |\n   |---|---|---|---|");
+        for (const [id, ns] of costs[0]) {
+          const beside = costs[1].get(id);
+          console.log(`   | \`${id}\` | ${ns.toPrecision(3)} | ${beside.toPrecision(3)} | ${(ns / beside).toFixed(1)} |`);
+        }
+        assert(there.rows > 100);
+        assert.deepEqual(here, there);
+        await game.page.locator("dialog pre", { hasText: "semi-implicit-euler" }).waitFor();
+        await game.close();
       }
-      assert(there.rows > 100);
-      assert.deepEqual(here, there);
-      await game.page.locator("dialog pre", { hasText: "semi-implicit-euler" }).waitFor();
-      await game.close();
     },
 
     "a wrong argument is named, with what is allowed": async () => {
@@ -203,6 +214,51 @@ async function main() {
       await game.picture("tablet.png");
       await game.close();
       await tablet.close();
+    },
+
+    "the picture follows the size of the page": async () => {
+      const game = await open("?no-settings");
+      await game.running();
+      for (const [width, height] of [[900, 600], [1100, 700]]) {
+        await game.page.setViewportSize({ width, height });
+        await game.page.waitForFunction(([width, height]) => {
+          const canvas = document.getElementById("game");
+          return canvas.width === width && canvas.height === height;
+        }, [width, height]);
+      }
+      await game.close();
+    },
+
+    "fingers turn the view and bring it nearer": async () => {
+      const game = await open("?scene=dzhanibekov&no-settings", { hasTouch: true });
+      await game.running();
+      await game.titled("Dzhanibekov");
+      for (const key of ["Space", "Backquote"]) {
+        await game.press(key);
+        await game.frames(3);
+      }
+      const session = await game.page.context().newCDPSession(game.page);
+      const touch = async (type, ...places) => {
+        await session.send("Input.dispatchTouchEvent", { type, touchPoints: places.map(([x, y], id) => ({ x, y, id })) });
+        await game.frames(2);
+      };
+      const changed = async (gesture) => {
+        const before = await game.picture();
+        await gesture();
+        await game.frames(3);
+        return (await compare(game.page, before, await game.picture())).different;
+      };
+      const still = await changed(async () => {});
+      const turned = await changed(async () => {
+        for (const k of [0, 1, 2, 3]) await touch(k ? "touchMove" : "touchStart", [150 + 60 * k, 400]);
+        await touch("touchEnd");
+      });
+      const nearer = await changed(async () => {
+        for (const k of [0, 1, 2, 3]) await touch(k ? "touchMove" : "touchStart", [300 - 40 * k, 400], [500 + 40 * k, 400]);
+        await touch("touchEnd");
+      });
+      for (const points of [turned, nearer]) assert(points > still + 5000, `${points} points, ${still} at rest`);
+      await game.close();
     },
 
     "the keys of the game are kept from the browser, and no others": async () => {

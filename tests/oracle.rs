@@ -139,7 +139,7 @@ fn errors_at_60_hz_and_the_order_behind_them() {
             }
             // Half an order is left for terms of higher order. No order shows in long steps, or beyond a
             // tenth of a radian or of the distance.
-            let slope = (e1 / e2).log2();
+            let slope = libm::log2(e1 / e2);
             let shows = e2 > rounding && e1 < 0.1 * size.min(1.0) && rate / 60.0 < 0.5;
             if shows && slope.is_nan() | (slope < f64::from(p) - 0.5) {
                 wrong.push(format!("{i}, {prefix}: claims order {p} in {}; measured: {slope:.2} ({e1:.1e}, {e2:.1e})", channel.name()));

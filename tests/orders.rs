@@ -137,7 +137,7 @@ fn slope(errors: &[f64]) -> Option<f64> {
     let usable: Vec<f64> = errors.iter().copied().take_while(|&e| e > FLOOR).collect();
     let last = usable.len().checked_sub(1)?;
     let first = last.checked_sub(3)?;
-    Some((usable[first] / usable[last]).log2() / 3.0)
+    Some(libm::log2(usable[first] / usable[last]) / 3.0)
 }
 
 fn list(errors: &[f64]) -> String {

@@ -48,7 +48,9 @@ pub struct Snapshot {
     forces: ForceSet,
     floor: Option<(Floor, ContactSettings)>,
     h: f64,
+    /// Steps of a call, and those that [`Self::advance`] has done of it.
     steps: usize,
+    done: usize,
 }
 
 impl Snapshot {
@@ -121,7 +123,32 @@ impl Snapshot {
 
     /// From the snapshot's moment, a few steps by `integrator`: what is timed.
     pub fn call(&mut self, integrator: Integrator) -> StepOutcome {
-        integrator.dispatch(Call(self))
+        self.restart();
+        let steps = self.steps;
+        integrator.dispatch(Advance(self, steps))
+    }
+
+    /// The next `steps` steps of a call, but not beyond its end; returns their evaluations and body-steps like
+    /// [`Self::work`].
+    pub fn advance(&mut self, integrator: Integrator, steps: usize) -> u64 {
+        let steps = steps.min(self.steps - self.done);
+        let evaluations = integrator.dispatch(Advance(self, steps)).evaluations;
+        evaluations + (self.bodies.len() * steps) as u64
+    }
+
+    /// Whether no call is in progress: [`Self::advance`] has reached the end of one.
+    pub fn is_at_start(&self) -> bool {
+        self.done == 0
+    }
+
+    /// Gives up the call in progress.
+    pub fn restart(&mut self) {
+        self.done = 0;
+    }
+
+    /// Number of bodies that are stepped.
+    pub fn bodies(&self) -> usize {
+        self.bodies.len()
     }
 
     /// One sample under `integrator`, for a caller that lets the integrators take turns itself.
@@ -232,22 +259,26 @@ impl Snapshot {
     }
 }
 
-struct Call<'a>(&'a mut Snapshot);
+/// A number of steps, not beyond the end of a call.
+struct Advance<'a>(&'a mut Snapshot, usize);
 
-impl IntegratorVisitor for Call<'_> {
+impl IntegratorVisitor for Advance<'_> {
     type Output = StepOutcome;
 
     fn visit<S: Integrate>(self) -> StepOutcome {
-        let this = self.0;
-        this.states.clear();
-        this.states.extend(this.start.iter().map(|s| s.0));
-        this.contacts.clear();
-        this.contacts.extend(this.start.iter().map(|s| s.1.clone()));
-        this.faults.clear();
+        let Self(this, steps) = self;
+        if this.done == 0 {
+            this.states.clear();
+            this.states.extend(this.start.iter().map(|s| s.0));
+            this.contacts.clear();
+            this.contacts.extend(this.start.iter().map(|s| s.1.clone()));
+            this.faults.clear();
+        }
         let mut outcome = StepOutcome::default();
-        for _ in 0..this.steps {
+        for _ in 0..steps {
             outcome += this.step::<S>();
         }
+        this.done = (this.done + steps) % this.steps;
         std::hint::black_box(&this.states);
         outcome
     }

@@ -97,7 +97,7 @@ pub fn order(points: &[(f64, f64)]) -> Fitted {
     let usable: Vec<_> = points[..=smallest]
         .iter()
         .filter(|p| p.1 < LOST && p.1 > floor)
-        .map(|(h, e)| (h.ln(), e.ln()))
+        .map(|(h, e)| (libm::log(*h), libm::log(*e)))
         .collect();
     if usable.len() < 2 {
         return Fitted::Unknown;

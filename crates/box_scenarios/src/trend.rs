@@ -21,9 +21,8 @@ pub fn energy_trend(setup: &Setup, integrator: Integrator, h: f64, steps: u64) -
         let (mut sum, mut weights) = (0.0, 0.0);
         for k in 0..tenth {
             driver.step(&free, h)?;
-            let weight = (core::f64::consts::PI * (k as f64 + 0.5) / tenth as f64)
-                .sin()
-                .powi(2);
+            let part = (k as f64 + 0.5) / tenth as f64;
+            let weight = libm::sin(core::f64::consts::PI * part).powi(2);
             // Relative to the start before summing: the sum of a million energies would round.
             sum += weight * (driver.state.rotational_energy(body) - start);
             weights += weight;

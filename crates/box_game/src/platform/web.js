@@ -20,9 +20,9 @@ export function show(text, failed) {
   page.said?.(text, failed);
 }
 
-/** The first picture is drawn. */
+/** This frame draws the first picture: the cover goes once it is done. */
 export function started() {
-  page.started?.();
+  queueMicrotask(() => page.started?.());
 }
 
 /** The game is over: nothing on the page moves any more. */

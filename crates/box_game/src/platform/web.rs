@@ -146,10 +146,10 @@ fn open_files(mut actions: ResMut<Actions>, mut session: ResMut<Session>) {
     }
 }
 
-/// The third frame: the second is drawn.
+/// The second frame: by the first the shaders are loaded.
 fn say_started(mut frames: Local<u32>) {
     *frames = frames.saturating_add(1);
-    if *frames == 3 {
+    if *frames == 2 {
         started();
     }
 }

@@ -76,6 +76,10 @@ pub fn view(s: &Sources) -> PanelView {
         unconverged: session.unconverged,
         stages_us: s.samples.plugin(),
         stage_history: s.samples.plugin_steps().collect(),
+        grain: s.samples.is_coarse().then(|| {
+            let grain = s.samples.grain().as_secs_f64() * 1e6;
+            (grain, s.samples.uncertainty())
+        }),
         frame_time_ms: frame_time(s.diagnostics.as_deref()).unwrap_or(0.0),
         history: if open {
             history(s)
@@ -147,10 +151,6 @@ fn history(s: &Sources) -> HistoryView {
             .collect(),
         cpu: s.history.cpu.iter().copied().collect(),
         no_cpu: platform::CPU_USAGE.err(),
-        grain: s.samples.is_coarse().then(|| {
-            let grain = s.samples.grain().as_secs_f64() * 1e6;
-            (grain, s.samples.uncertainty())
-        }),
     }
 }
 

@@ -59,7 +59,7 @@ impl MaterialContiguousItem<'_, '_> {
 }
 
 /// A step at the floor costs as much as this many in free flight (`cargo bench --bench step`: settling, falling).
-const AT_FLOOR: usize = 32;
+const AT_FLOOR: usize = 64;
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(

@@ -222,7 +222,7 @@ fn errors_fall_with_the_order() {
             };
             let (x, y) = (a.attitude.expect("known"), b.attitude.expect("known"));
             if y > 1e-11 && x < 0.1 {
-                let order = (x / y).log2();
+                let order = libm::log2(x / y);
                 assert!(
                     order > f64::from(p) - 0.25,
                     "{} on {id}: {order:.2}",

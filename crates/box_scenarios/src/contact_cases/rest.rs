@@ -50,7 +50,7 @@ pub(super) fn edge_fall_sticking(integrator: Integrator) -> f64 {
 pub(super) fn edge_fall_frictionless(integrator: Integrator) -> f64 {
     // The center falls straight: θ̇² = 2g(cos θ₀ − cos θ)/(d(1/3 + sin²θ)).
     edge_falls(integrator, 0.0, |angle, d, drop| {
-        let s = angle.sin();
+        let s = libm::sin(angle);
         (2.0 * G * drop / (d * (1.0 / 3.0 + s * s))).sqrt()
     })
 }
@@ -63,7 +63,7 @@ fn edge_falls(integrator: Integrator, mu: f64, rate: impl Fn(f64, f64, f64) -> f
     for tilt in [1e-1, 1e-2, 1e-4, 1e-8] {
         let mut trial =
             Trial::new(integrator, half, 0.0, mu).turned(about(DVec3::Z, FRAC_PI_4 + tilt));
-        let angle = |s: &BodyState| 2.0 * s.rotation.z.atan2(s.rotation.w) - FRAC_PI_4;
+        let angle = |s: &BodyState| 2.0 * libm::atan2(s.rotation.z, s.rotation.w) - FRAC_PI_4;
         let (mut t, mut before) = (0.0, tilt);
         while angle(&trial.state) < FALLEN && t < 20.0 {
             before = angle(&trial.state);
@@ -73,7 +73,7 @@ fn edge_falls(integrator: Integrator, mu: f64, rate: impl Fn(f64, f64, f64) -> f
         let after = angle(&trial.state);
         t -= STEP * (after - FALLEN) / (after - before);
         // cos θ₀ − cos θ without cancellation.
-        let drop = |a: f64| 2.0 * (0.5 * (a + tilt)).sin() * (0.5 * (a - tilt)).sin();
+        let drop = |a: f64| 2.0 * libm::sin(0.5 * (a + tilt)) * libm::sin(0.5 * (a - tilt));
         let expected = time_to_fall(|a| rate(a, d, drop(a)), tilt);
         worst = worst.max((t / expected - 1.0).abs());
     }
@@ -97,7 +97,7 @@ fn time_to_fall(rate: impl Fn(f64) -> f64, tilt: f64) -> f64 {
 fn balanced(integrator: Integrator) -> [Trial; 2] {
     // The diagonal upright: a turn about (−1, 0, 1)/√2 by the angle whose cosine is 1/√3.
     let axis = DVec3::new(-1.0, 0.0, 1.0) / 2.0_f64.sqrt();
-    let corner = about(axis, (1.0 / 3.0_f64.sqrt()).acos());
+    let corner = about(axis, libm::acos(1.0 / 3.0_f64.sqrt()));
     [about(DVec3::Z, FRAC_PI_4), corner]
         .map(|rotation| Trial::new(integrator, DVec3::splat(0.5), 0.0, 10.0).turned(rotation))
 }

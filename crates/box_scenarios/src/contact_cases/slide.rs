@@ -107,7 +107,7 @@ fn plate(integrator: Integrator, omega: f64) -> (f64, f64) {
         .state
         .set_angular_velocity(&trial.body, DVec3::Y * omega);
     // The moment of inertia m r²/3 and the torque µ m g r of a load on the corners of a square.
-    let radius = half.x.hypot(half.z);
+    let radius = libm::hypot(half.x, half.z);
     let law = radius * omega / (3.0 * MU * G);
     let mut t = 0.0;
     while !trial.rests() && t < 10.0 {
@@ -115,7 +115,7 @@ fn plate(integrator: Integrator, omega: f64) -> (f64, f64) {
         t += STEP;
     }
     let off = (t - law).abs();
-    let walk = trial.state.position.x.hypot(trial.state.position.z);
+    let walk = libm::hypot(trial.state.position.x, trial.state.position.z);
     (off / STEP, walk)
 }
 

@@ -133,7 +133,7 @@ impl Family {
         let source = match reference.kind() {
             ReferenceKind::Numerical { agreement } => {
                 format!(
-                    "Dormand–Prince order 8; two tolerances agree to {}",
+                    "Dormand–Prince order 8; half the step agrees to {}",
                     short(agreement)
                 )
             }

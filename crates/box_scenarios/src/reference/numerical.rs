@@ -1,5 +1,8 @@
 //! The numerical reference: Dormand and Prince's Runge–Kutta method of order 8(5,3) (Hairer, Nørsett,
-//! Wanner, *Solving ODEs I*, II.10) on (x, q, v, L), at two tolerances whose difference it reports.
+//! Wanner, *Solving ODEs I*, II.10) on (x, q, v, L), at two step sizes whose difference it reports.
+//!
+//! The steps are equal parts of an interval. The usual control of the step takes a power, which the platform's library
+//! computes with other bits on other machines.
 
 use box_physics::body::RigidBox;
 use box_physics::force::{Forces, rates};
@@ -11,34 +14,43 @@ use glam::{DQuat, DVec3};
 use crate::metrics::StateError;
 use crate::setup::Setup;
 
-/// Relative and absolute tolerance of the better run: a hundred roundings.
-const TOLERANCE: f64 = 1e-14;
-/// Of the run it is compared with.
-const COARSE: f64 = 1e-13;
+/// Relative and absolute tolerance of each step of the coarser run. The finer one takes two steps for one.
+const TOLERANCE: f64 = 1e-13;
+/// A tolerance that every step is within.
+const ANY: f64 = 1.0;
 /// Distance of the stored states \[s\]. A time between two is reached by integrating from the earlier.
 const SPACING: f64 = 1.0 / 32.0;
+/// The most steps of the coarser run between two stored states.
+const MOST_STEPS: usize = 1 << 20;
 
 /// Stored states and what is needed to go on from them.
 #[derive(Clone, Debug)]
 pub(crate) struct Numerical {
     setup: Setup,
-    nodes: Vec<BodyState>,
+    /// Each with the number of steps to the next.
+    nodes: Vec<(BodyState, usize)>,
     duration: f64,
     agreement: f64,
 }
 
 impl Numerical {
-    /// From `start` for `duration` \[s\]; `None` if the integrator gives up.
+    /// From `start` for `duration` \[s\]; `None` if no step is within the tolerance.
     pub(crate) fn new(setup: &Setup, start: &BodyState, duration: f64) -> Option<Self> {
         let count = (duration / SPACING).ceil() as usize;
         let mut nodes = Vec::with_capacity(count + 1);
         let (mut fine, mut coarse) = (*start, *start);
         let scale = start.angular_momentum.length().max(f64::MIN_POSITIVE);
-        let mut agreement = 0.0_f64;
+        let (mut steps, mut agreement) = (1, 0.0_f64);
         for _ in 0..count {
-            nodes.push(fine);
-            fine = integrate(setup, &fine, SPACING, TOLERANCE)?;
-            coarse = integrate(setup, &coarse, SPACING, COARSE)?;
+            coarse = loop {
+                match integrate(setup, &coarse, SPACING, steps, TOLERANCE) {
+                    Some(next) => break next,
+                    None if steps < MOST_STEPS => steps *= 2,
+                    None => return None,
+                }
+            };
+            nodes.push((fine, 2 * steps));
+            fine = integrate(setup, &fine, SPACING, 2 * steps, ANY)?;
             let e = StateError::between(&fine, &coarse);
             let momentum = e.angular_momentum / scale.max(fine.angular_momentum.length());
             agreement = agreement
@@ -47,7 +59,7 @@ impl Numerical {
                 .max(e.attitude)
                 .max(momentum);
         }
-        nodes.push(fine);
+        nodes.push((fine, 2 * steps));
         Some(Self {
             setup: setup.clone(),
             nodes,
@@ -67,8 +79,8 @@ impl Numerical {
             return None;
         }
         let k = (t / SPACING).floor();
-        let node = self.nodes.get(k as usize)?;
-        integrate(&self.setup, node, t - k * SPACING, TOLERANCE)
+        let (node, steps) = self.nodes.get(k as usize)?;
+        integrate(&self.setup, node, t - k * SPACING, *steps, ANY)
     }
 }
 
@@ -91,7 +103,14 @@ impl ODE<f64, [f64; 13]> for Motion<'_> {
     }
 }
 
-fn integrate(setup: &Setup, from: &BodyState, t: f64, tolerance: f64) -> Option<BodyState> {
+/// After `t` \[s\] in equal steps, unless one of them has an estimated error above the tolerance.
+fn integrate(
+    setup: &Setup,
+    from: &BodyState,
+    t: f64,
+    steps: usize,
+    tolerance: f64,
+) -> Option<BodyState> {
     if t <= 0.0 {
         return Some(*from);
     }
@@ -102,7 +121,11 @@ fn integrate(setup: &Setup, from: &BodyState, t: f64, tolerance: f64) -> Option<
     let method = ExplicitRungeKutta::dop853()
         .rtol(tolerance)
         .atol(tolerance)
-        .max_steps(1_000_000);
+        .h0(t / steps as f64)
+        .min_scale(1.0)
+        .max_scale(1.0)
+        // A rejected step is tried again and again. Rounding may leave a last, tiny one.
+        .max_steps(steps + 1);
     let solution = IVP::ode(&motion, 0.0, t, pack(from))
         .method(method)
         .solve()

@@ -1,10 +1,11 @@
 //! Springs and torques.
 
 use box_physics::state::BodyState;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::bodies::{brick, solid, spinning};
 use crate::forces::ForceSet;
+use crate::reference::turn;
 use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::SceneView;
@@ -38,7 +39,7 @@ pub fn stiff_spring() -> Scenario {
         spinning(&body, [0.0, 2.2, 0.0], [0.0, 0.5, 0.0]).with_velocity(DVec3::new(0.5, 0.0, 0.0));
     // At the corner the largest ω² is k (1/m + |r|²/I) = 5.5 k/m for a cube (|r|² = ¾ a², I = m a²/6
     // with edge a): ω·dt = 1.0 at 60 Hz, where ω = 60 rad/s.
-    let k = 2.0 * 60.0_f64.powi(2) / 5.5;
+    let k = 2.0 * 60.0 * 60.0 / 5.5;
     let forces =
         ForceSet::none().with_spring(DVec3::splat(0.25), DVec3::new(0.25, 2.4, 0.25), k, 0.0);
     Scenario {
@@ -59,7 +60,7 @@ pub fn stiff_spring() -> Scenario {
 /// The heavy top, as a dipole in a field: precession and nutation.
 pub fn heavy_top() -> Scenario {
     let body = solid([0.25, 0.5, 0.25], 6.0);
-    let leaning = DQuat::from_rotation_x(40.0_f64.to_radians());
+    let leaning = turn(DVec3::X, 40.0_f64.to_radians());
     let start = BodyState::at_pose(DVec3::Y * 2.0, leaning)
         .with_body_angular_velocity(&body, DVec3::Y * 12.0);
     // The torque of gravity on an upright top with m g l = 4 N m, without a pivot.

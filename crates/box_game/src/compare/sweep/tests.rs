@@ -92,3 +92,34 @@ fn a_sweep_in_slices_under_a_coarse_clock() {
         assert!(points.clone().all(|p| p.attitude < 180.0), "{scene}");
     }
 }
+
+/// Many boxes in fine steps are not timed in one go, which would hold a frame for long, and cost the same as in one go.
+#[test]
+fn a_long_course_is_timed_in_parts() {
+    use std::sync::atomic::AtomicU64;
+    static LONGEST: AtomicU64 = AtomicU64::new(0);
+    let mut setup = Scenario::find("throw").expect("a scene").setup;
+    setup.duration = 10.0;
+    let task = SweepTask {
+        boxes: 100,
+        stopwatch: |work| {
+            let nanoseconds = 30 * work();
+            LONGEST.fetch_max(nanoseconds, Ordering::Relaxed);
+            Duration::from_nanos(nanoseconds)
+        },
+        ..task(&setup, &[Integrator::Rk4])
+    };
+    let shared = Arc::new(Shared::of(&task.integrators));
+    let mut work = Work::new(task, &shared);
+    while work.slice() {}
+    let lines = shared.lines.lock().expect("not poisoned");
+    let steps: Vec<f64> = lines[0].points.iter().map(|p| p.cost * p.dt).collect();
+    assert!(
+        steps.iter().all(|ns| (ns - steps[0]).abs() < 1e-6),
+        "{steps:?}"
+    );
+    // At 1920 Hz 32 boxes are followed.
+    let course = 19_200.0 * 32.0 * steps[0];
+    let part = LONGEST.load(Ordering::Relaxed) as f64 / course;
+    assert!(part > 0.0 && part < 0.5, "{part} of a course at once");
+}

@@ -14,13 +14,20 @@ use box_scenarios::runner::DUE;
 use box_scenarios::{LiveReference, Model, ReferenceSolution, Runner, Setup, StateError};
 
 use super::{RATES, Shared, SweepPoint, SweepTask};
-use crate::compare::sampling::{Turn, shortest_sample};
+use crate::compare::sampling::shortest_sample;
 
 /// Rounds of samples at a rate, at least and at most: between these no round begins after [`PATIENCE`].
 const ROUNDS: (u32, u32) = (3, 10);
 const PATIENCE: Duration = Duration::from_millis(200);
-/// A slice ends with the first pause after this time. Half of what a frame may be held.
-const SLICE: Duration = Duration::from_millis(4);
+/// A slice ends with the first pause after this time. With a part of a sample after it, it stays below the 8 ms that a
+/// frame may be held.
+const SLICE: Duration = Duration::from_millis(3);
+/// A part of a sample ends with the first stretch after this time.
+const PART: Duration = Duration::from_millis(2);
+/// Steps of a box in a stretch: short beside a part, long beside a look at the clock.
+const STRETCH: usize = 128;
+/// Steps between two pauses while errors are found.
+const STEPS: u32 = 16;
 /// The reference is found in parts of this of a step of the first rate.
 const PARTS: u32 = 32;
 
@@ -118,6 +125,9 @@ async fn errors(
             if !runner.step(dt) {
                 return None;
             }
+            if part % STEPS == STEPS - 1 {
+                pause().await;
+            }
         }
         let error = StateError::between(&runner.driver.state, trusted);
         worst = (worst.0.max(error.position), worst.1.max(error.attitude));
@@ -133,25 +143,49 @@ async fn costs(
     found: &[Option<(f64, f64)>],
 ) -> Option<Vec<Option<f64>>> {
     let mut snapshot = Snapshot::of_scene(&task.setup, task.boxes, 1.0 / f64::from(rate))?;
-    let length = (SLICE, shortest_sample(task.grain));
+    let shortest = shortest_sample(task.grain);
     let started = Instant::now();
     let mut costs = vec![None; found.len()];
     for round in 0..ROUNDS.1 {
         if round >= ROUNDS.0 && started.elapsed() > PATIENCE {
             break;
         }
-        for (k, integrator) in task.integrators.iter().enumerate() {
-            let mut turn = Turn::of(integrator.index());
-            while found[k].is_some() {
-                let sample = turn.take(&mut snapshot, length, task.stopwatch);
-                pause().await;
-                if let Some(sample) = sample {
-                    let least = costs[k].unwrap_or(f64::INFINITY);
-                    costs[k] = Some(sample.nanoseconds.min(least));
-                    break;
-                }
+        for (k, &integrator) in task.integrators.iter().enumerate() {
+            if found[k].is_some() {
+                let cost = sample(&mut snapshot, integrator, shortest, task.stopwatch).await;
+                costs[k] = Some(costs[k].unwrap_or(f64::INFINITY).min(cost));
             }
         }
     }
     Some(costs)
+}
+
+/// The cost [ns per body-step] of whole courses of the scene that take at least `shortest`, timed in parts.
+async fn sample(
+    snapshot: &mut Snapshot,
+    integrator: Integrator,
+    shortest: Duration,
+    stopwatch: Stopwatch,
+) -> f64 {
+    let stretch = (STRETCH / snapshot.bodies()).max(1);
+    // Not timed: it pays for what the one before it has left in the caches.
+    snapshot.advance(integrator, stretch);
+    snapshot.restart();
+    let (mut elapsed, mut courses) = (Duration::ZERO, 0);
+    while !(snapshot.is_at_start() && elapsed >= shortest) {
+        let part = stopwatch(&mut || {
+            let (begin, mut work) = (Instant::now(), 0);
+            loop {
+                work += snapshot.advance(integrator, stretch);
+                let time = begin.elapsed();
+                courses += u32::from(snapshot.is_at_start());
+                if time >= PART || (snapshot.is_at_start() && elapsed + time >= shortest) {
+                    return work;
+                }
+            }
+        });
+        elapsed += part;
+        pause().await;
+    }
+    elapsed.as_nanos() as f64 / (f64::from(courses) * snapshot.units())
 }

@@ -1,5 +1,8 @@
 //! The keys and the mouse: one list for the help overlay and `docs/game.md`.
 
+/// The key that takes a picture, where the platform leaves it to the game.
+pub(super) const SCREENSHOT: &str = "F12";
+
 /// Keys and their effect.
 pub const KEYS: &[(&str, &str)] = &[
     (
@@ -33,7 +36,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Home", "reset the view"),
     ("Drag elsewhere · right drag · scroll", "orbit · pan · zoom"),
     ("L", "start or stop the CSV log"),
-    ("F12", "save a screenshot"),
+    (SCREENSHOT, "save a screenshot"),
     ("M", "show or hide the plots"),
     ("` (backtick)", "show or hide the panel"),
     ("F1 or ?", "show or hide this list"),

@@ -8,12 +8,13 @@ use bevy_egui::egui::{
 use box_scenarios::dissertation::Stepper;
 
 use super::format::number;
-use super::keys::KEYS;
+use super::keys::{KEYS, SCREENSHOT};
 use super::view::DemoView;
 use super::widgets::{Panel, Text, button, text, within};
 use crate::action::Action;
 use crate::compare::verdict::headline;
 use crate::demo_2012::FAULTS;
+use crate::platform;
 use crate::view::style;
 
 /// In a picture lower than this [points] the lesson is left out (beside the strip of 2012 already in the second), and lower
@@ -146,8 +147,9 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
             let name = ["Start cycle log", "Stop cycle log"][usize::from(demo.log.is_some())];
             let hint = "Write the time of every integration cycle to a text file, as in 2012.";
             panel.button(ui, text(name, hint), Action::ToggleDemoLog);
-            let cycle = number((demo.cycle_us * 100.0).round() / 100.0);
-            ui.small(format!("last cycle {cycle} µs"));
+            let words = |us: f64| format!("{} µs", number((us * 100.0).round() / 100.0));
+            let cycle = panel.view.measured(demo.cycle_us, words);
+            ui.small(format!("last cycle {cycle}"));
             if let Some((path, cycles)) = &demo.log {
                 ui.small(format!("{path} · {cycles} cycles"));
             }
@@ -231,7 +233,8 @@ fn scale(ui: &mut Ui, panel: &mut Panel<'_>) {
 fn keys(ui: &mut Ui) {
     let grid = Grid::new("keys").num_columns(2).striped(true);
     grid.show(ui, |ui| {
-        for (key, what) in KEYS {
+        let known = |key| key != SCREENSHOT || platform::SCREENSHOT_KEY.is_some();
+        for (key, what) in KEYS.iter().filter(|(key, _)| known(*key)) {
             ui.add(Label::new(RichText::new(*key).strong()).extend());
             ui.add(Label::new(*what).wrap());
             ui.end_row();

@@ -65,6 +65,8 @@ pub struct PanelView {
     pub(crate) stages_us: Option<[f64; Stage::ALL.len()]>,
     /// The same for each of the last steps, oldest first.
     pub(crate) stage_history: Vec<[f64; Stage::ALL.len()]>,
+    /// Grain of a coarse clock \[µs\], and the standard deviation that it leaves in a sample, relative.
+    pub(crate) grain: Option<(f64, f64)>,
     /// Time of the last frame \[ms\].
     pub(crate) frame_time_ms: f64,
     pub(crate) history: HistoryView,
@@ -86,13 +88,22 @@ pub struct PanelView {
 }
 
 impl PanelView {
-    /// Time of a step in the plugin, as shown: `0.8 µs`. A browser's clock shows 0 or one of its steps.
+    /// Time of a step in the plugin, as shown: `0.8 µs`.
     pub(super) fn step_time(&self) -> String {
-        let time = self.stages_us.map(|stages| stages.iter().sum::<f64>());
-        match (time, self.history.grain) {
-            (Some(time), Some((grain, _))) if time < grain => format!("below {} µs", number(grain)),
-            (Some(time), _) => format!("{} µs", number((time * 10.0).round() / 10.0)),
-            (None, _) => "– µs".to_owned(),
+        let Some(stages) = self.stages_us else {
+            return "– µs".to_owned();
+        };
+        let time = stages.iter().sum::<f64>();
+        self.measured(time, |us| {
+            format!("{} µs", number((us * 10.0).round() / 10.0))
+        })
+    }
+
+    /// A time \[µs\] in words. A browser's clock shows 0 or one of its grains.
+    pub(super) fn measured(&self, time: f64, words: impl Fn(f64) -> String) -> String {
+        match self.grain {
+            Some((grain, _)) if time < grain => format!("below {}", words(grain)),
+            _ => words(time),
         }
     }
 }
@@ -116,8 +127,6 @@ pub(crate) struct HistoryView {
     pub cpu: Vec<(f64, f64, f64)>,
     /// Reason why the CPU usage is unknown, if it is.
     pub no_cpu: Option<&'static str>,
-    /// Grain of a coarse clock \[µs\], and the standard deviation that it leaves in a sample, relative.
-    pub grain: Option<(f64, f64)>,
 }
 
 /// The CSV log being written.

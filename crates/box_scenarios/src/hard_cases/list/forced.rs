@@ -1,11 +1,12 @@
 //! 13 to 16: damping, torque, spring.
 
 use box_physics::state::BodyState;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::{GAME_STEPS, brick, case, solid, spin};
 use crate::forces::ForceSet;
 use crate::hard_cases::{Check, HardCase};
+use crate::reference::turn;
 use crate::setup::Setup;
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -29,7 +30,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let bar = solid([0.25, 0.5, 0.25], 6.0);
     let top = Setup::new(
         bar,
-        BodyState::at_pose(DVec3::ZERO, DQuat::from_rotation_x(0.7))
+        BodyState::at_pose(DVec3::ZERO, turn(DVec3::X, 0.7))
             .with_body_angular_velocity(&bar, DVec3::Y * 12.0),
         ForceSet::none().with_dipole(DVec3::NEG_Y * 4.0, DVec3::Y),
         5.0,

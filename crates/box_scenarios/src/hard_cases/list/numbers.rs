@@ -1,6 +1,7 @@
 //! 20 to 24: extreme sizes, steps and places.
 
 use glam::DVec3;
+use libm::{cos, sin};
 
 use super::{GAME_STEPS, brick, case, solid, spin};
 use crate::hard_cases::{Check, HardCase};
@@ -27,8 +28,8 @@ pub(super) fn cases() -> Vec<HardCase> {
         let a = f64::from(k);
         TimedImpulse {
             t: 0.0,
-            impulse: DVec3::new(a.sin(), (2.0 * a).cos(), (3.0 * a).sin()),
-            body_point: DVec3::new((5.0 * a).cos() * 0.5, (7.0 * a).sin() * 0.25, 0.1),
+            impulse: DVec3::new(sin(a), cos(2.0 * a), sin(3.0 * a)),
+            body_point: DVec3::new(cos(5.0 * a) * 0.5, sin(7.0 * a) * 0.25, 0.1),
         }
     };
     let back = |i: TimedImpulse| TimedImpulse {

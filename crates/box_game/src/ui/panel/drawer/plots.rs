@@ -25,17 +25,18 @@ pub(super) const LOWEST: f32 = 90.0;
 /// Cost of a body-step of every integrator on the scene's bodies, the minimum, on a log axis. The legend stands beside
 /// the plot, as with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
-    let clock = view.history.grain.map(|(grain, part)| {
+    let clock = view.grain.map(|(grain, part)| {
         let (grain, part) = (number(grain), number(100.0 * part));
         format!(" · clock: steps of {grain} µs, samples ±{part} %")
     });
+    let micros = |ms: f64| view.measured(1e3 * ms, |us| format!("{} µs", short(us)));
     note(
         ui,
         format!(
-            "fastest sample of two seconds · plugin {} a step · comparisons {} ms · panel {} ms · frame {} ms{}",
+            "fastest sample of two seconds · plugin {} a step · comparisons {} · panel {} · frame {} ms{}",
             view.step_time(),
-            short(view.compare.comparisons_ms),
-            short(view.compare.panel_ms),
+            micros(view.compare.comparisons_ms),
+            micros(view.compare.panel_ms),
             short(view.frame_time_ms),
             clock.unwrap_or_default(),
         ),

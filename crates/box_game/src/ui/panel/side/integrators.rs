@@ -116,15 +116,18 @@ fn step_cost(ui: &mut Ui, view: &PanelView) {
     let boxes = match view.parameters.boxes() {
         1 => "1 box".to_owned(),
         n => {
-            let each = 1e3 * stages.iter().sum::<f64>() / f64::from(n);
-            format!("{n} boxes, {} ns each", short(each))
+            let each = |us: f64| format!("{} ns each", short(1e3 * us / f64::from(n)));
+            format!("{n} boxes, {}", view.measured(stages.iter().sum(), each))
         }
     };
     let text = format!("Step in the plugin: {} for {boxes}", view.step_time());
     note(ui, text);
     let size = vec2(ui.available_width(), 26.0);
     let (place, response) = ui.allocate_exact_size(size, Sense::hover());
-    let named = |k: usize| format!("{} {} µs", Stage::ALL[k].name(), short(stages[k]));
+    let named = |k: usize| {
+        let time = view.measured(stages[k], |us| format!("{} µs", short(us)));
+        format!("{} {time}", Stage::ALL[k].name())
+    };
     let words: Vec<String> = (0..stages.len()).map(named).collect();
     describe(&response, &format!("Step by stage: {}", words.join(", ")));
     let colors = STAGES.map(|rgb| style::ink(rgb, ui.ctx().theme()));

@@ -79,7 +79,11 @@ fn drawn(ui: &mut Ui, panel: &mut Panel<'_>) {
         panel.button(ui, frame, Action::FrameCamera);
         let home = text("Home", "Reset the view (Home).");
         panel.button(ui, home, Action::HomeCamera);
-        let screenshot = text("Screenshot", "Save a screenshot (F12).");
+        let hint = match platform::SCREENSHOT_KEY {
+            Some(_) => "Save a screenshot (F12).",
+            None => "Save a screenshot.",
+        };
+        let screenshot = text("Screenshot", hint);
         panel.button(ui, screenshot, Action::Screenshot);
     });
 }

@@ -231,8 +231,8 @@ fn nothing_a_view_may_hold_makes_it_panic() {
         timing: vec![runs.clone().collect(); integrators],
         cpu: runs.map(|(t, run)| (t, run, nan)).collect(),
         no_cpu: None,
-        grain: Some((1e300, nan)),
     };
+    broken.grain = Some((1e300, nan));
     let mut empty = sample_view();
     empty.scenes.clear();
     empty.timings.clear();

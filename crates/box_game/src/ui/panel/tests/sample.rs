@@ -53,6 +53,7 @@ pub(crate) fn sample_view() -> PanelView {
         unconverged: 0,
         stages_us: Some([0.5, 0.1, 0.1, 0.1]),
         stage_history: vec![[0.5, 0.1, 0.1, 0.1]; 120],
+        grain: None,
         frame_time_ms: 16.7,
         history: HistoryView {
             timing: (0..Integrator::ALL.len()).map(past).collect(),

@@ -11,6 +11,7 @@ use super::super::{KEYS, LogView};
 use super::{Person, USUAL, sample_view, with};
 use crate::action::{Action, Plot};
 use crate::compare::TrajectoryView;
+use crate::parameters::Parameter;
 use crate::view::style;
 
 /// What the plot of the sample's energy says.
@@ -49,13 +50,24 @@ fn a_browser_says_what_it_cannot_measure() {
     let person = with(|view| (view.plot, view.history.no_cpu) = (Plot::Cpu, Some(reason)));
     assert!(person.sees(reason));
     let timing = |grain| {
-        let person = with(|view| (view.plot, view.history.grain) = (Plot::Timing, grain));
+        let person = with(|view| (view.plot, view.grain) = (Plot::Timing, grain));
         person.sees_part("clock: steps of 100 µs, samples ±0.82 %")
     };
     assert!(!timing(None) && timing(Some((100.0, 0.0082))));
     assert!(!with(|view| view.plot = Plot::Timing).sees_part("clock: steps"));
-    let coarse = with(|view| view.history.grain = Some((100.0, 0.0082)));
-    assert!(coarse.sees("Step in the plugin: below 100 µs for 1 box"));
+    let step = |boxes, stages| {
+        with(|view| {
+            (view.grain, view.stages_us) = (Some((100.0, 0.0082)), Some(stages));
+            view.parameters.set(Parameter::Boxes, boxes).expect("valid");
+        })
+    };
+    assert!(step(1.0, [0.0; 4]).sees("Step in the plugin: below 100 µs for 1 box"));
+    let many = step(1000.0, [0.0, 10.0, 20.0, 30.0]);
+    assert!(many.sees("Step in the plugin: below 100 µs for 1000 boxes, below 100 ns each"));
+    assert!(many.sees_part("contact below 100 µs"));
+    let slow = step(1000.0, [150.0, 10.0, 0.0, 0.0]);
+    assert!(slow.sees("Step in the plugin: 160 µs for 1000 boxes, 160 ns each"));
+    assert!(slow.sees_part("integrate 150 µs, contact below 100 µs"));
 }
 
 #[test]
