@@ -17,8 +17,8 @@ use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
 use crate::floor::{
-    ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, step_on_floor,
-    step_on_planes,
+    ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, StaticPlane,
+    step_on_floor, step_on_planes,
 };
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, IntegratorVisitor};
@@ -60,6 +60,7 @@ impl MaterialContiguousItem<'_, '_> {
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(
     (step, mut moving): (Res<Step>, Option<ResMut<Floor>>),
+    mut planes: Query<&mut StaticPlane, Without<RigidBox>>,
     mut clock: ResMut<SleepClock>,
     mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
     threads: Res<PhysicsThreads>,
@@ -164,6 +165,11 @@ pub(crate) fn contact(
         && let Some(moving) = &mut moving
     {
         moving.advance(step.h);
+    }
+    for mut plane in &mut planes {
+        if plane.velocity.dot(plane.normal) != 0.0 && plane.validate().is_ok() {
+            plane.advance(step.h);
+        }
     }
     Ok(())
 }
