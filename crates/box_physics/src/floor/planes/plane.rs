@@ -53,8 +53,8 @@ use crate::state::BodyState;
 /// # Ok::<(), BevyError>(())
 /// ```
 ///
-/// A plane with a `velocity` is a conveyor belt, a wall that pushes, or an elevator with a slope. The plugin moves `point`
-/// by the part of it along the normal in every step. While it has one, all bodies are awake.
+/// A plane with a `velocity` is a conveyor belt on a slope, or a wall that pushes. The plugin moves `point` along the normal
+/// in every step; no body sleeps meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -241,10 +241,8 @@ impl Plane {
     pub fn advance(&mut self, h: f64) {
         match self.axes {
             None => {
-                *self = Self::from(Floor {
-                    height: self.surface.height + self.rise() * h,
-                    ..self.surface
-                })
+                self.surface.advance(h);
+                *self = Self::from(self.surface);
             }
             Some(_) => self.shape.advance(h),
         }

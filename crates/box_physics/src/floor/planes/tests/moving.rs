@@ -39,10 +39,11 @@ fn a_resting_box_rides() {
     let mut random = Random(32);
     for velocity in [DVec3::NEG_Y * 0.5, DVec3::new(0.7, 3.0, -0.2), DVec3::X] {
         let mut scene = lying(random.attitude(), 0.3, 0.5, velocity);
-        let (force, start) = (scene.gravity, scene.state);
+        let force = scene.gravity;
         let velocity = scene.planes[0].shape.velocity;
         scene.state.velocity = velocity;
         scene.run::<Split>(SIXTIETH, 3);
+        let start = scene.state;
         for _ in 0..10_000 {
             let mut report = ContactReport::default();
             let outcome = scene.step_under::<Split>(&force, SIXTIETH, Some(&mut report));
@@ -55,7 +56,7 @@ fn a_resting_box_rides() {
             assert!(scene.lowest().abs() < 1e-12, "{}", scene.lowest());
         }
         let way = scene.state.position - start.position;
-        assert!((way - velocity * (10_003.0 * SIXTIETH)).length() < 1e-8);
+        assert!((way - velocity * (10_000.0 * SIXTIETH)).length() < 1e-8);
         // It stops, and the box has a velocity on it.
         scene.planes = scene.planes.iter().map(|p| stopped(p)).collect();
         scene.step::<Split>(SIXTIETH);
@@ -88,7 +89,9 @@ fn a_sloping_conveyor_carries_a_box_up() {
             let (t, stop) = (f64::from(i) * SIXTIETH, speed / a);
             let way = 0.5 * a * t.min(stop).powi(2) + speed * (t - stop).max(0.0);
             let off = (scene.state.position - start - up * way).length();
-            assert!(off < 1e-12, "{i}: {off:e}");
+            // Where it stops is found to the tolerance of the search.
+            let bound = if t < stop { 1e-12 } else { 1e-9 };
+            assert!(off < bound, "{i}: {off:e}");
             assert_eq!(scene.contact.is_resting(&scene.state), t > stop);
         }
     }
@@ -160,20 +163,24 @@ fn a_wall_pushes() {
         "{state:?}"
     );
     let wall = scene.planes[1].shape().point.x;
-    assert!((state.position.x - wall - 0.5).abs() < 1e-9 && state.position.y == 0.25);
+    assert!(
+        (state.position.x - wall - 0.5).abs() < 1e-9,
+        "{state:?} {wall}"
+    );
+    assert!((state.position.y - 0.25).abs() < 1e-15);
 }
 
 /// What a plane throws does not pass through another one in the same step.
 #[test]
 fn a_ceiling_stops_what_the_floor_throws() {
     let surface = Floor::new(0.0, 1.0, 0.0).expect("valid");
-    let rising = Plane::from(surface.with_velocity(DVec3::Y * 20.0));
-    for gap in [0.05, 0.3, 0.6] {
+    let rising = Plane::from(surface.with_velocity(DVec3::Y * 2.0));
+    for gap in [0.03, 0.04, 0.046] {
         let ceiling = wall(DVec3::Y * (0.51 + gap), DVec3::NEG_Y, &surface);
         let mut scene = Scene::among(vec![rising, ceiling], HALF);
         scene.state.position.y = 0.26;
         scene.step::<Split>(SIXTIETH);
         let over = Gaps::over(&scene.planes[1..], &scene.body, &scene.state, 0.0).lowest();
-        assert!(scene.total.impacts > 0 && over >= -1e-12, "{gap}: {over}");
+        assert!(scene.total.impacts > 1 && over >= -1e-12, "{gap}: {over}");
     }
 }
