@@ -134,7 +134,9 @@ impl PhysicsSnapshot {
             floor.height = height;
         }
         for &(entity, point) in &self.planes {
-            if let Some(mut plane) = world.get_mut::<StaticPlane>(entity) {
+            if let Some(mut plane) = world.get_mut::<StaticPlane>(entity)
+                && plane.point != point
+            {
                 plane.point = point;
             }
         }

@@ -58,7 +58,7 @@ fn a_resting_box_rides() {
         let way = scene.state.position - start.position;
         assert!((way - velocity * (10_000.0 * SIXTIETH)).length() < 1e-8);
         // It stops, and the box has a velocity on it.
-        scene.planes = scene.planes.iter().map(|p| stopped(p)).collect();
+        scene.planes = scene.planes.iter().map(stopped).collect();
         scene.step::<Split>(SIXTIETH);
         assert!(!scene.contact.is_resting(&scene.state));
     }
