@@ -110,10 +110,9 @@ fn throw(
     mut luck: ResMut<Luck>,
     mut thrown: Local<bool>,
 ) {
-    if *thrown && !keys.just_pressed(KeyCode::Space) {
+    if std::mem::replace(&mut *thrown, true) && !keys.just_pressed(KeyCode::Space) {
         return;
     }
-    *thrown = true;
     for (k, (mut body, mut die)) in dice.iter_mut().enumerate() {
         die.0 = None;
         let place = DVec3::new(0.03 * (k as f64 - 2.0), 0.1, 0.05) + 0.005 * luck.vector();

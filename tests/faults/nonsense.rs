@@ -277,6 +277,48 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
     }
 }
 
+/// Written again and again, an invalid value is logged once; of many entities the first ten are named.
+#[test]
+fn an_invalid_value_does_not_flood_the_log() {
+    let log = Log::start();
+    let mut app = app();
+    let body = app.spawn((brick(), tumbling(), LinearDrag(-1.0)));
+    app.add_systems(FixedUpdate, |mut drags: Query<&mut LinearDrag>| {
+        drags.iter_mut().for_each(|mut drag| drag.0 *= 1.5);
+    });
+    app.play(20);
+    log.says_once(&body.to_string());
+    for _ in 0..100 {
+        app.spawn((brick(), tumbling(), LinearDrag(-1.0)));
+    }
+    app.play(5);
+    let lines = log.take();
+    assert!(
+        lines.len() == 9 && lines[8].contains("further ones"),
+        "{lines:#?}"
+    );
+}
+
+/// The material of a plane is checked like that of a body.
+#[test]
+fn an_invalid_material_of_a_plane_is_logged() {
+    let log = Log::start();
+    let mut app = app();
+    let wall = StaticPlane::new(DVec3::ZERO, DVec3::X).expect("valid");
+    let restitution = Restitution {
+        coefficient: 2.0,
+        ..default()
+    };
+    let wall = app.spawn((wall, restitution));
+    app.play(5);
+    log.says_once(&format!(
+        "{wall}: coefficient must be between 0 and 1, but is 2"
+    ));
+    app.edit::<StaticPlane>(wall).velocity.x = f64::NAN;
+    app.play(5);
+    log.says_once(&format!("{wall}: velocity must be finite, but is NaN"));
+}
+
 /// An invalid material is logged once with entity, field and value, and counts as absent. A valid one acts.
 #[test]
 fn an_invalid_material_is_logged_and_does_not_act() {

@@ -101,6 +101,51 @@ fn what_rests_falls_when_the_plane_goes() {
     assert_eq!(touches.touching(), 0);
 }
 
+/// A belt carries a box to a wall that comes toward it, step by step as in the core.
+#[test]
+fn planes_with_a_velocity() {
+    let mut app = app();
+    let belt = plane(DVec3::ZERO, DVec3::new(0.1, 1.0, 0.0));
+    let along = DVec3::new(1.0, -0.1, 0.0).normalize();
+    let belt = belt.with_velocity(2.0 * along);
+    let wall = plane(DVec3::X * 5.0, DVec3::NEG_X).with_velocity(DVec3::X * -0.9);
+    let [_, wall_entity] = [belt, wall].map(|shape| app.spawn(shape));
+    let start = BodyState::at(DVec3::Y * 0.5);
+    let body = app.spawn((brick(), start));
+    let (mut planes, mut state) = (
+        [belt, wall].map(|shape| Plane::of(shape, None, None).expect("valid")),
+        start,
+    );
+    let (box_, settings) = (brick(), ContactSettings::default());
+    let weight = Gravity(DVec3::NEG_Y * 9.81);
+    let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+    let mut rode = false;
+    for _ in 0..300 {
+        app.update();
+        let context = PlanesContext {
+            planes: &planes,
+            settings: &settings,
+            body: &box_,
+            force: &weight,
+        };
+        let h = tick().as_secs_f64();
+        Integrator::Split.step_on_planes(&context, &mut state, h, &mut memory, &mut contact, None);
+        planes.iter_mut().for_each(|plane| plane.advance(h));
+        assert_eq!(app.state(body), state);
+        assert_eq!(
+            app.get::<StaticPlane>(wall_entity).point,
+            planes[1].shape().point
+        );
+        rode |= contact.is_resting(&state);
+        let resting = app.get::<RestingSince>(body).0;
+        assert_eq!(resting.is_some(), contact.is_resting(&state));
+    }
+    assert!(rode, "it was at rest on the belt");
+    let wall = app.get::<StaticPlane>(wall_entity).point.x;
+    assert!((wall - 0.5).abs() < 1e-12);
+    assert!(state.position.x < wall, "{state:?}");
+}
+
 /// An invalid plane is left out, and one that is moved to a body wakes it.
 #[test]
 fn planes_may_be_invalid_and_may_move() {

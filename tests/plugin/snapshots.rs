@@ -88,6 +88,50 @@ fn the_same_future_on_a_moving_floor() {
     assert_eq!(app.world().resource::<Floor>().height, height);
 }
 
+/// Planes that move are where they were.
+#[test]
+fn the_same_future_among_moving_planes() {
+    let (mut app, bodies) = scene(Integrator::Split);
+    let pusher = StaticPlane::new(DVec3::X * -0.8, DVec3::X).expect("valid");
+    let pusher = app.spawn(pusher.with_velocity(DVec3::X * 0.6));
+    let belt = StaticPlane::new(DVec3::Y * -0.3, DVec3::new(0.6, 0.8, 0.0)).expect("valid");
+    app.spawn(belt.with_velocity(DVec3::new(-0.8, 0.6, 0.0)));
+    future(&mut app, &bodies, 40);
+    let snapshot = PhysicsSnapshot::take(app.world_mut());
+    let first = future(&mut app, &bodies, 90);
+    let place = *app.get::<StaticPlane>(pusher);
+    assert!((place.point.x - (130.0 / 60.0 * 0.6 - 0.8)).abs() < 1e-12);
+    assert_eq!(snapshot.restore(app.world_mut()), []);
+    assert_eq!(future(&mut app, &bodies, 90), first);
+    assert_eq!(*app.get::<StaticPlane>(pusher), place);
+}
+
+/// Bodies that are spawned and despawned in between change nothing of the others, and one that is spawned again from its
+/// snapshot has the future that it had.
+#[test]
+fn the_same_future_whoever_came_and_went() {
+    let (mut app, mut bodies) = scene(Integrator::Split);
+    future(&mut app, &bodies, 17);
+    let snapshot = PhysicsSnapshot::take(app.world_mut());
+    let states = |app: &App, bodies: &[Entity]| -> Vec<_> {
+        bodies.iter().map(|&body| app.state(body)).collect()
+    };
+    app.play(60);
+    let first = states(&app, &bodies);
+    assert_eq!(snapshot.restore(app.world_mut()), []);
+    app.play(5);
+    app.world_mut().despawn(bodies[3]);
+    let new: Vec<_> = (0..3).map(|_| app.spawn((brick(), tumbling()))).collect();
+    app.play(20);
+    assert_eq!(snapshot.restore(app.world_mut()), [bodies[3]]);
+    app.world_mut().despawn(new[1]);
+    let saved = snapshot.bodies().find(|(entity, _)| *entity == bodies[3]);
+    let (_, moment) = saved.expect("in the snapshot");
+    bodies[3] = app.spawn((brick(), moment.clone(), ReportContacts));
+    app.play(60);
+    assert_eq!(states(&app, &bodies), first);
+}
+
 /// A restore is displayed in the same frame and ends a quarantine. It keeps the user's settings and new
 /// bodies, and reports the bodies that no longer exist.
 #[test]

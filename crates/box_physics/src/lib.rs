@@ -1,5 +1,5 @@
-//! Rigid boxes over a floor, among walls and on ramps, for [Bevy](https://bevyengine.org). The numerical integrator is a resource, and the default is
-//! exact in free flight. The state is f64; `Transform` stays f32.
+//! Rigid boxes over a floor, among walls and on ramps, for [Bevy](https://bevyengine.org). The numerical integrator is a
+//! resource, and the default is exact in free flight. The state is f64; `Transform` stays f32.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -46,8 +46,8 @@
 //! Features: `bevy` (default) is the plugin; without it the crate needs `glam` and `libm` alone. `gizmos` draws bounding
 //! boxes, axes and contacts. `serde` saves bodies that continue bit for bit.
 //!
-//! Limits: boxes, a floor and planes; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m, masses from
-//! 1e-12 to 1e12 kg, positions, velocities and momenta within 1e38.
+//! Limits: boxes, a floor and planes; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m, masses
+//! from 1e-12 to 1e12 kg, positions, velocities and momenta within 1e38.
 
 pub mod aabb;
 pub mod body;

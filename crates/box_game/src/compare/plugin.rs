@@ -13,7 +13,7 @@ use box_physics::prelude::{
 use box_scenarios::{Change, Model};
 
 use super::sweep::SweepTask;
-use super::{Comparison, RuleKind, copy};
+use super::{Comparison, RuleKind, Run, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
 use crate::compare::sampling::IntegratorSamples;

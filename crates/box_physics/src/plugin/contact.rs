@@ -18,8 +18,8 @@ use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use super::transforms::LIGHT;
 use crate::body::RigidBox;
 use crate::floor::{
-    ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, step_on_floor,
-    step_on_planes,
+    ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, StaticPlane,
+    step_on_floor, step_on_planes,
 };
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, IntegratorVisitor};
@@ -64,6 +64,7 @@ const AT_FLOOR: usize = 64;
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(
     (step, mut moving): (Res<Step>, Option<ResMut<Floor>>),
+    mut planes: Query<&mut StaticPlane, Without<RigidBox>>,
     mut clock: ResMut<SleepClock>,
     mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
     threads: Res<PhysicsThreads>,
@@ -174,6 +175,11 @@ pub(crate) fn contact(
         && let Some(moving) = &mut moving
     {
         moving.advance(step.h);
+    }
+    for mut plane in &mut planes {
+        if plane.velocity.dot(plane.normal) != 0.0 && plane.validate().is_ok() {
+            plane.advance(step.h);
+        }
     }
     Ok(())
 }

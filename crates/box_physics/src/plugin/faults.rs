@@ -174,11 +174,11 @@ pub(crate) fn require<C: Component + Default, B: Bundle + Default>(app: &mut App
     );
 }
 
-/// Logs values out of their range that came past the constructors, where they are new.
+/// Logs values out of their range that came past the constructors: of each entity once, until they are valid again.
 pub(crate) fn report_invalid<C: Checked>(
     components: Query<Ref<C>>,
-    entities: Query<(Entity, Ref<C>), With<RigidBox>>,
-    mut lines: Local<u32>,
+    entities: Query<(Entity, Ref<C>), Or<(With<RigidBox>, With<StaticPlane>)>>,
+    (mut lines, mut known): (Local<u32>, Local<Vec<Entity>>),
     ticks: SystemChangeTick,
 ) {
     let (last, now) = (ticks.last_run(), ticks.this_run());
@@ -190,14 +190,20 @@ pub(crate) fn report_invalid<C: Checked>(
         return;
     }
     for (entity, component) in entities.iter().filter(|(_, c)| c.is_changed()) {
-        if let Err(error) = component.check()
-            && *lines < MOST_INVALID_LINES
-        {
-            *lines += 1;
-            warn!(
-                "box_physics: {entity}: {error}; the body is stepped without its {}",
-                ShortName::of::<C>()
-            );
+        match component.check() {
+            Ok(()) => known.retain(|&e| e != entity),
+            Err(error) if *lines < MOST_INVALID_LINES && !known.contains(&entity) => {
+                known.push(entity);
+                *lines += 1;
+                let end = if *lines == MOST_INVALID_LINES {
+                    " (further ones are not logged)"
+                } else {
+                    ""
+                };
+                let name = ShortName::of::<C>();
+                warn!("box_physics: {entity}: {error}; its {name} does not act{end}");
+            }
+            Err(_) => {}
         }
     }
 }

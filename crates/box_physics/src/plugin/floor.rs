@@ -11,7 +11,7 @@ use crate::floor::{
     ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
 };
 
-/// Contact with a [`Floor`] and with [`StaticPlane`]s. Leave it out and they are nothing, and bodies carry no contact memory.
+/// Contact with a [`Floor`] and with [`StaticPlane`]s. Without it they do nothing, and bodies carry no contact memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FloorPlugin;
 

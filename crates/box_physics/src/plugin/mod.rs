@@ -50,9 +50,10 @@
 //! # When something is wrong
 //!
 //! Constructors refuse invalid values. At run time nothing panics, and each fault is logged once. A body that is not finite,
-//! or beyond 1e38, is [`Quarantined`] where it last was. An invalid coefficient is left out of its body's steps. A setting out of its range stops the clock until it is corrected
-//! ([`PhysicsClock::fault`]); one that was removed is restored. A hitch costs at most `Time<Virtual>::max_delta` of
-//! simulation, and what is lost is counted ([`PhysicsClock::dropped`]).
+//! or beyond 1e38, is [`Quarantined`] where it last was. An invalid coefficient of a body, and an invalid plane, do not act.
+//! A setting out of its range stops the clock until it is corrected ([`PhysicsClock::fault`]); one that was removed is
+//! restored. A hitch costs at most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
+//! ([`PhysicsClock::dropped`]).
 
 mod chunks;
 mod components;

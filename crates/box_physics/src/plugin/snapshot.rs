@@ -4,6 +4,7 @@ use bevy::ecs::bundle::Bundle;
 use bevy::ecs::entity::Entity;
 use bevy::ecs::query::With;
 use bevy::ecs::world::World;
+use glam::DVec3;
 
 use super::components::{NearFloor, OneShotForce, Quarantined, RestingSince};
 use super::contacts::ReportedContacts;
@@ -12,17 +13,17 @@ use super::messages::ApplyImpulse;
 use super::resources::PhysicsClock;
 use super::teleport::show_jump;
 use crate::body::RigidBox;
-use crate::floor::{ContactState, Floor};
+use crate::floor::{ContactState, Floor, StaticPlane};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
 /// A moment of the physics, to come back to: for rewind, rollback and replays. From the same snapshot, with the same
 /// settings and the same inputs, the same future follows bit for bit, under every integrator and with every contact.
 ///
-/// It holds what the physics writes: the clock, the height of the [`Floor`], impulses that wait for the next step, and of
-/// each body its [`BodySnapshot`], what is left of its [`OneShotForce`], its quarantine and how far its contacts were reported. What
-/// only you write is yours to keep: [`RigidBox`], forces, gravity, the rest of the floor, the integrator, pause and
-/// substeps.
+/// It holds what the physics writes: the clock, where the [`Floor`] and each [`StaticPlane`] are, impulses that wait for the
+/// next step, and of each body its [`BodySnapshot`], what is left of its [`OneShotForce`], its quarantine and how far its
+/// contacts were reported. What only you write is yours to keep: [`RigidBox`], forces, gravity, the rest of floor and planes,
+/// the integrator, pause and substeps.
 ///
 /// Take and restore it between ticks (in `Update`, say, or in a command), or in
 /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) by an exclusive system.
@@ -48,6 +49,7 @@ use crate::state::BodyState;
 pub struct PhysicsSnapshot {
     clock: PhysicsClock,
     floor_height: Option<f64>,
+    planes: Vec<(Entity, DVec3)>,
     pending: Vec<ApplyImpulse>,
     bodies: Vec<(Entity, BodySnapshot, Marks)>,
 }
@@ -105,9 +107,15 @@ impl PhysicsSnapshot {
             },
         );
         let bodies = bodies.collect();
+        let mut planes = world.query::<(Entity, &StaticPlane)>();
+        let planes = planes
+            .iter(world)
+            .map(|(entity, plane)| (entity, plane.point));
+        let planes = planes.collect();
         Self {
             clock: world.get_resource().copied().unwrap_or_default(),
             floor_height: world.get_resource().map(|floor: &Floor| floor.height),
+            planes,
             pending: PendingImpulses::snapshot(world),
             bodies,
         }
@@ -124,6 +132,13 @@ impl PhysicsSnapshot {
             && floor.height != height
         {
             floor.height = height;
+        }
+        for &(entity, point) in &self.planes {
+            if let Some(mut plane) = world.get_mut::<StaticPlane>(entity)
+                && plane.point != point
+            {
+                plane.point = point;
+            }
         }
         PendingImpulses::restore(world, &self.pending);
         let mut missing = Vec::new();

@@ -130,6 +130,7 @@ pub(super) fn step_at<F: ForceModel>(
     };
     let floor = Floor {
         height: axes.height,
+        velocity: axes.turn.inverse() * plane.surface.velocity,
         ..plane.surface
     };
     let in_axes = FloorContext {
@@ -159,13 +160,16 @@ pub(super) fn step_at<F: ForceModel>(
     };
     let start = axes.to_plane(state);
     let mut end = start;
+    in_axes.to_floor(&mut end, 0.0);
     let mut found = step.report.is_some().then(ContactReport::default);
     let mut in_its_axes = BodyStep {
         state: &mut end,
         report: found.as_mut(),
         ..step
     };
+    let h = in_its_axes.h;
     let outcome = in_floor_frame(&in_axes, &in_world, &mut in_its_axes, None);
+    in_axes.to_world(&mut end, h);
     if end != start {
         *state = axes.to_world(&end);
         state.renormalize();

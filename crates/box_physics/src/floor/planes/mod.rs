@@ -15,6 +15,7 @@ mod contacts;
 mod frame;
 mod law;
 mod plane;
+mod ride;
 mod step;
 
 #[cfg(test)]
@@ -26,7 +27,6 @@ use glam::{DMat3, DVec3};
 
 use super::bounds::{acceleration_bound, curvature_bound};
 use super::frame::Method;
-use super::geometry::Corners;
 use super::ground::BodyStep;
 use super::step::On;
 use super::{
@@ -94,21 +94,30 @@ impl<F: ForceModel> PlanesContext<'_, F> {
         let turn = h * (twice * body.inverse_inertia().max_element()).sqrt() + h * pull / radius;
         let way = h * ((twice * body.inverse_mass()).sqrt() + pull);
         let attitude = DMat3::from_quat(state.rotation);
-        let mut near = Near {
-            count: 0,
-            planes: [Plane::from(Floor::default()); PLANES],
-            gap: [f64::INFINITY; PLANES],
-        };
-        for plane in self.planes {
-            let height = plane.height(state.position);
-            let now = reach(body, &attitude, plane.shape.normal);
-            let carried = h * 2.0 * plane.surface.velocity.length();
-            let turned = (now + turn * radius).min(radius);
-            if height - turned <= way + carried + 4.0 * self.tolerance(state, plane) {
-                near.add(plane, height - now);
+        let mut thrown = 0.0;
+        loop {
+            let mut near = Near {
+                count: 0,
+                planes: [Plane::from(Floor::default()); PLANES],
+                gap: [f64::INFINITY; PLANES],
+            };
+            for plane in self.planes {
+                let height = plane.height(state.position);
+                let now = reach(body, &attitude, plane.shape.normal);
+                let turned = (now + turn * radius).min(radius);
+                let carried = h * 2.0 * plane.shape.velocity.length().max(thrown);
+                if height - turned <= way + carried + 4.0 * self.tolerance(state, plane) {
+                    near.add(plane, height - now);
+                }
             }
+            // One that moves may throw the body at others.
+            let speeds = near.planes().iter().map(|p| p.shape.velocity.length());
+            let fastest = speeds.fold(0.0, f64::max);
+            if fastest <= thrown {
+                return near;
+            }
+            thrown = fastest;
         }
-        near
     }
 
     /// |c| at which a corner touches a plane \[m\]: as at the floor, relative to the box and the scene.
@@ -145,7 +154,7 @@ pub fn may_touch_planes<F: ForceModel>(
 /// that can reach no more than one plane in the step is stepped by it, in the axes of that plane. In contact with
 /// several, all contacts are solved together, in impacts and while they last.
 ///
-/// The planes are those at the beginning of the step; if the floor among them moves, [`Floor::advance`] it afterwards.
+/// The planes are those at the beginning of the step; [`Plane::advance`] those that move afterwards.
 pub fn step_on_planes<S: Integrate, F: ForceModel>(
     context: &PlanesContext<'_, F>,
     state: &mut BodyState,
@@ -171,12 +180,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     let all = fingerprint(context.planes.iter().flat_map(Plane::numbers));
     if contact.still_rests(&at_one, Some(all), state) {
         outcome.resting = true;
-        if let (Some(report), Some(rest)) = (report, &contact.rest) {
-            let corners = Corners::at(&level, body, state);
-            report.normal = rest.planes.map_or(DVec3::Y, |(_, normal)| normal);
-            report.hold(state.position, &corners, h, &rest.reaction);
-            report.end(state.position, &corners, contact.touching);
-        }
+        contact.report_rest(body, state, h, report);
         return outcome;
     }
     if h <= 0.0 || !h.is_finite() || !state.is_finite() {
@@ -188,6 +192,17 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     {
         at_one.floor = &plane.surface;
         return step_on_floor::<S, F>(&at_one, state, h, memory, contact, report);
+    }
+    let carrier = match near.planes() {
+        [plane] if plane.moves() => Some(plane),
+        _ => None,
+    };
+    if let Some(plane) = carrier
+        && contact.rides(context, plane, state, h)
+    {
+        outcome.resting = true;
+        contact.report_rest(body, state, h, report);
+        return outcome;
     }
     contact.rest = None;
     let mut tried = StepOutcome::default();
@@ -221,7 +236,10 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     outcome.count_once();
     if let Some((reaction, normal)) = reaction {
         outcome.resting = true;
-        contact.establish_rest(&at_one, Some((all, normal)), state, 0.0, reaction);
+        match carrier {
+            Some(plane) => contact.rest_on(context, plane, state, h, reaction),
+            None => contact.establish_rest(&at_one, Some((all, normal)), state, 0.0, reaction),
+        }
     }
     outcome
 }

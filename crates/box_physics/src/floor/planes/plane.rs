@@ -8,7 +8,7 @@ use crate::error::InvalidValue;
 use crate::floor::{Floor, Friction, Restitution};
 use crate::state::BodyState;
 
-/// A plane that bodies stay on one side of: a wall, a ramp, a ceiling. It is infinite and does not move.
+/// A plane that bodies stay on one side of: a wall, a ramp, a ceiling. It is infinite, and no body moves it.
 ///
 /// With the plugin it is a component of a separate entity, which may have a [`Friction`] and a [`Restitution`]
 /// (without them the coefficients are those of the default [`Floor`]). The rule of the body decides how they combine.
@@ -52,6 +52,9 @@ use crate::state::BodyState;
 /// assert!(slide(0.76)?.length() < 1e-15);
 /// # Ok::<(), BevyError>(())
 /// ```
+///
+/// A plane with a `velocity` is a conveyor belt on a slope, or a wall that pushes. The plugin moves `point` along the normal
+/// in every step; no body sleeps meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -65,6 +68,9 @@ pub struct StaticPlane {
     pub point: DVec3,
     /// The unit normal, toward the side of the bodies.
     pub normal: DVec3,
+    /// Velocity [m/s], world axes. Default 0.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub velocity: DVec3,
 }
 
 impl Default for StaticPlane {
@@ -73,6 +79,7 @@ impl Default for StaticPlane {
         Self {
             point: DVec3::ZERO,
             normal: DVec3::Y,
+            velocity: DVec3::ZERO,
         }
     }
 }
@@ -85,17 +92,36 @@ impl StaticPlane {
     pub fn new(point: impl Into<DVec3>, normal: impl Into<DVec3>) -> Result<Self, InvalidValue> {
         let (point, normal) = (point.into(), normal.into());
         let normal = normal.try_normalize().unwrap_or(DVec3::ZERO);
-        let plane = Self { point, normal };
+        let plane = Self {
+            point,
+            normal,
+            ..Self::default()
+        };
         plane.validate().map(|()| plane)
+    }
+
+    /// The same plane, moving with this velocity [m/s] in world axes.
+    pub fn with_velocity(self, velocity: impl Into<DVec3>) -> Self {
+        Self {
+            velocity: velocity.into(),
+            ..self
+        }
+    }
+
+    /// Moves the plane on by `h` \[s\], to where it is after a step. The plugin does this.
+    pub fn advance(&mut self, h: f64) {
+        self.point += self.normal * (self.velocity.dot(self.normal) * h);
     }
 
     /// Whether the fields are in their ranges, however they were set.
     ///
     /// # Errors
-    /// [`InvalidValue`] if the point is not finite, or the normal's length is not 1 within 1e-6.
+    /// [`InvalidValue`] if point or velocity is not finite, or the normal's length is not 1 within 1e-6.
     pub fn validate(&self) -> Result<(), InvalidValue> {
-        let (point, length) = (self.point.element_sum(), self.normal.length());
-        InvalidValue::check(self.point.is_finite(), "point", point, "finite")?;
+        let length = self.normal.length();
+        for (field, v) in [("point", self.point), ("velocity", self.velocity)] {
+            InvalidValue::check(v.is_finite(), field, v.element_sum(), "finite")?;
+        }
         let unit = (length - 1.0).abs() <= 1e-6;
         InvalidValue::check(unit, "normal", length, "of length 1").map(|_| ())
     }
@@ -142,6 +168,7 @@ impl From<Floor> for Plane {
             shape: StaticPlane {
                 point: DVec3::Y * floor.height,
                 normal: DVec3::Y,
+                velocity: floor.velocity,
             },
             surface: floor,
             axes: None,
@@ -156,7 +183,7 @@ impl Plane {
     /// [`InvalidValue`] names the first field out of range.
     pub fn new(shape: StaticPlane, restitution: f64, friction: f64) -> Result<Self, InvalidValue> {
         shape.validate()?;
-        let surface = Floor::new(0.0, restitution, friction)?;
+        let surface = Floor::new(0.0, restitution, friction)?.with_velocity(shape.velocity);
         let normal = shape.normal.normalize();
         let shape = StaticPlane { normal, ..shape };
         // The shortest turn from the vertical; half a turn about x first where the plane faces down.
@@ -210,6 +237,17 @@ impl Plane {
         }
     }
 
+    /// Moves the plane on by `h` \[s\], to where it is after a step of all bodies.
+    pub fn advance(&mut self, h: f64) {
+        match self.axes {
+            None => {
+                self.surface.advance(h);
+                *self = Self::from(self.surface);
+            }
+            Some(_) => self.shape.advance(h),
+        }
+    }
+
     /// Where it is.
     pub fn shape(&self) -> StaticPlane {
         self.shape
@@ -223,6 +261,17 @@ impl Plane {
         }
     }
 
+    /// Whether it has a velocity.
+    pub(super) fn moves(&self) -> bool {
+        self.shape.velocity != DVec3::ZERO
+    }
+
+    /// The same plane wherever it is.
+    pub(super) fn anywhere(mut self) -> Self {
+        self.shape.point = DVec3::ZERO;
+        self
+    }
+
     /// Its velocity along the normal [m/s].
     pub(super) fn rise(&self) -> f64 {
         self.surface.velocity.dot(self.shape.normal)
@@ -230,8 +279,8 @@ impl Plane {
 
     /// Of everything that a body at rest on it depends on.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        let (StaticPlane { point, normal }, s) = (&self.shape, &self.surface);
-        let vectors = [*point, *normal, s.velocity];
+        let (shape, s) = (&self.shape, &self.surface);
+        let vectors = [shape.point, shape.normal, s.velocity];
         let holds = s.static_friction.unwrap_or(-1.0);
         let level = f64::from(u8::from(self.axes.is_none()));
         let rest = [s.restitution, s.friction, holds, s.height, level];

@@ -1,5 +1,6 @@
 //! A box among planes: what holds over one floor holds among several.
 
+mod moving;
 mod ramp;
 mod rest;
 
@@ -23,12 +24,14 @@ impl Scene {
 }
 
 fn turned(plane: &Plane, turn: DQuat) -> Plane {
-    let StaticPlane { point, normal } = plane.shape;
-    wall(turn * point, turn * normal, &plane.surface)
+    let StaticPlane { point, normal, .. } = plane.shape;
+    let surface = plane.surface.with_velocity(turn * plane.surface.velocity);
+    wall(turn * point, turn * normal, &surface)
 }
 
 fn wall(point: DVec3, normal: DVec3, surface: &Floor) -> Plane {
     let shape = StaticPlane::new(point, normal).expect("valid");
+    let shape = shape.with_velocity(surface.velocity);
     Plane::new(shape, surface.restitution, surface.friction).expect("valid")
 }
 

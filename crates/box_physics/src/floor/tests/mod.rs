@@ -107,6 +107,7 @@ impl Scene {
             step_on_planes::<S, _>(&context, state, h, memory, contact, report)
         };
         self.floor.advance(h);
+        self.planes.iter_mut().for_each(|plane| plane.advance(h));
         self.total += outcome;
         outcome
     }

@@ -1,0 +1,186 @@
+//! Planes with a velocity: what happens at them is what happens at planes at rest, seen from a moving frame.
+
+use super::*;
+use crate::math::sin_cos;
+
+const HALF: DVec3 = DVec3::new(0.5, 0.25, 0.4);
+
+/// A brick that lies on a plane through the origin with the normal `turn` y, with the plane's velocity in its own axes.
+fn lying(turn: DQuat, theta: f64, mu: f64, velocity: DVec3) -> Scene {
+    let mut scene = Scene::new(HALF, 0.3, mu).on_slope(theta);
+    let belt = scene.floor.with_velocity(velocity);
+    scene.planes = vec![wall(DVec3::ZERO, DVec3::Y, &belt)];
+    scene.turned(turn)
+}
+
+/// u⁺ = V − e (u⁻ − V) along the normal, whatever part of the step is left.
+#[test]
+fn restitution_is_relative_to_the_plane() {
+    let mut random = Random(31);
+    for fraction in [0.0, 0.3, 0.9] {
+        let turn = random.attitude();
+        let mut scene = lying(turn, 0.0, 0.5, DVec3::Y * 2.0);
+        scene.gravity.0 = DVec3::ZERO;
+        let normal = turn * DVec3::Y;
+        scene.state.velocity = -4.0 * normal;
+        scene.state.position += normal * (fraction * SIXTIETH * 6.0);
+        scene.run::<Split>(SIXTIETH, 2);
+        assert_eq!(scene.total.impacts, 1);
+        assert!((scene.state.velocity - 3.8 * normal).length() < 1e-12);
+        let (met, t) = (2.0 * fraction * SIXTIETH, (2.0 - fraction) * SIXTIETH);
+        let wanted = normal * (0.25 + met + 3.8 * t);
+        assert!((scene.state.position - wanted).length() < 1e-12);
+    }
+}
+
+/// A box at rest on an elevator that goes along or across a slope rides it without a hop, and at rest.
+#[test]
+fn a_resting_box_rides() {
+    let mut random = Random(32);
+    for velocity in [DVec3::NEG_Y * 0.5, DVec3::new(0.7, 3.0, -0.2), DVec3::X] {
+        let mut scene = lying(random.attitude(), 0.3, 0.5, velocity);
+        let force = scene.gravity;
+        let velocity = scene.planes[0].shape.velocity;
+        scene.state.velocity = velocity;
+        scene.run::<Split>(SIXTIETH, 3);
+        let start = scene.state;
+        for _ in 0..10_000 {
+            let mut report = ContactReport::default();
+            let outcome = scene.step_under::<Split>(&force, SIXTIETH, Some(&mut report));
+            assert!(outcome.resting && outcome.step.evaluations == 0);
+            assert!(scene.contact.is_resting(&scene.state));
+            assert!(scene.state.velocity == velocity && scene.state.rotation == start.rotation);
+            let load = report.normal_impulse() / (scene.body.mass() * G * SIXTIETH);
+            assert!(report.corners.count_ones() == 4 && report.approach_speed == 0.0);
+            assert!((load - sin_cos(0.3).1).abs() < 1e-9, "{load}");
+            assert!(scene.lowest().abs() < 1e-12, "{}", scene.lowest());
+        }
+        let way = scene.state.position - start.position;
+        assert!((way - velocity * (10_000.0 * SIXTIETH)).length() < 1e-8);
+        // It stops, and the box has a velocity on it.
+        scene.planes = scene.planes.iter().map(stopped).collect();
+        scene.step::<Split>(SIXTIETH);
+        assert!(!scene.contact.is_resting(&scene.state));
+    }
+}
+
+fn stopped(plane: &Plane) -> Plane {
+    let shape = plane.shape();
+    wall(
+        shape.point,
+        shape.normal,
+        &plane.surface.with_velocity(DVec3::ZERO),
+    )
+}
+
+/// Friction carries a box up a slope, to the speed of the belt: a = g (µ cos θ − sin θ); then it rests on it.
+#[test]
+fn a_sloping_conveyor_carries_a_box_up() {
+    let mut random = Random(33);
+    let (theta, mu, speed) = (0.3, 0.6, 1.5);
+    let (s, c) = sin_cos(theta);
+    let a = G * (mu * c - s);
+    for _ in 0..20 {
+        let turn = random.attitude();
+        let mut scene = lying(turn, theta, mu, DVec3::NEG_X * speed);
+        let (start, up) = (scene.state.position, turn * DVec3::NEG_X);
+        for i in 1..=60 {
+            scene.step::<Split>(SIXTIETH);
+            let (t, stop) = (f64::from(i) * SIXTIETH, speed / a);
+            let way = 0.5 * a * t.min(stop).powi(2) + speed * (t - stop).max(0.0);
+            let off = (scene.state.position - start - up * way).length();
+            // Where it stops is found to the tolerance of the search.
+            let bound = if t < stop { 1e-12 } else { 1e-9 };
+            assert!(off < bound, "{i}: {off:e}");
+            assert_eq!(scene.contact.is_resting(&scene.state), t > stop);
+        }
+    }
+}
+
+/// Throws in a tray of which all planes move alike are throws in one at rest, and nothing gains energy in its frame.
+#[test]
+fn a_moving_tray_is_a_tray_at_rest_in_another_frame() {
+    let mut random = Random(34);
+    let (mut apart, mut impacts, mut gain) = (0, 0, 0.0_f64);
+    for i in 0..200 {
+        let (e, mu) = (random.restitution(i), random.friction(i, 1.0));
+        let mut scene = Scene::among(tray(1.0, e, mu), HALF);
+        scene.state.position.y = 0.8;
+        scene.state.rotation = random.attitude();
+        scene.state.velocity = random.vector(3.0);
+        scene.spin(random.vector(5.0));
+        if i % 2 == 0 {
+            scene = scene.turned(random.attitude());
+        }
+        let velocity = random.vector(3.0);
+        let mut moving = scene.clone();
+        moving.state.velocity += velocity;
+        for plane in &mut moving.planes {
+            plane.surface.velocity = velocity;
+            plane.shape.velocity = velocity;
+        }
+        let (mut off, mut before) = (0.0_f64, scene.energy());
+        for k in 1..=20 {
+            scene.step::<Split>(SIXTIETH);
+            moving.step::<Split>(SIXTIETH);
+            let shift = velocity * (f64::from(k) * SIXTIETH);
+            let mut seen = moving.clone();
+            seen.state.position -= shift;
+            seen.state.velocity -= velocity;
+            off = off
+                .max((seen.state.position - scene.state.position).length())
+                .max(seen.state.attitude_difference(&scene.state));
+            gain = gain.max((seen.energy() - before) / (1.0 + before.abs()));
+            before = seen.energy();
+            assert!(moving.lowest() >= -1e-12, "{i} {}", moving.lowest());
+        }
+        impacts += moving.total.impacts;
+        apart += u32::from(off > 1e-6);
+    }
+    println!("{impacts} impacts, {apart} of 200 apart, gain {gain:.1e}");
+    assert!(impacts > 400 && apart <= 10 && gain < 1e-9);
+}
+
+/// A wall pushes a box along the floor at its own speed, and turns it flat.
+#[test]
+fn a_wall_pushes() {
+    let surface = Floor::new(0.0, 0.0, 0.3).expect("valid");
+    let pusher = wall(
+        DVec3::X * -2.0,
+        DVec3::X,
+        &surface.with_velocity(DVec3::X * 0.8),
+    );
+    let mut scene = Scene::among(vec![Plane::from(surface), pusher], HALF);
+    scene.state.position = DVec3::new(-1.0, 0.25, 0.0);
+    scene.state.rotation = about(DVec3::Y, 0.2);
+    for _ in 0..400 {
+        scene.step::<Split>(SIXTIETH);
+        assert!(scene.lowest() >= -1e-12, "{}", scene.lowest());
+    }
+    let state = scene.state;
+    assert!(
+        (state.velocity - DVec3::X * 0.8).length() < 1e-9,
+        "{state:?}"
+    );
+    let wall = scene.planes[1].shape().point.x;
+    assert!(
+        (state.position.x - wall - 0.5).abs() < 1e-9,
+        "{state:?} {wall}"
+    );
+    assert!((state.position.y - 0.25).abs() < 1e-15);
+}
+
+/// What a plane throws does not pass through another one in the same step.
+#[test]
+fn a_ceiling_stops_what_the_floor_throws() {
+    let surface = Floor::new(0.0, 1.0, 0.0).expect("valid");
+    let rising = Plane::from(surface.with_velocity(DVec3::Y * 2.0));
+    for gap in [0.03, 0.04, 0.046] {
+        let ceiling = wall(DVec3::Y * (0.51 + gap), DVec3::NEG_Y, &surface);
+        let mut scene = Scene::among(vec![rising, ceiling], HALF);
+        scene.state.position.y = 0.26;
+        scene.step::<Split>(SIXTIETH);
+        let over = Gaps::over(&scene.planes[1..], &scene.body, &scene.state, 0.0).lowest();
+        assert!(scene.total.impacts > 1 && over >= -1e-12, "{gap}: {over}");
+    }
+}
