@@ -100,7 +100,8 @@ fn the_same_future_among_moving_planes() {
     let snapshot = PhysicsSnapshot::take(app.world_mut());
     let first = future(&mut app, &bodies, 90);
     let place = *app.get::<StaticPlane>(pusher);
-    assert!((place.point.x - (130.0 / 60.0 * 0.6 - 0.8)).abs() < 1e-12);
+    let time = 130.0 * tick().as_secs_f64();
+    assert!((place.point.x - (time * 0.6 - 0.8)).abs() < 1e-12);
     assert_eq!(snapshot.restore(app.world_mut()), []);
     assert_eq!(future(&mut app, &bodies, 90), first);
     assert_eq!(*app.get::<StaticPlane>(pusher), place);

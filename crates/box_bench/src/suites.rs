@@ -18,11 +18,7 @@ pub const STEP: f64 = 1.0 / 60.0;
 
 /// Numbers of threads for `n` bodies: one for few bodies, because the plugin then uses no other, whatever they do.
 fn threads(n: usize) -> &'static [usize] {
-    if n < 64 {
-        &[1]
-    } else {
-        &[1, 2]
-    }
+    if n < 64 { &[1] } else { &[1, 2] }
 }
 
 /// Largest number of bodies in an episode; more would take minutes.

@@ -63,8 +63,7 @@ const AT_FLOOR: usize = 64;
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(
-    (step, mut moving): (Res<Step>, Option<ResMut<Floor>>),
-    mut planes: Query<&mut StaticPlane, Without<RigidBox>>,
+    step: Res<Step>,
     mut clock: ResMut<SleepClock>,
     mut bodies: Query<(BodyColumns, FloorColumns), Without<Quarantined>>,
     threads: Res<PhysicsThreads>,
@@ -171,17 +170,25 @@ pub(crate) fn contact(
             }
         }
     }
-    if step.floor.is_some_and(|floor| floor.velocity.y != 0.0)
-        && let Some(moving) = &mut moving
+    Ok(())
+}
+
+/// Moves floor and planes along.
+pub(crate) fn move_surfaces(
+    step: Res<Step>,
+    floor: Option<ResMut<Floor>>,
+    mut planes: Query<&mut StaticPlane, Without<RigidBox>>,
+) {
+    if let Some(mut floor) = floor
+        && step.floor.is_some_and(|floor| floor.velocity.y != 0.0)
     {
-        moving.advance(step.h);
+        floor.advance(step.h);
     }
     for mut plane in &mut planes {
         if plane.velocity.dot(plane.normal) != 0.0 && plane.validate().is_ok() {
             plane.advance(step.h);
         }
     }
-    Ok(())
 }
 
 /// Steps those bodies of a chunk that were left for the floor.

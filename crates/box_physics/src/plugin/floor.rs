@@ -46,7 +46,11 @@ impl Plugin for FloorPlugin {
         faults::require::<ContactState, ContactState>(app);
         app.add_systems(
             PhysicsSchedule,
-            (contact::contact, contacts::report_contacts)
+            (
+                contact::contact,
+                contact::move_surfaces,
+                contacts::report_contacts,
+            )
                 .chain()
                 .in_set(PhysicsSystems::Contact),
         )

@@ -86,8 +86,8 @@ pub(crate) fn gather_forces(
     planes.clear();
     if contact.is_some() && !statics.is_empty() {
         let mut shapes: Vec<_> = statics.iter().collect();
-        // In an order that does not depend on which components they have.
-        shapes.sort_unstable_by_key(|(entity, ..)| *entity);
+        // In the order in which they were spawned, as a rule: not in one that depends on which components they have.
+        shapes.sort_unstable_by_key(|(entity, ..)| entity.index_u32());
         let shapes = shapes
             .iter()
             .filter_map(|(_, shape, friction, restitution)| {

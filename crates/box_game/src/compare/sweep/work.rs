@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use bevy::platform::time::Instant;
 use bevy::tasks::futures_lite::future::yield_now as pause;
+use box_bench::measure::Stopwatch;
 use box_bench::snapshot::{LONGEST_SCENE, Snapshot};
 use box_physics::prelude::{BodyState, Integrator};
 use box_scenarios::runner::DUE;

@@ -149,7 +149,7 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
             panel.button(ui, text(name, hint), Action::ToggleDemoLog);
             let words = |us: f64| format!("{} µs", number((us * 100.0).round() / 100.0));
             let cycle = panel.view.measured(demo.cycle_us, words);
-            ui.small(format!("last cycle {cycle}"));
+            ui.add(Label::new(RichText::new(format!("last cycle {cycle}")).small()).extend());
             if let Some((path, cycles)) = &demo.log {
                 ui.small(format!("{path} · {cycles} cycles"));
             }
