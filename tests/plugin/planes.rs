@@ -108,7 +108,7 @@ fn planes_with_a_velocity() {
     let belt = plane(DVec3::ZERO, DVec3::new(0.1, 1.0, 0.0));
     let along = DVec3::new(1.0, -0.1, 0.0).normalize();
     let belt = belt.with_velocity(2.0 * along);
-    let wall = plane(DVec3::X * 5.0, DVec3::NEG_X).with_velocity(DVec3::X * -0.9);
+    let wall = plane(DVec3::X * 8.0, DVec3::NEG_X).with_velocity(DVec3::X * -0.9);
     let [_, wall_entity] = [belt, wall].map(|shape| app.spawn(shape));
     let start = BodyState::at(DVec3::Y * 0.5);
     let body = app.spawn((brick(), start));
@@ -143,7 +143,7 @@ fn planes_with_a_velocity() {
     assert!(rode, "it was at rest on the belt");
     let wall = app.get::<StaticPlane>(wall_entity).point.x;
     let time = 300.0 * tick().as_secs_f64();
-    assert!((wall - (5.0 - 0.9 * time)).abs() < 1e-12);
+    assert!((wall - (8.0 - 0.9 * time)).abs() < 1e-12);
     assert!(state.position.x < wall, "{state:?}");
 }
 

@@ -100,7 +100,7 @@ fn the_same_future_among_moving_planes() {
     let snapshot = PhysicsSnapshot::take(app.world_mut());
     let first = future(&mut app, &bodies, 90);
     let place = *app.get::<StaticPlane>(pusher);
-    let time = 130.0 * tick().as_secs_f64();
+    let time = 130.0 * crate::tick().as_secs_f64();
     assert!((place.point.x - (time * 0.6 - 0.8)).abs() < 1e-12);
     assert_eq!(snapshot.restore(app.world_mut()), []);
     assert_eq!(future(&mut app, &bodies, 90), first);

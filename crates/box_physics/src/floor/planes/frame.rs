@@ -128,9 +128,10 @@ pub(super) fn step_at<F: ForceModel>(
         method,
         axes,
     };
+    let carried = plane.surface.velocity;
     let floor = Floor {
         height: axes.height,
-        velocity: axes.turn.inverse() * plane.surface.velocity,
+        velocity: axes.turn.inverse() * carried,
         ..plane.surface
     };
     let in_axes = FloorContext {
@@ -158,9 +159,12 @@ pub(super) fn step_at<F: ForceModel>(
         },
         errs_in_gravity: method.errs_in_gravity,
     };
-    let start = axes.to_plane(state);
+    // The plane's velocity leaves and comes back in the world: whoever moves with it is at rest to the last bit.
+    let start = axes.to_plane(&BodyState {
+        velocity: state.velocity - carried,
+        ..*state
+    });
     let mut end = start;
-    in_axes.to_floor(&mut end, 0.0);
     let mut found = step.report.is_some().then(ContactReport::default);
     let mut in_its_axes = BodyStep {
         state: &mut end,
@@ -169,9 +173,11 @@ pub(super) fn step_at<F: ForceModel>(
     };
     let h = in_its_axes.h;
     let outcome = in_floor_frame(&in_axes, &in_world, &mut in_its_axes, None);
-    in_axes.to_world(&mut end, h);
-    if end != start {
+    if end != start || carried != DVec3::ZERO {
+        let velocity = axes.turn * end.velocity + carried;
+        in_axes.to_world(&mut end, h);
         *state = axes.to_world(&end);
+        state.velocity = velocity;
         state.renormalize();
     }
     if let (Some(report), Some(mut found)) = (step.report, found) {

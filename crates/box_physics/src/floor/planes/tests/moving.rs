@@ -97,6 +97,20 @@ fn a_sloping_conveyor_carries_a_box_up() {
     }
 }
 
+/// A box that falls on a sloping belt comes to rest on it, whatever the attitude of all.
+#[test]
+fn a_box_that_falls_on_a_belt_rests_on_it() {
+    let mut random = Random(35);
+    for i in 0..20 {
+        let mut scene = lying(random.attitude(), 0.1, 0.5, random.vector(1.5));
+        scene.state.position += scene.planes[0].shape.normal * 0.2;
+        scene.spin(random.vector(0.5));
+        scene.run::<Split>(SIXTIETH, 240);
+        assert!(scene.contact.is_resting(&scene.state), "{i}");
+        assert_eq!(scene.state.velocity, scene.planes[0].shape.velocity, "{i}");
+    }
+}
+
 /// Throws in a tray of which all planes move alike are throws in one at rest, and nothing gains energy in its frame.
 #[test]
 fn a_moving_tray_is_a_tray_at_rest_in_another_frame() {
