@@ -144,14 +144,14 @@ pub(super) fn balance_growth(integrator: Integrator) -> f64 {
                 before = now;
                 now = trial.state.body_angular_velocity(&trial.body).length();
             }
-            STEP * (f64::from(steps) - (now / spin).ln() / (now / before).ln())
+            STEP * (f64::from(steps) - libm::log(now / spin) / libm::log(now / before))
         };
         let (from, to) = (passes(1e-9), passes(1e-3));
         if !to.is_finite() {
             return f64::INFINITY;
         }
         let time = to - from;
-        worst = worst.max((time * rate / 1e6_f64.ln() - 1.0).abs());
+        worst = worst.max((time * rate / libm::log(1e6) - 1.0).abs());
     }
     worst
 }
