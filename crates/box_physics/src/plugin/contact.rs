@@ -58,8 +58,9 @@ impl MaterialContiguousItem<'_, '_> {
     }
 }
 
-/// A step at the floor costs as much as this many in free flight (`cargo bench --bench step`: settling, falling).
-const AT_FLOOR: usize = 64;
+/// A step at the floor costs as much as this many in free flight, or more: less than a box that settles, more than one
+/// that slides (`cargo bench --bench step`).
+const AT_FLOOR: usize = 16;
 
 /// *Contact*: steps the bodies that *Integrate* left for the floor.
 pub(crate) fn contact(

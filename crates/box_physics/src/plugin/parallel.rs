@@ -26,8 +26,9 @@ pub struct PhysicsThreads {
     /// Maximum number of threads, including the caller; 0 counts as 1. Default: all of Bevy's
     /// `ComputeTaskPool`.
     pub most: usize,
-    /// Bodies in free flight that make another thread worth waking. One that moves at the floor counts for 32 of them, one
-    /// under forces for 4. Default 1024: some 25 µs.
+    /// Bodies in free flight that make another thread worth waking. One that moves at the floor counts for 16 of them, one
+    /// under forces for 4. Default 2048: some 100 µs, which waking one
+    /// may take.
     pub bodies_each: usize,
 }
 
@@ -35,7 +36,7 @@ impl Default for PhysicsThreads {
     fn default() -> Self {
         Self {
             most: usize::MAX,
-            bodies_each: 1024,
+            bodies_each: 2048,
         }
     }
 }
