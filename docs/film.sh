@@ -4,6 +4,7 @@
 #   docs/film.sh             makes docs/film.jpg (1280x720) and target/film/1920x1080.jpg
 #   GAME=… docs/film.sh      uses this program instead of building it
 set -euo pipefail
+command -v ffmpeg >/dev/null || { echo "docs/film.sh needs ffmpeg"; exit 1; }
 game=${GAME:-cargo run --release --locked --bin box_game --}
 script() { # of the scenes whose ids stand on the lines of the input, to put pictures into a folder
   LC_ALL=C awk -v folder="$1" '

@@ -27,8 +27,7 @@ pub struct PhysicsThreads {
     /// `ComputeTaskPool`.
     pub most: usize,
     /// Bodies in free flight that make another thread worth waking. One that moves at the floor counts for 16 of them, one
-    /// under forces for 4. Default 2048: some 100 µs, which waking one
-    /// may take.
+    /// under forces for 4. Default 2048: some 100 µs, which waking a thread may take.
     pub bodies_each: usize,
 }
 
@@ -154,9 +153,9 @@ mod tests {
         let world = app.world();
         let get = |e| {
             (
-                *world.get(e).unwrap(),
-                *world.get(e).unwrap(),
-                *world.get(e).unwrap(),
+                *world.get(e).expect("spawned"),
+                *world.get(e).expect("spawned"),
+                *world.get(e).expect("spawned"),
             )
         };
         bodies.into_iter().map(get).collect()
