@@ -8,7 +8,6 @@ use super::impact::resolve_impact;
 use super::motion::{limit_energy, longest_segment};
 use super::search::Search;
 use super::{FloorContext, FloorOutcome};
-use crate::force::ForceModel;
 
 /// Segments of sustained motion in a step; a body that needs more gets longer ones.
 const MAX_SEGMENTS: u32 = 256;
@@ -38,13 +37,13 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
     mut flown: Option<Flown>,
     outcome: &mut FloorOutcome,
 ) -> Option<[f64; 8]> {
-    let (context, tolerance) = (ground.level().context, ground.level().tolerance);
+    let (level, tolerance) = (ground.level(), ground.level().tolerance);
     let &FloorContext {
         settings,
         body,
         force,
         ..
-    } = context;
+    } = level.context;
     let [first, mut spare] = core::mem::take(&mut step.contact.spare.0);
     let (mut first, mut second) = (Segment::new(first), None);
     let (mut held_segments, mut rounds, mut iterations) = (0, 0, 0);
@@ -64,7 +63,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         let touching = places.touching(2.0 * tolerance);
         let normal = ground.normal_velocities(step.state, places);
         let mut in_world = *step.state;
-        context.to_world(&mut in_world, elapsed);
+        level.frame.to_world(&mut in_world, elapsed);
         let pull = acceleration_bound(body, &in_world, force);
         let speed = step.state.velocity.length() + body.radius() * spin_bound(body, step.state);
         // A hop u²/2A lower than the tolerance does not count.
@@ -77,7 +76,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             if let Some(report) = &mut step.report {
                 let fastest = each(touching).fold(0.0, |a: f64, i| a.max(-normal[i]));
                 report.strike(elapsed, fastest);
-                ground.record(report, in_world.position, places, &hit.impulse);
+                ground.record(report, (step.state, elapsed), places, &hit.impulse);
             }
             outcome.impacts += 1;
             outcome.solves_capped += u32::from(hit.capped);
@@ -123,7 +122,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             loads = Some(load);
             let whole = segment.impulse.map(|p| p * (remaining / tau));
             if let Some(report) = &mut step.report {
-                ground.record(report, in_world.position, places, &whole);
+                ground.record(report, (step.state, elapsed), places, &whole);
             }
             break;
         }
@@ -132,8 +131,8 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         }
         outcome.repair(segment.repaired);
         if let Some(report) = &mut step.report {
-            let center = context.world_point(segment.state.position, elapsed + tau);
-            ground.record(report, center, &segment.places, &segment.impulse);
+            let end = (&segment.state, elapsed + tau);
+            ground.record(report, end, &segment.places, &segment.impulse);
         }
         *places = segment.places;
         *step.state = segment.state;
@@ -152,19 +151,16 @@ pub(super) fn give_way<G: Ground<N>, const N: usize>(
     remaining: f64,
     outcome: &mut FloorOutcome,
 ) -> Places<N> {
-    let (context, method) = (ground.level().context, ground.level().method);
-    let (body, force) = (context.body, context.force);
+    let level = ground.level();
     let (start, elapsed) = (*step.state, step.h - remaining);
     outcome.solves_capped += 1;
-    context.in_world(step.state, elapsed, remaining, |state| {
-        (method.step)(body, state, force, remaining, step.memory)
-    });
+    level.fly(step.state, elapsed, remaining, step.memory);
     let end = elapsed + remaining;
     let mut places = ground.places(step.state, end);
     ground.recover(step.state, &mut places, end);
     ground.separate(step.state);
     if ground.is_fixed() {
-        limit_energy(body, &start, step.state, force.acceleration());
+        limit_energy(level.context.body, &start, step.state, level.pull);
     }
     ground.places(step.state, step.h)
 }
@@ -243,11 +239,12 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
     fn spent(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment<N>) {
         segment.memory.clone_from(self.memory);
         if self.candidates == 0 {
-            let (context, method) = (self.ground.level().context, self.ground.level().method);
-            let (mut state, memory) = (self.state, &mut segment.memory);
-            let outcome = context.in_world(&mut state, self.elapsed, tau, |state| {
-                (method.step)(context.body, state, context.force, tau, memory)
-            });
+            let mut state = self.state;
+            let memory = &mut segment.memory;
+            let outcome = self
+                .ground
+                .level()
+                .fly(&mut state, self.elapsed, tau, memory);
             self.fly_to(Flown { state, outcome }, tau, segment);
         } else {
             self.advance(tau, segment);

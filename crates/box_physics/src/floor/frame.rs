@@ -1,10 +1,10 @@
-//! The frame of a floor that moves, in which contact is solved: the floor is at rest in it, and energy is counted in
-//! it. It coincides with the world at the beginning of the step. The integrator and the forces stay in the world,
-//! where springs have their anchors and the air is at rest.
+//! The frame of a surface, in which contact is solved: the surface is level and at rest in it, and energy is counted in
+//! it. It coincides with the world, or with the axes of a tilted plane, at the beginning of the step. The integrator and
+//! the forces stay in the world, where springs have their anchors and the air is at rest.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-use super::FloorContext;
+use super::ground::Level;
 use super::motion::Supported;
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -40,41 +40,100 @@ impl<F: ForceModel> Method<F> {
     }
 }
 
-impl<F> FloorContext<'_, F> {
-    /// Whether the two frames differ. Where they do not, no bit changes.
-    #[inline]
-    pub(super) fn floor_moves(&self) -> bool {
-        self.floor.velocity != DVec3::ZERO
+/// The axes of a plane that is not level: y along its normal, the origin below the plane by `height`, so that the
+/// floor's tolerance is relative to the scene's size here as well.
+#[derive(Clone, Copy)]
+pub(super) struct Axes {
+    /// From these axes to the world.
+    pub(super) turn: DQuat,
+    pub(super) origin: DVec3,
+    pub(super) height: f64,
+}
+
+/// From a frame to the world and back. Where the two are the same, no bit changes.
+#[derive(Clone, Copy)]
+pub(super) struct Frame {
+    /// The velocity of the surface [m/s], world axes.
+    velocity: DVec3,
+    axes: Option<Axes>,
+    /// It moves, or is turned against the world.
+    differs: bool,
+}
+
+impl Frame {
+    pub(super) fn new(velocity: DVec3, axes: Option<Axes>) -> Self {
+        Self {
+            velocity,
+            axes,
+            differs: velocity != DVec3::ZERO || axes.is_some(),
+        }
     }
 
-    /// From the floor's frame to the world, `elapsed` \[s\] after the beginning of the step.
-    #[inline]
+    #[inline(always)]
+    pub(super) fn is_world(&self) -> bool {
+        !self.differs
+    }
+
+    /// Whether the surface has a velocity.
+    pub(super) fn moves(&self) -> bool {
+        self.velocity != DVec3::ZERO
+    }
+
+    /// Whether the frame is turned against the world.
+    pub(super) fn is_turned(&self) -> bool {
+        self.axes.is_some()
+    }
+
+    /// To the world, `elapsed` \[s\] after the beginning of the step.
+    #[inline(always)]
     pub(super) fn to_world(&self, state: &mut BodyState, elapsed: f64) {
-        if self.floor_moves() {
-            state.position += self.floor.velocity * elapsed;
-            state.velocity += self.floor.velocity;
+        if self.differs {
+            state.position = self.point(state.position, elapsed);
+            state.rotation = self
+                .axes
+                .map_or(state.rotation, |a| a.turn * state.rotation);
+            state.velocity = self.vector(state.velocity) + self.velocity;
         }
     }
 
-    /// The opposite of [`FloorContext::to_world`].
-    #[inline]
-    pub(super) fn to_floor(&self, state: &mut BodyState, elapsed: f64) {
-        if self.floor_moves() {
-            state.position -= self.floor.velocity * elapsed;
-            state.velocity -= self.floor.velocity;
+    /// The opposite of [`Frame::to_world`].
+    #[inline(always)]
+    pub(super) fn to_surface(&self, state: &mut BodyState, elapsed: f64) {
+        if self.differs {
+            state.position -= self.velocity * elapsed;
+            state.velocity -= self.velocity;
+            if let Some(axes) = &self.axes {
+                let back = axes.turn.inverse();
+                state.position = back * (state.position - axes.origin) + DVec3::Y * axes.height;
+                state.rotation = back * state.rotation;
+                state.velocity = back * state.velocity;
+            }
         }
     }
 
-    /// Where a point of the floor's frame is in the world.
-    pub(super) fn world_point(&self, point: DVec3, elapsed: f64) -> DVec3 {
-        if self.floor_moves() {
-            point + self.floor.velocity * elapsed
-        } else {
-            point
+    /// Where a point of the frame is in the world.
+    #[inline(always)]
+    pub(super) fn point(&self, point: DVec3, elapsed: f64) -> DVec3 {
+        if self.is_world() {
+            return point;
         }
+        let turned = |axes: Axes| axes.origin + axes.turn * (point - DVec3::Y * axes.height);
+        self.axes.map_or(point, turned) + self.velocity * elapsed
     }
 
-    /// Advances a state of the floor's frame by `tau` \[s\] by `step`, in the world.
+    /// A vector of the frame in the axes of the world.
+    pub(super) fn vector(&self, v: DVec3) -> DVec3 {
+        self.axes.map_or(v, |axes| axes.turn * v)
+    }
+
+    /// The opposite of [`Frame::vector`].
+    pub(super) fn vector_to_surface(&self, v: DVec3) -> DVec3 {
+        self.axes.map_or(v, |axes| axes.turn.inverse() * v)
+    }
+}
+
+impl<F: ForceModel> Level<'_, F> {
+    /// Advances a state of the frame by `tau` \[s\] by `step`, in the world.
     pub(super) fn in_world(
         &self,
         state: &mut BodyState,
@@ -82,18 +141,31 @@ impl<F> FloorContext<'_, F> {
         tau: f64,
         step: impl FnOnce(&mut BodyState) -> StepOutcome,
     ) -> StepOutcome {
-        self.to_world(state, elapsed);
+        self.frame.to_world(state, elapsed);
         let outcome = step(state);
-        self.to_floor(state, elapsed + tau);
+        self.frame.to_surface(state, elapsed + tau);
         outcome
     }
-}
 
-impl<F: ForceModel> FloorContext<'_, F> {
-    /// Whether all forces but the floor's do no work in its frame except for a uniform acceleration, or take energy.
-    /// Air that moves relative to the floor may drag the body along.
+    /// Advances it without contact.
+    pub(super) fn fly(
+        &self,
+        state: &mut BodyState,
+        elapsed: f64,
+        tau: f64,
+        memory: &mut IntegratorMemory,
+    ) -> StepOutcome {
+        let (body, force) = (self.context.body, self.context.force);
+        self.in_world(state, elapsed, tau, |state| {
+            (self.method.step)(body, state, force, tau, memory)
+        })
+    }
+
+    /// Whether all forces but the surface's do no work in its frame except for a uniform acceleration, or take energy.
+    /// Air that moves relative to the surface may drag the body along.
     pub(super) fn bounds_energy(&self) -> bool {
-        let blown = self.floor_moves() || self.force.dissipation().wind != DVec3::ZERO;
-        !(self.force.has_wrench() || blown && self.force.has_dissipation())
+        let force = self.context.force;
+        let blown = self.frame.moves() || force.dissipation().wind != DVec3::ZERO;
+        !(force.has_wrench() || blown && force.has_dissipation())
     }
 }

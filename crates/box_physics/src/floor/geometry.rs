@@ -48,6 +48,13 @@ impl<const N: usize> Places<N> {
         self.height.iter().fold(f64::INFINITY, |a, &c| a.min(c))
     }
 
+    /// The place whose corner is lowest, and its height \[m\].
+    pub(super) fn deepest(&self) -> (usize, f64) {
+        let heights = self.height.into_iter().enumerate();
+        let lower = heights.reduce(|a, b| if b.1 < a.1 { b } else { a });
+        lower.unwrap_or((0, f64::INFINITY))
+    }
+
     /// The places not higher than `tolerance` \[m\].
     pub(super) fn touching(&self, tolerance: f64) -> u64 {
         set::<N>(|i| self.height[i] <= tolerance)
@@ -157,28 +164,4 @@ pub(super) fn in_pairs(set: u8) -> (usize, [u8; 8]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::floor::tests::tilted;
-
-    #[test]
-    fn corners_are_where_the_state_says() {
-        let (body, state) = tilted();
-        let floor = Floor::new(0.5, 0.3, 0.5).expect("valid");
-        let c = Corners::at(&floor, &body, &state);
-        for (k, r) in crate::aabb::corners(body.half_extents())
-            .into_iter()
-            .enumerate()
-        {
-            let point = state.point(r);
-            assert!((state.position + c.lever(k) - point).length() < 1e-15);
-            assert!((c.height[k] - (point.y - 0.5)).abs() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn faces() {
-        assert!(spans_face(0b0000_1111) && spans_face(0b0011_0001) && spans_face(0b1111_1111));
-        assert!(!spans_face(0b0000_0011) && !spans_face(0b1000_0001) && !spans_face(0));
-    }
-}
+mod tests;

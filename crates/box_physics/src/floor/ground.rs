@@ -2,14 +2,15 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::Method;
+use super::frame::{Frame, Method};
 use super::geometry::{Places, each, set};
-use super::newton::CoulombLaw;
+use super::law::Law;
 use super::operator::DelassusOperator;
 use super::slips::Slips;
 use super::{ContactReport, ContactState, Floor, FloorContext};
 use crate::force::ForceModel;
 use crate::integrators::{IntegratorMemory, StepOutcome};
+use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
 /// A step of one body: the columns that it changes, its length and its report.
@@ -22,36 +23,40 @@ pub(super) struct BodyStep<'a> {
     pub(super) report: Option<&'a mut ContactReport>,
 }
 
-impl<'a> BodyStep<'a> {
-    pub(super) fn new(
-        state: &'a mut BodyState,
-        h: f64,
-        memory: &'a mut IntegratorMemory,
-        contact: &'a mut ContactState,
-        report: Option<&'a mut ContactReport>,
-    ) -> Self {
-        Self {
-            state,
-            h,
-            memory,
-            contact,
-            report,
-        }
-    }
-}
-
 /// A level floor, in whose frame contact is solved. Among several planes one at rest, of which only the body and the
 /// forces count.
 pub(super) struct Level<'a, F> {
+    /// The floor of the frame; the forces are in the world.
     pub(super) context: &'a FloorContext<'a, F>,
     pub(super) method: &'a Method<F>,
+    pub(super) frame: Frame,
+    /// The uniform acceleration in the frame [m/s²].
+    pub(super) pull: DVec3,
     /// |c| at which a corner touches \[m\].
     pub(super) tolerance: f64,
 }
 
+impl<'a, F: ForceModel> Level<'a, F> {
+    pub(super) fn new(
+        context: &'a FloorContext<'a, F>,
+        method: &'a Method<F>,
+        frame: Frame,
+    ) -> Self {
+        Self {
+            context,
+            method,
+            frame,
+            pull: frame.vector_to_surface(context.force.acceleration()),
+            tolerance: context.tolerated_height(),
+        }
+    }
+}
+
 /// The floor, with `N` = 8 places where the box may touch, or several planes with a place for each corner over each.
-pub(super) trait Ground<const N: usize> {
+pub(super) trait Ground<const N: usize>: Sized {
     type Force: ForceModel;
+    /// What direct solutions of Coulomb's law need.
+    type Blocks;
     /// The held contacts at the end of a segment.
     type Held;
     /// Force evaluations in one step.
@@ -72,56 +77,39 @@ pub(super) trait Ground<const N: usize> {
 
     /// The positions of the corners `elapsed` \[s\] after the beginning of the step.
     fn places(&self, state: &BodyState, elapsed: f64) -> Places<N>;
-    /// Moves the body so that no corner is below a surface; never pushes it into one.
-    fn recover(&self, state: &mut BodyState, places: &mut Places<N>, elapsed: f64);
+    /// Corrects them after a change of the position alone.
+    fn shift(&self, places: &mut Places<N>, state: &BodyState, elapsed: f64);
     /// The velocities at all places along the normals [m/s].
     fn normal_velocities(&self, state: &BodyState, places: &Places<N>) -> [f64; N];
     /// The largest bound of the acceleration of corners along a normal [m/s²]; `acceleration` bounds that of the forces.
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64;
     /// The largest height of the center over a surface \[m\].
     fn height(&self, center: DVec3) -> f64;
-
-    /// Coulomb's law at the contacts of an operator, with static friction if it `grips`.
-    fn law<'a>(&'a self, operator: &'a DelassusOperator<N>, grips: bool)
-    -> impl CoulombLaw<N> + 'a;
-    /// The energy between two solutions of an impact.
-    fn way(&self, at: &Touching<N>, solutions: [&[DVec3; N]; 2]) -> Way;
-    /// Those of the touching places that hold a face.
-    fn on_faces(&self, touching: u64) -> u64;
-    /// Applies the impulses p of an impact, and those that stop the places `stopped` along the normals. Returns their sums
-    /// by place.
-    fn strike(
-        &self,
-        state: &mut BodyState,
-        at: &Touching<N>,
-        p: &[DVec3; N],
-        stopped: u64,
-    ) -> [DVec3; N];
-    /// Returns whether a place with the velocity `u` slips faster than `still` [m/s].
-    fn slips(&self, k: usize, u: DVec3, still: f64) -> bool;
-    /// Returns whether a body at rest stays: it is supported, and the mean velocities of the contacts or the mean twist
-    /// are no faster than `still` [m/s].
-    fn holds_still(
-        &self,
-        operator: &DelassusOperator<N>,
-        mean: &[DVec3; N],
-        twist: (DVec3, DVec3),
-        still: f64,
-    ) -> bool;
-    /// Moves and turns the body so that the corners of the places `held` lie on their surfaces.
-    fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Places<N>, Self::Held);
-    /// Removes from the end of a segment the rest of the velocities `after` along the normals, and all of it at the places
-    /// in `whole`. Returns whether the held places support the body, so that a slow one is at rest.
-    fn stop(
-        &self,
-        segment: &mut Segment<N>,
-        contacts: &Self::Held,
-        held: u64,
-        whole: u64,
-        after: &[DVec3; N],
-    ) -> bool;
     /// Removes the approach from the velocity.
     fn separate(&self, state: &mut BodyState);
+    /// Those of the touching places that hold a face.
+    fn on_faces(&self, touching: u64) -> u64;
+    /// Returns whether a body that is held at these places and does not move stays.
+    fn supports(&self, places: &Places<N>, held: u64) -> bool;
+
+    /// What direct solutions of the law need of W.
+    fn blocks(&self, operator: &DelassusOperator<N>) -> Self::Blocks;
+    /// Sets the impulses `p`, which are zero, to those that obey the law to |w| within `target`, if one of the likely
+    /// cases fits; `near` solves a similar problem, or is zero.
+    fn direct(
+        &self,
+        law: &Law<'_, Self, N>,
+        problem: (&[DVec3; N], &[DVec3; N]),
+        target: f64,
+        p: &mut [DVec3; N],
+    ) -> Option<()>;
+    /// The smallest impulses p with u + Wp = 0 along the normals, and altogether at the places in `whole`.
+    fn cancel(&self, operator: &DelassusOperator<N>, u: &[DVec3; N], whole: u64) -> [DVec3; N];
+    /// Moves and turns the body so that the corners of the places `held` lie on their surfaces.
+    fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Places<N>, Self::Held);
+    /// Removes from the end of a segment what is left of the velocities `after` along the normals, if that can be done by
+    /// what is known of the contacts.
+    fn stop(&self, segment: &mut Segment<N>, contacts: &Self::Held, after: &[DVec3; N]) -> bool;
 
     /// The contacts at these places of a body whose world axes are `attitude`.
     #[inline]
@@ -153,12 +141,52 @@ pub(super) trait Ground<const N: usize> {
         u
     }
 
-    /// Adds impulses at the places of a box, whose center is at `center` in the world, to a report. Until the end of the
-    /// step its normal is the sum of those along the normals.
+    /// Where corner `k` of a state of the frame is in the world.
+    fn point(&self, state: &BodyState, places: &Places<N>, k: usize, elapsed: f64) -> DVec3 {
+        let frame = &self.level().frame;
+        frame.point(state.position, elapsed) + frame.vector(places.lever(k))
+    }
+
+    /// Moves the body out of the deepest surface, until it is in none; never pushes it into one. Between planes that leave
+    /// no room for it that does not end.
+    fn recover(&self, state: &mut BodyState, places: &mut Places<N>, elapsed: f64) {
+        for _ in 0..N {
+            if places.lowest() >= 0.0 {
+                break;
+            }
+            let (place, gap) = places.deepest();
+            if !gap.is_finite() {
+                break;
+            }
+            state.position -= self.normal(place) * gap;
+            self.shift(places, state, elapsed);
+        }
+    }
+
+    /// A step of Newton's method that brings the corners of the places `held`, which are at these heights \[m\], onto their
+    /// surfaces. The angular momentum keeps its body components.
+    fn lower(&self, state: &mut BodyState, held: u64, height: &[f64; N]) {
+        let operator = self.operator(DMat3::from_quat(state.rotation), held);
+        let mut gap = [DVec3::ZERO; N];
+        for i in 0..operator.count {
+            let place = usize::from(operator.place[i]);
+            gap[i] = self.normal(place) * height[place];
+        }
+        let (shift, turn) = operator.twist(&self.cancel(&operator, &gap, 0));
+        state.position += shift;
+        if turn != DVec3::ZERO {
+            // World turn: q ← exp(turn)∘q.
+            state.rotation = compose(exponential_map(turn), state.rotation);
+            state.renormalize();
+        }
+    }
+
+    /// Adds impulses at the places of a box in this state to a report. Until the end of the step its normal is the sum of
+    /// those along the normals.
     fn record(
         &self,
         report: &mut ContactReport,
-        center: DVec3,
+        (state, elapsed): (&BodyState, f64),
         places: &Places<N>,
         impulse: &[DVec3; N],
     ) {
@@ -167,31 +195,9 @@ pub(super) trait Ground<const N: usize> {
             let push = normal.dot(impulse[i]);
             report.normal += normal * push;
             report.tangential_impulse += self.along(i, impulse[i]);
-            report.push(k, center + places.lever(k), push);
+            report.push(k, self.point(state, places, k, elapsed), push);
         }
     }
-}
-
-/// The contacts of an impact, and the motion before it.
-pub(super) struct Touching<'a, const N: usize> {
-    pub(super) operator: &'a DelassusOperator<N>,
-    /// (v, ω).
-    pub(super) twist: (DVec3, DVec3),
-    /// The velocities of the contacts [m/s].
-    pub(super) before: [DVec3; N],
-}
-
-/// The kinetic energy between the plastic solution p₀ and Newton's p₁. Newton's law with friction or several corners may
-/// return more than the part e² of the energy, and even create some (Kane, Levinson 1985; Stronge 1990). Of p₀ + λd,
-/// d = p₁ − p₀, the energy is Aλ² + Bλ + C above that before, with A = ½ d·Wd, B = d·(u⁻ + Wp₀): a quadratic. Every
-/// λ in (0, 1) is inside the cones (they are convex), and not into the floor.
-pub(super) struct Way {
-    pub(super) a: f64,
-    pub(super) b: f64,
-    /// C ≤ 0 \[J\].
-    pub(super) lost: f64,
-    /// What p₁ adds \[J\].
-    pub(super) gained: f64,
 }
 
 /// The start of a segment, and the bounds that hold for it.

@@ -3,8 +3,10 @@
 use glam::{DMat3, DVec3};
 
 use super::RestitutionLaw;
-use super::ground::{Ground, Touching, Way};
-use super::newton::CoulombLaw;
+use super::geometry::{has, set};
+use super::ground::Ground;
+use super::law::Law;
+use super::operator::DelassusOperator;
 use crate::state::BodyState;
 
 /// What an impact did.
@@ -36,11 +38,6 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     let place = |i: usize| usize::from(operator.place[i]);
     let twist = (state.velocity, state.angular_velocity(body));
     let before = ground.velocities(operator, twist);
-    let at = Touching {
-        operator,
-        twist,
-        before,
-    };
     let mut normal = [0.0; N];
     let (mut fastest, mut extreme) = (0.0_f64, 0.0_f64);
     for i in 0..n {
@@ -54,7 +51,7 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     }
     let bounces = ordinary && fastest > threshold && (0..n).any(|i| restitution(i) > 0.0);
 
-    let law = ground.law(operator, false);
+    let mut law = Law::new(ground, operator, false);
     let mut solution = law.solve(&before, &[DVec3::ZERO; N]);
     let mut repaired = None;
 
@@ -69,7 +66,7 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
         solution = law.solve(&shifted, &plastic.p);
         solution.iterations += plastic.iterations;
         solution.converged &= plastic.converged;
-        let way = ground.way(&at, [&plastic.p, &solution.p]);
+        let way = Way::between(ground, operator, twist, [&plastic.p, &solution.p]);
 
         let tiny = 1e-12 * state.kinetic_energy(body);
         let energetic = settings.restitution == RestitutionLaw::Energetic;
@@ -92,16 +89,66 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
         (true, true) => ground.on_faces(touching),
         (true, false) => 0,
     };
-    let impulse = ground.strike(state, &at, &solution.p, stopped);
+    if stopped != 0 {
+        let kept = set::<N>(|i| i < n && has(stopped, place(i)));
+        let held = law.stop(kept, &operator.after(&before, &solution.p));
+        for i in 0..n {
+            solution.p[i] += held[i];
+        }
+    }
+    operator.apply(state, &solution.p);
     ImpactOutcome {
-        impulse,
+        impulse: operator.by_place(&solution.p),
         capped: !solution.converged,
         repaired,
         iterations: solution.iterations,
     }
 }
 
+/// The kinetic energy between the plastic solution p₀ and Newton's p₁. Newton's law with friction or several corners may
+/// return more than the part e² of the energy, and even create some (Kane, Levinson 1985; Stronge 1990). Of p₀ + λd,
+/// d = p₁ − p₀, the energy is Aλ² + Bλ + C above that before, with A = ½ d·Wd, B = d·(u⁻ + Wp₀): a quadratic. Every
+/// λ in (0, 1) is inside the cones (they are convex), and not into the floor.
+struct Way {
+    a: f64,
+    b: f64,
+    /// C ≤ 0 \[J\].
+    lost: f64,
+    /// What p₁ adds \[J\].
+    gained: f64,
+}
+
 impl Way {
+    /// From the motion (v, ω).
+    fn between<G: Ground<N>, const N: usize>(
+        ground: &G,
+        operator: &DelassusOperator<N>,
+        (v, omega): (DVec3, DVec3),
+        solutions: [&[DVec3; N]; 2],
+    ) -> Self {
+        let [first, last] = solutions.map(|p| operator.resultant(p));
+        let way = (last.0 - first.0, last.1 - first.1);
+        let (dv, dw) = operator.twist_of(first);
+        let (av, aw) = operator.twist_of(way);
+        let a = 0.5 * (way.0.dot(av) + way.1.dot(aw));
+        let mut b = way.0.dot(v + dv) + way.1.dot(omega + dw);
+        let mut lost = first.0.dot(v + 0.5 * dv) + first.1.dot(omega + 0.5 * dw);
+        if !ground.is_fixed() {
+            // Energy counts relative to the surfaces.
+            for i in 0..operator.count {
+                let drift = ground.drift(usize::from(operator.place[i]));
+                lost -= solutions[0][i].dot(drift);
+                b -= (solutions[1][i] - solutions[0][i]).dot(drift);
+            }
+        }
+        Self {
+            a,
+            b,
+            lost,
+            gained: a + b + lost,
+        }
+    }
+
     /// The λ between 0 and 1 at which Aλ² + Bλ + c, with c ≤ 0, is zero.
     fn part(&self, c: f64) -> f64 {
         let (a, b) = (self.a, self.b);

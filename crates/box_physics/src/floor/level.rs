@@ -3,18 +3,20 @@
 use glam::{DMat3, DVec3};
 
 use super::Floor;
-use super::bounds::{curvature_bound, normal_velocities};
-use super::cone::Cone;
-use super::geometry::{Corner3, Corners, has, in_pairs, spans_face};
-use super::ground::{Ground, Level, Segment, Touching, Way};
-use super::newton::CoulombLaw;
+use super::bounds::curvature_bound;
+use super::cone::{Blocks, Cone};
+use super::geometry::{Corner3, Corners, each, has, in_pairs, spans_face};
+use super::ground::{Ground, Level, Segment};
+use super::law::{Law, answered};
 use super::operator::DelassusOperator;
-use super::projection::{HeldNormals, cancel, project_positions, recover_penetration};
+use super::projection::{HeldNormals, cancel};
 use crate::force::ForceModel;
+use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
 impl<F: ForceModel> Ground<8> for Level<'_, F> {
     type Force = F;
+    type Blocks = Blocks;
     type Held = HeldNormals;
     const MAX_EVALUATIONS: u64 = 40_000;
 
@@ -48,40 +50,25 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         Corners::at(self.context.floor, self.context.body, state)
     }
 
-    fn recover(&self, state: &mut BodyState, corners: &mut Corners, _: f64) {
-        recover_penetration(self.context.floor, state, corners);
+    fn shift(&self, corners: &mut Corners, state: &BodyState, _: f64) {
+        corners.rise(self.context.floor, state);
     }
 
     fn normal_velocities(&self, state: &BodyState, corners: &Corners) -> [f64; 8] {
-        normal_velocities(self.context.body, state, corners)
+        let omega = state.angular_velocity(self.context.body);
+        core::array::from_fn(|k| state.velocity.y + omega.cross(corners.lever(k)).y)
     }
 
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64 {
-        let (body, force) = (self.context.body, self.context.force);
-        curvature_bound(body, state, acceleration, force, DVec3::Y)
+        curvature_bound(self.context.body, state, acceleration, self.pull, DVec3::Y)
     }
 
     fn height(&self, center: DVec3) -> f64 {
         center.y - self.context.floor.height
     }
 
-    fn law<'a>(&'a self, operator: &'a DelassusOperator, grips: bool) -> impl CoulombLaw<8> + 'a {
-        let floor = self.context.floor;
-        let friction = if grips { floor.grip() } else { floor.friction };
-        Cone::new(operator, friction, self.context.settings)
-    }
-
-    fn way(&self, at: &Touching<8>, solutions: [&Corner3; 2]) -> Way {
-        let ((v, omega), operator) = (at.twist, at.operator);
-        let [first, last] = solutions.map(|p| operator.resultant(p));
-        let way = (last.0 - first.0, last.1 - first.1);
-        let (dv, dw) = operator.twist_of(first);
-        let (av, aw) = operator.twist_of(way);
-        let a = 0.5 * (way.0.dot(av) + way.1.dot(aw));
-        let b = way.0.dot(v + dv) + way.1.dot(omega + dw);
-        let lost = first.0.dot(v + 0.5 * dv) + first.1.dot(omega + 0.5 * dw);
-        let gained = a + b + lost;
-        Way { a, b, lost, gained }
+    fn separate(&self, state: &mut BodyState) {
+        state.velocity.y = state.velocity.y.max(0.0);
     }
 
     fn on_faces(&self, touching: u64) -> u64 {
@@ -92,76 +79,83 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         }
     }
 
-    fn strike(
+    fn supports(&self, _: &Corners, held: u64) -> bool {
+        spans_face(held as u8)
+    }
+
+    fn blocks(&self, operator: &DelassusOperator) -> Blocks {
+        Blocks::of(operator)
+    }
+
+    fn direct(
         &self,
-        state: &mut BodyState,
-        at: &Touching<8>,
-        p: &Corner3,
-        stopped: u64,
-    ) -> Corner3 {
-        let operator = at.operator;
-        let mut p = *p;
-        if stopped != 0 {
-            let held = cancel(operator, &operator.after(&at.before, &p), &[DVec3::Y; 8]);
-            for i in 0..operator.count {
-                p[i] += held[i];
-            }
+        law: &Law<'_, Self, 8>,
+        (b, near): (&Corner3, &Corner3),
+        target: f64,
+        p: &mut Corner3,
+    ) -> Option<()> {
+        let (friction, norm) = (law.surface(0).1, law.norm);
+        if friction == 0.0 {
+            answered("frictionless");
+            *p = law.smooth(b);
+            return Some(());
         }
-        operator.apply(state, &p);
-        operator.by_place(&p)
+        let cone = Cone {
+            operator: law.operator,
+            friction,
+            norm,
+            target,
+        };
+        cone.solve(&law.blocks, b, near, p)
     }
 
-    fn slips(&self, _: usize, u: DVec3, still: f64) -> bool {
-        u.x.abs().max(u.z.abs()) > still
-    }
-
-    fn holds_still(
-        &self,
-        operator: &DelassusOperator,
-        mean: &Corner3,
-        _: (DVec3, DVec3),
-        still: f64,
-    ) -> bool {
-        operator.spans_face() && operator.largest(mean) <= still
+    fn cancel(&self, operator: &DelassusOperator, u: &Corner3, whole: u64) -> Corner3 {
+        let whole = operator.place.map(|k| has(whole, usize::from(k)));
+        cancel(operator, u, &whole)
     }
 
     fn project(&self, state: &mut BodyState, held: u64, _: f64) -> (Corners, HeldNormals) {
-        let (floor, body, held) = (self.context.floor, self.context.body, held as u8);
-        let mut normals = HeldNormals::new(body, held);
-        let corners = project_positions(floor, body, state, held, &mut normals);
-        (corners, normals)
-    }
-
-    fn stop(
-        &self,
-        segment: &mut Segment<8>,
-        normals: &HeldNormals,
-        held: u64,
-        whole: u64,
-        after: &Corner3,
-    ) -> bool {
-        let (body, held) = (self.context.body, held as u8);
-        let corner = normals.corner.map(usize::from);
-        let u = corner.map(|k| after[k]);
-        let stopped = (whole == 0).then(|| normals.stop(body, &u.map(|u| u.y)));
-        if let Some((p, sum, torque)) = stopped.flatten() {
-            segment.state.velocity.y += sum * body.inverse_mass();
-            segment.state.angular_momentum += torque;
-            for i in 0..held.count_ones() as usize {
-                segment.impulse[corner[i]].y += p[i];
+        let (floor, body) = (self.context.floor, self.context.body);
+        let mut normals = HeldNormals::new(held as u8);
+        let mut round = 0;
+        loop {
+            let attitude = DMat3::from_quat(state.rotation);
+            let mut corners = Corners::turned(body, attitude);
+            corners.rise(floor, state);
+            let height = corners.height;
+            let worst = each(held).fold(0.0, |a: f64, k| a.max(height[k].abs()));
+            let rounding = 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs());
+            normals.turn(body, &attitude);
+            if round == 3 || worst <= rounding {
+                return (corners, normals);
             }
-        } else {
-            let attitude = DMat3::from_quat(segment.state.rotation);
-            let operator = DelassusOperator::new(body, attitude, held);
-            let components = corner.map(|k| if has(whole, k) { DVec3::ONE } else { DVec3::Y });
-            let correction = cancel(&operator, &u, &components);
-            operator.apply(&mut segment.state, &correction);
-            operator.add_to(&mut segment.impulse, &correction);
+            if round > 0 && normals.count == 1 {
+                // What is left of one corner's height, the square of what was, needs no turn.
+                state.position.y -= height[usize::from(normals.corner[0])];
+            } else if let Some((_, shift, turn)) = normals.stop(body, |k| height[k]) {
+                state.position.y += shift * body.inverse_mass();
+                let turn = turn * body.inverse_inertia();
+                if turn != DVec3::ZERO {
+                    state.rotation = compose(state.rotation, exponential_map(turn));
+                    state.renormalize();
+                }
+            } else {
+                self.lower(state, held, &height);
+            }
+            round += 1;
         }
-        spans_face(held)
     }
 
-    fn separate(&self, state: &mut BodyState) {
-        state.velocity.y = state.velocity.y.max(0.0);
+    fn stop(&self, segment: &mut Segment<8>, normals: &HeldNormals, after: &Corner3) -> bool {
+        let body = self.context.body;
+        let Some((p, sum, torque)) = normals.stop(body, |k| after[k].y) else {
+            return false;
+        };
+        segment.state.velocity.y += sum * body.inverse_mass();
+        segment.state.angular_momentum += torque;
+        for i in 0..normals.count {
+            segment.impulse[usize::from(normals.corner[i])].y += p[i];
+        }
+        true
     }
 }

@@ -2,9 +2,9 @@
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
-use super::geometry::{Corners, Places, has};
+use super::geometry::{Corners, each};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -138,8 +138,26 @@ impl ContactState {
         }
     }
 
-    /// Remembers that the box is at rest, with these forces \[N\] at its corners. `state` is in the floor's frame at the
-    /// end of a step of `h` \[s\].
+    /// Reports a step of `h` \[s\] at rest.
+    pub(super) fn report_rest(
+        &self,
+        body: &RigidBox,
+        state: &BodyState,
+        h: f64,
+        report: Option<&mut ContactReport>,
+    ) {
+        let (Some(report), Some(rest)) = (report, &self.rest) else {
+            return;
+        };
+        let corners = Corners::turned(body, DMat3::from_quat(state.rotation));
+        let point = |k| state.position + corners.lever(k);
+        *report = ContactReport::default();
+        report.normal = rest.planes.map_or(DVec3::Y, |(_, normal)| normal);
+        report.hold(point, h, &rest.reaction);
+        report.end(point, self.touching);
+    }
+
+    /// Remembers that the box is at rest at the end of a step of `h` \[s\], with these forces \[N\] at its corners.
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
         context: &FloorContext<'_, F>,
@@ -149,8 +167,7 @@ impl ContactState {
         reaction: [f64; 8],
     ) {
         let (body, force) = (context.body, context.force);
-        let (mut state, mut floor) = (*state, *context.floor);
-        context.to_world(&mut state, h);
+        let mut floor = *context.floor;
         floor.advance(h);
         self.rest = Some(Rest {
             position: state.position,
@@ -159,7 +176,7 @@ impl ContactState {
             mass: body.mass(),
             acceleration: force.acceleration(),
             dissipation: force.dissipation(),
-            wrench: wrench(body, &state, force),
+            wrench: wrench(body, state, force),
             floor,
             planes,
             above: state.position.y - floor.height,
@@ -254,18 +271,18 @@ impl ContactReport {
         self.corners |= 1 << k;
     }
 
-    /// Adds what forces \[N\] at the corners make in the time `h` \[s\].
-    pub(super) fn hold(&mut self, center: DVec3, corners: &Corners, h: f64, load: &[f64; 8]) {
+    /// Adds what forces \[N\] at the corners, which are at these points, make in the time `h` \[s\].
+    pub(super) fn hold(&mut self, point: impl Fn(usize) -> DVec3, h: f64, load: &[f64; 8]) {
         for k in (0..8).filter(|&k| load[k] != 0.0) {
-            self.push(k, center + corners.lever(k), load[k] * h);
+            self.push(k, point(k), load[k] * h);
         }
     }
 
     /// Ends the step with these corners touching.
-    pub(super) fn end<const N: usize>(&mut self, center: DVec3, places: &Places<N>, touching: u8) {
+    pub(super) fn end(&mut self, point: impl Fn(usize) -> DVec3, touching: u8) {
         self.corners |= touching;
-        for k in (0..8).filter(|&k| has(touching, k)) {
-            self.points[k] = center + places.lever(k);
+        for k in each(touching.into()) {
+            self.points[k] = point(k);
         }
     }
 }

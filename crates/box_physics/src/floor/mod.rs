@@ -15,7 +15,7 @@
 //! | `planes` | walls and ramps: a step in the axes of one plane, or among several |
 //! | `events`, `impact`, `sustained`, `slips`, `search` | the events of a step, for one floor and several planes alike |
 //! | `ground` | the interface of these to the floor (`level`) and to several planes (`planes::among`) |
-//! | `cone`, `newton` | Coulomb's law |
+//! | `law`, `newton`, `cone` | Coulomb's law: what solves it, Newton's method, the likely cases at one floor |
 //! | `projection`, `motion`, `frame`, `bounds`, `operator`, `geometry` | corrections, motion, corners |
 //!
 //! Literature: J. J. Moreau 1988; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical
@@ -35,6 +35,7 @@ mod frame;
 mod geometry;
 mod ground;
 mod impact;
+mod law;
 mod level;
 mod material;
 mod memory;
@@ -52,7 +53,7 @@ mod sustained;
 #[cfg(test)]
 mod tests;
 
-pub use flight::FloorBelow;
+pub use flight::{FloorBelow, may_touch};
 pub use material::{CoefficientCombine, Friction, Restitution};
 pub use memory::{ContactReport, ContactState};
 pub use planes::{Plane, PlanesContext, StaticPlane, may_touch_planes, step_on_planes};
@@ -60,14 +61,11 @@ pub use step::step_on_floor;
 
 use glam::DVec3;
 
-use crate::aabb::world_half_extents;
 use crate::body::RigidBox;
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
 use crate::error::InvalidValue;
-use crate::force::{Dissipation, ForceModel};
 use crate::integrators::StepOutcome;
-use crate::state::BodyState;
 
 /// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
 ///
@@ -329,71 +327,4 @@ impl core::ops::AddAssign for FloorOutcome {
         self.energy_repaired += other.energy_repaired;
         self.resting |= other.resting;
     }
-}
-
-/// Whether the box can reach the floor within `h` \[s\]; `false` means that a plain integrator step is safe.
-/// Conservative and cheap: the center's height, less the reach of the lowest corner at any attitude it
-/// can take, less the farthest drop. A box that touched the floor at the end of the last step should be
-/// given to [`step_on_floor`] in any case, so that the end of its contact is reported.
-#[inline]
-pub fn may_touch<F: ForceModel>(
-    floor: &Floor,
-    body: &RigidBox,
-    state: &BodyState,
-    force: &F,
-    h: f64,
-) -> bool {
-    let plane = (DVec3::Y, state.position.y - floor.height, floor.velocity.y);
-    let reach = || world_half_extents(state.rotation, body.half_extents()).y;
-    may_touch_plane(plane, reach, body, state, force, h)
-}
-
-/// The same for a plane with this normal, height of the body's center over it \[m\] and velocity along the normal [m/s];
-/// `reach` is how far the box goes from its center against the normal \[m\].
-#[inline(always)]
-fn may_touch_plane<F: ForceModel>(
-    (normal, clearance, rise): (DVec3, f64, f64),
-    reach: impl FnOnce() -> f64,
-    body: &RigidBox,
-    state: &BodyState,
-    force: &F,
-    h: f64,
-) -> bool {
-    let mut drop = h * (rise - state.velocity.dot(normal)).max(0.0);
-    let mut pull = (-force.acceleration().dot(normal)).max(0.0);
-    let wrench = force.has_wrench();
-    if wrench {
-        // Springs pull harder on the way: the larger of the force here and where the center will be, twice.
-        let mut ahead = *state;
-        ahead.position += h * state.velocity;
-        let here = force.wrench(body, state).force.length();
-        let there = force.wrench(body, &ahead).force.length();
-        pull += 2.0 * body.inverse_mass() * here.max(there);
-    }
-    let d = force.dissipation();
-    if d.wind != DVec3::ZERO {
-        // Air that sinks pulls the body along.
-        let drag = drag_coefficient(&d, state) * (state.velocity - d.wind).length();
-        pull += body.inverse_mass() * drag;
-    }
-    drop += 0.5 * h * h * pull * if wrench { 2.0 } else { 1.0 };
-    // A semi-implicit integrator falls by a whole a h² in its step.
-    drop += 0.5 * h * h * pull;
-    let radius = body.radius();
-    if clearance - radius > drop {
-        // Beyond its stable range an explicit integrator turns drag into motion the wrong way.
-        return d != Dissipation::NONE && h * drag_coefficient(&d, state) > body.mass();
-    }
-    if wrench || force.dissipation() != Dissipation::NONE {
-        return true;
-    }
-    // |ω| ≤ |L| max(1/I): the corners move by at most that times the radius.
-    let turn = h * state.angular_momentum.length() * body.inverse_inertia().max_element();
-    !(turn < 0.5 && clearance - (reach() + turn * radius) > drop)
-}
-
-/// c₁ + k₂ |v − w| [N s/m].
-#[inline]
-fn drag_coefficient(d: &Dissipation, state: &BodyState) -> f64 {
-    d.linear_drag + d.quadratic_drag * (state.velocity - d.wind).length()
 }

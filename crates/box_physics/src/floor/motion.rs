@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::FloorContext;
+use super::ground::Level;
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel, Wrench};
 use crate::integrators::impulse_step;
@@ -58,13 +58,13 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
     }
 }
 
-impl<F: ForceModel> FloorContext<'_, F> {
+impl<F: ForceModel> Level<'_, F> {
     /// Whether nothing but a uniform acceleration acts besides the floor.
     pub(super) fn is_uniform(&self) -> bool {
-        !self.force.has_wrench() && !self.force.has_dissipation()
+        !self.context.force.has_wrench() && !self.context.force.has_dissipation()
     }
 
-    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`FloorContext::free_motion`], with the contact's changes of
+    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`Level::free_motion`], with the contact's changes of
     /// the velocity and of the angular momentum (world axes): the midpoint rule, of which the turn has the sine τω̄/2.
     pub(super) fn carry(
         &self,
@@ -83,7 +83,7 @@ impl<F: ForceModel> FloorContext<'_, F> {
         let cosine = (1.0 - square).max(0.0).sqrt();
         let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
         state.position += tau * mean.0;
-        state.velocity += tau * self.force.acceleration() + velocity;
+        state.velocity += tau * self.pull + velocity;
         state.rotation = compose(turn, state.rotation);
         state.renormalize();
         state.angular_momentum = state.rotation.inverse() * momentum;
@@ -92,14 +92,14 @@ impl<F: ForceModel> FloorContext<'_, F> {
     /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
     /// turning there, such that a corner moves by τ(v̄ + ω̄ × r): from velocities where that is as good as it gets, since
     /// displacements over a short time, or far from the origin, are mostly rounding.
-    /// `start` is in the frame of the floor `elapsed` \[s\] after the two coincided.
+    /// `start` is `elapsed` \[s\] after the beginning of the step.
     pub(super) fn free_motion(
         &self,
         start: &BodyState,
         elapsed: f64,
         tau: f64,
     ) -> (DMat3, (DVec3, DVec3)) {
-        let (body, force) = (self.body, self.force);
+        let (body, force) = (self.context.body, self.context.force);
         if self.is_uniform() {
             // The midpoint formula, from dL/dt = L × ω; the chord of a turn by 2θ is shorter than it by sin θ/θ.
             let l = start.angular_momentum;
@@ -109,11 +109,11 @@ impl<F: ForceModel> FloorContext<'_, F> {
             let middle = DMat3::from_quat(compose(start.rotation, half));
             let square = 0.25 * tau * tau * omega.length_squared();
             let chord = 1.0 - square / 6.0 * (1.0 - square / 20.0);
-            let center = start.velocity + 0.5 * tau * force.acceleration();
+            let center = start.velocity + 0.5 * tau * self.pull;
             return (middle, (center, middle * (omega * chord)));
         }
         let mut free = *start;
-        self.to_world(&mut free, elapsed);
+        self.frame.to_world(&mut free, elapsed);
         if force.dissipation() == Dissipation::NONE {
             impulse_step(body, &mut free, force, tau);
         } else {
@@ -128,7 +128,7 @@ impl<F: ForceModel> FloorContext<'_, F> {
             free.velocity += pull * tau;
             free.position += pull * (0.5 * tau * tau);
         }
-        self.to_floor(&mut free, elapsed + tau);
+        self.frame.to_surface(&mut free, elapsed + tau);
         let rate = 1.0 / tau;
         let mut center = 0.5 * (start.velocity + free.velocity);
         let path = (free.position - start.position) * rate;

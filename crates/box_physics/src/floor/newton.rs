@@ -18,7 +18,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::operator::DelassusOperator;
+use super::ground::Ground;
+use super::law::Law;
 
 /// The part that a step leaves.
 const EPSILON: f64 = 1e-8;
@@ -31,44 +32,10 @@ const UPHILL: u32 = 4;
 /// The smallest part of a step that is tried.
 const SMALLEST: f64 = 1.0 / 256.0;
 
-/// What a solver of the law found.
-pub(super) struct Solution<const N: usize = 8> {
-    /// The impulses p \[N s\].
-    pub(super) p: [DVec3; N],
-    /// Iterations used.
-    pub(super) iterations: u32,
-    /// Whether the law holds to the tolerance.
-    pub(super) converged: bool,
-}
-
-impl<const N: usize> Solution<N> {
-    /// Nothing approaches.
-    pub(super) const NONE: Self = Self {
-        p: [DVec3::ZERO; N],
-        iterations: 0,
-        converged: true,
-    };
-}
-
-/// Coulomb's law at the contacts of an operator.
-pub(super) trait CoulombLaw<const N: usize> {
-    /// The contacts, and the mass behind them.
-    fn operator(&self) -> &DelassusOperator<N>;
-    /// A bound of W [1/kg].
-    fn norm(&self) -> f64;
-    /// The normal of a contact, and its friction.
-    fn surface(&self, i: usize) -> (DVec3, f64);
-    /// P: the normal part of an impulse made positive, the tangential one cut to the disc that belongs to it.
-    fn project(&self, i: usize, p: DVec3) -> DVec3;
-    /// Solves the law for the velocities `b`; `near` is the solution of a similar problem, or zero. The result always keeps
-    /// the normal law and never gains energy; `converged` tells whether friction had to give way.
-    fn solve(&self, b: &[DVec3; N], near: &[DVec3; N]) -> Solution<N>;
-}
-
 /// The impulses for the velocities `b` to |w| within `target`, by steps from `start`, unless `iterations` comes to
 /// `limit`.
-pub(super) fn descend<const N: usize>(
-    law: &impl CoulombLaw<N>,
+pub(super) fn descend<G: Ground<N>, const N: usize>(
+    law: &Law<'_, G, N>,
     b: &[DVec3; N],
     target: f64,
     start: &[DVec3; N],
@@ -79,16 +46,16 @@ pub(super) fn descend<const N: usize>(
         let problem = Problem {
             law,
             b,
-            rho: scale / law.norm(),
+            rho: scale / law.norm,
             // |F| falls with ρ, at most in proportion.
-            tolerance: target / law.norm() * scale.min(1.0),
+            tolerance: target / law.norm * scale.min(1.0),
         };
         problem.descend(start, limit, iterations)
     })
 }
 
-struct Problem<'a, L, const N: usize> {
-    law: &'a L,
+struct Problem<'a, G: Ground<N>, const N: usize> {
+    law: &'a Law<'a, G, N>,
     b: &'a [DVec3; N],
     rho: f64,
     /// |F| that is left.
@@ -103,10 +70,10 @@ struct Point<const N: usize> {
     square: f64,
 }
 
-impl<L: CoulombLaw<N>, const N: usize> Problem<'_, L, N> {
+impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
     /// The zero of F that is reached from `start`.
     fn descend(&self, start: &[DVec3; N], limit: u32, iterations: &mut u32) -> Option<[DVec3; N]> {
-        let operator = self.law.operator();
+        let operator = self.law.operator;
         let mut here = self.at(start, start, 0.0);
         let mut uphill = 0;
         for _ in 0..STEPS.min(limit.saturating_sub(*iterations)) {
@@ -147,7 +114,7 @@ impl<L: CoulombLaw<N>, const N: usize> Problem<'_, L, N> {
 
     /// A part of a step further.
     fn at(&self, p: &[DVec3; N], step: &[DVec3; N], size: f64) -> Point<N> {
-        let operator = self.law.operator();
+        let operator = self.law.operator;
         let mut p = *p;
         for i in 0..operator.count {
             p[i] += size * step[i];
@@ -164,7 +131,7 @@ impl<L: CoulombLaw<N>, const N: usize> Problem<'_, L, N> {
 
     /// The change of the impulses dp = −c − S u.
     fn step(&self, here: &Point<N>) -> [DVec3; N] {
-        let operator = self.law.operator();
+        let operator = self.law.operator;
         // In units of the first lever's length, so that forces and torques compare.
         let unit = operator.lever[0].length();
         let (mut c, mut s) = ([DVec3::ZERO; N], [DMat3::ZERO; N]);

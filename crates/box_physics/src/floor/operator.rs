@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::geometry::{half_edges, has, in_pairs, lever, spans_face};
+use super::geometry::{each, half_edges, lever, spans_face};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
@@ -23,7 +23,7 @@ pub(super) struct DelassusOperator<const N: usize = 8> {
 }
 
 impl<const N: usize> DelassusOperator<N> {
-    /// Whether sums are of pairs: the corners on a floor are in the order of [`in_pairs`].
+    /// Whether sums are of pairs: the corners on a floor are in the order of [`super::geometry::in_pairs`].
     const IN_PAIRS: bool = N == 8;
 
     /// The first `count` contacts `place` of a body whose world axes are `attitude`.
@@ -148,23 +148,33 @@ impl<const N: usize> DelassusOperator<N> {
         state.velocity += force * self.inverse_mass;
         state.angular_momentum += state.rotation.inverse() * torque;
     }
-}
-
-impl DelassusOperator {
-    /// The corners `set` of a body on a floor, whose world axes are `attitude`.
-    pub(super) fn new(body: &RigidBox, attitude: DMat3, set: u8) -> Self {
-        Self::at(body, attitude, in_pairs(set))
-    }
 
     /// The contacts at the indices `kept` alone, in the same order.
-    pub(super) fn part(&self, kept: u8) -> Self {
+    pub(super) fn part(&self, kept: u64) -> Self {
         let mut part = Self { count: 0, ..*self };
-        for i in (0..self.count).filter(|&i| has(kept, i)) {
+        for i in each(kept) {
             part.place[part.count] = self.place[i];
             part.lever[part.count] = self.lever[i];
             part.count += 1;
         }
         part
+    }
+
+    /// An upper bound of the largest eigenvalue of W [1/kg]: its trace.
+    pub(super) fn norm_bound(&self) -> f64 {
+        let j = &self.inverse_inertia;
+        let trace = j.x_axis.x + j.y_axis.y + j.z_axis.z;
+        let swing = |r: &DVec3| trace * r.length_squared() - r.dot(*j * *r);
+        let swings: f64 = self.lever[..self.count].iter().map(swing).sum();
+        3.0 * self.count as f64 * self.inverse_mass + swings
+    }
+}
+
+impl DelassusOperator {
+    /// The corners `set` of a body on a floor, whose world axes are `attitude`.
+    #[cfg(test)]
+    pub(super) fn new(body: &RigidBox, attitude: DMat3, set: u8) -> Self {
+        Self::at(body, attitude, super::geometry::in_pairs(set))
     }
 
     /// Whether its corners hold a face.
@@ -192,64 +202,7 @@ impl DelassusOperator {
             swing.z_axis.cross(r) + DVec3::new(0.0, 0.0, m),
         )
     }
-
-    /// An upper bound of the largest eigenvalue of W [1/kg]: its trace.
-    pub(super) fn norm_bound(&self) -> f64 {
-        let j = &self.inverse_inertia;
-        let trace = j.x_axis.x + j.y_axis.y + j.z_axis.z;
-        let swing = |r: &DVec3| trace * r.length_squared() - r.dot(*j * *r);
-        let swings: f64 = self.lever[..self.count].iter().map(swing).sum();
-        3.0 * self.count as f64 * self.inverse_mass + swings
-    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::floor::Floor;
-    use crate::floor::geometry::Corners;
-    use crate::floor::tests::tilted;
-    use glam::DQuat;
-
-    /// An impulse's effect on the corners' velocities is what applying it and looking gives.
-    #[test]
-    fn response_is_what_an_impulse_does() {
-        let (body, state) = tilted();
-        let attitude = DMat3::from_quat(state.rotation);
-        let operator = DelassusOperator::new(&body, attitude, 0b1011_0010);
-        assert_eq!(operator.count, 4);
-        let mut p = [DVec3::ZERO; 8];
-        for (i, q) in p.iter_mut().enumerate().take(4) {
-            let i = i as f64;
-            *q = DVec3::new(0.3 - i, 0.7 * i, 1.1 - 0.2 * i);
-        }
-        let mut after = state;
-        operator.apply(&mut after, &p);
-        let change = operator.response(&p);
-        let twist = |s: &BodyState| operator.velocities((s.velocity, s.angular_velocity(&body)));
-        let (before, after) = (twist(&state), twist(&after));
-        for i in 0..4 {
-            assert!((after[i] - before[i] - change[i]).length() < 1e-13);
-        }
-        // The bound bounds: a Rayleigh quotient never exceeds it.
-        let quotient = operator.dot(&p, &change) / operator.dot(&p, &p);
-        assert!(quotient > 0.0 && quotient <= operator.norm_bound());
-    }
-
-    #[test]
-    fn a_level_face_has_no_torque_to_the_bit() {
-        let body = RigidBox::new(DVec3::new(0.7, 0.2, 0.3), 1.0).expect("valid");
-        for i in 0..100 {
-            let (s, c) = crate::math::sin_cos(0.1 + f64::from(i));
-            let state = BodyState::at_pose(DVec3::Y, DQuat::from_xyzw(0.0, s, 0.0, c));
-            let corners = Corners::at(&Floor::default(), &body, &state);
-            let bottom = corners.touching(0.85);
-            assert_eq!(bottom.count_ones(), 4);
-            let attitude = DMat3::from_quat(state.rotation);
-            let operator = DelassusOperator::new(&body, attitude, bottom as u8);
-            let mut p = [DVec3::ZERO; 8];
-            p[..4].fill(DVec3::Y * 0.3);
-            assert_eq!(operator.resultant(&p).1, DVec3::ZERO);
-        }
-    }
-}
+mod tests;

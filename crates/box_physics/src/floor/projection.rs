@@ -4,19 +4,15 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Floor;
-use super::geometry::{Corner3, Corners, in_pairs, spans_face};
+use super::geometry::{Corner3, in_pairs, spans_face};
 use super::operator::DelassusOperator;
 use crate::body::RigidBox;
-use crate::rotation::{compose, exponential_map};
-use crate::state::BodyState;
 
-/// Impulses p with u + Wp = 0 in the components that `mask` lets through, and none in the others: of least
-/// norm. A corner's mask is Y (the normal alone) or ONE.
-pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -> Corner3 {
+/// Impulses p of least norm with u + Wp = 0 along the normal +y, and altogether at the corners that are stopped whole.
+pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, whole: &[bool; 8]) -> Corner3 {
     let n = operator.count;
     let mut p = [DVec3::ZERO; 8];
-    let normal_only = mask[..n].iter().all(|m| *m == DVec3::Y);
+    let normal_only = !whole[..n].contains(&true);
     if normal_only && (n <= 2 || operator.spans_face()) {
         let arm = operator.lever.map(|r| r.cross(DVec3::Y));
         let turn = |torque: DVec3| operator.inverse_inertia * torque;
@@ -27,10 +23,13 @@ pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, mask: &Corner3) -
     match n {
         1 => p[0] = -(operator.block(0, &operator.swing(0)).inverse() * u[0]),
         2 if !normal_only => {
-            (p[0], p[1]) = cancel_two(operator, u, [0, 1].map(|i| mask[i] == DVec3::ONE));
+            // First the one that is stopped whole.
+            let (i, j) = if whole[0] { (0, 1) } else { (1, 0) };
+            [p[i], p[j]] = Pair::of(operator, i, j).stop([u[i], u[j]], whole[j]);
         }
         _ => {
-            p = cancel_iteratively(operator, operator.norm_bound(), u, |i, v| v * mask[i]);
+            let allowed = |i: usize, v: DVec3| if whole[i] { v } else { DVec3::Y * v.y };
+            p = cancel_iteratively(operator, u, allowed);
         }
     }
     p
@@ -98,108 +97,112 @@ fn stop_normals(
 
 /// Corners that are held along the normal, seen from the body.
 pub(super) struct HeldNormals {
-    count: usize,
+    pub(super) count: usize,
     pub(super) corner: [u8; 8],
-    /// r_k and r_k × n, body axes \[m\].
-    lever: [DVec3; 8],
+    /// r_k × n, body axes \[m\].
     arm: [DVec3; 8],
     solvable: bool,
 }
 
 impl HeldNormals {
     /// The corners `held`.
-    pub(super) fn new(body: &RigidBox, held: u8) -> Self {
+    pub(super) fn new(held: u8) -> Self {
         let (count, corner) = in_pairs(held);
-        let mut lever = [DVec3::ZERO; 8];
-        for i in 0..count {
-            let sign = |bit: u8| if corner[i] >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            lever[i] = DVec3::new(sign(0), sign(1), sign(2)) * body.half_extents();
-        }
         Self {
             count,
             corner,
-            lever,
             arm: [DVec3::ZERO; 8],
             solvable: count <= 2 || spans_face(held),
         }
     }
 
-    /// Sets the arms for an attitude. The heights of the corners over the floor \[m\], the same to the last bit as those of
-    /// [`Corners`].
-    fn at(&mut self, floor: &Floor, state: &BodyState) -> [f64; 8] {
-        let r = DMat3::from_quat(state.rotation);
-        let n = DVec3::new(r.x_axis.y, r.y_axis.y, r.z_axis.y);
-        let base = state.position.y - floor.height;
-        let mut height = [0.0; 8];
+    /// Sets the arms for an attitude.
+    pub(super) fn turn(&mut self, body: &RigidBox, attitude: &DMat3) {
+        let up = attitude.transpose().y_axis;
         for i in 0..self.count {
-            let lever = self.lever[i];
-            self.arm[i] = lever.cross(n);
-            height[i] = base + ((lever.x * n.x + lever.z * n.z) + lever.y * n.y);
+            let sign = |bit: u8| f64::from(2 * (self.corner[i] >> bit & 1)) - 1.0;
+            let lever = DVec3::new(sign(0), sign(1), sign(2)) * body.half_extents();
+            self.arm[i] = lever.cross(up);
         }
-        height
     }
 
-    /// The impulses that stop the normal velocities `u`, in the order of the corners: each, their sum, and their
+    /// The impulses that stop the normal velocities `u` of the corners, in their order: each, their sum, and their
     /// angular impulse about the center in body axes.
-    pub(super) fn stop(&self, body: &RigidBox, u: &[f64; 8]) -> Option<([f64; 8], f64, DVec3)> {
+    pub(super) fn stop(
+        &self,
+        body: &RigidBox,
+        u: impl Fn(usize) -> f64,
+    ) -> Option<([f64; 8], f64, DVec3)> {
         if !self.solvable {
             return None;
         }
         let turn = |torque| body.inverse_inertia() * torque;
-        let p = stop_normals(&self.arm[..self.count], body.inverse_mass(), turn, u)?;
+        let u = self.corner.map(|k| u(usize::from(k)));
+        let p = stop_normals(&self.arm[..self.count], body.inverse_mass(), turn, &u)?;
         let torque = |i: usize| p[i] * self.arm[i];
         let sum = (p[0] + p[1]) + (p[2] + p[3]);
         Some((p, sum, (torque(0) + torque(1)) + (torque(2) + torque(3))))
     }
 }
 
-/// Two corners: the linear equations of one after the other.
-fn cancel_two(operator: &DelassusOperator, u: &Corner3, whole: [bool; 2]) -> (DVec3, DVec3) {
-    // First the one that is stopped whole: p_i = −W_ii⁻¹(u_i + W_ij p_j).
-    let i = usize::from(!whole[0]);
-    let j = 1 - i;
-    let swing = operator.swing(j);
-    let inverse = operator.block(i, &operator.swing(i)).inverse();
-    let cross = operator.block(i, &swing);
-    let through = cross.transpose() * inverse;
-    let own = operator.block(j, &swing);
-    let reduced = own - through * cross;
-    let rest = u[j] - through * u[i];
-    let other = if whole[j] {
-        stopped_along(reduced, operator.lever[1] - operator.lever[0], own.y_axis.y) * -rest
-    } else {
-        DVec3::Y * (-rest.y / reduced.y_axis.y)
-    };
-    let mut p = [other; 2];
-    p[i] = -(inverse * (u[i] + cross * other));
-    if whole[j] {
-        least_along(operator.lever[1] - operator.lever[0], &mut p);
+/// Two corners as the ends of an edge.
+#[derive(Clone, Copy)]
+pub(super) struct Pair {
+    /// W_00 and W_11, W_01 and W_10 [1/kg].
+    pub(super) own: [DMat3; 2],
+    pub(super) other: [DMat3; 2],
+    /// From one to the other \[m\].
+    edge: DVec3,
+}
+
+impl Pair {
+    /// The contacts `i` and `j`.
+    pub(super) fn of(operator: &DelassusOperator, i: usize, j: usize) -> Self {
+        let (first, second) = (operator.swing(i), operator.swing(j));
+        let cross = operator.block(i, &second);
+        Self {
+            own: [operator.block(i, &first), operator.block(j, &second)],
+            other: [cross, cross.transpose()],
+            edge: operator.lever[j] - operator.lever[i],
+        }
     }
-    (p[0], p[1])
-}
 
-/// The inverse of what a corner has left when the other end of its edge is stopped: nothing moves it along the
-/// edge, which is filled by `norm`.
-pub(super) fn stopped_along(reduced: DMat3, edge: DVec3, norm: f64) -> DMat3 {
-    let e = edge.normalize_or_zero();
-    (reduced + DMat3::from_cols(e * e.x, e * e.y, e * e.z) * norm).inverse()
-}
+    /// A_jj − A_ji A_ii⁻¹ A_ij and u_j − A_ji A_ii⁻¹ u_i: corner j with corner `i` stuck.
+    pub(super) fn without(&self, i: usize, inverse: &DMat3, u: [DVec3; 2]) -> (DMat3, DVec3) {
+        let j = 1 - i;
+        let through = self.other[j] * *inverse;
+        let reduced = self.own[j] - through * self.other[i];
+        (reduced, u[j] - through * u[i])
+    }
 
-/// Takes from two impulses at the ends of an edge the opposite parts along it, which do nothing.
-pub(super) fn least_along(edge: DVec3, p: &mut [DVec3; 2]) {
-    let e = edge.normalize_or_zero();
-    let shift = e * (0.5 * (p[0] - p[1]).dot(e));
-    p[0] -= shift;
-    p[1] += shift;
+    /// The smallest impulses that stop the first corner, p_0 = −W_00⁻¹(u_0 + W_01 p_1), and the second one altogether as
+    /// well, or along the normal.
+    pub(super) fn stop(&self, u: [DVec3; 2], both: bool) -> [DVec3; 2] {
+        let inverse = self.own[0].inverse();
+        let (reduced, left) = self.without(0, &inverse, u);
+        let along = self.edge.normalize_or_zero();
+        let second = if both {
+            // Nothing moves a corner along the edge of which the other end is stopped.
+            let fill = DMat3::from_cols(along * along.x, along * along.y, along * along.z);
+            -((reduced + fill * self.own[1].y_axis.y).inverse() * left)
+        } else {
+            DVec3::Y * (-left.y / reduced.y_axis.y)
+        };
+        let first = -(inverse * (u[0] + self.other[0] * second));
+        if !both {
+            return [first, second];
+        }
+        // Opposite parts along the edge do nothing.
+        let shift = along * (0.5 * (first - second).dot(along));
+        [first - shift, second + shift]
+    }
 }
 
 /// Impulses p with u + Wp = 0 in the components that `allowed` leaves of each contact's vector, of least norm: by
 /// conjugate gradients from zero (Hestenes, Stiefel 1952), which treat all contacts alike, to the last bit.
-/// W, of which `norm_bound` bounds the norm, has rank six at most, so six steps are exact but for rounding; the rest
-/// of the twelve polish.
+/// W has rank six at most, so six steps are exact but for rounding; the rest of the twelve polish.
 pub(super) fn cancel_iteratively<const N: usize>(
     operator: &DelassusOperator<N>,
-    norm_bound: f64,
     u: &[DVec3; N],
     allowed: impl Fn(usize, DVec3) -> DVec3,
 ) -> [DVec3; N] {
@@ -212,7 +215,7 @@ pub(super) fn cancel_iteratively<const N: usize>(
     let mut direction = residual;
     let mut square = operator.dot(&residual, &residual);
     let enough = square * 1e-34;
-    let null = 1e-12 * norm_bound;
+    let null = 1e-12 * operator.norm_bound();
     for _ in 0..12 {
         if square <= enough {
             break;
@@ -242,111 +245,5 @@ pub(super) fn cancel_iteratively<const N: usize>(
     p
 }
 
-/// Moves and turns the body so that the corners `held` lie on the floor: Newton's method on their
-/// heights. The center moves along the normal only. Returns where the corners are then; `normals`, of the same corners, has
-/// the arms there.
-pub(super) fn project_positions(
-    floor: &Floor,
-    body: &RigidBox,
-    state: &mut BodyState,
-    held: u8,
-    normals: &mut HeldNormals,
-) -> Corners {
-    for round in 0..4 {
-        let height = normals.at(floor, state);
-        let worst = height.iter().fold(0.0, |a: f64, c| a.max(c.abs()));
-        let rounding = 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs());
-        if round == 3 || worst <= rounding {
-            break;
-        }
-        if round > 0 && normals.count == 1 {
-            // What is left of one corner's height, the square of what was, needs no turn.
-            state.position.y -= height[0];
-            continue;
-        }
-        if let Some((_, shift, turn)) = normals.stop(body, &height) {
-            state.position.y += shift * body.inverse_mass();
-            let turn = turn * body.inverse_inertia();
-            if turn != DVec3::ZERO {
-                state.rotation = compose(state.rotation, exponential_map(turn));
-                state.renormalize();
-            }
-            continue;
-        }
-        let attitude = DMat3::from_quat(state.rotation);
-        let operator = DelassusOperator::new(body, attitude, held);
-        let gap = height.map(|height| DVec3::Y * height);
-        let (shift, turn) = operator.twist(&cancel(&operator, &gap, &[DVec3::Y; 8]));
-        state.position += shift;
-        // World turn: q ← exp(turn)∘q. The angular momentum keeps its body components.
-        state.rotation = compose(exponential_map(turn), state.rotation);
-        state.renormalize();
-    }
-    Corners::at(floor, body, state)
-}
-
-/// Lifts the body so that no corner, of which `corners` knows, is below the floor; never pushes it down.
-pub(super) fn recover_penetration(floor: &Floor, state: &mut BodyState, corners: &mut Corners) {
-    // Rounding may leave the last bit below: a second pass takes it.
-    for _ in 0..2 {
-        let depth = -corners.lowest();
-        if depth <= 0.0 || !depth.is_finite() {
-            break;
-        }
-        state.position.y += depth;
-        corners.rise(floor, state);
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::floor::tests::{Random, about};
-
-    /// A corner, an edge or a face on the floor: both ways agree, and what was to be canceled is.
-    #[test]
-    fn directly_or_not_the_same_is_canceled() {
-        let mut random = Random(3);
-        for i in 0..1000 {
-            let half = random.half_extents(0.1, 1.0);
-            let body = RigidBox::new(half, 3.0).expect("valid");
-            let mut state = BodyState::at(DVec3::ZERO).with_velocity(random.vector(1.0));
-            state.set_angular_velocity(&body, random.vector(3.0));
-            state.rotation =
-                about(DVec3::Y, random.range(0.0, 6.0)) * about(DVec3::Z, random.range(0.2, 1.3));
-            let operator = DelassusOperator::new(
-                &body,
-                DMat3::from_quat(state.rotation),
-                [0b0000_0001, 0b0001_0001, 0b0101_0101, 0b0101_0100][i % 4],
-            );
-            let u = operator.velocities((state.velocity, state.angular_velocity(&body)));
-            let mut mask = [DVec3::ONE; 8];
-            if i % 4 < 2 {
-                mask[0] = [DVec3::ONE, DVec3::Y][i / 4 % 2];
-                mask[1] = [DVec3::ONE, DVec3::Y][i / 8 % 2];
-            } else {
-                mask = [DVec3::Y; 8];
-            }
-            let p = cancel(&operator, &u, &mask);
-            let bound = operator.norm_bound();
-            let mut q = cancel_iteratively(&operator, bound, &u, |i, v| v * mask[i]);
-            // Of least norm to rounding, which conjugate gradients are not quite: equal loads on one diagonal
-            // against the other, and the opposite ones along an edge, do nothing.
-            let diagonals = |p: &Corner3| 0.25 * (p[0] + p[1] - p[2] - p[3]);
-            if operator.count == 4 {
-                let idle = diagonals(&q);
-                for (q, sign) in q.iter_mut().zip([-1.0, -1.0, 1.0, 1.0]) {
-                    *q += sign * idle;
-                }
-                assert!(diagonals(&p).length() < 1e-13);
-            }
-            let answer = operator.response(&p);
-            for k in 0..operator.count {
-                assert!(((u[k] + answer[k]) * mask[k]).length() < 1e-12);
-                assert!((p[k] - q[k]).length() < 1e-6 * q[k].length(), "{p:?} {q:?}");
-            }
-            let along = (p[0] - p[1]).dot(operator.lever[1] - operator.lever[0]);
-            assert!(operator.count == 1 || mask[..2] != [DVec3::ONE; 2] || along.abs() < 1e-13);
-        }
-    }
-}
+mod tests;

@@ -15,10 +15,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::FloorContext;
-use super::frame::Method;
-use super::geometry::{Corners, has, mask};
-use super::projection::recover_penetration;
+use super::geometry::{has, mask};
+use super::ground::{Ground, Level};
 use crate::force::ForceModel;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
@@ -42,24 +40,22 @@ const LARGEST_CHANGE: f64 = 0.5;
 /// under a uniform force, level, without tipping, and, if it spins, without a pull along the floor. `None` leaves
 /// `state` as it was. An integrator of first order in uniform gravity is not taken: it has its own error there.
 pub(super) fn slide<F: ForceModel>(
-    context: &FloorContext<'_, F>,
-    method: &Method<F>,
+    level: &Level<'_, F>,
     state: &mut BodyState,
     h: f64,
     touching: u8,
 ) -> Option<Slide> {
-    let (floor, body, force) = (context.floor, context.body, context.force);
-    if !context.is_uniform() || method.errs_in_gravity {
+    let (floor, body, pull) = (level.context.floor, level.context.body, level.pull);
+    if !level.is_uniform() || level.method.errs_in_gravity {
         return None;
     }
-    let pull = force.acceleration();
     let half = body.half_extents();
     let n = state.rotation.inverse() * DVec3::Y;
     let reach = n.abs() * half;
     // The axis across the face, and the two in it.
     let c = (0..3).fold(0, |c, i| if n[i].abs() > n[c].abs() { i } else { c });
     let (i, j) = ((c + 1) % 3, (c + 2) % 3);
-    let tolerance = context.tolerated_height();
+    let tolerance = level.tolerance;
     let low = state.position.y - floor.height - reach.element_sum();
     let below = mask(|k| has(k as u8, c) == (n[c] < 0.0));
     if touching != below || reach[i] + reach[j] > tolerance || low.abs() > 2.0 * tolerance {
@@ -80,7 +76,7 @@ pub(super) fn slide<F: ForceModel>(
         // m/I of the spin
         mass_over_inertia: body.mass() * body.inverse_inertia()[c],
     };
-    let level = BodyState {
+    let flat = BodyState {
         velocity: state.velocity.with_y(0.0),
         angular_momentum: DVec3::ZERO,
         ..*state
@@ -88,7 +84,7 @@ pub(super) fn slide<F: ForceModel>(
     let (end, time, share, evaluations) = if omega[c] == 0.0 {
         let t = DVec2::new(v[i], v[j]) / speed;
         let share = Face::shares(face.friction * face.height * t / face.half)?;
-        let (end, time) = face.straight(level, pull.with_y(0.0), h)?;
+        let (end, time) = face.straight(flat, pull.with_y(0.0), h)?;
         (end, time, share, 1)
     } else {
         if pull.x != 0.0 || pull.z != 0.0 {
@@ -96,7 +92,7 @@ pub(super) fn slide<F: ForceModel>(
         }
         let start = DVec3::new(v[i], v[j], omega[c]);
         let (next, way, share) = face.turning(start, h)?;
-        let mut end = level;
+        let mut end = flat;
         let axis = |value: f64| {
             let mut vector = DVec3::ZERO;
             vector[c] = value;
@@ -115,8 +111,8 @@ pub(super) fn slide<F: ForceModel>(
         end.position += way.with_y(0.0);
         end.velocity = (end.rotation * plane(next.truncate())).with_y(0.0);
         end.angular_momentum = axis(next.z) * body.inertia();
-        let mut corners = Corners::at(floor, body, &end);
-        recover_penetration(floor, &mut end, &mut corners);
+        let mut corners = level.places(&end, h);
+        level.recover(&mut end, &mut corners, h);
         (end, h, share, 5)
     };
     *state = end;

@@ -1,14 +1,10 @@
 //! One step over the floor.
 
-use glam::DVec3;
-
 use super::events::between_events;
 use super::flight::{Flight, Flown, fly};
-use super::frame::Method;
-use super::geometry::Corners;
-use super::ground::{BodyStep, Level};
-use super::projection::recover_penetration;
-use super::slide::{Slide, slide};
+use super::frame::{Frame, Method};
+use super::ground::{BodyStep, Ground, Level};
+use super::slide::slide;
 use super::{ContactReport, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
@@ -52,9 +48,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     if contact.still_rests(context, None, state) {
         outcome.resting = true;
         contact.ride(state, h);
-        if let (Some(report), Some(rest)) = (report, &contact.rest) {
-            *report = held(context, state, 0.0, h, &rest.reaction, contact.touching);
-        }
+        contact.report_rest(context.body, state, h, report);
         return outcome;
     }
     if h <= 0.0 || !h.is_finite() || !state.is_finite() {
@@ -68,18 +62,24 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
                 outcome.step = flight;
                 return outcome;
             }
-            Flight::Meets(mut segment) => {
-                context.to_floor(&mut segment.state, h);
-                flown = Some(segment);
-            }
+            Flight::Meets(segment) => flown = Some(segment),
             Flight::Low => {}
         }
     }
-    context.to_floor(state, 0.0);
-    let mut step = BodyStep::new(state, h, memory, contact, report);
-    outcome = in_floor_frame(context, &Method::of::<S>(), &mut step, flown);
-    context.to_world(state, h);
-    outcome.count_once();
+    let method = Method::of::<S>();
+    let level = Level::new(context, &method, Frame::new(context.floor.velocity, None));
+    let mut step = BodyStep {
+        state,
+        h,
+        memory,
+        contact,
+        report,
+    };
+    let (mut outcome, loads) = level.step(&mut step, flown);
+    if let Some(loads) = loads {
+        outcome.resting = true;
+        contact.establish_rest(context, None, state, h, loads);
+    }
     outcome
 }
 
@@ -95,7 +95,13 @@ impl Integrator {
         contact: &mut ContactState,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        let step = BodyStep::new(state, h, memory, contact, report);
+        let step = BodyStep {
+            state,
+            h,
+            memory,
+            contact,
+            report,
+        };
         self.dispatch(On(context, step))
     }
 }
@@ -112,102 +118,99 @@ impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {
     }
 }
 
-/// The step of a box that touches the floor or may. `flown` is the plain step, if it is known.
-pub(super) fn in_floor_frame<F: ForceModel>(
-    context: &FloorContext<'_, F>,
-    method: &Method<F>,
-    step: &mut BodyStep<'_>,
-    flown: Option<Flown>,
-) -> FloorOutcome {
-    let (h, touching) = (step.h, step.contact.touching);
-    let mut slid = None;
-    if touching.count_ones() == 4 {
-        slid = slide(context, method, step.state, h, touching);
-        if let Some(slide) = &slid
-            && slide.time == h
-        {
-            if let Some(report) = &mut step.report {
-                **report = held(context, step.state, h, h, &slide.load, touching);
-            }
-            return slide.outcome();
-        }
-    }
-    let level = Level {
-        context,
-        method,
-        tolerance: context.tolerated_height(),
-    };
-    level.by_events(step, flown, slid)
-}
-
-impl Slide {
-    fn outcome(&self) -> FloorOutcome {
-        FloorOutcome {
-            step: StepOutcome::plain(self.evaluations),
-            ..FloorOutcome::default()
-        }
-    }
-}
-
 impl<F: ForceModel> Level<'_, F> {
-    /// Event after event. `slid` is what a slide has made of the step until it stopped.
+    /// The step of a box that touches the surface or may, and the forces at its corners \[N\] if it ends at rest. `flown`
+    /// is the plain step, if it is known.
+    pub(super) fn step(
+        &self,
+        step: &mut BodyStep<'_>,
+        flown: Option<Flown>,
+    ) -> (FloorOutcome, Option<[f64; 8]>) {
+        let frame = &self.frame;
+        if frame.is_world() {
+            let (mut outcome, loads) = self.in_frame(step, flown);
+            outcome.count_once();
+            return (outcome, loads);
+        }
+        let world = *step.state;
+        frame.to_surface(step.state, 0.0);
+        let start = *step.state;
+        let flown = flown.map(|mut flown| {
+            frame.to_surface(&mut flown.state, step.h);
+            flown
+        });
+        let (mut outcome, loads) = self.in_frame(step, flown);
+        outcome.count_once();
+        if let Some(report) = &mut step.report {
+            report.tangential_impulse = frame.vector(report.tangential_impulse);
+        }
+        if frame.is_turned() && !frame.moves() && *step.state == start {
+            *step.state = world; // to the last bit
+        } else {
+            frame.to_world(step.state, step.h);
+            if frame.is_turned() {
+                step.state.renormalize();
+            }
+        }
+        (outcome, loads)
+    }
+
+    /// The step in the frame of the surface.
+    fn in_frame(
+        &self,
+        step: &mut BodyStep<'_>,
+        flown: Option<Flown>,
+    ) -> (FloorOutcome, Option<[f64; 8]>) {
+        let (h, touching) = (step.h, step.contact.touching);
+        let mut outcome = FloorOutcome::default();
+        let mut remaining = h;
+        if let Some(report) = &mut step.report {
+            **report = ContactReport::default();
+        }
+        if touching.count_ones() == 4
+            && let Some(slide) = slide(self, step.state, h, touching)
+        {
+            outcome.step = StepOutcome::plain(slide.evaluations);
+            remaining = h - slide.time;
+            if let Some(report) = &mut step.report {
+                let corners = self.places(step.state, slide.time);
+                let point = |k| self.point(step.state, &corners, k, slide.time);
+                report.hold(point, slide.time, &slide.load);
+                if remaining == 0.0 {
+                    report.end(point, touching);
+                }
+            }
+            if remaining == 0.0 {
+                return (outcome, None);
+            }
+        }
+        let loads = self.by_events(step, remaining, flown, &mut outcome);
+        (outcome, loads)
+    }
+
+    /// The last `remaining` \[s\] of the step, event after event.
     #[inline(never)] // its large frame is not for boxes that rest or fly
     fn by_events(
         &self,
         step: &mut BodyStep<'_>,
+        remaining: f64,
         flown: Option<Flown>,
-        slid: Option<Slide>,
-    ) -> FloorOutcome {
-        let (context, h) = (self.context, step.h);
-        let mut outcome = slid
-            .as_ref()
-            .map_or_else(FloorOutcome::default, Slide::outcome);
-        let mut corners = Corners::at(context.floor, context.body, step.state);
-        if let Some(report) = &mut step.report {
-            **report = ContactReport::default();
-            if let Some(slide) = &slid {
-                let center = context.world_point(step.state.position, slide.time);
-                report.hold(center, &corners, slide.time, &slide.load);
-            }
-        }
+        outcome: &mut FloorOutcome,
+    ) -> Option<[f64; 8]> {
+        let mut corners = self.places(step.state, 0.0);
         // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
         // velocity stays what it was, so depth never turns into speed.
         if corners.lowest() < -self.tolerance {
-            recover_penetration(context.floor, step.state, &mut corners);
+            self.recover(step.state, &mut corners, 0.0);
         }
-        let remaining = h - slid.map_or(0.0, |slide| slide.time);
-        let loads = between_events(self, step, &mut corners, remaining, flown, &mut outcome);
-        recover_penetration(context.floor, step.state, &mut corners);
+        let loads = between_events(self, step, &mut corners, remaining, flown, outcome);
+        self.recover(step.state, &mut corners, step.h);
         let now = corners.touching(2.0 * self.tolerance) as u8;
         if let Some(report) = &mut step.report {
-            let center = context.world_point(step.state.position, h);
-            report.end(center, &corners, now);
-            report.normal = DVec3::Y;
+            report.end(|k| self.point(step.state, &corners, k, step.h), now);
+            report.normal = glam::DVec3::Y;
         }
         step.contact.touching = now;
-        if let Some(loads) = loads {
-            step.contact
-                .establish_rest(context, None, step.state, h, loads);
-            outcome.resting = true;
-        }
-        outcome
+        loads
     }
-}
-
-/// The step of corners that touched before and do now, held by these forces \[N\]. `state` is in the frame of the floor
-/// `elapsed` \[s\] after the two coincided.
-fn held<F>(
-    context: &FloorContext<'_, F>,
-    state: &BodyState,
-    elapsed: f64,
-    h: f64,
-    load: &[f64; 8],
-    touching: u8,
-) -> ContactReport {
-    let mut report = ContactReport::default();
-    let corners = Corners::at(context.floor, context.body, state);
-    let center = context.world_point(state.position, elapsed);
-    report.hold(center, &corners, h, load);
-    report.end(center, &corners, touching);
-    report
 }

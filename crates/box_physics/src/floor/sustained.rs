@@ -16,14 +16,13 @@
 //! away: positions of the held corners onto the floor, velocities onto what the contact allows (as
 //! RATTLE does, Andersen 1983).
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::geometry::{each, has};
 use super::ground::{Ground, Segment, Start};
+use super::law::{Law, Solution};
 use super::motion::{Supported, limit_energy};
-use super::newton::{CoulombLaw, Solution};
 use super::slips::STOPPED;
-use crate::force::ForceModel;
 use crate::integrators::StepOutcome;
 use crate::state::BodyState;
 
@@ -31,17 +30,19 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
     /// The motion over `tau` \[s\], from the memory that `segment` holds.
     pub(super) fn advance(&self, tau: f64, segment: &mut Segment<N>) {
         let (ground, start) = (self.ground, &self.state);
-        let (context, method) = (ground.level().context, ground.level().method);
-        let body = context.body;
-        let (middle, motion) = context.free_motion(start, self.elapsed, tau);
+        let level = ground.level();
+        let body = level.context.body;
+        let (middle, motion) = level.free_motion(start, self.elapsed, tau);
         let operator = ground.operator(middle, self.candidates);
         let place = |i: usize| usize::from(operator.place[i]);
 
         let d = ground.velocities(&operator, motion);
         let still = 1e-9 * operator.largest(&d);
-        let slips = |i: usize, mean: &[DVec3; N]| ground.slips(place(i), mean[i], still);
+        let slips = |i: usize, mean: &[DVec3; N]| {
+            ground.along(place(i), mean[i]).length_squared() > still * still
+        };
         let solve = |grips| {
-            let solution = ground.law(&operator, grips).solve(&d, &[DVec3::ZERO; N]);
+            let solution = Law::new(ground, &operator, grips).solve(&d, &[DVec3::ZERO; N]);
             let half = operator.resultant(&solution.p);
             let change = operator.twist_of(half);
             let mean = operator.moved(&d, change);
@@ -65,28 +66,31 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         // What was found is half of the impulses.
         segment.impulse = operator.by_place(&solution.p.map(|p| 2.0 * p));
         let (force, torque) = (2.0 * half.0, 2.0 * half.1);
-        let twist = (motion.0 + change.0, motion.1 + change.1);
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
-        if at_rest && ground.holds_still(&operator, &mean, twist, still) {
+        if at_rest
+            && operator.largest(&mean) <= still
+            && ground.supports(self.places, self.candidates)
+        {
             segment.places = *self.places;
             segment.outcome = StepOutcome::plain(1);
             segment.still = true;
             return;
         }
 
-        if context.is_uniform() && !method.errs_in_gravity {
-            context.carry(&mut segment.state, tau, twist, 2.0 * change.0, torque);
+        if level.is_uniform() && !level.method.errs_in_gravity {
+            let twist = (motion.0 + change.0, motion.1 + change.1);
+            level.carry(&mut segment.state, tau, twist, 2.0 * change.0, torque);
             segment.outcome = StepOutcome::plain(1);
         } else {
             let rate = 1.0 / tau;
             let law = Supported {
-                inner: context.force,
-                acceleration: force * (rate * body.inverse_mass()),
-                torque: torque * rate,
+                inner: level.context.force,
+                acceleration: level.frame.vector(force * (rate * body.inverse_mass())),
+                torque: level.frame.vector(torque * rate),
             };
             let (state, memory) = (&mut segment.state, &mut segment.memory);
-            segment.outcome = context.in_world(state, self.elapsed, tau, |state| {
-                (method.supported)(body, state, &law, tau, memory)
+            segment.outcome = level.in_world(state, self.elapsed, tau, |state| {
+                (level.method.supported)(body, state, &law, tau, memory)
             });
         }
 
@@ -132,11 +136,19 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             let stops = self.stops(segment, k, has(stuck, k), slip, tau);
             whole |= u64::from(stops) << k;
         }
-        let supported = ground.stop(segment, &contacts, held, whole, &after);
+        if whole != 0 || !ground.stop(segment, &contacts, &after) {
+            let operator = ground.operator(DMat3::from_quat(segment.state.rotation), held);
+            let u = operator.place.map(|place| after[usize::from(place)]);
+            let correction = ground.cancel(&operator, &u, whole);
+            operator.apply(&mut segment.state, &correction);
+            operator.add_to(&mut segment.impulse, &correction);
+        }
         let speed = |s: &BodyState| {
             s.velocity.length() + s.body_angular_velocity(body).length() * body.radius()
         };
-        if supported && speed(&segment.state) <= 1e-11 * self.acceleration * tau {
+        if speed(&segment.state) <= 1e-11 * self.acceleration * tau
+            && ground.supports(&segment.places, held)
+        {
             segment.state.velocity = DVec3::ZERO;
             segment.state.angular_momentum = DVec3::ZERO;
         }
@@ -178,11 +190,11 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
     /// have added is taken from the speed. That counts kinetic energy and that of the uniform
     /// acceleration; under a wrench or in wind, whose work is not known, it is not applied.
     pub(super) fn finish(&self, segment: &mut Segment<N>, tau: f64) {
-        let (ground, context) = (self.ground, self.ground.level().context);
+        let (ground, level) = (self.ground, self.ground.level());
         ground.recover(&mut segment.state, &mut segment.places, self.elapsed + tau);
-        if ground.is_fixed() && context.bounds_energy() {
+        if ground.is_fixed() && level.bounds_energy() {
             let (start, end) = (&self.state, &mut segment.state);
-            segment.repaired = limit_energy(context.body, start, end, context.force.acceleration());
+            segment.repaired = limit_energy(level.context.body, start, end, level.pull);
             if (end.position, end.rotation) == (start.position, start.rotation) {
                 segment.places = *self.places; // it may have been put back to where it was
             }

@@ -12,9 +12,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::geometry::Corner3;
-use super::super::projection::{least_along, stopped_along};
-use super::{Cone, answered, project, single};
+use super::super::projection::Pair;
+use super::{answered, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
@@ -24,27 +23,24 @@ const LARGEST_TURN: f64 = 0.7;
 /// b + Ap for two corners.
 pub(super) struct Edge<'a> {
     /// With the blocks of A.
-    pub(super) cone: &'a Cone<'a>,
-    pub(super) b: &'a Corner3,
+    pub(super) pair: &'a Pair,
+    pub(super) friction: f64,
+    /// A bound of A [1/kg].
+    pub(super) norm: f64,
+    pub(super) b: [DVec3; 2],
     /// The impulses of a similar problem, or zero.
-    pub(super) near: &'a Corner3,
+    pub(super) near: [DVec3; 2],
     /// |w| to which the law is to hold [m/s].
     pub(super) target: f64,
 }
 
 impl Edge<'_> {
-    /// From one corner to the other \[m\].
-    fn direction(&self) -> DVec3 {
-        let r = &self.cone.operator.lever;
-        r[1] - r[0]
-    }
-
     /// w = b + Ap.
     #[inline(always)]
     fn velocities(&self, p: [DVec3; 2]) -> [DVec3; 2] {
         [
-            self.b[0] + (self.cone.own[0] * p[0] + self.cone.other[0] * p[1]),
-            self.b[1] + (self.cone.own[1] * p[1] + self.cone.other[1] * p[0]),
+            self.b[0] + (self.pair.own[0] * p[0] + self.pair.other[0] * p[1]),
+            self.b[1] + (self.pair.own[1] * p[1] + self.pair.other[1] * p[0]),
         ]
     }
 
@@ -52,7 +48,7 @@ impl Edge<'_> {
     fn is_fast(&self) -> bool {
         let fast = |u: DVec3| u.x * u.x + u.z * u.z;
         let approach = (-self.b[0].y).max(-self.b[1].y);
-        let bound = 4.0 * self.cone.friction * approach;
+        let bound = 4.0 * self.friction * approach;
         fast(self.b[0]).min(fast(self.b[1])) > bound * bound
     }
 
@@ -81,20 +77,31 @@ impl Edge<'_> {
 
     /// The normal impulses that would stop both corners if there were no friction.
     fn smooth_normals(&self) -> [f64; 2] {
-        let [a, d] = self.cone.own.map(|m| m.y_axis.y);
-        let c = self.cone.other[0].y_axis.y;
+        let [a, d] = self.pair.own.map(|m| m.y_axis.y);
+        let c = self.pair.other[0].y_axis.y;
         let inverse = 1.0 / (a * d - c * c);
         let (x, y) = (-self.b[0].y, -self.b[1].y);
         [inverse * (d * x - c * y), inverse * (a * y - c * x)]
     }
 
+    /// The normal part of an impulse made positive, the tangential one cut to the disc that belongs to it.
+    fn project(&self, p: DVec3) -> DVec3 {
+        let n = p.y.max(0.0);
+        let t = (p.x * p.x + p.z * p.z).sqrt();
+        if t <= self.friction * n {
+            DVec3::new(p.x, n, p.z)
+        } else {
+            let scale = self.friction * n / t;
+            DVec3::new(scale * p.x, n, scale * p.z)
+        }
+    }
+
     /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
     fn obeys(&self, p: [DVec3; 2]) -> bool {
         let w = self.velocities(p);
-        let step = 1.0 / self.cone.norm;
-        let wrong =
-            |i: usize| (p[i] - project(p[i] - step * w[i], self.cone.friction)).length_squared();
-        self.cone.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
+        let step = 1.0 / self.norm;
+        let wrong = |i: usize| (p[i] - self.project(p[i] - step * w[i])).length_squared();
+        self.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
     }
 
     fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {
@@ -105,48 +112,25 @@ impl Edge<'_> {
     fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
         let j = 1 - i;
         let mut p = [DVec3::ZERO; 2];
-        p[j] = single::solve(
-            &self.cone.own[j],
-            self.b[j],
-            self.cone.friction,
-            self.near[j],
-        )?;
+        p[j] = single::solve(&self.pair.own[j], self.b[j], self.friction, self.near[j])?;
         self.checked(p)
     }
 
-    /// Both stick: w_0 = 0 for p_0, then w_1 = 0. Of all that do it the
-    /// smallest.
+    /// Both stick. Not checked further: two corners that keep their distance can be stopped, to the rounding of b. That
+    /// may be more than the target, where b is what is left of large velocities.
     fn both_stick(&self) -> Option<[DVec3; 2]> {
-        let mu = self.cone.friction;
-        let holds = |p: DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
-        let inverse = self.cone.own[0].inverse();
-        let (reduced, b) = self.without(0, &inverse);
-        let p1 = -(stopped_along(reduced, self.direction(), self.cone.own[1].y_axis.y) * b);
-        let p0 = -(inverse * (self.b[0] + self.cone.other[0] * p1));
-        let mut p = [p0, p1];
-        least_along(self.direction(), &mut p);
-        // No check: two corners that keep their distance can be stopped, to the rounding of b. That may be
-        // more than the target, where b is what is left of large velocities.
-        (holds(p[0]) && holds(p[1])).then_some(p)
-    }
-
-    /// A_jj − A_ji A_ii⁻¹ A_ij and b_j − A_ji A_ii⁻¹ b_i: corner j with corner `i` stuck.
-    fn without(&self, i: usize, inverse: &DMat3) -> (DMat3, DVec3) {
-        let j = 1 - i;
-        let through = self.cone.other[j] * *inverse;
-        (
-            self.cone.own[j] - through * self.cone.other[i],
-            self.b[j] - through * self.b[i],
-        )
+        let mu = self.friction;
+        let holds = |p: &DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
+        Some(self.pair.stop(self.b, true)).filter(|p| p.iter().all(holds))
     }
 
     /// Corner `i` sticks, the other one slides.
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
-        let inverse = self.cone.own[i].inverse();
-        let (reduced, b) = self.without(i, &inverse);
-        let slide = single::slide(&reduced, b, self.cone.friction, self.near[1 - i])?;
+        let inverse = self.pair.own[i].inverse();
+        let (reduced, b) = self.pair.without(i, &inverse, self.b);
+        let slide = single::slide(&reduced, b, self.friction, self.near[1 - i])?;
         let mut p = [slide; 2];
-        p[i] = -(inverse * (self.b[i] + self.cone.other[i] * slide));
+        p[i] = -(inverse * (self.b[i] + self.pair.other[i] * slide));
         self.checked(p)
     }
 
@@ -154,7 +138,7 @@ impl Edge<'_> {
     /// fast; otherwise after the normal impulses alone. `None` if one does not.
     fn first_directions(&self, smooth: [f64; 2]) -> Option<[(f64, f64); 2]> {
         let plane = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
-        let full = |p: DVec3| plane(p) >= (1.0 - 1e-12) * self.cone.friction * p.y && p.y > 0.0;
+        let full = |p: DVec3| plane(p) >= (1.0 - 1e-12) * self.friction * p.y && p.y > 0.0;
         let slip = if full(self.near[0]) && full(self.near[1]) {
             [-self.near[0], -self.near[1]]
         } else if self.is_fast() {
@@ -200,7 +184,7 @@ impl Edge<'_> {
 
     /// Everything as a function of the two directions: `None` if a normal impulse would not push.
     fn sliding(&self, t: [(f64, f64); 2]) -> Option<Sliding> {
-        let mu = self.cone.friction;
+        let mu = self.friction;
         // q_ij = A_ij s_j and its derivative by the angle of t̂_j
         let column = |a: &DMat3, (c, s): (f64, f64)| {
             (
@@ -208,10 +192,10 @@ impl Edge<'_> {
                 mu * (s * a.x_axis - c * a.z_axis),
             )
         };
-        let (q00, r00) = column(&self.cone.own[0], t[0]);
-        let (q11, r11) = column(&self.cone.own[1], t[1]);
-        let (q01, r01) = column(&self.cone.other[0], t[1]);
-        let (q10, r10) = column(&self.cone.other[1], t[0]);
+        let (q00, r00) = column(&self.pair.own[0], t[0]);
+        let (q11, r11) = column(&self.pair.own[1], t[1]);
+        let (q01, r01) = column(&self.pair.other[0], t[1]);
+        let (q10, r10) = column(&self.pair.other[1], t[0]);
         let determinant = q00.y * q11.y - q01.y * q10.y;
         if determinant.is_nan() || determinant <= 0.0 {
             return None;

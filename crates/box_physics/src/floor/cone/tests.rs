@@ -2,9 +2,14 @@
 
 use super::*;
 use crate::body::RigidBox;
-use crate::floor::Floor;
+use crate::floor::frame::{Frame, Method};
 use crate::floor::geometry::{Corners, mask};
+use crate::floor::ground::Level;
+use crate::floor::law::{Law, Solution};
 use crate::floor::tests::{Random, Solver};
+use crate::floor::{ContactSettings, Floor, FloorContext};
+use crate::force::Gravity;
+use crate::integrators::Split;
 use crate::state::BodyState;
 use glam::{DMat3, DQuat};
 
@@ -48,7 +53,15 @@ fn solve(operator: &DelassusOperator, b: &Corner3, mu: f64, max_iterations: u32)
         max_iterations,
         ..ContactSettings::DEFAULT
     };
-    Cone::new(operator, mu, &settings).solve(b, &[DVec3::ZERO; 8])
+    let context = FloorContext {
+        floor: &Floor::new(0.0, 0.0, mu).expect("valid"),
+        settings: &settings,
+        body: &RigidBox::default(),
+        force: &Gravity(DVec3::ZERO),
+    };
+    let method = Method::of::<Split>();
+    let level = Level::new(&context, &method, Frame::new(DVec3::ZERO, None));
+    Law::new(&level, operator, false).solve(b, &[DVec3::ZERO; 8])
 }
 
 #[test]

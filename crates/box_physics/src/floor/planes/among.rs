@@ -1,23 +1,59 @@
-//! Several planes as a [`Ground`]: a place for each corner over each plane, in world axes.
+//! Several planes as a [`Ground`]: a place for each corner over each plane, in world axes. Place 8j + k is corner k over
+//! plane j.
 
 use glam::{DMat3, DVec3};
 
-use super::Plane;
-use super::contacts::{Each, Gaps, NONE, PAIRS};
-use super::law::Law;
-use crate::floor::Floor;
+use super::{Plane, PlanesContext};
+use crate::body::RigidBox;
 use crate::floor::bounds::curvature_bound;
-use crate::floor::geometry::{each, has, set};
-use crate::floor::ground::{Ground, Level, Segment, Touching, Way};
-use crate::floor::newton::CoulombLaw;
+use crate::floor::events::{between_events, give_way};
+use crate::floor::frame::{Frame, Method};
+use crate::floor::geometry::{Places, corners, each, has, set, spans_face};
+use crate::floor::ground::{BodyStep, Ground, Level, Segment};
+use crate::floor::law::Law;
 use crate::floor::operator::DelassusOperator;
 use crate::floor::projection::cancel_iteratively;
+use crate::floor::{ContactReport, Floor, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
-use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
+
+/// Planes that may be near at once: as many as a closed box has.
+pub(super) const PLANES: usize = 6;
+const PLACES: usize = 8 * PLANES;
+
+/// One vector a place.
+type Each = [DVec3; PLACES];
+
+/// Where all corners are over all planes.
+pub(in crate::floor) type Gaps = Places<PLACES>;
+
+impl Gaps {
+    /// `elapsed` \[s\] after the planes were where they say.
+    pub(in crate::floor) fn over(
+        planes: &[Plane],
+        body: &RigidBox,
+        state: &BodyState,
+        elapsed: f64,
+    ) -> Self {
+        let mut new = Self::turned(body, DMat3::from_quat(state.rotation));
+        new.move_to(planes, state, elapsed);
+        new
+    }
+
+    /// The same attitude at the place of `state`.
+    fn move_to(&mut self, planes: &[Plane], state: &BodyState, elapsed: f64) {
+        for (j, plane) in planes.iter().enumerate() {
+            let base = plane.height(state.position) - plane.rise() * elapsed;
+            for k in 0..8 {
+                self.height[8 * j + k] = base + plane.shape.normal.dot(self.lever(k));
+            }
+        }
+    }
+}
 
 /// The body among the planes.
 pub(super) struct Among<'a, F> {
+    /// A floor at rest, which does not count.
     pub(super) world: Level<'a, F>,
     pub(super) planes: &'a [Plane],
 }
@@ -26,23 +62,66 @@ impl<F: ForceModel> Among<'_, F> {
     fn over_all(&self, f: impl Fn(&Plane) -> f64) -> f64 {
         self.planes.iter().map(f).fold(0.0, f64::max)
     }
-
-    /// Impulses p with u + Wp = 0 along the normals, and altogether at the places in `whole`.
-    fn cancel(&self, operator: &DelassusOperator<PAIRS>, u: &Each, whole: u64) -> Each {
-        cancel_iteratively(operator, operator.bound(), u, |i, v| {
-            let place = usize::from(operator.place[i]);
-            if has(whole, place) {
-                v
-            } else {
-                let normal = self.normal(place);
-                normal * normal.dot(v)
-            }
-        })
-    }
 }
 
-impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
+/// One step among several planes: the events of the floor, with the contacts of all planes. Returns the normal forces at
+/// the corners \[N\] with the direction of their sum if it ends at rest. `world` has a floor at rest, which does not count.
+pub(super) fn step<F: ForceModel>(
+    context: &PlanesContext<'_, F>,
+    world: &FloorContext<'_, F>,
+    planes: &[Plane],
+    method: &Method<F>,
+    step: BodyStep<'_>,
+) -> (FloorOutcome, Option<([f64; 8], DVec3)>) {
+    let h = step.h;
+    let tolerances = planes.iter().map(|p| context.tolerance(step.state, p));
+    let tolerance = tolerances.fold(0.0, f64::max);
+    let frame = Frame::new(DVec3::ZERO, None);
+    let among = Among {
+        world: Level {
+            tolerance,
+            ..Level::new(world, method, frame)
+        },
+        planes,
+    };
+    let mut outcome = FloorOutcome::default();
+    let mut impulses = ContactReport {
+        normal: DVec3::ZERO,
+        ..ContactReport::default()
+    };
+    let mut gaps = among.places(step.state, 0.0);
+    among.recover(step.state, &mut gaps, 0.0);
+    let report = step.report;
+    let mut step = BodyStep {
+        report: Some(&mut impulses),
+        ..step
+    };
+    let loads = if gaps.lowest() < -tolerance {
+        // Planes that leave no room for the box do not hold it.
+        gaps = give_way(&among, &mut step, h, &mut outcome);
+        None
+    } else {
+        between_events(&among, &mut step, &mut gaps, h, None, &mut outcome)
+    };
+    if loads.is_none() {
+        among.recover(step.state, &mut gaps, h);
+    }
+    let now = corners::<PLACES>(gaps.touching(2.0 * tolerance));
+    step.contact.touching = now;
+    let center = step.state.position;
+    let lowest = among.normal(gaps.deepest().0);
+    let direction = impulses.normal.try_normalize().unwrap_or(lowest);
+    if let Some(report) = report {
+        impulses.end(|k| center + gaps.lever(k), now);
+        impulses.normal = direction;
+        *report = impulses;
+    }
+    (outcome, loads.map(|loads| (loads, direction)))
+}
+
+impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
     type Force = F;
+    type Blocks = ();
     type Held = ();
     const MAX_EVALUATIONS: u64 = 4_000;
 
@@ -50,8 +129,8 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         &self.world
     }
 
-    fn order(places: u64) -> (usize, [u8; PAIRS]) {
-        let (mut count, mut order) = (0, [0; PAIRS]);
+    fn order(places: u64) -> (usize, [u8; PLACES]) {
+        let (mut count, mut order) = (0, [0; PLACES]);
         for i in each(places) {
             order[count] = i as u8;
             count += 1;
@@ -80,14 +159,14 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
         Gaps::over(self.planes, self.world.context.body, state, elapsed)
     }
 
-    fn recover(&self, state: &mut BodyState, gaps: &mut Gaps, elapsed: f64) {
-        gaps.leave(self.planes, state, elapsed);
+    fn shift(&self, gaps: &mut Gaps, state: &BodyState, elapsed: f64) {
+        gaps.move_to(self.planes, state, elapsed);
     }
 
-    fn normal_velocities(&self, state: &BodyState, gaps: &Gaps) -> [f64; PAIRS] {
+    fn normal_velocities(&self, state: &BodyState, gaps: &Gaps) -> [f64; PLACES] {
         let omega = state.angular_velocity(self.world.context.body);
         let twist = (state.velocity, omega);
-        let mut speed = [0.0; PAIRS];
+        let mut speed = [0.0; PLACES];
         for i in 0..8 * self.planes.len() {
             speed[i] = self.normal(i).dot(self.relative(i, gaps, twist));
         }
@@ -95,74 +174,67 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
     }
 
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64 {
-        let (body, force) = (self.world.context.body, self.world.context.force);
-        self.over_all(|plane| curvature_bound(body, state, acceleration, force, plane.shape.normal))
+        let (body, pull) = (self.world.context.body, self.world.pull);
+        self.over_all(|plane| curvature_bound(body, state, acceleration, pull, plane.shape.normal))
     }
 
     fn height(&self, center: DVec3) -> f64 {
         self.over_all(|plane| plane.height(center))
     }
 
-    fn law<'a>(
-        &'a self,
-        operator: &'a DelassusOperator<PAIRS>,
-        grips: bool,
-    ) -> impl CoulombLaw<PAIRS> + 'a {
-        let friction = |floor: &Floor| if grips { floor.grip() } else { floor.friction };
-        Law::new(operator, self.planes, friction, self.world.context.settings)
-    }
-
-    fn way(&self, at: &Touching<PAIRS>, [first, last]: [&Each; 2]) -> Way {
-        let (operator, before) = (at.operator, &at.before);
-        let mut d = *last;
-        for i in 0..operator.count {
-            d[i] -= first[i];
-        }
-        let dot = |p: &Each, q: &Each| operator.dot(p, q);
-        let gain = |p: &Each| dot(p, before) + 0.5 * dot(p, &operator.response(p));
-        Way {
-            a: 0.5 * dot(&d, &operator.response(&d)),
-            b: dot(&d, before) + dot(&d, &operator.response(first)),
-            lost: gain(first),
-            gained: gain(last),
+    /// Two planes after one another may bring the first one back: each twice.
+    fn separate(&self, state: &mut BodyState) {
+        for plane in self.planes.iter().chain(self.planes) {
+            let normal = plane.shape.normal;
+            let approach = (state.velocity - plane.surface.velocity).dot(normal);
+            state.velocity -= normal * approach.min(0.0);
         }
     }
 
-    /// Three corners at one plane.
     fn on_faces(&self, touching: u64) -> u64 {
-        let face = |i: usize| (touching >> (8 * (i / 8)) & 0xff).count_ones() >= 3;
-        touching & set::<PAIRS>(face)
+        touching & set::<PLACES>(|i| spans_face((touching >> (8 * (i / 8))) as u8))
     }
 
-    fn strike(&self, state: &mut BodyState, at: &Touching<PAIRS>, p: &Each, stopped: u64) -> Each {
-        at.operator.apply(state, p);
-        let mut impulse = at.operator.by_place(p);
-        if stopped != 0 {
-            let operator = self.operator(DMat3::from_quat(state.rotation), stopped);
-            let twist = (
-                state.velocity,
-                state.angular_velocity(self.world.context.body),
-            );
-            let held = self.cancel(&operator, &self.velocities(&operator, twist), 0);
-            operator.apply(state, &held);
-            operator.add_to(&mut impulse, &held);
-        }
-        impulse
+    /// The corners span a plane: then no turn leaves all of them where they are, and the body is not merely balanced.
+    fn supports(&self, gaps: &Gaps, held: u64) -> bool {
+        let Some(first) = each(held).next() else {
+            return false;
+        };
+        let arm = |i: usize| gaps.lever(i) - gaps.lever(first);
+        let longer = |a: DVec3, b: DVec3| {
+            if b.length_squared() > a.length_squared() {
+                b
+            } else {
+                a
+            }
+        };
+        let far = each(held).map(arm).fold(DVec3::ZERO, longer);
+        let least = 1e-3 * far.length_squared();
+        self.is_fixed() && each(held).any(|i| far.cross(arm(i)).length() > least)
     }
 
-    fn slips(&self, k: usize, u: DVec3, still: f64) -> bool {
-        self.along(k, u).length() > still
-    }
+    fn blocks(&self, _: &DelassusOperator<PLACES>) {}
 
-    fn holds_still(
+    fn direct(
         &self,
-        operator: &DelassusOperator<PAIRS>,
-        _: &Each,
-        (v, omega): (DVec3, DVec3),
-        still: f64,
-    ) -> bool {
-        let speed = v.length() + omega.length() * self.world.context.body.radius();
-        self.is_fixed() && operator.support() && speed <= still
+        _: &Law<'_, Self, PLACES>,
+        _: (&Each, &Each),
+        _: f64,
+        _: &mut Each,
+    ) -> Option<()> {
+        None
+    }
+
+    fn cancel(&self, operator: &DelassusOperator<PLACES>, u: &Each, whole: u64) -> Each {
+        cancel_iteratively(operator, u, |i, v| {
+            let place = usize::from(operator.place[i]);
+            let normal = self.normal(place);
+            if has(whole, place) {
+                v
+            } else {
+                normal * normal.dot(v)
+            }
+        })
     }
 
     /// By Newton's method on their heights.
@@ -174,48 +246,13 @@ impl<F: ForceModel> Ground<PAIRS> for Among<'_, F> {
             if worst <= 4.0 * f64::EPSILON * scale {
                 break;
             }
-            let attitude = DMat3::from_quat(state.rotation);
-            let operator = self.operator(attitude, held);
-            let mut gap = NONE;
-            for i in 0..operator.count {
-                let place = usize::from(operator.place[i]);
-                gap[i] = self.normal(place) * gaps.height[place];
-            }
-            let (shift, turn) = operator.twist(&self.cancel(&operator, &gap, 0));
-            state.position += shift;
-            if turn != DVec3::ZERO {
-                // World turn: q ← exp(turn)∘q. The angular momentum keeps its body components.
-                state.rotation = compose(exponential_map(turn), state.rotation);
-                state.renormalize();
-            }
+            self.lower(state, held, &gaps.height);
             gaps = self.places(state, elapsed);
         }
         (gaps, ())
     }
 
-    fn stop(
-        &self,
-        segment: &mut Segment<PAIRS>,
-        (): &(),
-        held: u64,
-        whole: u64,
-        after: &Each,
-    ) -> bool {
-        let attitude = DMat3::from_quat(segment.state.rotation);
-        let operator = self.operator(attitude, held);
-        let u = operator.place.map(|place| after[usize::from(place)]);
-        let correction = self.cancel(&operator, &u, whole);
-        operator.apply(&mut segment.state, &correction);
-        operator.add_to(&mut segment.impulse, &correction);
-        self.is_fixed() && operator.support()
-    }
-
-    /// Two planes after one another may bring the first one back: each twice.
-    fn separate(&self, state: &mut BodyState) {
-        for plane in self.planes.iter().chain(self.planes) {
-            let normal = plane.shape.normal;
-            let approach = (state.velocity - plane.surface.velocity).dot(normal);
-            state.velocity -= normal * approach.min(0.0);
-        }
+    fn stop(&self, _: &mut Segment<PLACES>, (): &(), _: &Each) -> bool {
+        false
     }
 }

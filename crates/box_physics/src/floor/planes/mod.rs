@@ -3,20 +3,16 @@
 //! ```text
 //! reach: the planes that the box can come near in this step, whatever it strikes on the way
 //!   it may fly past all → the integrator's plain step
-//!   one                 → step_on_floor, in the axes of that plane (frame)
-//!   several             → the same events with the contacts of all of them (step, among, law)
+//!   one                 → step_on_floor, in the axes of that plane
+//!   several             → the same events with the contacts of all of them (among)
 //! ```
 //!
 //! A *contact* is a corner at a plane. Over several planes everything is in world axes, and each contact has its own
 //! normal, friction and restitution.
 
 mod among;
-mod contacts;
-mod frame;
-mod law;
 mod plane;
 mod ride;
-mod step;
 
 #[cfg(test)]
 mod tests;
@@ -26,20 +22,18 @@ pub use plane::{Plane, StaticPlane};
 use glam::{DMat3, DVec3};
 
 use super::bounds::{acceleration_bound, curvature_bound};
+use super::flight::may_touch_plane;
 use super::frame::Method;
-use super::ground::BodyStep;
+use super::ground::{BodyStep, Level};
 use super::step::On;
-use super::{
-    ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome,
-    may_touch_plane, step_on_floor,
-};
+use super::{ContactReport, ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, fingerprint};
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
 #[cfg(test)]
-pub(super) use contacts::Gaps;
-use contacts::PLANES;
+pub(super) use among::Gaps;
+use among::PLANES;
 
 /// A body, its force model and the planes around it: what a step among planes reads. More than six that are within reach
 /// at once are not told from one another: the six nearest count.
@@ -164,21 +158,11 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     report: Option<&mut ContactReport>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
-    let &PlanesContext {
-        settings,
-        body,
-        force,
-        ..
-    } = context;
+    let (body, force) = (context.body, context.force);
     let level = Floor::default();
-    let mut at_one = FloorContext {
-        floor: &level,
-        settings,
-        body,
-        force,
-    };
+    let world = context.over(&level);
     let all = fingerprint(context.planes.iter().flat_map(Plane::numbers));
-    if contact.still_rests(&at_one, Some(all), state) {
+    if contact.still_rests(&world, Some(all), state) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
         return outcome;
@@ -190,8 +174,8 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     if let [plane] = near.planes()
         && plane.axes.is_none()
     {
-        at_one.floor = &plane.surface;
-        return step_on_floor::<S, F>(&at_one, state, h, memory, contact, report);
+        let floor = context.over(&plane.surface);
+        return step_on_floor::<S, F>(&floor, state, h, memory, contact, report);
     }
     let carrier = match near.planes() {
         [plane] if plane.moves() => Some(plane),
@@ -219,16 +203,28 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         tried = outcome.step;
     }
     let method = Method::of::<S>();
-    let step = BodyStep::new(state, h, memory, contact, report);
+    let mut step = BodyStep {
+        state,
+        h,
+        memory,
+        contact,
+        report,
+    };
     let reaction = match near.planes() {
         [plane] => {
-            outcome = frame::step_at(context, plane, &method, step);
-            let rest = contact.rest.take();
-            rest.map(|rest| (rest.reaction, plane.shape.normal))
+            let (floor, frame) = plane.level(step.state);
+            let floor = context.over(&floor);
+            let loads;
+            (outcome, loads) = Level::new(&floor, &method, frame).step(&mut step, None);
+            let normal = plane.shape.normal;
+            if let Some(report) = step.report {
+                report.normal = normal;
+            }
+            loads.map(|loads| (loads, normal))
         }
         planes => {
             let reaction;
-            (outcome, reaction) = step::step(context, &at_one, planes, &method, step);
+            (outcome, reaction) = among::step(context, &world, planes, &method, step);
             reaction
         }
     };
@@ -238,7 +234,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         outcome.resting = true;
         match carrier {
             Some(plane) => contact.rest_on(context, plane, state, h, reaction),
-            None => contact.establish_rest(&at_one, Some((all, normal)), state, 0.0, reaction),
+            None => contact.establish_rest(&world, Some((all, normal)), state, 0.0, reaction),
         }
     }
     outcome
@@ -249,7 +245,8 @@ impl<F: ForceModel> PlanesContext<'_, F> {
     /// floor.
     fn clears(&self, planes: &[Plane], start: &BodyState, end: &BodyState, h: f64) -> bool {
         let body = self.body;
-        let pull = acceleration_bound(body, start, self.force);
+        let bound = acceleration_bound(body, start, self.force);
+        let pull = self.force.acceleration();
         let axes = [start, end].map(|s| DMat3::from_quat(s.rotation));
         planes.iter().all(|plane| {
             let normal = plane.shape.normal;
@@ -257,7 +254,7 @@ impl<F: ForceModel> PlanesContext<'_, F> {
             let before = plane.height(start.position) - reach(body, &axes[0], normal);
             let after =
                 plane.height(end.position) - plane.rise() * h - reach(body, &axes[1], normal);
-            let curvature = curvature_bound(body, start, pull, self.force, normal);
+            let curvature = curvature_bound(body, start, bound, pull, normal);
             before > margin
                 && after > margin
                 && before.sqrt() + after.sqrt() >= h * (0.5 * curvature).sqrt()
@@ -276,7 +273,13 @@ impl Integrator {
         contact: &mut ContactState,
         report: Option<&mut ContactReport>,
     ) -> FloorOutcome {
-        let step = BodyStep::new(state, h, memory, contact, report);
+        let step = BodyStep {
+            state,
+            h,
+            memory,
+            contact,
+            report,
+        };
         self.dispatch(On(context, step))
     }
 }

@@ -5,6 +5,7 @@ use glam::{DQuat, DVec3};
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
 use crate::error::InvalidValue;
+use crate::floor::frame::{Axes, Frame};
 use crate::floor::{Floor, Friction, Restitution};
 use crate::state::BodyState;
 
@@ -264,6 +265,20 @@ impl Plane {
     /// Whether it has a velocity.
     pub(super) fn moves(&self) -> bool {
         self.shape.velocity != DVec3::ZERO
+    }
+
+    /// Its surface as a floor in the frame in which it is level and at rest.
+    pub(super) fn level(&self, state: &BodyState) -> (Floor, Frame) {
+        let axes = Axes {
+            turn: self.axes.unwrap_or(DQuat::IDENTITY),
+            origin: self.shape.point,
+            height: self.scale(state),
+        };
+        let floor = Floor {
+            height: axes.height,
+            ..self.surface
+        };
+        (floor, Frame::new(self.surface.velocity, Some(axes)))
     }
 
     /// The same plane wherever it is.

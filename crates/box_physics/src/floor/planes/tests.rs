@@ -190,10 +190,9 @@ fn cost_among_planes_by_hand() {
 #[test]
 fn coulombs_law_holds_with_several_normals() {
     use super::among::Among;
-    use super::contacts::NONE;
-    use super::law::Law;
+    use crate::floor::frame::Frame;
     use crate::floor::ground::Ground;
-    use crate::floor::newton::CoulombLaw;
+    use crate::floor::law::Law;
     use crate::floor::operator::DelassusOperator;
     let mut random = Random(9);
     let settings = ContactSettings::default();
@@ -224,8 +223,22 @@ fn coulombs_law_holds_with_several_normals() {
             let order = Among::<Gravity>::order(gaps.touching(1e-9));
             let operator = DelassusOperator::at(&body, attitude, order);
             let b = operator.velocities((state.velocity, state.angular_velocity(&body)));
-            let law = Law::new(&operator, &planes, |floor| floor.friction, &settings);
-            solver.note(&operator, &b, &law.solve(&b, &NONE), |i| law.surface(i));
+            let context = PlanesContext {
+                planes: &planes,
+                settings: &settings,
+                body: &body,
+                force: &Gravity(DVec3::ZERO),
+            };
+            let floor = Floor::default();
+            let world = context.over(&floor);
+            let (method, frame) = (Method::of::<Split>(), Frame::new(DVec3::ZERO, None));
+            let among = Among {
+                world: Level::new(&world, &method, frame),
+                planes: &planes,
+            };
+            let mut law = Law::new(&among, &operator, false);
+            let found = law.solve(&b, &[DVec3::ZERO; _]);
+            solver.note(&operator, &b, &found, |i| law.surface(i));
         }
         solver.print(mu);
         assert!(solver.failed == 0 && solver.worst < 1e-9);

@@ -11,7 +11,7 @@ mod slide;
 use glam::{DQuat, DVec3};
 
 use super::geometry::Corners;
-use super::newton::Solution;
+use super::law::Solution;
 use super::operator::DelassusOperator;
 use super::planes::Gaps;
 use super::{

@@ -130,7 +130,7 @@ fn storm_by_hand() {
 #[test]
 #[ignore = "prints counts"]
 fn which_case_answers_by_hand() {
-    use super::super::cone::ANSWERS;
+    use super::super::law::ANSWERS;
     for storms in [false, true] {
         ANSWERS.take();
         if storms {
