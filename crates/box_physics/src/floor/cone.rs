@@ -14,6 +14,10 @@ use super::operator::DelassusOperator;
 use super::projection::Pair;
 
 /// W of no more than two corners.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one on the stack for an impact or a segment"
+)]
 pub(super) enum Blocks {
     One(DMat3),
     Two(Pair),

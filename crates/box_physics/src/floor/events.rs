@@ -61,7 +61,8 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             break;
         }
         let touching = places.touching(2.0 * tolerance);
-        let normal = ground.normal_velocities(step.state, places);
+        let twist = ground.twist(step.state);
+        let normal = ground.normal_velocities(twist, places);
         let mut in_world = *step.state;
         level.frame.to_world(&mut in_world, elapsed);
         let pull = acceleration_bound(body, &in_world, force);
@@ -72,7 +73,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         if touching & set::<N>(|i| normal[i] < -hold) != 0 {
             let ordinary = outcome.impacts < settings.max_impacts;
             outcome.impacts_capped += u32::from(!ordinary);
-            let hit = resolve_impact(ground, step.state, touching, ordinary);
+            let hit = resolve_impact(ground, step.state, twist, touching, ordinary);
             if let Some(report) = &mut step.report {
                 let fastest = each(touching).fold(0.0, |a: f64, i| a.max(-normal[i]));
                 report.strike(elapsed, fastest);
@@ -225,7 +226,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
         if !held {
             // With corners held it tells no more than the velocities at the start.
-            search.end_rate = ground.normal_velocities(&whole.state, &whole.places);
+            search.end_rate = ground.normal_velocities(ground.twist(&whole.state), &whole.places);
         }
         let (tau, segment, capped) = search.run(whole, height, other(), |t, segment| {
             self.spent(outcome, t, segment);

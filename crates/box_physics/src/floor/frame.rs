@@ -51,7 +51,6 @@ pub(super) struct Axes {
 }
 
 /// From a frame to the world and back. Where the two are the same, no bit changes.
-#[derive(Clone, Copy)]
 pub(super) struct Frame {
     /// The velocity of the surface [m/s], world axes.
     velocity: DVec3,

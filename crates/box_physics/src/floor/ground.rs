@@ -45,8 +45,8 @@ impl<'a, F: ForceModel> Level<'a, F> {
         Self {
             context,
             method,
-            frame,
             pull: frame.vector_to_surface(context.force.acceleration()),
+            frame,
             tolerance: context.tolerated_height(),
         }
     }
@@ -79,8 +79,8 @@ pub(super) trait Ground<const N: usize>: Sized {
     fn places(&self, state: &BodyState, elapsed: f64) -> Places<N>;
     /// Corrects them after a change of the position alone.
     fn shift(&self, places: &mut Places<N>, state: &BodyState, elapsed: f64);
-    /// The velocities at all places along the normals [m/s].
-    fn normal_velocities(&self, state: &BodyState, places: &Places<N>) -> [f64; N];
+    /// The velocities at all places along the normals for the twist (v, ω) [m/s].
+    fn normal_velocities(&self, twist: (DVec3, DVec3), places: &Places<N>) -> [f64; N];
     /// The largest bound of the acceleration of corners along a normal [m/s²]; `acceleration` bounds that of the forces.
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64;
     /// The largest height of the center over a surface \[m\].
@@ -116,6 +116,13 @@ pub(super) trait Ground<const N: usize>: Sized {
     fn operator(&self, attitude: DMat3, places: u64) -> DelassusOperator<N> {
         let body = self.level().context.body;
         DelassusOperator::at(body, attitude, Self::order(places))
+    }
+
+    /// The motion (v, ω) of a state.
+    #[inline]
+    fn twist(&self, state: &BodyState) -> (DVec3, DVec3) {
+        let body = self.level().context.body;
+        (state.velocity, state.angular_velocity(body))
     }
 
     /// The part of a vector along the surface at a place.

@@ -21,13 +21,14 @@ pub(super) struct ImpactOutcome<const N: usize> {
     pub(super) iterations: u32,
 }
 
-/// Solves and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction in the
+/// Solves it for the motion `twist` and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction in the
 /// round cone against the slip afterwards u⁺_t (Coulomb), within the energy that the [`RestitutionLaw`] allows, with the
 /// largest restitution of the surfaces that are struck faster than the threshold. If the impact is not `ordinary`,
 /// because there were too many in the step, all touching corners stop along the normal.
 pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     ground: &G,
     state: &mut BodyState,
+    twist: (DVec3, DVec3),
     touching: u64,
     ordinary: bool,
 ) -> ImpactOutcome<N> {
@@ -36,7 +37,6 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     let operator = &ground.operator(attitude, touching);
     let n = operator.count;
     let place = |i: usize| usize::from(operator.place[i]);
-    let twist = (state.velocity, state.angular_velocity(body));
     let before = ground.velocities(operator, twist);
     let mut normal = [0.0; N];
     let (mut fastest, mut extreme) = (0.0_f64, 0.0_f64);

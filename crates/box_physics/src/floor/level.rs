@@ -54,9 +54,8 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         corners.rise(self.context.floor, state);
     }
 
-    fn normal_velocities(&self, state: &BodyState, corners: &Corners) -> [f64; 8] {
-        let omega = state.angular_velocity(self.context.body);
-        core::array::from_fn(|k| state.velocity.y + omega.cross(corners.lever(k)).y)
+    fn normal_velocities(&self, (v, omega): (DVec3, DVec3), corners: &Corners) -> [f64; 8] {
+        core::array::from_fn(|k| v.y + omega.cross(corners.lever(k)).y)
     }
 
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64 {

@@ -75,7 +75,8 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
         contact,
         report,
     };
-    let (mut outcome, loads) = level.step(&mut step, flown);
+    let loads = level.step(&mut step, flown, &mut outcome);
+    outcome.count_once();
     if let Some(loads) = loads {
         outcome.resting = true;
         contact.establish_rest(context, None, state, h, loads);
@@ -119,18 +120,17 @@ impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {
 }
 
 impl<F: ForceModel> Level<'_, F> {
-    /// The step of a box that touches the surface or may, and the forces at its corners \[N\] if it ends at rest. `flown`
-    /// is the plain step, if it is known.
+    /// The step of a box that touches the surface or may. `flown` is the plain step, if it is known. Returns the forces at
+    /// the corners \[N\] if it ends at rest.
     pub(super) fn step(
         &self,
         step: &mut BodyStep<'_>,
         flown: Option<Flown>,
-    ) -> (FloorOutcome, Option<[f64; 8]>) {
+        outcome: &mut FloorOutcome,
+    ) -> Option<[f64; 8]> {
         let frame = &self.frame;
         if frame.is_world() {
-            let (mut outcome, loads) = self.in_frame(step, flown);
-            outcome.count_once();
-            return (outcome, loads);
+            return self.in_frame(step, flown, outcome);
         }
         let world = *step.state;
         frame.to_surface(step.state, 0.0);
@@ -139,8 +139,7 @@ impl<F: ForceModel> Level<'_, F> {
             frame.to_surface(&mut flown.state, step.h);
             flown
         });
-        let (mut outcome, loads) = self.in_frame(step, flown);
-        outcome.count_once();
+        let loads = self.in_frame(step, flown, outcome);
         if let Some(report) = &mut step.report {
             report.tangential_impulse = frame.vector(report.tangential_impulse);
         }
@@ -152,17 +151,18 @@ impl<F: ForceModel> Level<'_, F> {
                 step.state.renormalize();
             }
         }
-        (outcome, loads)
+        loads
     }
 
     /// The step in the frame of the surface.
+    #[inline]
     fn in_frame(
         &self,
         step: &mut BodyStep<'_>,
         flown: Option<Flown>,
-    ) -> (FloorOutcome, Option<[f64; 8]>) {
+        outcome: &mut FloorOutcome,
+    ) -> Option<[f64; 8]> {
         let (h, touching) = (step.h, step.contact.touching);
-        let mut outcome = FloorOutcome::default();
         let mut remaining = h;
         if let Some(report) = &mut step.report {
             **report = ContactReport::default();
@@ -181,11 +181,10 @@ impl<F: ForceModel> Level<'_, F> {
                 }
             }
             if remaining == 0.0 {
-                return (outcome, None);
+                return None;
             }
         }
-        let loads = self.by_events(step, remaining, flown, &mut outcome);
-        (outcome, loads)
+        self.by_events(step, remaining, flown, outcome)
     }
 
     /// The last `remaining` \[s\] of the step, event after event.

@@ -105,11 +105,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
     /// Whether a corner that may be held slips.
     fn slips(&self) -> bool {
         let ground = self.ground;
-        let state = &self.state;
-        let twist = (
-            state.velocity,
-            state.angular_velocity(ground.level().context.body),
-        );
+        let twist = ground.twist(&self.state);
         each(self.candidates).any(|k| {
             let slip = ground.along(k, ground.relative(k, self.places, twist));
             slip.length() > self.still_speed
@@ -126,8 +122,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
         let (places, contacts) = ground.project(&mut segment.state, held, end);
         segment.places = places;
-        let twist = |s: &BodyState| (s.velocity, s.angular_velocity(body));
-        let (old, new) = (twist(&self.state), twist(&segment.state));
+        let (old, new) = (ground.twist(&self.state), ground.twist(&segment.state));
         let (mut whole, mut after) = (0, [DVec3::ZERO; N]);
         for k in each(held) {
             after[k] = ground.relative(k, &segment.places, new);

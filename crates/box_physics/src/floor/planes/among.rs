@@ -163,9 +163,7 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         gaps.move_to(self.planes, state, elapsed);
     }
 
-    fn normal_velocities(&self, state: &BodyState, gaps: &Gaps) -> [f64; PLACES] {
-        let omega = state.angular_velocity(self.world.context.body);
-        let twist = (state.velocity, omega);
+    fn normal_velocities(&self, twist: (DVec3, DVec3), gaps: &Gaps) -> [f64; PLACES] {
         let mut speed = [0.0; PLACES];
         for i in 0..8 * self.planes.len() {
             speed[i] = self.normal(i).dot(self.relative(i, gaps, twist));

@@ -214,8 +214,9 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         [plane] => {
             let (floor, frame) = plane.level(step.state);
             let floor = context.over(&floor);
-            let loads;
-            (outcome, loads) = Level::new(&floor, &method, frame).step(&mut step, None);
+            let level = Level::new(&floor, &method, frame);
+            outcome = FloorOutcome::default();
+            let loads = level.step(&mut step, None, &mut outcome);
             let normal = plane.shape.normal;
             if let Some(report) = step.report {
                 report.normal = normal;
