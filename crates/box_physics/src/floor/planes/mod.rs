@@ -68,6 +68,16 @@ impl Near {
         &self.planes[..self.count]
     }
 
+    /// The velocity with which all of them move, if it is one [m/s].
+    fn velocity(&self) -> DVec3 {
+        let mut velocities = self.planes().iter().map(|plane| plane.shape.velocity);
+        let first = velocities.next().unwrap_or(DVec3::ZERO);
+        match velocities.all(|v| v == first) {
+            true => first,
+            false => DVec3::ZERO,
+        }
+    }
+
     /// Adds a plane; of too many the farthest is left out.
     fn add(&mut self, plane: &Plane, gap: f64) {
         let farther = |far: usize, k: usize| if self.gap[k] > self.gap[far] { k } else { far };
@@ -177,7 +187,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         body,
         force,
     };
-    let all = fingerprint(context.planes.iter().flat_map(Plane::numbers));
+    let all = fingerprint(context.planes.iter().copied().flat_map(Plane::numbers));
     if contact.still_rests(&at_one, Some(all), state) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
@@ -193,13 +203,9 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         at_one.floor = &plane.surface;
         return step_on_floor::<S, F>(&at_one, state, h, memory, contact, report);
     }
-    let carrier = match near.planes() {
-        [plane] if plane.moves() => Some(plane),
-        _ => None,
-    };
-    if let Some(plane) = carrier
-        && contact.rides(context, plane, state, h)
-    {
+    let carried = near.velocity();
+    // Planes that move and are far away do not disturb it either.
+    if contact.rides(context, near.planes(), carried, state, h) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
         return outcome;
@@ -228,7 +234,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         }
         planes => {
             let reaction;
-            (outcome, reaction) = step::step(context, &at_one, planes, &method, step);
+            (outcome, reaction) = step::step(context, planes, carried, &method, step);
             reaction
         }
     };
@@ -236,9 +242,20 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     outcome.count_once();
     if let Some((reaction, normal)) = reaction {
         outcome.resting = true;
-        match carrier {
-            Some(plane) => contact.rest_on(context, plane, state, h, reaction),
-            None => contact.establish_rest(&at_one, Some((all, normal)), state, 0.0, reaction),
+        if context.planes.iter().all(Plane::is_fixed) {
+            contact.establish_rest(&at_one, Some((all, normal)), state, 0.0, reaction);
+        } else {
+            let (on, _) = context.support(near.planes(), state, h);
+            let frame = Floor::default().with_velocity(carried);
+            state.velocity = DVec3::ZERO; // in the frame of the planes
+            contact.establish_rest(
+                &context.over(&frame),
+                Some((on, normal)),
+                state,
+                0.0,
+                reaction,
+            );
+            state.velocity = carried;
         }
     }
     outcome

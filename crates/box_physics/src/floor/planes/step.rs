@@ -3,21 +3,21 @@
 use glam::DVec3;
 
 use super::among::Among;
-use super::contacts::{Gaps, PAIRS};
+use super::contacts::{Gaps, PAIRS, PLANES};
 use super::{Plane, PlanesContext};
 use crate::floor::events::{between_events, give_way};
 use crate::floor::frame::Method;
 use crate::floor::geometry::corners;
 use crate::floor::ground::{BodyStep, Ground, Level};
-use crate::floor::{ContactReport, FloorContext, FloorOutcome};
+use crate::floor::{ContactReport, Floor, FloorOutcome};
 use crate::force::ForceModel;
 
-/// The step, and the normal forces at the corners \[N\] with the direction of their sum if it ends at rest. `world` has
-/// a floor at rest, which does not count.
+/// The step, and the normal forces at the corners \[N\] with the direction of their sum if it ends at rest. It is done in
+/// a frame with the velocity `carried` [m/s].
 pub(super) fn step<F: ForceModel>(
     context: &PlanesContext<'_, F>,
-    world: &FloorContext<'_, F>,
     planes: &[Plane],
+    carried: DVec3,
     method: &Method<F>,
     step: BodyStep<'_>,
 ) -> (FloorOutcome, Option<([f64; 8], DVec3)>) {
@@ -30,9 +30,17 @@ pub(super) fn step<F: ForceModel>(
     } = step;
     let tolerances = planes.iter().map(|plane| context.tolerance(state, plane));
     let tolerance = tolerances.fold(0.0, f64::max);
+    let floor = Floor::default().with_velocity(carried);
+    let frame = &context.over(&floor);
+    let mut seen = [Plane::from(floor); PLANES];
+    for (seen, plane) in seen.iter_mut().zip(planes) {
+        *seen = plane.seen_from(carried);
+    }
+    let planes = &seen[..planes.len()];
+    frame.to_floor(state, 0.0);
     let among = Among {
         world: Level {
-            context: world,
+            context: frame,
             method,
             tolerance,
         },
@@ -64,6 +72,7 @@ pub(super) fn step<F: ForceModel>(
     }
     let now = corners::<PAIRS>(gaps.touching(2.0 * tolerance));
     step.contact.touching = now;
+    frame.to_world(step.state, h);
     let lowest = among.normal(gaps.deepest().0);
     let direction = impulses.normal.try_normalize().unwrap_or(lowest);
     if let Some(report) = report {
