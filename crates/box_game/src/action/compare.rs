@@ -57,18 +57,22 @@ pub enum Layout {
 impl Layout {
     /// In the order of the key, with the text of the button and its tooltip.
     pub const ALL: [(Self, &str, &str); 4] = [
-        (Self::Solo, "Solo", "The main box alone (G)."),
+        (Self::Solo, "Solo", "Show only the main box (G)."),
         (
             Self::Overlaid,
             "Overlaid",
-            "All in one place, comparisons as edges (G).",
+            "All in one place, comparisons as wireframes (G).",
         ),
         (
             Self::SideBySide,
             "Side by side",
-            "Side by side; only the picture is shifted (V).",
+            "Side by side; only the drawing is shifted (V).",
         ),
-        (Self::Views, "Views", "One view each, for up to four (V)."),
+        (
+            Self::Views,
+            "Views",
+            "A view for each of up to four integrators (V).",
+        ),
     ];
 
     /// The one after it.
@@ -93,7 +97,11 @@ pub enum Fairness {
 impl Fairness {
     /// In the order of the panel, with the text of the button and its tooltip.
     pub const ALL: [(Self, &str, &str); 3] = [
-        (Self::Step, "equal dt", "Same step for every integrator."),
+        (
+            Self::Step,
+            "equal dt",
+            "Same step size for every integrator.",
+        ),
         (
             Self::Evaluations,
             "equal evaluations",

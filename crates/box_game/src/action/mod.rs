@@ -221,7 +221,7 @@ mod stepper {
             let found = Stepper::ALL.into_iter().find(|s| s.id() == id);
             found.ok_or_else(|| {
                 let ids = Stepper::ALL.map(Stepper::id).join(", ");
-                D::Error::custom(format!("unknown stepper '{id}'; allowed: {ids}"))
+                D::Error::custom(format!("unknown 2012 integrator '{id}'; allowed: {ids}"))
             })
         };
         let id = Option::<String>::deserialize(from)?;

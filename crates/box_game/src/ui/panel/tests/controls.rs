@@ -92,7 +92,7 @@ fn every_integrator_can_be_chosen_and_compared_and_shows_its_cost() {
         person.sees_all(&[
             &format!("rotation {}", info.orders.rotation),
             &format!("{} in free flight", info.evaluations.free),
-            "ns per step of a box in this scene: min",
+            "ns per box and step in this scene: min",
         ]);
         for action in [chosen, compare] {
             let expected = if active { vec![] } else { vec![action.clone()] };
