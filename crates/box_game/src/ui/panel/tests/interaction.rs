@@ -64,7 +64,7 @@ fn words_arrows_and_enter_choose_a_scene() {
             person.look();
             let card = |id: &str| id_of(&Action::SelectScene(id.into()));
             assert!(person.has(&card("dzhanibekov")) && !person.has(&card("playground")));
-            assert!(person.sees_part("turns over every few seconds."));
+            assert!(person.sees_part("flips every few seconds."));
         } else {
             person.harness.key_press(Key::ArrowDown);
             person.look();
