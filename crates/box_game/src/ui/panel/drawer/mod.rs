@@ -88,8 +88,8 @@ fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
     if plot == Plot::Error {
         let (on, log) = (settings.logarithmic, text("log", "Logarithmic axis."));
         panel.toggle(ui, on, log, CompareAction::ToggleLogarithmic);
-        let hint = "Error of each single step from the reference state; meaningful even in chaotic motion.";
-        let local = text("per step", hint);
+        let hint = "Local error: of each single step from the reference state; meaningful even in chaotic motion.";
+        let local = text("local", hint);
         panel.toggle(ui, settings.local, local, CompareAction::ToggleLocal);
     }
     if plot == Plot::Energy {

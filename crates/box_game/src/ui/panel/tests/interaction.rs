@@ -111,11 +111,11 @@ fn everything_is_reset_only_when_sure() {
 
 #[test]
 fn a_notice_goes_by_itself_and_the_lesson_stays() {
-    let mut person = with(|view| view.notices = vec!["picture: a.png".into()]);
-    assert!(person.sees("picture: a.png"));
+    let mut person = with(|view| view.notices = vec!["screenshot: a.png".into()]);
+    assert!(person.sees("screenshot: a.png"));
     // Steps of a quarter of a second or less, for half a minute.
     let mut steps = 0;
-    while person.sees("picture: a.png") && steps < 200 {
+    while person.sees("screenshot: a.png") && steps < 200 {
         person.look();
         steps += 1;
     }
