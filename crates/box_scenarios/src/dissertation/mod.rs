@@ -90,7 +90,7 @@ impl Stepper {
                 "First order, and the spin is not integrated at all: ω grows by α/60 per step at any step size."
             }
             Self::Heun => {
-                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new reduces it to first order in spite of two evaluations."
+                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new reduces its order from 2 to 1."
             }
             Self::Rk4 => {
                 "Four evaluations of a constant acceleration; x += h·v_new reduces it to first order."

@@ -123,7 +123,7 @@ fn six_pushes_plain_off_center_and_world() {
     }
     person.find("push +x").hover();
     person.look();
-    assert!(person.sees("1 N s along +x of the box."));
+    assert!(person.sees("1 N s along +x (body axes)."));
     person.find("push +x").click_modifiers(Modifiers::SHIFT);
     assert_eq!(person.asked(), push(DVec3::X, false, true));
     person.find("push +x").click_modifiers(Modifiers::ALT);

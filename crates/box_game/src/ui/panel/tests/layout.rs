@@ -111,7 +111,7 @@ fn check_layout(person: &Person, size: Vec2, what: &str) {
             // What is scrolled aside is out of sight.
             let hidden = aside || scrolls(&layout, *there, plot)[0];
             // This plot has its legend inside.
-            let legend = [name, other].iter().any(|n| n.starts_with("CPU use"));
+            let legend = [name, other].iter().any(|n| n.starts_with("CPU usage"));
             let apart = hidden || legend || !common.is_positive();
             assert!(apart, "{what}: {name} at {rect:?} and {other} at {there:?}");
         }
