@@ -38,7 +38,7 @@ pub fn stable_axis() -> Scenario {
         lesson: "Spin about the axis of the largest moment wobbles but never flips. Energy and angular momentum are constant, so any drift is an integrator error.",
         hints: [
             "Press [Faster] and open the [Energy tab] after a minute.",
-            "Open [Add or switch] and tick [Engine: rescaled]: it drifts to the intermediate axis and flips, because it conserves |L| but not the energy.",
+            "Open [Add or switch] and tick [Engine: rescaled]: it conserves |L| but not the energy, so it drifts and flips.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
