@@ -81,7 +81,7 @@ pub fn needle() -> Scenario {
         lesson: "A thin rod spins fast about its long axis, with moments 800 to 1. At 60 Hz, explicit gyroscopic terms diverge, and implicit ones lose a quarter of the energy.",
         hints: [
             "Press [Restart] and watch Semi-implicit Euler: it diverges within a second.",
-            "Open the [Error tab]: Split stays within a thousandth of a radian.",
+            "Open the [Error tab]: Split is accurate to rounding.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 5.0),
         recommended: &["split", "engine-newton", "semi-implicit-euler", "rk4"],
@@ -97,7 +97,7 @@ pub fn symmetric_top() -> Scenario {
     Scenario {
         id: "symmetric-top",
         title: "Symmetric top",
-        lesson: "A square bar precesses steadily: its axis traces a cone at the rate L/I. Split is exact for such bodies at any step size; most integrators are not.",
+        lesson: "A square bar precesses steadily: its axis traces a cone at the rate L/I. Split is exact at any step size; most integrators are not.",
         hints: [
             "Set [dt] to 1/10 s: Split is still exact.",
             "Press [Views] and compare the cones' angles.",
