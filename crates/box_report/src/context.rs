@@ -13,7 +13,7 @@ use indicatif::ProgressBar;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Stop {
     /// Ctrl-C.
-    #[error("interrupted; what was finished is in the folder")]
+    #[error("interrupted; the finished parts are in the output folder")]
     Interrupted,
     /// A file or folder cannot be written or read.
     #[error("{path}: {source}")]
@@ -112,4 +112,4 @@ impl Context {
 }
 
 /// How times are measured, for the text of the report.
-pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 7 to 60 samples of at least 100 µs, integrators in turns on the same bodies within one run";
+pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 7 to 60 samples of at least 100 µs, integrators timed in turns on the same bodies in one run";

@@ -56,7 +56,7 @@ pub(crate) fn rewrite(
         let mut page = files::read(&file)?;
         let place = section(&file.display().to_string(), &page, name)?;
         let hurry = if quick {
-            "; **in a hurry (`--quick`): times are noisy**"
+            "; **quick run (`--quick`): times are noisy**"
         } else {
             ""
         };

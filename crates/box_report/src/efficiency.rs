@@ -78,8 +78,8 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     let mut section = Section::new(
         "efficiency",
         "Efficiency",
-        "For each scene the cheapest integrator and step that stay below an error, from the points of the \
-         work–precision diagrams: what it costs per box and simulated second on one core, for many boxes by the plugin's path. The error is the \
+        "For each scene, the cheapest integrator and step size whose error stays below a bound, from the points of the \
+         work–precision diagrams. Cost: time per box and simulated second on one core, for many boxes by the plugin's path. Error: the \
          first one named for the scene (attitude in rad, position in m).",
     );
     let mut rows = Vec::new();
@@ -126,8 +126,8 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     let mut columns = vec!["scene (error)".to_owned()];
     columns.extend(BELOW.map(|b| format!("below {b:.0e}")));
     section.tables.push(Table {
-        title: "The cheapest way to stay below an error".to_owned(),
-        note: "Integrator, step and time per body and simulated second.".to_owned(),
+        title: "Cheapest integrator for each error bound".to_owned(),
+        note: "Integrator, step size and time per box and simulated second.".to_owned(),
         columns,
         rows: cells,
         csv: "efficiency.csv".to_owned(),
@@ -160,10 +160,10 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
         .collect();
     files::write_csv(&ctx.file("frontier.csv"), &rows)?;
     Ok(Table {
-        title: "The frontier: where nothing beats an integrator".to_owned(),
+        title: "Pareto frontier of error and cost".to_owned(),
         note: format!(
-            "An integrator is on the frontier of a scene if at one of its steps no other integrator is at least as accurate \
-             for clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
+            "An integrator is on the frontier of a scene if, at one of its step sizes, no other integrator is at least as accurate \
+             in clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
             100.0 * (1.0 - CLEARLY)
         ),
         columns: ["integrator", "scenes", "which"]
@@ -176,7 +176,7 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
                     text::code(r.integrator),
                     r.families_on_frontier.to_string(),
                     if r.families.is_empty() {
-                        "beaten everywhere".to_owned()
+                        "none".to_owned()
                     } else {
                         r.families.replace(' ', ", ")
                     },
@@ -202,10 +202,10 @@ fn verdicts(
     let names = |s: &[&Integrator]| text::list(&s.iter().map(text::code).collect::<Vec<_>>());
     vec![
         format!(
-            "Cheapest way to an accuracy, of {questions} questions (scene and error): {}.",
+            "How often each integrator is the cheapest, out of {questions} pairs of scene and error bound: {}.",
             text::list(&cheapest)
         ),
         format!("On the frontier of at least one scene: {}.", names(&on)),
-        format!("Beaten in every scene at every step: {}.", names(&off)),
+        format!("Not on the frontier of any scene: {}.", names(&off)),
     ]
 }

@@ -27,8 +27,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use context::Stop;
 use report::Part;
 
-/// Measures every integrator against references, speed against error, and writes a
-/// report. Without a command: everything, in less than five minutes on a quiet machine.
+/// Measures error and cost of every integrator and writes a report. Without a command,
+/// it measures everything, in less than five minutes on an idle machine.
 #[derive(Parser)]
 #[command(name = "box_report", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -42,17 +42,17 @@ struct Cli {
 enum Command {
     /// Error against time and force evaluations: diagrams of every family of motion
     WorkPrecision(report::Options),
-    /// The cheapest way to stay below an error, and the integrators that nothing beats
+    /// The cheapest integrator for each error bound, and the Pareto frontier
     Efficiency(report::Options),
-    /// The hard cases, and the largest stable steps against theory
+    /// Hard cases, and the largest stable steps compared with theory
     Stability(report::Options),
-    /// What a step costs, in flight, with forces, on the floor
+    /// Cost per step in flight, under forces and on the floor
     Timing(report::Options),
-    /// When a player can see the error
+    /// Time until an error is visible
     Visible(report::Options),
-    /// The comparison of 2012 redone, and its question answered
+    /// The 2012 comparison repeated, and the answer to its question
     Dissertation(report::Options),
-    /// What every machine must compute: a digest of the bits for every integrator
+    /// State digest of every integrator, which must be equal on every machine
     Determinism(report::Options),
     /// The same boxes in Avian, Rapier and Box3D: builds and runs crates/box_peers
     Peers(report::Options),
@@ -60,7 +60,7 @@ enum Command {
     Check(stored::Repository),
     /// Store the digests, errors and tables of this build, and print what changed
     Bless(stored::BlessOptions),
-    /// One trajectory as CSV
+    /// Write a trajectory as CSV
     Simulate(simulate::Options),
     /// Run every reference trajectory of a folder under the integrators and print their errors
     Verify(verify::Options),

@@ -19,16 +19,16 @@ use box_bench::machine::Machine;
 /// Options of every part that measures.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Folder for report.md, report.html, the figures and one CSV file a table
+    /// Folder for report.md, report.html, the figures and one CSV file per table
     #[arg(short, long, value_name = "DIR", default_value = "report")]
     output: PathBuf,
-    /// Fewer steps and samples: seconds instead of minutes, times noisier
+    /// Fewer steps and samples: seconds instead of minutes, noisier times
     #[arg(long)]
     quick: bool,
     /// Only these integrators, separated by commas [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     integrators: Vec<Integrator>,
-    /// Rewrite what the repository shows as well: DIR/results.md, its figures DIR/results/*.svg, and the measured
+    /// Also rewrite the documents of the repository: DIR/results.md, its figures DIR/results/*.svg, and the measured
     /// tables of DIR/integrators.md, DIR/performance.md and DIR/../README.md
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
@@ -77,7 +77,7 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     if let Some(docs) = &options.docs {
         if only.is_some_and(|p| p != Part::Peers) {
             return Err(Stop::Usage(
-                "--docs rewrites the digest of everything: allowed without a command, and with 'peers'"
+                "--docs rewrites the summary of all parts; it is allowed without a command or with 'peers'"
                     .to_owned(),
             ));
         }
@@ -133,7 +133,7 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
 
 /// A line at the bottom of the terminal, for `steps` steps of work.
 fn progress(steps: u64) -> ProgressBar {
-    let line = "{bar:28} {pos}/{len} steps, {elapsed} gone, about {eta} left  {msg}";
+    let line = "{bar:28} {pos}/{len} steps, {elapsed} elapsed, about {eta} left  {msg}";
     let bar = ProgressBar::new(steps);
     match ProgressStyle::with_template(line) {
         Ok(style) => bar.with_style(style),

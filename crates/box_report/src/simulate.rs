@@ -18,19 +18,19 @@ const MOST_STEPS: u64 = 100_000_000;
 /// What to simulate.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// A scene's name, or a file: a scene (RON) or a reference trajectory (JSON)
+    /// Name of a scene, or a file: a scene (RON) or a reference trajectory (JSON)
     #[arg(value_name = "SCENE|FILE")]
     scene: String,
-    /// The integrator
+    /// Integrator
     #[arg(long, value_name = "INTEGRATOR", default_value = "split")]
     integrator: Integrator,
-    /// The step: 60hz, 1/60 or 0.0166 (seconds)
+    /// Step size: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
     dt: f64,
-    /// How long, in seconds (by default as the scene says)
+    /// Duration in seconds [default: the scene's]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     duration: Option<f64>,
-    /// Where the CSV goes [default: standard output]
+    /// CSV file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -39,7 +39,7 @@ fn seconds(text: &str) -> Result<f64, String> {
     let value = text.trim_end_matches('s').parse::<f64>().ok();
     value
         .filter(|s| s.is_finite() && *s > 0.0)
-        .ok_or_else(|| format!("a duration is a number of seconds above 0, but this is '{text}'"))
+        .ok_or_else(|| format!("allowed: seconds, above 0; given: '{text}'"))
 }
 
 /// The columns; the errors are empty where there is no reference.
@@ -79,7 +79,7 @@ fn find(name: &str) -> Result<Setup, Stop> {
                 .map(|s| s.setup)
                 .map_err(|e| Stop::Usage(e.to_string())),
             _ => Err(Stop::Usage(format!(
-                "{name}: a scene file ends in .ron, a reference trajectory in .json"
+                "{name}: allowed: a scene file (.ron) or a reference trajectory (.json)"
             ))),
         };
     }
@@ -109,7 +109,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let steps = steps_in(setup.duration, options.dt);
     if steps > MOST_STEPS {
         return Err(Stop::Usage(format!(
-            "{} s in steps of {} s are more than 1e8 steps",
+            "{} s in steps of {} s: allowed: at most 1e8 steps",
             setup.duration, options.dt
         )));
     }

@@ -135,11 +135,11 @@ pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
 pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
     let mut section = Section::new(
         "timing",
-        "What a step costs",
+        "Cost per step",
         format!(
             "Nanoseconds per body and step of 1/60 s on one core over the whole scene, without bounding box and `Transform`. \
-             *{MANY} boxes* (and everywhere but *one box*): by the path that the plugin takes for them, in SIMD lanes under gravity \
-             alone where the integrator has them. *One box*: the plain step of a lone body. Fastest sample, and how far the \
+             *{MANY} boxes* (and all columns except *one box*): by the plugin's path for them, in SIMD lanes under gravity \
+             alone if the integrator supports it. *One box*: the plain step of a single body. Fastest sample, and how far the \
              median lies above it: {SAMPLES_IN_WORDS}."
         ),
     );
@@ -187,7 +187,7 @@ fn verdicts(ctx: &Context, data: &Timings) -> Vec<String> {
     by_cost.sort_by(|a, b| a.1.total_cmp(&b.1));
     match (by_cost.first(), by_cost.last()) {
         (Some(first), Some(last)) => vec![format!(
-            "In free flight `{}` is cheapest with {}, `{}` dearest with {}: even that is {} boxes in a millisecond.",
+            "In free flight, `{}` is cheapest at {} and `{}` most expensive at {}; even that is {} boxes per millisecond.",
             first.0,
             text::time(first.1),
             last.0,

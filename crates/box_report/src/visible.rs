@@ -115,10 +115,10 @@ fn watch(
 pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
     let mut section = Section::new(
         "visible",
-        "When a player can see it",
-        "Time until the attitude is wrong by more than 1° or the position by more than 1 % of the box's longest \
-         edge, whichever comes first, over a minute of each scene (the corner drop: its second). Compared at every step \
-         with the reference.",
+        "Time until an error is visible",
+        "Time until the attitude error exceeds 1° or the position error exceeds 1 % of the box's longest \
+         edge, whichever comes first, over a minute of each scene (corner drop: one second). Compared with the reference \
+         at every step.",
     );
     let rows: Vec<Row> = data
         .seen
@@ -147,7 +147,7 @@ pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
             .map(|(n, s)| format!("`{s}` {n}"))
             .collect();
         section.verdicts.push(format!(
-            "At {rate} Hz, scenes of {} in which nothing shows to the end: {} (the best three).",
+            "At {rate} Hz, scenes out of {} without a visible error to the end: {} (best three).",
             Family::all().len(),
             best.join(", ")
         ));
@@ -171,7 +171,7 @@ fn table(ctx: &Context, data: &Visible, rate: u32) -> Table {
     };
     Table {
         title: format!("Time until the error is visible at {rate} Hz"),
-        note: "°: the attitude shows it, x: the position. “> 60 s”: not within the minute."
+        note: "°: attitude error, x: position error. “> 60 s”: not visible within the minute."
             .to_owned(),
         columns,
         rows: ctx.integrators.iter().map(row).collect(),

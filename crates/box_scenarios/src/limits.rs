@@ -80,6 +80,6 @@ pub(crate) fn at_most<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     if list.len() <= most {
         Ok(list)
     } else {
-        Err(D::Error::custom(format_args!("has room for {most}")))
+        Err(D::Error::custom(format_args!("allowed: at most {most}")))
     }
 }

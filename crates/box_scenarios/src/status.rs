@@ -77,7 +77,7 @@ impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::CatchingUp(part) => write!(f, "catching up, {:.0} %", 100.0 * part),
-            Self::Diverged(d) => write!(f, "DIVERGED @ t = {:.2} s ({})", d.t, d.reason),
+            Self::Diverged(d) => write!(f, "diverged at t = {:.2} s ({})", d.t, d.reason),
             other => f.write_str(other.id()),
         }
     }

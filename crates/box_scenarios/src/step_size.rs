@@ -26,7 +26,7 @@ pub fn parse_step(text: &str) -> Result<f64, String> {
         .filter(|s| s.is_finite() && *s > 0.0)
         .ok_or_else(|| {
             format!(
-                "a step is a rate (60hz), a fraction (1/60) or seconds (0.0166), finite and positive, but this is '{text}'"
+                "allowed: a finite positive rate (60hz), fraction (1/60) or number of seconds (0.0166); given: '{text}'"
             )
         })
 }

@@ -21,11 +21,11 @@ pub const SCENE: &str = "dissertation-2012";
 
 /// Faults of its physics, for the strip.
 pub const FAULTS: [&str; 5] = [
-    "gravity moves the position: it falls at 9.81 m/s, straight away and for ever",
-    "a push replaces the one before",
-    "spin grows by α/60 a step whatever the step, without the gyroscopic term, with 0.83 for 1/12 in the inertia",
+    "gravity sets the velocity: the box falls at a constant 9.81 m/s",
+    "a push replaces the previous one",
+    "spin grows by α/60 per step at any step size, without the gyroscopic term, and with 0.83 for 1/12 in the inertia",
     "damping of 0.005 per millisecond stops it within a second",
-    "contact lifts the bounding box out of the floor: no bounce, no friction, a tilted cube stands on its corner",
+    "contact only lifts the bounding box: no bounce, no friction, a tilted cube balances on its corner",
 ];
 
 /// Moves the main box by the demo in its scene.
@@ -152,7 +152,7 @@ fn run_cycle(
     if let Some(log) = &mut demo.log
         && let Err(error) = log.write(stepper, demo.cycle_ns)
     {
-        warn!("the log of 2012 ends: {error}");
+        warn!("cycle log closed: {error}");
         demo.log = None;
     }
 }
@@ -165,7 +165,7 @@ fn choose(world: &mut World, stepper: Option<Stepper>) {
         demo.state = main_box.map(|(body, state)| State::new(&body, &state));
     }
     demo.stepper = stepper;
-    let text = stepper.map_or("ours", Stepper::id);
+    let text = stepper.map_or("box_physics", Stepper::id);
     let mut session = world.resource_mut::<Session>();
     session.perturb(format!("2012: {text}"));
 }
@@ -191,11 +191,11 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
 fn toggle_log(world: &mut World) {
     let mut demo = world.resource_mut::<Demo2012>();
     let text = if let Some(CycleLog { path, cycles, .. }) = demo.log.take() {
-        format!("log of 2012 closed: {} ({cycles} cycles)", path.display())
+        format!("cycle log closed: {} ({cycles} cycles)", path.display())
     } else {
         match platform::next_free("cycles-2012", "txt").and_then(CycleLog::create) {
-            Ok(log) => format!("log of 2012: {}", demo.log.insert(log).path.display()),
-            Err(error) => format!("log of 2012: {error}"),
+            Ok(log) => format!("cycle log: {}", demo.log.insert(log).path.display()),
+            Err(error) => format!("cycle log: {error}"),
         }
     };
     world.resource_mut::<Session>().notice(text);

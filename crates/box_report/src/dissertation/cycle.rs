@@ -24,8 +24,8 @@ const PUSH: f64 = 3.0;
 
 /// What takes part, in the order of [`Cycles::times`].
 pub(super) const CONTENDERS: [&str; 5] = [
-    "reading the clock alone",
-    "2012-heun, its implicit Euler",
+    "reading the clock only",
+    "2012-heun, called implicit Euler",
     "2012-rk4",
     "split, with exact contact",
     "rk4, with exact contact",

@@ -94,11 +94,11 @@ pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
     let manifest = manifest();
     if !manifest.is_file() {
         return Err(Stop::Failed(format!(
-            "{} is not there: the other engines are measured from a checkout of the sources",
+            "{} not found: measuring the other engines requires a source checkout",
             manifest.display()
         )));
     }
-    let notice = "building and running box_peers (the first build takes a quarter of an hour) …";
+    let notice = "building and running box_peers (the first build takes about 15 minutes) …";
     ctx.progress.suspend(|| eprintln!("{notice}"));
     let mut command = Command::new("cargo");
     command

@@ -25,7 +25,7 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
         return Ok(Section::new(
             ID,
             TITLE,
-            "No result is committed; measure one with `cargo box-report peers`.",
+            "There is no stored result; measure one with `cargo box-report peers`.",
         ));
     }
     let stored: Stored = serde_json::from_str(&files::read(&path)?)
@@ -36,7 +36,7 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
         TITLE,
         format!(
             "The same boxes in other engines with their default settings; box–box collisions are off. {} on {m}. \
-             Repeat it with `cargo box-report peers`.",
+             To repeat: `cargo box-report peers`.",
             if fresh {
                 "Measured in this run"
             } else {
@@ -99,7 +99,7 @@ fn accuracy_table(measured: &Measured) -> Table {
     };
     Table {
         title: "Largest attitude error, and energy error at the end, 60 Hz".to_owned(),
-        note: "Against the reference trajectories of free motion (`tests/oracle`). π ≈ 3.1 rad is as wrong as an attitude can be."
+        note: "Against the reference trajectories of free motion (`tests/oracle`). An attitude error is at most π ≈ 3.1 rad."
             .to_owned(),
         columns,
         rows: measured
@@ -196,7 +196,7 @@ fn cost_table(measured: &Measured) -> Table {
     });
     Table {
         title: "Cost of the physics per box and step [ns]".to_owned(),
-        note: "By situation and number of boxes; in brackets the multiple of ours. Fastest sample. At the end the whole \
+        note: "By situation and number of boxes; in parentheses, the ratio to box_physics. Fastest sample. Last rows: the whole \
                `App::update` of the engines in Bevy."
             .to_owned(),
         rows: alone.chain(whole).collect(),
@@ -283,7 +283,7 @@ fn verdicts(measured: &Measured) -> Vec<String> {
         .collect();
     vec![
         format!("Largest attitude error: {}.", text::list(&worst)),
-        format!("Cheaper than ours: {}.", text::list(&cheaper)),
+        format!("Cheaper than box_physics: {}.", text::list(&cheaper)),
     ]
 }
 

@@ -133,10 +133,10 @@ pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, St
     let mut section = Section::new(
         "stability",
         "Stability",
-        "Every motion that is known to break integrators, under every integrator, at 60, 120 and 240 Hz or the \
-         steps that the case is about. The worst step counts. **ok**: within the bound that a good second-order \
+        "Motions that are known to break integrators, under every integrator, at 60, 120 and 240 Hz or at the \
+         step sizes that the case tests. The worst step size counts. **ok**: within the bound that a good second-order \
          integrator reaches, or rounding where exactness is possible; **degraded**: wrong but bounded; **diverged**: not finite or \
-         beyond every sane range.",
+         outside any plausible range.",
     );
     section.tables.push(limit_table(ctx, data)?);
     section.tables.push(case_table(ctx, data)?);
@@ -171,7 +171,8 @@ pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, St
         ),
         format!("Ok/degraded/diverged: {}.", scores.join(", ")),
         if disagree.is_empty() {
-            "Every measured limit is that of theory, to 3 % (for the spin: no smaller than promised).".to_owned()
+            "Every measured limit agrees with theory to 3 % (spin: at least the guaranteed limit)."
+                .to_owned()
         } else {
             format!("Limits that differ from theory: {}.", disagree.join("; "))
         },
@@ -205,9 +206,9 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     files::write_csv(&ctx.file("limits.csv"), &rows)?;
     Ok(Table {
         title: "Largest stable steps".to_owned(),
-        note: "Tried from 0.1 to 1000. Spin: |L| of a tumbling box, plate and needle in 1000 steps, and of a blade spun near its \
-               middle axis, does not grow; the worst counts, and theory promises a range for every body. Drag, damper and undamped \
-               spring: no eigenvalue of the matrix of a step lies outside the unit circle (in steps of 0.05 %). Where theory differs, it is added."
+        note: "Tried from 0.1 to 1000. Spin: |L| of a tumbling box, plate and needle, and of a blade spun near its intermediate axis, \
+               does not grow in 1000 steps; the worst body counts, and theory guarantees a limit for every body. Drag, damper and undamped \
+               spring: no eigenvalue of the step matrix lies outside the unit circle (resolution 0.05 %). If theory differs, its limit is added."
             .to_owned(),
         columns: [
             "integrator",
@@ -261,11 +262,11 @@ fn case_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
         cells.push(line);
     }
     files::write_csv(&ctx.file("stability.csv"), &rows)?;
-    let mut columns = vec!["case: what is measured".to_owned()];
+    let mut columns = vec!["case: measured quantity".to_owned()];
     columns.extend(ctx.integrators.iter().map(text::code));
     Ok(Table {
         title: "Hard cases".to_owned(),
-        note: "The worst of the steps; all of them, with their bounds, are in the file.".to_owned(),
+        note: "The worst step size; the file lists all of them with their bounds.".to_owned(),
         columns,
         rows: cells,
         csv: "stability.csv".to_owned(),

@@ -119,12 +119,14 @@ impl Item {
         if differences.is_empty() {
             return Ok(String::new());
         }
-        let mut text = format!("{}: {} differences", self.file, differences.len());
+        let count = differences.len();
+        let plural = if count == 1 { "" } else { "s" };
+        let mut text = format!("{}: {count} difference{plural}", self.file);
         for d in differences.iter().take(SHOWN) {
             text += &format!("\n  {d}");
         }
-        if differences.len() > SHOWN {
-            text += &format!("\n  … and {} more", differences.len() - SHOWN);
+        if count > SHOWN {
+            text += &format!("\n  … and {} more", count - SHOWN);
         }
         Ok(text)
     }

@@ -11,20 +11,20 @@ pub(super) fn integrators() -> Result<String, Stop> {
     let heading = [
         "id",
         "order: rotation · gravity · drag · torque",
-        "evaluations a step: free · forced",
+        "evaluations per step: free · forced",
         "energy of a tumbling box",
-        "keeps L",
+        "conserves L",
         "|ω|dt",
         "c·dt/m",
         "√(k/m)·dt",
-        "in a sentence",
+        "summary",
     ];
     let rows = Integrator::ALL.iter().map(|i| {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
         let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
             (true, _) => "yes",
-            (false, true) => "its length",
+            (false, true) => "magnitude",
             _ => "no",
         };
         vec![

@@ -88,8 +88,8 @@ fn rk4_wins(results: &Results) -> Option<String> {
         })
         .collect();
     Some(format!(
-        "**Where `rk4` wins**: its error does not show for a minute in {unseen} of {} scenes, and there it is the cheaper choice where its cost is \
-         below `split`'s: {} of it in flight, {} under a torque. Its error is the smaller one in: {}.",
+        "**Where `rk4` wins**: in {unseen} of {} scenes, its error is not visible for a minute. There it is the better choice if it \
+         costs less than `split`: {} of its cost in flight, {} under a torque. Its error is smaller than `split`'s in: {}.",
         work.families.len(),
         ratio("free-many")?,
         ratio("torque")?,
@@ -100,7 +100,7 @@ fn rk4_wins(results: &Results) -> Option<String> {
 /// How many hard cases `integrator` survives, in words.
 fn survived(results: &Results, integrator: Integrator) -> String {
     results.stability.as_ref().map_or_else(
-        || "hard cases that were not measured".to_owned(),
+        || "an unknown number of hard cases (not measured)".to_owned(),
         |d| {
             let [ok, degraded, diverged] = d.score(integrator);
             let all = ok + degraded + diverged;
@@ -119,13 +119,13 @@ fn recommendation(ctx: &Context, results: &Results, rate: u32) -> Option<String>
     let price = |s| text::significant(work.cost(s, rate).unwrap_or(f64::NAN), 2);
     let scenes = Family::all().len();
     let first = visible.first(best, rate).map_or_else(
-        || "never in a minute".to_owned(),
-        |t| format!("{} s at the earliest", text::significant(t, 2)),
+        || "not within a minute".to_owned(),
+        |t| format!("after {} s at the earliest", text::significant(t, 2)),
     );
     Some(format!(
-        "**At {rate} Hz take `{best}`**: nothing shows for a minute in {} of {scenes} scenes (first visible: {first}), at {} µs per box and \
-         simulated second, and it survives {}. The cheapest of all, `{cheapest}`, costs {} µs; with it nothing shows for ten seconds \
-         in {}. {}",
+        "**At {rate} Hz, use `{best}`**: no error is visible for a minute in {} of {scenes} scenes (first visible error: {first}), at {} µs per \
+         box and simulated second. It survives {}. The cheapest integrator, `{cheapest}`, costs {} µs; with it, no error is visible for ten \
+         seconds in {} of {scenes} scenes. {}",
         visible.invisible(best, rate, MINUTE),
         price(best),
         survived(results, best),
@@ -160,11 +160,11 @@ pub(super) fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
             text::list(&free.map(text::code).collect::<Vec<_>>())
         };
         said.push(format!(
-            "**Springs too stiff for the step**: stable at every step tried are {}.",
+            "**Springs too stiff for the step**: stable at every step size tried: {}.",
             unlimited(3)
         ));
         said.push(format!(
-            "**Drag too stiff for the step**: stable at every step tried are {}.",
+            "**Drag too stiff for the step**: stable at every step size tried: {}.",
             unlimited(1)
         ));
         let growing: Vec<String> = ctx
@@ -177,7 +177,7 @@ pub(super) fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
             .map(text::code)
             .collect();
         said.push(format!(
-            "**Not for spinning boxes or undamped springs**, whose energy they raise at every step: {}.",
+            "**Not for spinning boxes or undamped springs**, because they add energy at any step size: {}.",
             text::list(&growing)
         ));
     }

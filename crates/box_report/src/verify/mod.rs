@@ -36,7 +36,7 @@ pub(crate) enum VerifyError {
         folder: String,
     },
     /// `--case` excludes everything.
-    #[error("no case matches '{glob}'; there are: {names}")]
+    #[error("no case matches '{glob}'; allowed: {names}")]
     NoMatch {
         /// The pattern.
         glob: String,

@@ -132,12 +132,12 @@ pub(super) fn write_table<'a>(
         )?;
         writeln!(
             out,
-            "lost: x beyond {} of the reference's reach, attitude beyond {} rad, L beyond {} or E beyond {}, relative",
+            "lost: error of x above {} of the reference's extent, attitude above {} rad, L above {} or E above {}, relative",
             LOST.position, LOST.attitude, LOST.angular_momentum, LOST.energy
         )?;
         writeln!(
             out,
-            "steps whose iteration ended at its cap instead of its tolerance: {unconverged}"
+            "steps whose iteration reached its limit before its tolerance: {unconverged}"
         )?;
     }
     Ok(())

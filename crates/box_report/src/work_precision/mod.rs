@@ -256,12 +256,12 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         "work-precision",
         "Work–precision diagrams",
         format!(
-            "Each line is an integrator, each marker a step size. Down and left is better. The error is the largest \
-             over the run, looked at every 1/15 s, against the reference named below each figure, at the time \
-             actually simulated. Time is that of a step of one box of {BOXES} by the plugin's path on one core, in SIMD lanes \
-             under gravity alone (over a floor: of the whole scene with its impacts): {SAMPLES_IN_WORDS}; thin bars reach to the \
+            "Each line is an integrator, each marker a step size; lower left is better. The error is the largest \
+             over the run, sampled every 1/15 s, relative to the reference named below each figure, at the time \
+             actually simulated. Time is that of a step of one of {BOXES} boxes by the plugin's path on one core, in SIMD lanes \
+             under gravity alone (over a floor: over the whole scene with its impacts): {SAMPLES_IN_WORDS}; thin bars extend to the \
              95th percentile. The order in the legend is fitted to the errors between lost and rounding. A run that diverged or \
-             left the range of valid states is a gap."
+             left the range of valid states appears as a gap."
         ),
     );
     let mut rows = Vec::new();
@@ -306,7 +306,7 @@ fn spread(data: &WorkPrecision) -> String {
     let count = spreads.len();
     let spreads = Quantiles::of(spreads);
     format!(
-        "How quiet the machine was: the median sample lies {:.0} % above the fastest for half of the {} measurements, {:.0} % for one in twenty.",
+        "Timing noise: the median sample is at most {:.0} % above the fastest for half of the {} measurements, and at most {:.0} % for 95 % of them.",
         spreads.median(),
         count,
         spreads.at(0.95)
@@ -337,8 +337,8 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
     Table {
         title: "Largest error and time per step at 60 Hz".to_owned(),
         note: format!(
-            "Error over the whole run; time of a step of one box of {BOXES} by the plugin's path. π ≈ 3.1 rad is as wrong as an \
-             attitude can be."
+            "Error over the whole run; time of a step of one of {BOXES} boxes by the plugin's path. An attitude error is at most \
+             π ≈ 3.1 rad."
         ),
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
@@ -370,7 +370,7 @@ fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
     };
     Table {
         title: "Fitted order".to_owned(),
-        note: "p in error ∝ dt^p; “rounding”: nothing but rounding errors at any step; –: lost at too many steps to tell.".to_owned(),
+        note: "p in error ∝ dt^p; “rounding”: only rounding errors at every step size; –: lost at too many step sizes for a fit.".to_owned(),
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
         csv: "work-precision.csv".to_owned(),

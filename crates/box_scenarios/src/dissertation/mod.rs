@@ -87,13 +87,13 @@ impl Stepper {
     pub const fn fault(self) -> &'static str {
         match self {
             Self::ExplicitEuler => {
-                "First order, and the spin is not integrated at all: ω grows by α/60 whatever the step."
+                "First order, and the spin is not integrated at all: ω grows by α/60 per step at any step size."
             }
             Self::Heun => {
-                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new makes two evaluations first order."
+                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new reduces its order from 2 to 1."
             }
             Self::Rk4 => {
-                "Four evaluations of an acceleration that depends on nothing; x += h·v_new makes them first order."
+                "Four evaluations of a constant acceleration; x += h·v_new reduces it to first order."
             }
         }
     }

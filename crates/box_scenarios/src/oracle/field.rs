@@ -115,7 +115,7 @@ impl<'a> Field<'a> {
 
     pub(super) fn text(&self) -> Result<&'a str, OracleError> {
         let text = self.value.as_str().filter(|t| !t.trim().is_empty());
-        text.ok_or_else(|| self.error("a text that is not empty"))
+        text.ok_or_else(|| self.error("a nonempty string"))
     }
 
     /// A finite number.

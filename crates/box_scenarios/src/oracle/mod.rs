@@ -181,7 +181,7 @@ fn rotation(f: &Field) -> Result<DQuat, OracleError> {
     if length.is_finite() && length > 1e-6 {
         Ok(q)
     } else {
-        Err(f.error("a quaternion that is not of length zero"))
+        Err(f.error("a nonzero quaternion"))
     }
 }
 

@@ -13,7 +13,7 @@ pub(super) fn read(f: &Field, body: &RigidBox) -> Result<Vec<Sample>, OracleErro
         let time = s.require("t")?;
         let t = time.coefficient()?;
         if let Some(before) = samples.last().filter(|before| t <= before.t) {
-            return Err(time.error(format!("later than the sample before it ({})", before.t)));
+            return Err(time.error(format!("later than the previous sample ({})", before.t)));
         }
         samples.push(read_one(&s, body, t)?);
     }

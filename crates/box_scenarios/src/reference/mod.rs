@@ -147,7 +147,7 @@ impl ReferenceSolution {
         Self {
             segments: Vec::new(),
             kind: ReferenceKind::None,
-            description: "none: contact with tumbling is chaotic, compare statistics and conserved quantities",
+            description: "none: tumbling contact is chaotic; compare statistics and conserved quantities",
         }
     }
 

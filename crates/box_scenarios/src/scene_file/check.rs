@@ -130,7 +130,7 @@ pub(super) fn setup(setup: &Setup) -> Result<(), String> {
     let turns = fastest(setup) * setup.duration;
     if turns.is_nan() || turns > MOST_TURNS {
         return Err(format!(
-            "duration times the fastest rate of the motion is {turns:.3e} rad, and {MOST_TURNS:e} are allowed: shorten it, or make spin, springs and drag weaker"
+            "duration times the fastest rate of the motion is {turns:.3e} rad (allowed: up to {MOST_TURNS:e}); reduce the duration, spin, springs or drag"
         ));
     }
     Ok(())

@@ -65,7 +65,7 @@ fn start<'de, D: Deserializer<'de>>(from: D) -> Result<StartForm, D::Error> {
     ];
     if spins.iter().flatten().count() > 1 {
         return Err(D::Error::custom(
-            "the spin is given twice: give one of body_angular_velocity, world_angular_velocity and angular_momentum",
+            "the spin is given twice; set only one of body_angular_velocity, world_angular_velocity and angular_momentum",
         ));
     }
     Ok(form)

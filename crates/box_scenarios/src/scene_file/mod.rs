@@ -56,7 +56,7 @@ pub fn load(path: &Path) -> Result<Scenario, SceneFileError> {
 /// As [`load`].
 pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError> {
     if bytes.len() as u64 > MAX_BYTES {
-        let text = format!("longer than the {MAX_BYTES} bytes that a scene may have");
+        let text = format!("the file is too long (allowed: up to {MAX_BYTES} bytes)");
         return Err(SceneFileError::whole(file, text));
     }
     match core::str::from_utf8(bytes) {
@@ -64,7 +64,7 @@ pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError>
         Err(error) => {
             let good = bytes.get(..error.valid_up_to()).unwrap_or_default();
             let good = core::str::from_utf8(good).unwrap_or_default();
-            let message = "not UTF-8 text from here on".to_owned();
+            let message = "not UTF-8 text".to_owned();
             Err(SceneFileError::after(file, good, message))
         }
     }

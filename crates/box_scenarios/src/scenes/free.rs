@@ -16,10 +16,10 @@ pub fn dzhanibekov() -> Scenario {
     Scenario {
         id: "dzhanibekov",
         title: "Dzhanibekov flip",
-        lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: an integrator that changes the energy flips early, late, or the wrong way round.",
+        lesson: "A box spun about its intermediate axis flips every few seconds. An integrator that does not conserve energy flips too early, too late, or in the wrong direction.",
         hints: [
-            "Open [Add or switch] and tick [Explicit Euler]: it gains energy and loses the flip.",
-            "Press [120 Hz] and see whose flips move.",
+            "Open [Add or switch] and tick [Explicit Euler]: it gains energy and stops flipping.",
+            "Press [120 Hz]: the flips of accurate integrators do not move.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "semi-implicit-euler", "engine-rescaled", "rk4"],
@@ -35,10 +35,10 @@ pub fn stable_axis() -> Scenario {
     Scenario {
         id: "stable-axis",
         title: "Stable axis",
-        lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the integrator's own.",
+        lesson: "Spin about the axis of the largest moment wobbles but never flips. Energy and angular momentum are constant, so any drift is an integrator error.",
         hints: [
             "Press [Faster] and open the [Energy tab] after a minute.",
-            "Open [Add or switch] and tick [Engine: rescaled]: it walks to the middle axis and flips, for it keeps |L|, not the energy.",
+            "Open [Add or switch] and tick [Engine: rescaled]: it conserves |L| but not the energy, so it drifts and flips.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
@@ -59,10 +59,10 @@ pub fn thin_plate() -> Scenario {
     Scenario {
         id: "thin-plate",
         title: "Thin plate",
-        lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order integrators gain energy here first.",
+        lesson: "The largest moment of a thin plate is the sum of the other two, the extreme case for a rigid body. Second-order integrators gain energy here first.",
         hints: [
-            "Open [Add or switch] and tick [Midpoint (RK2)]: Implicit midpoint has its order and the opposite energy behavior.",
-            "Press [30 Hz] and see who still tumbles in step with the reference.",
+            "Open [Add or switch] and tick [Midpoint (RK2)]: Implicit midpoint has the same order but conserves the energy.",
+            "Press [30 Hz] and see which integrators still match the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "semi-implicit-euler", "implicit-midpoint", "rk4"],
@@ -78,10 +78,10 @@ pub fn needle() -> Scenario {
     Scenario {
         id: "needle",
         title: "Needle",
-        lesson: "Fast spin about a long thin axis, with moments 800 to 1. Explicit gyroscopic terms explode here at 60 Hz, and implicit ones lose a quarter of the energy.",
+        lesson: "A thin rod spins fast about its long axis, with moments 800 to 1. At 60 Hz, explicit gyroscopic terms diverge, and implicit ones lose a quarter of the energy.",
         hints: [
-            "Press [Restart] and watch Semi-implicit Euler: it is gone within a second.",
-            "Open the [Error tab]: Split stays within a thousandth of a radian.",
+            "Press [Restart] and watch Semi-implicit Euler: it diverges within a second.",
+            "Open the [Error tab]: Split is accurate to rounding.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 5.0),
         recommended: &["split", "engine-newton", "semi-implicit-euler", "rk4"],
@@ -97,7 +97,7 @@ pub fn symmetric_top() -> Scenario {
     Scenario {
         id: "symmetric-top",
         title: "Symmetric top",
-        lesson: "A square bar precesses steadily: its axis draws a cone at the rate L/I. Split is exact for such bodies at any step; most integrators are not.",
+        lesson: "A square bar precesses steadily: its axis traces a cone at the rate L/I. Split is exact at any step size; most integrators are not.",
         hints: [
             "Set [dt] to 1/10 s: Split is still exact.",
             "Press [Views] and compare the cones' angles.",
@@ -120,9 +120,9 @@ pub fn damped_spin() -> Scenario {
     Scenario {
         id: "damped-spin",
         title: "Damped spin",
-        lesson: "Damping in proportion to the angular momentum only slows time down: the tumbling is the free one in the time (1 − e^(−γt))/γ, and the last attitude is known in advance.",
+        lesson: "Damping proportional to the angular momentum only slows time down: the box tumbles freely in the time (1 − e^(−γt))/γ, so its final attitude is known in advance.",
         hints: [
-            "Raise [Ang. damping] until γ·dt passes 2: explicit integrators explode, Split and Exact do not notice.",
+            "Raise [Ang. damping] until γ·dt exceeds 2: explicit integrators diverge, Split and Exact remain exact.",
             "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
@@ -139,10 +139,10 @@ pub fn separatrix() -> Scenario {
     Scenario {
         id: "separatrix",
         title: "Separatrix",
-        lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
+        lesson: "A spin within a millionth of the intermediate axis flips only after a long time. A relative energy error of 1e-12 already shifts the flip.",
         hints: [
-            "Open the [Energy tab]: Velocity Verlet is off by 1e-4 and flips, RK4 is right to rounding.",
-            "Open [Add or switch] and tick [Engine: Avian 993]: no flip at all means that the gyroscopic term is missing.",
+            "Open the [Energy tab]: Velocity Verlet is off by 1e-4, RK4 is accurate to rounding.",
+            "Open [Add or switch] and tick [Engine: Avian 993]: if it does not flip, the gyroscopic term is missing.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "velocity-verlet", "rk4", "implicit-midpoint"],

@@ -85,7 +85,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             15,
             "heavy-top",
-            "The heavy top",
+            "Heavy top",
             top,
             GAME_STEPS,
             Check::Attitude(2e-3),

@@ -44,7 +44,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             20,
             "tiny",
-            "A nanogram box of a millimeter: 1e-9 kg",
+            "A millimeter box of a microgram: 1e-9 kg",
             scaled(1e-3, 1e-9),
             GAME_STEPS,
             Check::Attitude(1e-3),
@@ -79,7 +79,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             21,
             "zero-step",
-            "Steps of no length",
+            "Steps of zero length",
             moving,
             [0.0],
             Check::Unchanged,
@@ -104,7 +104,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             24,
             "impulses",
-            "A thousand impulses in an instant",
+            "A thousand simultaneous impulses",
             hit,
             [1.0 / 60.0],
             Check::Restored(1e-13),

@@ -88,7 +88,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             8,
             "aliasing",
-            "4.2 rad a step",
+            "4.2 rad per step",
             spin(solid([0.5; 3], 6.0), [0.0, 150.0, 200.0], 2.0),
             [1.0 / 60.0],
             Check::Attitude(1e-11),
@@ -133,7 +133,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             11,
             "return",
-            "600 steps forwards, 600 backwards",
+            "600 steps forward, 600 backward",
             spin(brick(), tumble, 10.0),
             GAME_STEPS,
             Check::Return {
@@ -144,7 +144,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             12,
             "unit-length",
-            "The quaternion's length",
+            "Quaternion norm",
             spin(brick(), tumble, 10.0),
             [1.0 / 60.0],
             Check::UnitLength {
