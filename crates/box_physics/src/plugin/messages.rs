@@ -251,20 +251,22 @@ pub struct Landed {
     pub entity: Entity,
     /// Simulated time of the first impact \[s\].
     pub time: f64,
-    /// Where, in the world \[m\]: the mean of the points, weighted by their impulses.
+    /// Point of impact in the world \[m\]: the mean of the contact points, weighted by their impulses.
     pub point: DVec3,
-    /// The unit normal of what it struck: +y for the floor.
+    /// Unit normal of the surface: +y for the floor.
     pub normal: DVec3,
-    /// Impulse along the normal \[N s\], > 0.
+    /// Total impulse along the normal \[N s\], > 0.
     pub normal_impulse: f64,
-    /// Impulse of friction on the body \[N s\], world axes.
+    /// Total friction impulse on the body \[N s\], world axes.
     pub tangential_impulse: DVec3,
-    /// Largest speed along the normal with which a corner struck [m/s], > 0.
+    /// Highest normal speed at which a corner hit the surface [m/s], > 0.
     pub approach_speed: f64,
 }
 
-/// A body came to rest on the floor: an event on the entity, for every body. From the next step on it sleeps, if nothing
-/// but gravity acts on it. [`RestingSince`](super::RestingSince) tells since when.
+/// A body came to rest on the floor. Triggered on the entity, for every body.
+///
+/// From the next step on the body sleeps, if only gravity acts on it. [`RestingSince`](super::RestingSince) stores the
+/// time.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -288,8 +290,10 @@ pub struct Settled {
     pub time: f64,
 }
 
-/// A body that rested on the floor no longer does: an event on the entity, for every body that [`Settled`]. Also sent when
-/// the body is teleported, disabled or quarantined and when the floor is removed, but not when the body is despawned.
+/// A body that rested on the floor no longer does. Triggered on the entity, for every body that [`Settled`].
+///
+/// It is also sent if the body is teleported, disabled or quarantined and if the floor is removed, but not if the body
+/// is despawned.
 #[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct Woken {
@@ -315,11 +319,11 @@ pub struct Woken {
 pub struct BodyQuarantined {
     /// The body.
     pub entity: Entity,
-    /// The integrator that was to step it.
+    /// The integrator of the body.
     pub integrator: Integrator,
     /// Simulated time \[s\].
     pub time: f64,
-    /// What was wrong.
+    /// The cause.
     pub cause: QuarantineCause,
 }
 
@@ -327,11 +331,11 @@ pub struct BodyQuarantined {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub enum QuarantineCause {
-    /// A [`BodyState`] was written that is not finite or beyond 1e38, or whose attitude is not a unit quaternion.
-    /// The body stands at its last written pose, at rest.
+    /// The written [`BodyState`] is not finite or exceeds 1e38, or its attitude is not a unit quaternion. The body is
+    /// at rest at its last displayed pose.
     State,
-    /// The step from a valid state led to one that is not finite or beyond 1e38: its forces are, or the integrator
-    /// left its stable range. The body stands as it was before that step.
+    /// A step from a valid state led to values that are not finite or exceed 1e38, because of the forces or because the
+    /// integrator left its stable range. The body keeps its state from before that step.
     Step,
 }
 
