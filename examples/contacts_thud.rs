@@ -1,5 +1,5 @@
-//! Plays a sound for every landing, with a volume that depends on its impulse. `cargo run --release --example
-//! contacts_thud`
+//! Plays a sound for every landing, with a volume that depends on its impulse.
+//! `cargo run --release --example contacts_thud`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;

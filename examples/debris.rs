@@ -1,5 +1,5 @@
-//! A tower of 10 000 bricks with a bomb inside. Space detonates the bomb, R rebuilds the tower. `cargo run --release
-//! --example debris`
+//! A tower of 10 000 bricks with a bomb inside. Space detonates the bomb, R rebuilds the tower.
+//! `cargo run --release --example debris`
 
 use std::time::Duration;
 

@@ -1,5 +1,5 @@
-//! Five dice in a tray: throws them, waits until they settle, and reads their faces. Space throws again. `cargo run
-//! --release --example dice`
+//! Five dice in a tray: throws them, waits until they settle, and reads their faces. Space throws again.
+//! `cargo run --release --example dice`
 
 use bevy::prelude::*;
 use box_physics::prelude::*;

@@ -1,5 +1,5 @@
-//! Bodies in scene literals: a function returns a scene, and other code patches it. No window. `cargo run --release
-//! --example scene_literal`
+//! Bodies in scene literals: a function returns a scene, and other code patches it. No window.
+//! `cargo run --release --example scene_literal`
 
 use bevy::asset::AssetPlugin;
 use bevy::prelude::*;

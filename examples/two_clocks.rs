@@ -1,6 +1,6 @@
 //! The same throw with two clocks: at 30 Hz, with and without interpolation, and at 240 Hz in a separate physics app.
-//! Until they land the paths agree, because the default integrator is exact in flight. Space throws again. `cargo run
-//! --release --example two_clocks`
+//! Until they land the paths agree, because the default integrator is exact in flight. Space throws again.
+//! `cargo run --release --example two_clocks`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;

@@ -12,10 +12,10 @@ use clap::Args;
 
 use crate::context::Stop;
 
-/// Longest run \[steps\].
+/// Maximum length of a run \[steps\].
 const MOST_STEPS: u64 = 100_000_000;
 
-/// What to simulate.
+/// Options of `simulate`.
 #[derive(Args)]
 pub(crate) struct Options {
     /// A scene's name, or a file: a scene (RON) or a reference trajectory (JSON)
@@ -27,10 +27,10 @@ pub(crate) struct Options {
     /// The step: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
     dt: f64,
-    /// How long, in seconds (by default as the scene says)
+    /// Duration in seconds (by default that of the scene)
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     duration: Option<f64>,
-    /// Where the CSV goes [default: standard output]
+    /// Output file for the CSV [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -42,7 +42,7 @@ fn seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("a duration is a number of seconds above 0, but this is '{text}'"))
 }
 
-/// The columns; the errors are empty where there is no reference.
+/// The columns. The error columns are empty where there is no reference.
 const COLUMNS: [&str; 20] = [
     "t_s",
     "x_m",
@@ -66,8 +66,8 @@ const COLUMNS: [&str; 20] = [
     "attitude_error_rad",
 ];
 
-/// The setup that `name` means: a scene of the list, a family of the report, or a file. **Other formats
-/// of files are read here**, by their ending.
+/// Finds the setup called `name`: a scene of the list, a family of the report, or a file. **To support other file
+/// formats, extend this function**; it selects the format by the file extension.
 fn find(name: &str) -> Result<Setup, Stop> {
     let path = Path::new(name);
     if path.is_file() {
@@ -100,7 +100,7 @@ fn find(name: &str) -> Result<Setup, Stop> {
     })
 }
 
-/// Simulates and writes.
+/// Runs the simulation and writes the CSV.
 pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let mut setup = find(&options.scene)?;
     if let Some(duration) = options.duration {
@@ -179,7 +179,7 @@ fn write(
     let mut result = Ok(());
     run_plan(setup, options.integrator, &plan, |t, state| {
         result = line(t, state);
-        // A state that is not finite is the last line: what follows says nothing.
+        // Stop after a state that is not finite; later lines would contain no information.
         result.is_ok() && state.is_finite()
     });
     result?;

@@ -6,10 +6,10 @@ use box_physics::integrators::Integrator;
 use box_scenarios::parse_step;
 use clap::{Args, ValueEnum};
 
-/// What to verify, and how to print it.
+/// Options of `verify`.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Folder of reference trajectories, one JSON file a case
+    /// Folder of reference trajectories, one JSON file per case
     #[arg(value_name = "DIR")]
     pub(super) folder: PathBuf,
     /// Integrators, separated by commas [default: all]
@@ -21,12 +21,12 @@ pub(crate) struct Options {
     /// Only cases whose name matches, as in 'pub0*'
     #[arg(long, value_name = "GLOB")]
     pub(super) case: Option<glob::Pattern>,
-    /// How to print
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Table)]
     pub(super) format: Format,
 }
 
-/// How the result is printed.
+/// Output format of the result.
 #[derive(Clone, Copy, ValueEnum)]
 pub(super) enum Format {
     /// Aligned columns to read
@@ -36,7 +36,7 @@ pub(super) enum Format {
 }
 
 impl Options {
-    /// The requested integrators, or all.
+    /// The requested integrators, or all if none was requested.
     pub(super) fn integrators(&self) -> &[Integrator] {
         if self.integrator.is_empty() {
             Integrator::ALL
