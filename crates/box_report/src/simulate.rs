@@ -15,7 +15,7 @@ use crate::context::Stop;
 /// Maximum length of a run \[steps\].
 const MOST_STEPS: u64 = 100_000_000;
 
-/// Options of `simulate`.
+/// Options of the command simulate.
 #[derive(Args)]
 pub(crate) struct Options {
     /// A scene's name, or a file: a scene (RON) or a reference trajectory (JSON)

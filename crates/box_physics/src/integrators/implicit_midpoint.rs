@@ -27,10 +27,10 @@ use crate::state::BodyState;
 /// is not conserved, and the solver occasionally fails. With linear drag R(z) = (1 + z/2)/(1 − z/2), which never
 /// exceeds 1 in magnitude but approaches −1 for z → −∞.
 ///
-/// With a wrench the equations are solved together (`implicit_stage`), and the method is A-stable on springs. The wrench
-/// is the mean of those at the two attitudes q₀ and q₁ (at `x_m, v_m, ω_m`). The torque is the mean in *world* axes,
-/// converted to body axes as `T = t − h/2 ω_m×t`, `t = q₀*T_w`. Then L₁ = cay⁻¹(L₀ + h t), so a world torque adds to the world's
-/// angular momentum exactly.
+/// With a wrench the equations are solved together (`implicit_stage`), and the method is A-stable on springs. The
+/// wrench is the mean of those at the two attitudes q₀ and q₁ (at `x_m, v_m, ω_m`). The torque is the mean in *world*
+/// axes, converted to body axes as `T = t − h/2 ω_m×t`, `t = q₀*T_w`. Then L₁ = cay⁻¹(L₀ + h t), so a world torque adds
+/// to the world's angular momentum exactly.
 ///
 /// The displacement of a body point is R₁r − R₀r = hω×½(R₀ + R₁)r. For springs of zero length and constant world forces
 /// at body points, the work F·Δx + T·hω is therefore exactly the potential energy that they lose. Energy is conserved

@@ -23,7 +23,7 @@ pub(crate) struct Repository {
     root: PathBuf,
 }
 
-/// Options of `bless`.
+/// Options of the command bless.
 #[derive(Args)]
 pub(crate) struct BlessOptions {
     #[command(flatten)]

@@ -6,7 +6,7 @@ use box_physics::integrators::Integrator;
 use box_scenarios::parse_step;
 use clap::{Args, ValueEnum};
 
-/// Options of `verify`.
+/// Options of the command verify.
 #[derive(Args)]
 pub(crate) struct Options {
     /// Folder of reference trajectories, one JSON file per case
