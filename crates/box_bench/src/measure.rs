@@ -63,7 +63,7 @@ impl<'a> Contender<'a> {
         loop {
             let elapsed = self.time(settings.stopwatch);
             if elapsed >= settings.shortest_sample {
-                self.long = elapsed > LONG * self.repeats;
+                self.long = elapsed > LONG_CALL * self.repeats;
                 return elapsed.as_nanos() as f64 / (f64::from(self.repeats) * self.units);
             }
             // 20 % more than needed, at most ten times the last number.
@@ -134,7 +134,7 @@ impl Cost {
 }
 
 /// Duration of a call above which no untimed call is made, because caches and threads hardly affect it.
-const LONG: Duration = Duration::from_millis(200);
+const LONG_CALL: Duration = Duration::from_millis(200);
 
 /// Times all `contenders` in turns and returns their costs in the same order. The first sample of each is discarded: it
 /// determines the number of calls and warms the caches.

@@ -23,9 +23,9 @@ use box_scenarios::{Driver, ForceSet, Model, Setup};
 use crate::measure::{Contender, Cost, Settings, interleaved};
 
 /// Maximum number of bodies that are copied: the size of the plugin's chunks.
-const MOST: usize = 512;
+const MAX_BODIES: usize = 512;
 /// Maximum number of bodies if some are at the floor, so that a call takes at most a few milliseconds.
-const MOST_AT_FLOOR: usize = 128;
+const MAX_BODIES_AT_FLOOR: usize = 128;
 /// Approximate number of body-steps per call, and the range of the number of steps.
 const BODY_STEPS: usize = 1024;
 const STEPS: (usize, usize) = (4, 16);
@@ -69,19 +69,19 @@ impl Snapshot {
             ..Self::default()
         };
         let mut at_floor = false;
-        for (body, state, contact) in bodies.take(MOST) {
+        for (body, state, contact) in bodies.take(MAX_BODIES) {
             at_floor |= this.floor.as_ref().is_some_and(|(floor, _)| {
                 contact.touching() != 0 || may_touch(floor, body, state, &forces.forces(body), h)
             });
-            if at_floor && this.bodies.len() >= MOST_AT_FLOOR {
+            if at_floor && this.bodies.len() >= MAX_BODIES_AT_FLOOR {
                 break;
             }
             this.bodies.push(*body);
             this.start.push((*state, contact));
         }
         if at_floor {
-            this.bodies.truncate(MOST_AT_FLOOR);
-            this.start.truncate(MOST_AT_FLOOR);
+            this.bodies.truncate(MAX_BODIES_AT_FLOOR);
+            this.start.truncate(MAX_BODIES_AT_FLOOR);
         }
         let count = this.bodies.len();
         this.memories = vec![IntegratorMemory::default(); count];

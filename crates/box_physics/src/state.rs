@@ -304,7 +304,7 @@ mod tests {
             |state| &mut state.angular_momentum,
         ];
         for part in parts {
-            for (value, sound) in [
+            for (value, valid) in [
                 (1e37, true),
                 (-1e37, true),
                 (1e39, false),
@@ -314,7 +314,7 @@ mod tests {
             ] {
                 let mut state = BodyState::default();
                 part(&mut state).z = value;
-                assert_eq!(state.is_valid(), sound, "{state:?}");
+                assert_eq!(state.is_valid(), valid, "{state:?}");
             }
         }
     }

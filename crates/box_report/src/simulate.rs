@@ -13,7 +13,7 @@ use clap::Args;
 use crate::context::Stop;
 
 /// Maximum length of a run \[steps\].
-const MOST_STEPS: u64 = 100_000_000;
+const MAX_STEPS: u64 = 100_000_000;
 
 /// Options of the command simulate.
 #[derive(Args)]
@@ -107,7 +107,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Stop> {
         setup.duration = duration;
     }
     let steps = steps_in(setup.duration, options.dt);
-    if steps > MOST_STEPS {
+    if steps > MAX_STEPS {
         return Err(Stop::Usage(format!(
             "{} s in steps of {} s are more than 1e8 steps",
             setup.duration, options.dt

@@ -17,7 +17,7 @@ const H: f64 = 1.0 / 60.0;
 /// Time for measuring a situation.
 const SHARE: Duration = Duration::from_secs(3);
 /// Number of boxes where a situation has many.
-const MANY: usize = 100;
+const BOXES: usize = 100;
 
 /// A situation in which a step is timed.
 struct Situation {
@@ -112,7 +112,7 @@ pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
     let mut timed = Vec::new();
     for situation in situations()? {
         let setup = &situation.setup;
-        let snapshot = Snapshot::of_scene(setup, MANY, H)
+        let snapshot = Snapshot::of_scene(setup, BOXES, H)
             .ok_or_else(|| Stop::Internal(format!("{}: no bodies", situation.title)))?;
         let contender = |&i: &Integrator| {
             if situation.alone {
@@ -138,7 +138,7 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
         "What a step costs",
         format!(
             "Nanoseconds per body and step of 1/60 s on one core over the whole scene, without bounding box and `Transform`. \
-             *{MANY} boxes* (and everywhere but *one box*): by the path that the plugin takes for them, in SIMD lanes under gravity \
+             *{BOXES} boxes* (and everywhere but *one box*): by the path that the plugin takes for them, in SIMD lanes under gravity \
              alone where the integrator has them. *One box*: the plain step of a lone body. Fastest sample, and how far the \
              median lies above it: {SAMPLES_IN_WORDS}."
         ),

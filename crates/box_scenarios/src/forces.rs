@@ -202,7 +202,7 @@ pub(crate) fn coefficient(field: &'static str, value: f64) -> Result<(), Invalid
 }
 
 /// Maximum number of springs, point forces or impulses in a file.
-pub(crate) const MANY: usize = 64;
+pub(crate) const MAX_ITEMS: usize = 64;
 
 // Mirrors of the force types of `box_physics` that check the limits while reading.
 
@@ -250,7 +250,7 @@ fn save_points<S: Serializer>(points: &[PointForce], to: S) -> Result<S::Ok, S::
 }
 
 fn load_points<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PointForce>, D::Error> {
-    let saved: Vec<SavedPoint> = limits::at_most(from, MANY)?;
+    let saved: Vec<SavedPoint> = limits::at_most(from, MAX_ITEMS)?;
     Ok(saved
         .into_iter()
         .map(|p| PointForce {
@@ -274,7 +274,7 @@ fn save_springs<S: Serializer>(springs: &[Spring], to: S) -> Result<S::Ok, S::Er
 }
 
 fn load_springs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Spring>, D::Error> {
-    let saved: Vec<SavedSpring> = limits::at_most(from, MANY)?;
+    let saved: Vec<SavedSpring> = limits::at_most(from, MAX_ITEMS)?;
     Ok(saved
         .into_iter()
         .map(|s| Spring {

@@ -106,7 +106,7 @@ const LARGEST_TURN: f64 = 1.0;
 const TOLERANCE: f64 = 1e-34;
 
 /// Maximum number of iterations: twice the 5 that suffice for every body up to the limit.
-const MOST_ITERATIONS: usize = 10;
+const MAX_ITERATIONS: usize = 10;
 
 /// Free rotation over `h` \[s\] by the algorithm, order 6. Returns `false` and leaves `state` unchanged if the step is
 /// too long or the iteration fails.
@@ -179,7 +179,7 @@ fn half_turn(body: &RigidBox, l: DVec3, h: f64) -> Option<DVec3> {
     // Two fixed-point sweeps, which cost less than one Newton iteration and save one.
     let sweep = |c: DVec3| (1.0 + c.length_squared()) * b + e * pairs(c);
     let mut c = sweep(sweep(b));
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let f = c - sweep(c);
         let step = newton_correction(b, e, c, f);
         c -= step;

@@ -21,7 +21,7 @@ use crate::math::AnyArgument;
 use crate::state::BodyState;
 
 /// Maximum number of parts into which a step is divided.
-const MOST_PARTS: u32 = 1024;
+const MAX_PARTS: u32 = 1024;
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug)]
@@ -67,7 +67,7 @@ fn in_parts<F: ForceModel>(
     while let Attempt::Unconverged(evaluations) = failed {
         outcome.evaluations += u64::from(evaluations);
         outcome.unconverged = 1;
-        if parts == MOST_PARTS {
+        if parts == MAX_PARTS {
             break;
         }
         parts *= 4;

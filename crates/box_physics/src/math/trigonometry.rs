@@ -44,7 +44,7 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() <= FRAC_PI_4 {
         small_sin_cos(x)
     } else {
-        beyond(x)
+        large_sin_cos(x)
     }
 }
 
@@ -56,7 +56,7 @@ pub fn sinc_cos(z: f64) -> (f64, f64) {
         small_sinc_cos(z)
     } else {
         let x = z.sqrt();
-        let (s, c) = beyond(x);
+        let (s, c) = large_sin_cos(x);
         (s / x, c)
     }
 }
@@ -147,7 +147,7 @@ fn small_sinc_cos(z: f64) -> (f64, f64) {
 /// The general case, in a separate function to keep the common case small.
 #[cold]
 #[inline(never)]
-fn beyond(x: f64) -> (f64, f64) {
+fn large_sin_cos(x: f64) -> (f64, f64) {
     libm::sincos(x)
 }
 

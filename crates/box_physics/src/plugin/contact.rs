@@ -15,7 +15,7 @@ use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
-use super::transforms::LIGHT;
+use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::body::RigidBox;
 use crate::floor::{
     ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, StaticPlane,
@@ -60,7 +60,7 @@ impl MaterialContiguousItem<'_, '_> {
 
 /// Cost of a step at the floor, in steps in free flight. The value lies between the cost of a settling box and that of
 /// a sliding box (`cargo bench --bench step`).
-const AT_FLOOR: usize = 16;
+const FLOOR_STEP_COST: usize = 16;
 
 /// *Contact*: steps the bodies that *Integrate* left because they may touch the floor.
 pub(crate) fn contact(
@@ -121,7 +121,7 @@ pub(crate) fn contact(
             // last one.
             let chunk = (awake / 16).clamp(16, CHUNK);
             let mut tally = threads.share_out(
-                awake * AT_FLOOR + range.len() / LIGHT,
+                awake * FLOOR_STEP_COST + range.len() / LIGHT_PASS_DIVISOR,
                 columns.chunks(range, chunk),
                 |(first, (bodies, states, memories, near, contacts, sleep, reported, resting))| {
                     integrator.dispatch(AtFloor {
@@ -243,7 +243,7 @@ impl AtFloor<'_, '_, '_> {
             }
             let (state, contact) = (&mut self.states[i], &mut self.contacts[i]);
             let before = *state;
-            let lay_still = contact.is_resting(state);
+            let was_resting = contact.is_resting(state);
             let mut reported = self.reported.as_mut().map(|r| &mut r[i]);
             let report = reported.as_mut().map(|reported| reported.begin());
             let (step, body, memory) = (self.step, &self.bodies[i], &mut self.memories[i]);
@@ -275,7 +275,7 @@ impl AtFloor<'_, '_, '_> {
             tally.outcome += outcome.step;
             tally.floor += outcome;
             self.near[i].touched = contact.touching() != 0;
-            let still = lay_still && outcome.resting && *state == before;
+            let still = was_resting && outcome.resting && *state == before;
             self.sleep[i] = self.sleepers.after_step(still && state.is_valid());
             if !state.is_valid() {
                 *state = before;

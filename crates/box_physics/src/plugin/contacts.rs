@@ -122,7 +122,7 @@ pub(crate) fn report_contacts(
             landings.write(landed);
             commands.trigger(landed);
         }
-        let report = report.unwrap_or_else(|| held(contact.touching(), body, state));
+        let report = report.unwrap_or_else(|| touching_report(contact.touching(), body, state));
         let mut write = |phase| {
             messages.write(FloorContact {
                 entity,
@@ -144,7 +144,7 @@ pub(crate) fn report_contacts(
 }
 
 /// A report in which these corners touch, without impulses.
-fn held(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
+fn touching_report(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
     let points = aabb::corners(body.half_extents()).map(|c| state.point(c));
     ContactReport::touching(corners, points)
 }
@@ -190,7 +190,7 @@ fn end_reports(world: &mut DeferredWorld, entity: Entity) {
             entity,
             phase: ContactPhase::Ended,
             time,
-            report: held(0, body, state),
+            report: touching_report(0, body, state),
         };
         world.write_message(ended);
     }

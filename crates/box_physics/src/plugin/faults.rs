@@ -192,10 +192,10 @@ pub(crate) fn report_invalid<C: Checked>(
     for (entity, component) in entities.iter().filter(|(_, c)| c.is_changed()) {
         match component.check() {
             Ok(()) => known.retain(|&e| e != entity),
-            Err(error) if *lines < MOST_INVALID_LINES && !known.contains(&entity) => {
+            Err(error) if *lines < MAX_INVALID_LINES && !known.contains(&entity) => {
                 known.push(entity);
                 *lines += 1;
-                let end = if *lines == MOST_INVALID_LINES {
+                let end = if *lines == MAX_INVALID_LINES {
                     " (further ones are not logged)"
                 } else {
                     ""
@@ -218,7 +218,7 @@ pub(crate) fn report_invalid_planes(planes: Query<(Entity, &StaticPlane), Change
 }
 
 /// Maximum number of log lines about invalid values of one component.
-const MOST_INVALID_LINES: u32 = 10;
+const MAX_INVALID_LINES: u32 = 10;
 
 /// Warns about bodies below a parent that is not at the origin. `Transform` is written in world coordinates, so such a
 /// body would be displayed in the wrong place.

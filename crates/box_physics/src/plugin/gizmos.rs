@@ -15,7 +15,7 @@ use crate::body::RigidBox;
 use crate::state::BodyState;
 
 /// Maximum number of boxes drawn. More would be slow and hard to read.
-const MOST: usize = 2000;
+const MAX_DRAWN: usize = 2000;
 /// How long a contact is displayed \[s\]; a bounce lasts only one step.
 const SHOWN_FOR: f32 = 0.25;
 
@@ -95,7 +95,7 @@ impl Plugin for BodyGizmosPlugin {
 
 fn draw_aabbs(boxes: Query<&WorldAabb>, mut gizmos: Gizmos<BodyGizmos>) {
     if gizmos.config_ext.aabbs {
-        for aabb in boxes.iter().take(MOST) {
+        for aabb in boxes.iter().take(MAX_DRAWN) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, AABB);
         }
     }
@@ -110,7 +110,7 @@ fn draw_axes(
         return;
     }
     let wanted = bodies.iter().filter(|b| what.details(b.0));
-    for (_, body, state, transform) in wanted.take(MOST) {
+    for (_, body, state, transform) in wanted.take(MAX_DRAWN) {
         let at = transform.translation;
         let length = 1.4 * body.radius() as f32;
         for (axis, color) in AXES {
@@ -167,7 +167,7 @@ fn draw_contacts(
     }
     let step = fixed.map_or(1.0 / 60.0, |fixed| fixed.timestep().as_secs_f64());
     let wanted = shown.iter().filter(|c| what.details(c.entity));
-    for contact in wanted.take(MOST) {
+    for contact in wanted.take(MAX_DRAWN) {
         // The body may have been despawned.
         let Ok(body) = bodies.get(contact.entity) else {
             continue;

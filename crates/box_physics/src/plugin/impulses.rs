@@ -46,10 +46,10 @@ pub(crate) fn collect_impulses(
     clock: Option<Res<PhysicsClock>>,
     time: Option<Res<Time<Virtual>>>,
 ) {
-    let stands = clock.is_some_and(|clock| clock.paused)
+    let paused = clock.is_some_and(|clock| clock.paused)
         || time.is_some_and(|time| time.is_paused() || time.relative_speed_f64() == 0.0);
     let PendingImpulses { cursor, queue } = &mut *pending;
-    let kept = |impulse: &&ApplyImpulse| !stands || impulse.while_paused == WhilePaused::Keep;
+    let kept = |impulse: &&ApplyImpulse| !paused || impulse.while_paused == WhilePaused::Keep;
     queue.extend(cursor.read(&messages).filter(kept));
 }
 

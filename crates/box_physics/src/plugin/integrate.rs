@@ -58,7 +58,7 @@ impl core::ops::AddAssign for Tally {
 }
 
 /// Minimum cost of a step under forces, in steps in free flight (`docs/performance.md`).
-const FORCED: usize = 4;
+const FORCED_STEP_COST: usize = 4;
 
 /// *Integrate*: steps every body that cannot touch the floor. The others are left to *Contact*.
 pub(crate) fn integrate(
@@ -76,7 +76,11 @@ pub(crate) fn integrate(
         let near = table.near.bypass_change_detection();
         for (integrator, range) in integrator_runs(step.integrator, table.own, bodies.len()) {
             let columns = (bodies, &mut *states, &mut *memories, &mut *near);
-            let each = if forces.only_gravity() { 1 } else { FORCED };
+            let each = if forces.only_gravity() {
+                1
+            } else {
+                FORCED_STEP_COST
+            };
             let mut tally = threads.share_out(
                 range.len() * each,
                 columns.chunks(range, CHUNK),

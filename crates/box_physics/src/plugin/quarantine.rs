@@ -64,7 +64,7 @@ pub(crate) fn guard_quarantined(
 }
 
 /// Maximum number of log lines about quarantines, so that many invalid bodies cannot flood the log.
-const MOST_QUARANTINE_LINES: u32 = 10;
+const MAX_QUARANTINE_LINES: u32 = 10;
 
 /// Logs the bodies quarantined since the last tick, in one line.
 pub(crate) fn report_quarantined(
@@ -85,11 +85,11 @@ pub(crate) fn report_quarantined(
         0 => String::new(),
         n => format!("; {n} more with it"),
     };
-    if *lines == MOST_QUARANTINE_LINES {
+    if *lines == MAX_QUARANTINE_LINES {
         return;
     }
     *lines += 1;
-    let end = if *lines == MOST_QUARANTINE_LINES {
+    let end = if *lines == MAX_QUARANTINE_LINES {
         " (further quarantines are only reported as BodyQuarantined messages)"
     } else {
         ""

@@ -13,7 +13,7 @@ use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sets::{PhysicsSchedule, PhysicsSystems};
 use super::sleeping::{Changes, Sleep, SleepClock};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
-use super::transforms::LIGHT;
+use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
 use crate::math::{VectorLoop, vectorized};
@@ -78,7 +78,7 @@ pub(crate) fn refit_aabbs(
             fitted.bypass_change_detection(),
         );
         threads.share_out(
-            boxes.len() / LIGHT,
+            boxes.len() / LIGHT_PASS_DIVISOR,
             columns.chunks(0..boxes.len(), CHUNK),
             |(_, (boxes, replaced, states, written, sleep, fitted))| {
                 let columns = [replaced, written];

@@ -164,7 +164,7 @@ pub(crate) fn take_teleports(
             ticks.changed_mut(),
         );
         let Refused(refused) = threads.share_out(
-            entities.len() / LIGHT,
+            entities.len() / LIGHT_PASS_DIVISOR,
             columns.chunks(0..entities.len(), CHUNK),
             |(_, (entities, boxes, transforms, changed, published, states, stamps))| {
                 let mut refused = Refused(None);
@@ -197,7 +197,7 @@ pub(crate) fn take_teleports(
 }
 
 /// Number of bodies that count as one in a pass that takes a small fraction of a step per body.
-pub(crate) const LIGHT: usize = 8;
+pub(crate) const LIGHT_PASS_DIVISOR: usize = 8;
 
 /// The first body, in the order of entities, whose `Transform` is invalid.
 #[derive(Default)]
@@ -231,7 +231,7 @@ pub(crate) fn write_transforms(
             ticks.changed_mut(),
         );
         threads.share_out(
-            states.len() / LIGHT,
+            states.len() / LIGHT_PASS_DIVISOR,
             columns.chunks(0..states.len(), CHUNK),
             |(_, (states, written, sleep, published, transforms, changed))| {
                 let overwritten = any_newer(changed, last, now);

@@ -31,11 +31,11 @@ pub const AGREEMENT: f64 = 1e-3;
 /// a frame. The integrators used are of fourth order or exact.
 const SHORTEST: f64 = 1.0 / 30_720.0;
 /// Number of segments kept, so that the errors of a lagging comparison can still be computed.
-const PIECES: usize = 256;
+const MAX_PIECES: usize = 256;
 /// Maximum duration of a stored numerical reference \[s\].
 const STORED: f64 = 120.0;
 /// Duration for which a closed form is requested \[s\].
-const LONG: f64 = 3600.0;
+const CLOSED_FORM_DURATION: f64 = 3600.0;
 
 /// A change to the box or its model.
 #[derive(Clone, Debug, PartialEq)]
@@ -248,7 +248,7 @@ impl LiveReference {
         }
         // Requested only if it is cheap, because springs change in every frame of a grab.
         let closed = (!self.model.forces.has_wrench()).then(|| {
-            let mut setup = self.model.setup(state, LONG);
+            let mut setup = self.model.setup(state, CLOSED_FORM_DURATION);
             setup.impulses = self.waiting(t).into();
             setup.impulses.iter_mut().for_each(|i| i.t -= t);
             ReferenceSolution::closed_form(&setup)
@@ -264,7 +264,7 @@ impl LiveReference {
         self.pieces
             .retain(|p| matches!(p.source, Source::Trusted(_)));
         self.pieces.push_back(Piece { from: t, source });
-        if self.pieces.len() > PIECES {
+        if self.pieces.len() > MAX_PIECES {
             self.pieces.pop_front();
         }
     }

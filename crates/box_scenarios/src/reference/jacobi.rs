@@ -23,13 +23,13 @@ pub struct Elliptic {
 }
 
 /// Maximum number of Landen steps. The arithmetic–geometric mean converges quadratically; from m₁ = 1e-300 it takes 13.
-const MOST_STEPS: usize = 16;
+const MAX_STEPS: usize = 16;
 
 impl Elliptic {
     /// Creates the functions for the complementary parameter `m1` = 1 − m, 0 < m₁ ≤ 1.
     pub fn new(m1: f64) -> Self {
         let (mut a, mut b) = (1.0_f64, m1.sqrt());
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             (a, b) = (0.5 * (a + b), (a * b).sqrt());
         }
         Self {
@@ -76,9 +76,9 @@ impl Elliptic {
     /// arithmetic–geometric mean, φ_N = 2ᴺ a_N u, sin(2φₙ₋₁ − φₙ) = (cₙ/aₙ) sin φₙ, sn = sin φ₀.
     fn landen(&self, u: f64) -> Jacobi {
         let (mut a, mut b) = (1.0_f64, self.m1.sqrt());
-        let mut ratios = [0.0; MOST_STEPS];
+        let mut ratios = [0.0; MAX_STEPS];
         let mut n = 0;
-        while n < MOST_STEPS {
+        while n < MAX_STEPS {
             let c = 0.5 * (a - b);
             (a, b) = (0.5 * (a + b), (a * b).sqrt());
             ratios[n] = c / a;

@@ -21,7 +21,7 @@ const ANY: f64 = 1.0;
 /// Interval between stored states \[s\]. A time between two of them is reached by integrating from the earlier one.
 const SPACING: f64 = 1.0 / 32.0;
 /// Maximum number of steps of the coarser run between two stored states.
-const MOST_STEPS: usize = 1 << 20;
+const MAX_STEPS: usize = 1 << 20;
 
 /// Stored states, and the data needed to continue from them.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl Numerical {
             coarse = loop {
                 match integrate(setup, &coarse, SPACING, steps, TOLERANCE) {
                     Some(next) => break next,
-                    None if steps < MOST_STEPS => steps *= 2,
+                    None if steps < MAX_STEPS => steps *= 2,
                     None => return None,
                 }
             };

@@ -18,7 +18,7 @@ pub const LONGEST: f64 = 600.0;
 pub const MOST_TURNS: f64 = 2e4;
 
 /// Maximum length of a text [characters].
-const LONG: usize = 400;
+const MAX_TEXT_LENGTH: usize = 400;
 
 fn refused<T, E: Error>(reason: impl Display) -> Result<T, E> {
     Err(E::custom(reason))
@@ -51,9 +51,9 @@ struct Line(String);
 impl<'de> Deserialize<'de> for Line {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let text = String::deserialize(from)?;
-        if text.chars().count() > LONG || text.chars().any(char::is_control) {
+        if text.chars().count() > MAX_TEXT_LENGTH || text.chars().any(char::is_control) {
             return refused(format_args!(
-                "must be one line of at most {LONG} characters"
+                "must be one line of at most {MAX_TEXT_LENGTH} characters"
             ));
         }
         Ok(Self(text))
