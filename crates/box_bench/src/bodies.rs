@@ -126,7 +126,7 @@ mod tests {
     use box_physics::floor::FloorContext;
     use box_physics::force::Gravity;
 
-    /// Of the two sets close above the floor, one has no impacts and the other has a few.
+    /// There are two sets of bodies just above the floor. One has no impacts, the other a few.
     #[test]
     fn near_is_not_touching() {
         let (floor, settings) = (Floor::default(), ContactSettings::default());

@@ -122,8 +122,8 @@ impl Balance {
 
     /// Returns `true` if `state` has more energy than it can have been given, whatever the error of the motion.
     ///
-    /// Of the energy given, the part that is not potential energy at this place remains as kinetic energy. The limit is
-    /// exceeded if the kinetic energy exceeds this remainder by more than its largest value so far.
+    /// The available kinetic energy is the energy given minus the potential energy in this state. The limit is exceeded
+    /// if the kinetic energy exceeds the available one by more than the largest available one so far.
     pub fn is_exceeded(&mut self, model: &Model, state: &BodyState) -> bool {
         let kinetic = state.kinetic_energy(&model.body);
         let left = self.given - (model.energy(state) - kinetic);

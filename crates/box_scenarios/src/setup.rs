@@ -123,7 +123,7 @@ pub struct TimedImpulse {
 pub struct Setup {
     /// The box.
     pub body: RigidBox,
-    /// Its state at t = 0.
+    /// State of the box at t = 0.
     pub initial: BodyState,
     /// The forces on it.
     pub forces: ForceSet,

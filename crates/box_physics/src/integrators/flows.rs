@@ -51,9 +51,9 @@ pub(crate) fn kick_drift_kick<F: ForceModel>(
 }
 
 /// The step without contact from which the floor computes the mean velocities of the corners. The initial wrench
-/// displaces the body by ½h² times its whole acceleration, as if undamped and at a fixed pose; a floor that supports
-/// the body must bear that wrench. Dampers act only on the existing motion. Order 2; returns the number of force
-/// evaluations.
+/// displaces the body by ½h² times its whole acceleration, as if undamped and at a fixed pose, because a floor that
+/// supports the body must balance that wrench. Dampers act only on the existing motion. Order 2; returns the number of
+/// force evaluations.
 pub(crate) fn impulse_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,

@@ -20,7 +20,7 @@ pub struct Trial {
     pub settings: ContactSettings,
     /// The box.
     pub body: RigidBox,
-    /// Its state.
+    /// State of the box.
     pub state: BodyState,
     /// Gravity [m/s²].
     pub gravity: DVec3,

@@ -101,7 +101,7 @@ pub enum Verdict {
     Ok,
     /// Beyond the bound, but bounded.
     Degraded,
-    /// Not finite, or beyond the sane range.
+    /// Not finite, or outside the plausible range.
     Diverged,
 }
 
