@@ -240,7 +240,6 @@ mod serialized {
     }
 }
 
-/// The planar rotations that follow the exact rotation with the reference moment (Fassò 2003).
 /// Axes and coefficients of the splitting of the free rotation: two planar rotations and an exact rotation (Fassò
 /// 2003).
 ///
