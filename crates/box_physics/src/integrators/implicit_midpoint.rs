@@ -36,9 +36,9 @@ use crate::state::BodyState;
 /// at body points, the work F·Δx + T·hω is therefore exactly the potential energy that they lose. Energy is conserved
 /// with them too, at any step (Simo and Wong's energy–momentum method).
 ///
-/// For a very stiff spring at a corner, the limit is whether the root is found. While the box turns by more than about
-/// a radian per step, steps are divided and reported. Above √(k/m) h ≈ 100 some are taken by `split` (`shortened`). A
-/// central spring has no limit.
+/// With a very stiff spring at a corner, the solver may not find the root. If the box turns by more than about a radian
+/// per step, steps are divided and reported. Above √(k/m) h ≈ 100, `split` takes some of them (`shortened`). A central
+/// spring has no limit.
 pub struct ImplicitMidpoint;
 
 impl Integrate for ImplicitMidpoint {

@@ -106,7 +106,7 @@ impl PhysicsThreads {
     }
 }
 
-/// A result for work that has none.
+/// The result of work that returns nothing.
 #[derive(Default)]
 pub(crate) struct Done;
 
