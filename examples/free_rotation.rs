@@ -1,4 +1,4 @@
-//! The torque-free rotation of a rigid body in forty lines to copy, in f32 and f64, with its measured error.
+//! The torque-free rotation of a rigid body as forty lines to copy, in f32 and f64, with its measured error.
 //! `docs/free-rotation.md` explains it. `cargo run --release --example free_rotation`
 
 #![expect(
@@ -121,7 +121,7 @@ fn errors(half: DVec3, omega: DVec3, rate: u32) -> Result<(f64, f64), InvalidVal
     for n in 1..=10 * rate {
         (q, m) = free_rotation_f64(j, m, q, h);
         (q32, m32) = free_rotation_f32(j32, m32, q32, h as f32);
-        // The f32 step is a little longer or shorter than h.
+        // The f32 step is slightly longer or shorter than h.
         let t32 = f64::from(n) * f64::from(h as f32);
         let wide = DQuat::from_array(q32.map(f64::from));
         worst.0 = worst
@@ -158,8 +158,8 @@ fn main() -> Result<(), InvalidValue> {
             let (f64s, f32s) = errors(half, omega, rate)?;
             let turn = omega.length() / f64::from(rate);
             println!("{name:8} {turn:7.3}  {f64s:7.1e}  {f32s:7.1e}");
-            // In f32 a step causes one unit of rounding. The needle turns by 200 rad. The flip amplifies
-            // every rounding until f32 cannot predict its time, so that column is printed without a bound.
+            // In f32 each step contributes one rounding unit. The needle turns by 200 rad. The flip amplifies every
+            // rounding error until f32 cannot predict its time, so that column is printed without a bound.
             let rounding = f64::from(10 * rate) * f64::from(f32::EPSILON);
             assert!(
                 f64s < limits.0 && f32s < limits.1 * rounding,

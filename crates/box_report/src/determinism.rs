@@ -1,4 +1,4 @@
-//! `determinism`: the bits that every machine must find.
+//! `determinism`: digests of the exact results, which are the same on every machine.
 
 use std::num::NonZero;
 use std::thread;
@@ -18,10 +18,10 @@ struct Row {
     digest: String,
 }
 
-/// Computes the fingerprint of every integrator, on every thread of this machine at once.
+/// Computes the digest of every integrator, on all threads of this machine at once.
 ///
 /// # Errors
-/// An unwritable file; threads that disagree.
+/// A file cannot be written, or threads disagree.
 pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let digests = on_threads(threads, &ctx.integrators)?;
@@ -60,7 +60,7 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     Ok(section)
 }
 
-/// The fingerprints of `integrators`, computed by `threads` threads in parallel.
+/// Digests of `integrators`, computed by `threads` threads in parallel.
 fn on_threads(threads: usize, integrators: &[Integrator]) -> Result<Vec<u64>, Stop> {
     let all = || {
         integrators

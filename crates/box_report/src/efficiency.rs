@@ -1,4 +1,4 @@
-//! `efficiency`: the cheapest way to stay below an error, and the integrators that nothing beats.
+//! `efficiency`: the cheapest integrator and step below a given error, and the Pareto frontier of error and cost.
 
 use box_physics::integrators::Integrator;
 use serde::Serialize;
@@ -8,12 +8,12 @@ use crate::document::{Section, Table};
 use crate::work_precision::{FamilyPoints, Point, WorkPrecision};
 use crate::{files, text};
 
-/// The errors to stay below, in the unit of each family's first metric.
+/// Error limits, in the unit of each family's first metric.
 const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
-/// An integrator beats another only if it is cheaper by more than this: what measurements of one machine
-/// cannot tell apart is no victory.
+/// Cost ratio below which an integrator is clearly cheaper than another. Smaller differences cannot be distinguished by
+/// measurements on one machine.
 pub(crate) const CLEARLY: f64 = 0.95;
-/// Errors below this count as this: smaller ones are not needed, and rounding would decide.
+/// Errors below this value are replaced by it: smaller ones are not needed, and rounding would decide the order.
 const GOOD_ENOUGH: f64 = 1e-9;
 
 #[derive(Serialize)]
@@ -37,7 +37,7 @@ struct FrontierRow {
     families: String,
 }
 
-/// The points that did not fail, each with error and cost.
+/// The points that did not fail, each with its error and cost.
 fn measured(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
     f.points.iter().filter_map(|p| {
         let error = p.run.error(f.family.metrics[0])?.max(GOOD_ENOUGH);
@@ -62,7 +62,7 @@ fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
     best
 }
 
-/// Whether some point of `integrator` is beaten by no point of another.
+/// Whether `integrator` has a point on the frontier: no point of another integrator beats it.
 fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
     measured(f)
         .filter(|(p, ..)| p.integrator == integrator)
@@ -73,7 +73,7 @@ fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
         })
 }
 
-/// The section, made of the work–precision measurement.
+/// Makes the section from the work–precision measurement.
 pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, Stop> {
     let mut section = Section::new(
         "efficiency",

@@ -12,10 +12,10 @@ use clap::Args;
 
 use crate::context::Stop;
 
-/// Longest run \[steps\].
-const MOST_STEPS: u64 = 100_000_000;
+/// Maximum length of a run \[steps\].
+const MAX_STEPS: u64 = 100_000_000;
 
-/// What to simulate.
+/// Options of the command simulate.
 #[derive(Args)]
 pub(crate) struct Options {
     /// Name of a scene, or a file: a scene (RON) or a reference trajectory (JSON)
@@ -42,7 +42,7 @@ fn seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("allowed: seconds, above 0; given: '{text}'"))
 }
 
-/// The columns; the errors are empty where there is no reference.
+/// The columns. The error columns are empty where there is no reference.
 const COLUMNS: [&str; 20] = [
     "t_s",
     "x_m",
@@ -66,8 +66,8 @@ const COLUMNS: [&str; 20] = [
     "attitude_error_rad",
 ];
 
-/// The setup that `name` means: a scene of the list, a family of the report, or a file. **Other formats
-/// of files are read here**, by their ending.
+/// Finds the setup called `name`: a scene of the list, a family of the report, or a file. **To support other file
+/// formats, extend this function**; it selects the format by the file extension.
 fn find(name: &str) -> Result<Setup, Stop> {
     let path = Path::new(name);
     if path.is_file() {
@@ -100,14 +100,14 @@ fn find(name: &str) -> Result<Setup, Stop> {
     })
 }
 
-/// Simulates and writes.
+/// Runs the simulation and writes the CSV.
 pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let mut setup = find(&options.scene)?;
     if let Some(duration) = options.duration {
         setup.duration = duration;
     }
     let steps = steps_in(setup.duration, options.dt);
-    if steps > MOST_STEPS {
+    if steps > MAX_STEPS {
         return Err(Stop::Usage(format!(
             "{} s in steps of {} s: allowed: at most 1e8 steps",
             setup.duration, options.dt
@@ -179,7 +179,7 @@ fn write(
     let mut result = Ok(());
     run_plan(setup, options.integrator, &plan, |t, state| {
         result = line(t, state);
-        // A state that is not finite is the last line: what follows says nothing.
+        // Stop after a state that is not finite; later lines would contain no information.
         result.is_ok() && state.is_finite()
     });
     result?;

@@ -1,11 +1,9 @@
-//! Step sizes as people write them.
+//! Parsing of step sizes.
 
-/// Reads a step \[s\] from `60hz` (a rate), `1/60` (a fraction) or `0.0166` (seconds, with or without an
-/// `s`).
+/// Parses a step size \[s\] from `60hz` (a rate), `1/60` (a fraction) or `0.0166` (seconds, with or without `s`).
 ///
 /// # Errors
-/// A sentence that says what is allowed, if the text is none of these or the step is not finite and
-/// positive.
+/// A message with the allowed forms, if the text is none of these or the step is not finite and positive.
 ///
 /// ```
 /// use box_scenarios::parse_step;

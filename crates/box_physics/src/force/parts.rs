@@ -21,8 +21,10 @@ pub struct PointForce {
     pub frame: Frame,
 }
 
-/// A spring of zero natural length from a body point to a world anchor, with a damper. The force is −k (x + R
-/// r − anchor) − d u at the point, with u its velocity. A mouse grab is such a spring.
+/// A damped spring of zero natural length from a body point to a world anchor.
+///
+/// The force at the point is −k (x + R r − anchor) − d u, where u is the point's velocity. A mouse grab is such a
+/// spring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -58,7 +60,7 @@ pub struct Spring {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces<'a> {
-    /// Gravity times the body's scale, plus constant force over mass [m/s²].
+    /// Uniform acceleration [m/s²]: gravity times the body's scale, plus constant force divided by mass.
     pub acceleration: DVec3,
     /// Drag and damping.
     pub dissipation: Dissipation,
@@ -172,7 +174,7 @@ impl ForceModel for Forces<'_> {
         let parts = points
             .chain(springs)
             .flat_map(|(a, b, rest)| a.to_array().into_iter().chain(b.to_array()).chain(rest));
-        // The number of points separates points from springs.
+        // The number of point forces separates them from the springs.
         Some(fingerprint(
             [self.point_forces.len() as f64]
                 .into_iter()

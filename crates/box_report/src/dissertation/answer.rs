@@ -1,5 +1,5 @@
-//! Its question, answered: which integrator for simple rigid bodies in a game, at 30, 60 and 120 Hz, and by
-//! how much.
+//! An answer to the dissertation's question: which integrator to choose for simple rigid bodies in a game, at 30, 60
+//! and 120 Hz, and how much it gains.
 
 use box_physics::integrators::Integrator;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use crate::summary::Results;
 use crate::visible::{MINUTE, RATES, THROW};
 use crate::{files, text};
 
-/// Its two integrators: under its own rule for the position, and as a textbook has it.
+/// The two integrators of the dissertation: Heun with its position rule, and the textbook form of RK4.
 const ITS: [Integrator; 2] = [Integrator::Heun2012, Integrator::Rk4];
 
 #[derive(Serialize)]
@@ -23,7 +23,7 @@ struct Row {
     median_error_over_the_best: f64,
 }
 
-/// The table and its sentences, if what they are made of was measured.
+/// The table and its conclusions; `None` if the measurements that they need are missing.
 pub(super) fn table(
     ctx: &Context,
     results: &Results,

@@ -1,4 +1,4 @@
-//! The figures that go with its claims.
+//! Figures of the dissertation's claims.
 
 use box_physics::integrators::Integrator;
 use box_scenarios::dissertation::Stepper;
@@ -17,7 +17,7 @@ pub(super) const FALL: &str = "dissertation-fall";
 pub(super) const ATTITUDE: &str = "dissertation-attitude";
 pub(super) const ENERGY: &str = "dissertation-energy";
 
-/// Points of a long line: a bucket's median each.
+/// Number of points of a long line; each is the median of a bucket.
 const BUCKETS: usize = 120;
 
 fn finish(id: &str, caption: &str, plot: &Plot) -> Result<Figure, Stop> {
@@ -29,7 +29,7 @@ fn finish(id: &str, caption: &str, plot: &Plot) -> Result<Figure, Stop> {
     })
 }
 
-/// Its own steppers, in gray and black: they are no integrators of the list.
+/// A line of a stepper of the dissertation, in gray or black because it is not in the list of integrators.
 fn theirs(label: &str, dash: Dash, marker: Marker, points: Vec<Option<Point>>) -> Line {
     Line {
         label: label.to_owned(),
@@ -73,7 +73,7 @@ pub(super) fn cycles(run: &Cycles) -> Result<Figure, Stop> {
     )
 }
 
-/// What a step makes of a velocity under drag.
+/// Factor by which one step under drag multiplies the velocity.
 pub(super) fn amplification() -> Result<Figure, Stop> {
     let numbers: Vec<f64> = (0..=60).map(|k| f64::from(k) * 0.1).collect();
     let ours = |s: Integrator| {
@@ -116,7 +116,7 @@ pub(super) fn amplification() -> Result<Figure, Stop> {
     )
 }
 
-/// Free fall: error after a second, against the step.
+/// Free fall: error after one second against the step.
 pub(super) fn fall() -> Result<Figure, Stop> {
     let steps: Vec<f64> = [25, 50, 100, 200, 400, 800, 1600]
         .map(|n| 1.0 / f64::from(n))
@@ -166,14 +166,14 @@ pub(super) fn fall() -> Result<Figure, Stop> {
     )
 }
 
-/// The free tumble by several integrators at 60 Hz, and by the demo.
+/// The free tumble with several integrators at 60 Hz, and in the demo.
 pub(super) struct Tumbles {
     integrators: Vec<(Integrator, Tumble)>,
     pub(super) demo: Tumble,
     pub(super) undamped: Tumble,
 }
 
-/// The step of the tumbles \[s\].
+/// Step of the tumbles \[s\].
 const H: f64 = 1.0 / 60.0;
 
 impl Tumbles {
@@ -201,7 +201,7 @@ impl Tumbles {
     }
 
     fn lines(&self, y: fn(&(f64, f64, f64)) -> f64) -> Vec<Line> {
-        // Every third step: twenty a second.
+        // Every third step: 20 per second.
         let points = |t: &Tumble| -> Vec<_> {
             let thinned = t.points.iter().step_by(3);
             thinned.map(|p| Some(Point::new(p.0, y(p)))).collect()

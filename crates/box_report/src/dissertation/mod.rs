@@ -1,4 +1,4 @@
-//! `dissertation`: the comparison of 2012 redone, its question answered, and where its text was wrong.
+//! `dissertation`: the comparison of 2012, repeated, with an answer to its question and the errors of its text.
 
 mod answer;
 mod claims;
@@ -14,12 +14,12 @@ use crate::document::{Section, Table};
 use crate::summary::Results;
 use crate::{files, text};
 
-/// Ticks of the progress that [`section`] takes.
+/// Progress ticks of [`section`].
 pub(crate) fn ticks() -> u64 {
     cycle::STEPS.len() as u64 + 1
 }
 
-/// Measures and writes everything; the answer is made of `results`.
+/// Measures everything and writes the files; the answer is computed from `results`.
 pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop> {
     let mut section = Section::new(
         "dissertation",
@@ -89,7 +89,7 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
     }
 }
 
-/// A claim of the text, what holds, and by how much.
+/// A claim of the text, what is true, and the measured values.
 #[derive(Serialize)]
 struct ClaimRow {
     says: &'static str,
@@ -98,7 +98,7 @@ struct ClaimRow {
     figure: String,
 }
 
-/// Each claim, what holds, and by how much, with its figure.
+/// The table of claims: what is true, the measured values and the figure.
 fn claim_table(
     ctx: &Context,
     runs: &[cycle::Cycles],
@@ -118,7 +118,7 @@ fn claim_table(
         let change = tumbles
             .of(s)
             .map_or(f64::NAN, claims::Tumble::energy_change);
-        // What rounds to nothing has no sign.
+        // A value that rounds to zero is shown without a sign.
         format!("{:+.1} %", 100.0 * change)
             .replace("-0.0 %", "0.0 %")
             .replace("+0.0 %", "0.0 %")

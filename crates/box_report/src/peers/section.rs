@@ -1,4 +1,4 @@
-//! The section of the report: tables, diagrams and a sentence for each engine.
+//! The section of the report on other engines: tables, diagrams and a conclusion for each engine.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ const ID: &str = "peers";
 const OURS: &str = "box_physics";
 const TITLE: &str = "Other engines";
 
-/// The section: of a result in the folder, if `fresh`, else of the committed one.
+/// Makes the section: from the result in the output folder if `fresh`, else from the committed one.
 pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let path = if fresh {
         ctx.file("peers.json")
@@ -112,7 +112,7 @@ fn accuracy_table(measured: &Measured) -> Table {
     }
 }
 
-/// `pub04_thin_plate` is `thin plate`.
+/// Converts `pub04_thin_plate` to `thin plate`.
 fn case_name(case: &str) -> String {
     let name = case.split_once('_').map_or(case, |(_, name)| name);
     name.replace('_', " ")
@@ -130,7 +130,7 @@ impl Situation<'_> {
         self.rows.iter().copied().find(|c| c.engine == engine)
     }
 
-    /// Of the engine as a multiple of ours, both without the app \[ns, 1\].
+    /// Cost of the physics of `engine` without the app \[ns\], and its ratio to ours.
     fn alone(&self, engine: &str) -> Option<(f64, f64)> {
         let (theirs, ours) = (self.of(engine)?.alone(), self.of(OURS)?.alone());
         Some((theirs, theirs / ours))
@@ -138,7 +138,7 @@ impl Situation<'_> {
 }
 
 impl CostRow {
-    /// Of the physics alone \[ns\]. An engine that runs without an app has nothing else.
+    /// Cost of the physics without the app \[ns\]. For an engine that runs without an app, it is the whole cost.
     fn alone(&self) -> f64 {
         self.physics_ns_per_body_step_min
             .unwrap_or(self.ns_per_body_step_min)
@@ -258,7 +258,7 @@ fn figure(measured: &Measured, case: &str, energy: bool) -> Result<Figure, Stop>
     })
 }
 
-/// How near each engine is, and where it costs less than ours.
+/// Conclusions: how small the error of each engine is, and where the engine is cheaper than ours.
 fn verdicts(measured: &Measured) -> Vec<String> {
     let worst = |e: &Engine| {
         let of = measured.accuracy.iter();

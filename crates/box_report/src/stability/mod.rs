@@ -1,4 +1,4 @@
-//! `stability`: every hard case under every integrator, and the largest stable steps against theory.
+//! `stability`: the results of all integrators in every hard case, and the largest stable steps compared with theory.
 
 pub(crate) mod limits;
 
@@ -12,7 +12,7 @@ use crate::document::{Section, Table};
 use crate::{files, text};
 use limits::Number;
 
-/// A hard case of free motion or of contact.
+/// A hard case, of free motion or of contact.
 struct Case {
     number: u8,
     id: String,
@@ -20,7 +20,7 @@ struct Case {
     examine: Box<dyn Fn(Integrator) -> Vec<Finding>>,
 }
 
-/// The whole measurement.
+/// All measurements of this part.
 pub(crate) struct StabilityData {
     cases: Vec<(Case, Vec<(Integrator, Vec<Finding>)>)>,
     limits: Vec<(Integrator, [Limit; 4])>,
@@ -33,7 +33,7 @@ impl StabilityData {
         found.map(|(_, l)| l)
     }
 
-    /// How many cases `integrator` does, does badly, and does not survive.
+    /// Number of cases in which the worst verdict on `integrator` is ok, degraded and diverged.
     pub(crate) fn score(&self, integrator: Integrator) -> [usize; 3] {
         let mut score = [0; 3];
         for (_, findings) in &self.cases {
@@ -66,12 +66,12 @@ struct LimitRow {
     agrees: bool,
 }
 
-/// Ticks of the progress that [`measure`] takes.
+/// Progress ticks of [`measure`].
 pub(crate) fn ticks(quick: bool) -> u64 {
     cases(quick).len() as u64 + 1
 }
 
-/// Every case; in a hurry without the million steps and the thousands of drops.
+/// All cases; if `quick`, without those of a million steps and of thousands of drops.
 fn cases(quick: bool) -> Vec<Case> {
     let free = hard_cases()
         .into_iter()
@@ -95,7 +95,7 @@ fn cases(quick: bool) -> Vec<Case> {
     free.chain(contact).collect()
 }
 
-/// Examines every case and finds every limit.
+/// Runs every case and finds every limit.
 pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     let mut examined = Vec::new();
     for case in cases(ctx.quick) {
@@ -116,7 +116,7 @@ pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     })
 }
 
-/// The worst verdict over the steps, and the finding it comes from.
+/// The worst verdict over the steps, and the finding that it is from.
 fn worst(findings: &[Finding]) -> (Verdict, &Finding) {
     findings
         .iter()
@@ -128,7 +128,7 @@ fn worst(findings: &[Finding]) -> (Verdict, &Finding) {
         .expect("every case has at least one step: a test of the list says so")
 }
 
-/// Writes the CSVs and makes the tables.
+/// Writes the CSV files and makes the tables.
 pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, Stop> {
     let mut section = Section::new(
         "stability",
@@ -224,7 +224,7 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     })
 }
 
-/// A limit as measured, in three digits.
+/// A measured limit with three digits.
 pub(crate) fn shown(limit: Limit) -> String {
     match limit {
         Limit::Below(x) => format!("≤ {}", text::significant(x, 3)),

@@ -1,4 +1,4 @@
-//! The summary: which integrator to take, its cost, its error, and when it breaks.
+//! The summary: which integrator to choose, its cost and its error, and the step at which it becomes unstable.
 
 mod verdicts;
 
@@ -14,7 +14,7 @@ use crate::visible::{MINUTE, RATES, THROW, Visible};
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
-/// The measurements so far.
+/// The measurements that are finished.
 #[derive(Default)]
 pub(crate) struct Results {
     pub(crate) work_precision: Option<WorkPrecision>,
@@ -49,7 +49,7 @@ struct Row {
     hard_cases_diverged: Option<usize>,
 }
 
-/// The first section.
+/// Makes the first section of the report.
 pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop> {
     let mut section = Section::new(
         "summary",
@@ -131,7 +131,7 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
     Ok(section)
 }
 
-/// The rows of the first table: integrators and what they are.
+/// The rows of the first table: a description and the integrators to which it applies.
 const ROWS: [(&str, &[Integrator]); 5] = [
     ("the default", &[Integrator::Split]),
     ("closed form", &[Integrator::Exact]),
@@ -143,7 +143,7 @@ const ROWS: [(&str, &[Integrator]); 5] = [
     ("2012 dissertation", &[Integrator::Heun2012]),
 ];
 
-/// What most people ask: five rows, at 60 Hz.
+/// The short table for most readers: five rows, at 60 Hz.
 fn at_60_hz(results: &Results) -> Table {
     const RATE: u32 = 60;
     let unknown = || "–".to_owned();
@@ -214,7 +214,7 @@ fn at_60_hz(results: &Results) -> Table {
     }
 }
 
-/// The same integrators at every rate against the default; whether any integrator beats it.
+/// The same integrators compared with the default at each rate, and whether any integrator beats it.
 fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     let default = Integrator::Split;
     let beats = |rate| {
@@ -275,7 +275,7 @@ fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     }
 }
 
-/// The limits of spin, drag, damper and spring at a rate [1/s], in words.
+/// A sentence on the limits of spin, drag, damper and spring at a rate [1/s].
 fn breaks_at(limits: [Limit; 4], rate: f64) -> String {
     let [spin, drag, damper, spring] = limits;
     let of = |limit, what: &str, value: fn(f64, f64) -> f64, unit: &str| match limit {
@@ -308,7 +308,7 @@ fn number(x: Option<f64>, digits: usize) -> String {
     x.map_or_else(|| "–".to_owned(), |x| text::significant(x, digits))
 }
 
-/// Scenes in which nothing shows for a minute, at every rate.
+/// The number of scenes without a visible error for a minute, at each rate.
 fn for_a_minute(r: &Row) -> String {
     format!(
         "{} · {} · {}",

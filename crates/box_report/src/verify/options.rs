@@ -6,7 +6,7 @@ use box_physics::integrators::Integrator;
 use box_scenarios::parse_step;
 use clap::{Args, ValueEnum};
 
-/// What to verify, and how to print it.
+/// Options of the command verify.
 #[derive(Args)]
 pub(crate) struct Options {
     /// Folder of reference trajectories, one JSON file per case
@@ -26,7 +26,7 @@ pub(crate) struct Options {
     pub(super) format: Format,
 }
 
-/// How the result is printed.
+/// Output format of the result.
 #[derive(Clone, Copy, ValueEnum)]
 pub(super) enum Format {
     /// Aligned columns
@@ -36,7 +36,7 @@ pub(super) enum Format {
 }
 
 impl Options {
-    /// The requested integrators, or all.
+    /// The requested integrators, or all if none was requested.
     pub(super) fn integrators(&self) -> &[Integrator] {
         if self.integrator.is_empty() {
             Integrator::ALL

@@ -1,4 +1,4 @@
-//! The list of families: to add one, add a row.
+//! The list of families. To add one, add a row.
 
 use box_physics::body::RigidBox;
 use box_physics::state::BodyState;

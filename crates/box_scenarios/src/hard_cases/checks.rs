@@ -1,4 +1,4 @@
-//! How each check measures.
+//! Measurements of the checks.
 
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
@@ -91,7 +91,7 @@ pub(super) fn examine(
     }
 }
 
-/// A run under way.
+/// A run in progress.
 struct Run<'a> {
     setup: &'a Setup,
     model: Model,
@@ -111,7 +111,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Takes `steps` steps of `h`, then checks whether the motion is still sane.
+    /// Takes `steps` steps of `h`, then checks whether the motion is still within the sane range.
     fn go(&mut self, h: f64, steps: u64) {
         let valid = self.driver.run(&self.model, h, steps, u64::MAX);
         self.sane &= valid && self.limits.broken(&self.driver.state).is_none();

@@ -6,7 +6,7 @@ use box_physics::state::BodyState;
 use super::field::Field;
 use super::{OracleError, Sample, rotation, to_body};
 
-/// All samples; their times increase.
+/// Reads all samples; their times must increase.
 pub(super) fn read(f: &Field, body: &RigidBox) -> Result<Vec<Sample>, OracleError> {
     let mut samples: Vec<Sample> = Vec::new();
     for s in f.list()? {

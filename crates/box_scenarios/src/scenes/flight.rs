@@ -1,4 +1,4 @@
-//! The center of mass under gravity and drag.
+//! Scenes of the center of mass under gravity and drag.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::{Plot, SceneView};
 
-/// A ball's throw: the parabola.
+/// A ball's throw: a parabola.
 pub fn ballistic() -> Scenario {
     let body = solid([0.25; 3], 2.0);
     let start = spinning(&body, [-8.0, 0.5, 0.0], [0.0, 0.0, -3.0])
@@ -29,7 +29,7 @@ pub fn ballistic() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
-        // Next to the box: what the integrators differ by is less than its size.
+        // Close to the box, because the differences between integrators are smaller than it.
         view: SceneView::from(20.0, 10.0).with_plot(Plot::Error),
     }
 }
@@ -54,7 +54,7 @@ pub fn stiff_drag() -> Scenario {
         setup: Setup::new(body, start, forces, 3.0),
         recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],
         boxes: 1,
-        // Beside the box, which falls by its own height in 25 s.
+        // Close to the box, which takes 25 s to fall by its own height.
         view: SceneView::from(8.0, 15.0)
             .at([0.0, 3.9, 0.0], 4.5)
             .with_plot(Plot::Error),

@@ -1,4 +1,4 @@
-//! Contact.
+//! Scenes with contact.
 
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
@@ -9,7 +9,7 @@ use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup};
 use crate::view::{Plot, SceneView};
 
-/// A box at rest, to be pushed about.
+/// A box at rest, to be pushed around.
 pub fn playground() -> Scenario {
     let body = solid([0.5; 3], 2.0);
     let start = spinning(&body, [0.0, 0.5, 0.0], [0.0; 3]);
@@ -49,7 +49,7 @@ pub fn drop() -> Scenario {
     }
 }
 
-/// e = 1: without end.
+/// Endless bounces with e = 1.
 pub fn bounce() -> Scenario {
     let body = solid([0.5, 0.25, 0.5], 3.0);
     let start = spinning(&body, [0.0, 1.25, 0.0], [0.0; 3]);
@@ -97,7 +97,7 @@ pub fn slide() -> Scenario {
     }
 }
 
-/// A fast tumbling throw over a lively floor: chaos.
+/// A fast tumbling throw over a bouncy floor: chaotic motion.
 pub fn tumble_storm() -> Scenario {
     let body = brick();
     let start = spinning(&body, [-3.0, 4.0, 0.0], [3.0, 9.0, -5.0])
@@ -118,7 +118,7 @@ pub fn tumble_storm() -> Scenario {
     }
 }
 
-/// Many boxes: what a step costs.
+/// Many boxes, to show the cost of a step.
 pub fn load() -> Scenario {
     let body = brick();
     let start =

@@ -1,4 +1,4 @@
-//! Springs and torques.
+//! Scenes with springs and torques.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::SceneView;
 
-/// A box in orbit on a spring: the ellipse that must close.
+/// A box in orbit on a spring: a closed ellipse.
 pub fn spring_orbit() -> Scenario {
     let body = brick();
     let start =
@@ -32,7 +32,7 @@ pub fn spring_orbit() -> Scenario {
     }
 }
 
-/// A stiff spring at a corner, near every explicit limit at 60 Hz.
+/// A stiff spring at a corner, near the stability limit of every explicit integrator at 60 Hz.
 pub fn stiff_spring() -> Scenario {
     let body = solid([0.25; 3], 2.0);
     let start =
@@ -57,7 +57,7 @@ pub fn stiff_spring() -> Scenario {
     }
 }
 
-/// The heavy top, as a dipole in a field: precession and nutation.
+/// A heavy top, modeled as a dipole in a field: precession and nutation.
 pub fn heavy_top() -> Scenario {
     let body = solid([0.25, 0.5, 0.25], 6.0);
     let leaning = turn(DVec3::X, 40.0_f64.to_radians());

@@ -1,4 +1,4 @@
-//! Nothing but spin.
+//! Scenes with free rotation only.
 
 use super::bodies::{brick, solid, spinning};
 use crate::forces::ForceSet;
@@ -6,10 +6,10 @@ use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::{Plot, SceneView};
 
-/// Where freely spinning boxes float: 2 m up.
+/// Position of freely spinning boxes: 2 m above the ground.
 const AT: [f64; 3] = [0.0, 2.0, 0.0];
 
-/// Spin about the middle axis: it flips, again and again.
+/// Spin about the middle axis, which flips repeatedly.
 pub fn dzhanibekov() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [0.01, 8.0, -0.005]);
@@ -28,7 +28,7 @@ pub fn dzhanibekov() -> Scenario {
     }
 }
 
-/// Spin about the shortest axis, slightly off: it must not change.
+/// Spin slightly off the shortest axis, which must remain stable.
 pub fn stable_axis() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [0.4, 0.3, 6.0]);
@@ -52,7 +52,7 @@ pub fn stable_axis() -> Scenario {
     }
 }
 
-/// A plate of 64:1, tumbling.
+/// A tumbling plate, 64:1.
 pub fn thin_plate() -> Scenario {
     let body = solid([0.5, 1.0 / 128.0, 0.375], 3.0);
     let start = spinning(&body, AT, [3.0, 0.5, 4.0]);
@@ -71,7 +71,7 @@ pub fn thin_plate() -> Scenario {
     }
 }
 
-/// A needle, moments 800 to 1, spun about its length.
+/// A needle with moments 800:1, spinning about its length.
 pub fn needle() -> Scenario {
     let body = solid([1.0, 1.0 / 64.0, 1.0 / 32.0], 3.0);
     let start = spinning(&body, AT, [20.0, 1.0, 0.5]);
@@ -90,7 +90,7 @@ pub fn needle() -> Scenario {
     }
 }
 
-/// A square bar: steady precession.
+/// A square bar in steady precession.
 pub fn symmetric_top() -> Scenario {
     let body = solid([0.25, 0.5, 0.25], 6.0);
     let start = spinning(&body, AT, [2.0, 6.0, 0.0]);
@@ -109,7 +109,7 @@ pub fn symmetric_top() -> Scenario {
     }
 }
 
-/// Tumbling with damping: the free motion in a slowing time.
+/// Tumbling with damping: the free motion in slowing time.
 pub fn damped_spin() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [1.0, 8.0, 2.0]);
@@ -132,7 +132,7 @@ pub fn damped_spin() -> Scenario {
     }
 }
 
-/// Next to the separatrix between the two kinds of tumbling.
+/// Spin close to the separatrix between the two kinds of tumbling.
 pub fn separatrix() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [1e-6, 6.0, 1e-6]);

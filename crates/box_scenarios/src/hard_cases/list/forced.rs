@@ -1,4 +1,4 @@
-//! 13 to 16: damping, torque, spring.
+//! Cases 13 to 16: damping, torque, spring.
 
 use box_physics::state::BodyState;
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! 20 to 24: extreme sizes, steps and places.
+//! Cases 20 to 24: extreme sizes, steps and positions.
 
 use glam::DVec3;
 use libm::{cos, sin};
@@ -98,7 +98,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             "100 km from the origin at 0.1 m/s",
             far,
             GAME_STEPS,
-            // Half a unit in the last place of 1e5 m, 7e-12 m, at worst in each of 14 400 steps.
+            // Half a unit in the last place of 1e5 m is 7e-12 m; in the worst case it adds up over 14 400 steps.
             Check::Position(1.1e-7),
         ),
         case(

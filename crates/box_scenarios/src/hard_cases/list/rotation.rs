@@ -1,11 +1,11 @@
-//! 1 to 12: free rotation.
+//! Cases 1 to 12: free rotation.
 
 use glam::DVec3;
 
 use super::{GAME_STEPS, brick, case, needle, plate, solid, spin};
 use crate::hard_cases::{Check, HardCase};
 
-/// |ω|·h from careful to absurd.
+/// Values of |ω|·h from small to extreme.
 const SWEEP: [f64; 10] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 50.0];
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -20,7 +20,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             GAME_STEPS,
             Check::Attitude(1e-2),
         ),
-        // Doubling per 1/λ ≈ 0.13 s: rounding, 1e-16, is 1e-6 after 3 s.
+        // The error grows by the factor e every 1/λ ≈ 0.13 s: a rounding error of 1e-16 becomes 1e-6 after 3 s.
         case(
             2,
             "separatrix",

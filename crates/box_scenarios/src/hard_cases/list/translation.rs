@@ -1,4 +1,4 @@
-//! 17 to 19: the center of mass under gravity and drag.
+//! Cases 17 to 19: the center of mass under gravity and drag.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
