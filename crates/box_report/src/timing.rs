@@ -138,7 +138,7 @@ pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
         "Cost per step",
         format!(
             "Nanoseconds per body and step of 1/60 s on one core over the whole scene, without bounding box and `Transform`. \
-             *{MANY} boxes* (and all columns except *one box*): by the plugin's path for them, in SIMD lanes under gravity \
+             *{BOXES} boxes* (and all columns except *one box*): by the plugin's path for them, in SIMD lanes under gravity \
              alone if the integrator supports it. *One box*: the plain step of a single body. Fastest sample, and how far the \
              median lies above it: {SAMPLES_IN_WORDS}."
         ),
