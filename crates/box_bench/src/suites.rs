@@ -18,7 +18,7 @@ pub const STEP: f64 = 1.0 / 60.0;
 
 /// Numbers of threads to measure for `n` bodies. For few bodies it is one, because the plugin then uses no others.
 fn threads(n: usize) -> &'static [usize] {
-    if n < 64 { &[1] } else { &[1, 2] }
+    if n < 256 { &[1] } else { &[1, 2] }
 }
 
 /// Largest number of bodies in an episode; more would take minutes.

@@ -170,10 +170,10 @@ fn write(
         csv.write_record(cells.map(text))
     };
     line(0.0, &setup.initial)?;
-    let times: Vec<f64> = (1..=steps).map(|k| k as f64 * options.dt).collect();
     let plan = if setup.impulses.is_empty() {
         Plan::clock(options.dt, 1, steps)
     } else {
+        let times: Vec<f64> = (1..=steps).map(|k| k as f64 * options.dt).collect();
         Plan::new(&times, &setup.impulses, options.dt)
     };
     let mut result = Ok(());

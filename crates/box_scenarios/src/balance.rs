@@ -14,7 +14,7 @@ use box_physics::prelude::{BodyState, DVec3};
 
 use crate::driver::Driver;
 use crate::live_reference::best_integrator;
-use crate::metrics::{energy_scale, momentum_scale};
+use crate::metrics::error_scale;
 use crate::model::Model;
 
 /// Number of parts of a step in which the accurate flow is simulated. With an integrator of fourth order, its error is
@@ -65,8 +65,8 @@ impl Balance {
             start,
             given: start,
             momentum,
-            energy_scale: energy_scale(start, state.kinetic_energy(&model.body)),
-            momentum_scale: momentum_scale(momentum.length(), 0.0),
+            energy_scale: error_scale(start, state.kinetic_energy(&model.body)),
+            momentum_scale: error_scale(momentum.length(), 0.0),
             kinetic_scale: state.kinetic_energy(&model.body).max(reach(model, state)),
             ..Self::default()
         }

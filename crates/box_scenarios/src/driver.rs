@@ -137,28 +137,29 @@ impl Driver {
 
     fn steps(&mut self, model: &Model, h: f64, n: u64, last: &mut FloorOutcome) -> bool {
         let forces = model.forces.forces(&model.body);
-        let integrator = self.integrator;
-        if model.only_gravity() {
-            let force = &Gravity(forces.acceleration);
-            integrator.dispatch(Steps {
-                driver: self,
-                model,
-                force,
-                h,
-                n,
-                last,
-            })
+        if model.is_uniform_acceleration() {
+            self.steps_under(&Gravity(forces.acceleration), model, h, n, last)
         } else {
-            let force = &forces;
-            integrator.dispatch(Steps {
-                driver: self,
-                model,
-                force,
-                h,
-                n,
-                last,
-            })
+            self.steps_under(&forces, model, h, n, last)
         }
+    }
+
+    fn steps_under<F: ForceModel>(
+        &mut self,
+        force: &F,
+        model: &Model,
+        h: f64,
+        n: u64,
+        last: &mut FloorOutcome,
+    ) -> bool {
+        self.integrator.dispatch(Steps {
+            driver: self,
+            model,
+            force,
+            h,
+            n,
+            last,
+        })
     }
 }
 

@@ -100,8 +100,8 @@ impl Model {
                 .is_some_and(|floor| may_touch(&floor, &self.body, state, &forces, h))
     }
 
-    /// Returns `true` if only gravity acts in flight.
-    pub fn only_gravity(&self) -> bool {
+    /// Returns `true` if only a uniform acceleration acts in flight.
+    pub fn is_uniform_acceleration(&self) -> bool {
         !self.forces.has_wrench() && self.forces.dissipation() == Dissipation::NONE
     }
 }

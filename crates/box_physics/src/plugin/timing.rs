@@ -235,14 +235,7 @@ impl Plugin for PhysicsDiagnosticsPlugin {
     }
 }
 
-fn publish(
-    timings: Res<PhysicsTimings>,
-    mut diagnostics: Diagnostics,
-    mut paths: bevy::ecs::system::Local<Vec<(Integrator, DiagnosticPath)>>,
-) {
-    if paths.is_empty() {
-        paths.extend(Integrator::ALL.iter().map(|&i| (i, integrator_path(i))));
-    }
+fn publish(timings: Res<PhysicsTimings>, mut diagnostics: Diagnostics) {
     let microseconds = |ns: u64| ns as f64 * 1e-3;
     diagnostics.add_measurement(&PhysicsDiagnosticsPlugin::STEP, || {
         microseconds(timings.total())
@@ -250,9 +243,9 @@ fn publish(
     for stage in Stage::ALL {
         diagnostics.add_measurement(&stage.path(), || microseconds(timings.stage(stage)));
     }
-    for (integrator, path) in paths.iter() {
-        if let Some(ns) = timings.integrator(*integrator).per_body() {
-            diagnostics.add_measurement(path, || ns);
+    for &integrator in Integrator::ALL {
+        if let Some(ns) = timings.integrator(integrator).per_body() {
+            diagnostics.add_measurement(&integrator_path(integrator), || ns);
         }
     }
 }

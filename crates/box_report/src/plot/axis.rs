@@ -99,7 +99,7 @@ impl Axis {
         // A step of 1, 2 or 5 times a power of ten that gives five to ten grid lines.
         let rough = (to - from) / 8.0;
         let power = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0]
+        let step = [1.0, 2.0, 5.0]
             .into_iter()
             .map(|m| m * power)
             .find(|s| *s >= rough)

@@ -236,11 +236,7 @@ fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
     });
     let mut driver = Driver::new(start, integrator);
     // Detects growth by 1e-4 per step, or by 1e-5 in the long run.
-    let (steps, growth) = if long {
-        (LONG_TRIAL, 2.7)
-    } else {
-        (10_000, 2.7)
-    };
+    let steps = if long { LONG_TRIAL } else { 10_000 };
     let size = |s: &BodyState| match number {
         Number::Spring => s.velocity.length().hypot(x * s.position.length()),
         _ => s.velocity.length(),
@@ -248,7 +244,7 @@ fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
     // Ignore growth in the first steps of a multistep method.
     let settled = driver.run(&model, 1.0, 100, u64::MAX);
     let before = size(&driver.state);
-    settled && driver.run(&model, 1.0, steps, u64::MAX) && size(&driver.state) <= growth * before
+    settled && driver.run(&model, 1.0, steps, u64::MAX) && size(&driver.state) <= 2.7 * before
 }
 
 /// Whether measurement and theory agree to 3 %. For spin, the theoretical limit holds for every body; the bodies tried

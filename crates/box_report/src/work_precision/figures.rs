@@ -53,7 +53,9 @@ fn figure(
         Some(match work {
             Work::Evaluations => plot::Point::new(x, p.evaluations()),
             Work::Time => plot::Point {
-                scatter: p.per_second(p.cost?.min).zip(p.per_second(p.cost?.p95)),
+                scatter: p
+                    .cost
+                    .map(|cost| (p.per_second(cost.min), p.per_second(cost.p95))),
                 ..plot::Point::new(x, p.microseconds()?)
             },
         })

@@ -48,12 +48,12 @@ pub(crate) struct Point {
 impl Point {
     /// Time per simulated second of the fastest sample \[µs\].
     pub(crate) fn microseconds(&self) -> Option<f64> {
-        self.per_second(self.cost?.min)
+        Some(self.per_second(self.cost?.min))
     }
 
     /// Converts ns per step to µs per simulated second.
-    pub(crate) fn per_second(&self, ns: f64) -> Option<f64> {
-        Some(ns * 1e-3 / self.dt)
+    pub(crate) fn per_second(&self, ns: f64) -> f64 {
+        ns * 1e-3 / self.dt
     }
 
     /// Force evaluations per simulated second.

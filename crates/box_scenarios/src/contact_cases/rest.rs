@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::trial::about;
 use super::{G, STEP, Trial};
+use crate::metrics::differing_numbers;
 
 pub(super) fn changed_components(integrator: Integrator) -> f64 {
     let mut changed = 0;
@@ -23,20 +24,11 @@ pub(super) fn changed_components(integrator: Integrator) -> f64 {
             .turned(about(DVec3::Y, 0.7) * about(axis, turns * FRAC_PI_2));
         trial.state.position.y += 0.5;
         trial.run(STEP, 300);
-        let pose = numbers(&trial.state);
+        let before = trial.state;
         trial.run(STEP, 100_000);
-        let now = numbers(&trial.state);
-        changed += pose.iter().zip(&now).filter(|(a, b)| a != b).count();
+        changed += differing_numbers(&before, &trial.state);
     }
     changed as f64
-}
-
-fn numbers(s: &BodyState) -> [u64; 13] {
-    let (x, v, l, q) = (s.position, s.velocity, s.angular_momentum, s.rotation);
-    [
-        x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w,
-    ]
-    .map(f64::to_bits)
 }
 
 /// Tilt at which the fall is timed \[rad\].

@@ -9,7 +9,7 @@ use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
 use crate::driver::Totals;
-use crate::metrics::{Errors, StateError, energy_scale};
+use crate::metrics::{Errors, StateError, error_scale};
 use crate::reference::ReferenceKind;
 use crate::run::{Plan, run_plan};
 use crate::setup::Setup;
@@ -193,7 +193,7 @@ impl Family {
         let (setup, start) = (&self.setup, &self.setup.initial);
         let run = self.compare(reference, integrator, divisor, |_| true);
         let mut errors = run.errors;
-        errors.energy /= energy_scale(setup.energy(start), start.kinetic_energy(&setup.body));
+        errors.energy /= error_scale(setup.energy(start), start.kinetic_energy(&setup.body));
         FamilyRun {
             errors: (run.diverged.is_none()).then_some(errors),
             totals: run.totals,

@@ -4,7 +4,7 @@ use box_physics::integrators::Integrator;
 
 use super::Case;
 use crate::driver::Totals;
-use crate::metrics::{energy_scale, momentum_scale};
+use crate::metrics::error_scale;
 use crate::run::{End, Plan};
 use crate::simulate::{Expected, compare};
 
@@ -128,9 +128,9 @@ impl Case {
             .samples
             .last()
             .map_or(0.0, |s| s.state.angular_momentum.length());
-        let momentum = momentum_scale(setup.initial.angular_momentum.length(), last);
+        let momentum = error_scale(setup.initial.angular_momentum.length(), last);
         let kinetic = setup.initial.kinetic_energy(&setup.body);
-        let energy = energy_scale(self.initial_energy(), kinetic);
+        let energy = error_scale(self.initial_energy(), kinetic);
         let energy = self.knows_energy().then_some(errors.energy / energy);
         let lost = [
             ("position", errors.position > LOST.position * self.reach()),
