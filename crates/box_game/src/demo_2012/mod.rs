@@ -19,7 +19,7 @@ use crate::scene::start::{SceneOpened, SceneStarted};
 /// The scene it belongs to.
 pub const SCENE: &str = "dissertation-2012";
 
-/// Faults of its physics, for the strip.
+/// Faults of its physics. The strip shows each when it happens.
 pub const FAULTS: [&str; 5] = [
     "gravity sets the velocity: the box falls at a constant 9.81 m/s",
     "a push replaces the previous one",
@@ -40,7 +40,9 @@ impl Plugin for Demo2012Plugin {
                     demo.stepper = Demo2012::default().stepper;
                 }
             })
-            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| demo.state = None)
+            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| {
+                (demo.state, demo.fault, demo.pushes) = (None, 0, 0);
+            })
             .add_systems(
                 PhysicsSchedule,
                 run_cycle
@@ -68,6 +70,10 @@ pub struct Demo2012 {
     pub state: Option<State>,
     /// Time of the last integration cycle \[ns\].
     pub cycle_ns: u64,
+    /// The fault that happened last, of [`FAULTS`].
+    fault: usize,
+    /// Pushes since the start.
+    pushes: u32,
     log: Option<CycleLog>,
 }
 
@@ -77,6 +83,8 @@ impl Default for Demo2012 {
             stepper: Some(Stepper::default()),
             state: None,
             cycle_ns: 0,
+            fault: 0,
+            pushes: 0,
             log: None,
         }
     }
@@ -86,6 +94,11 @@ impl Demo2012 {
     /// The stepper, if it is in charge in `session`'s scene.
     pub fn active(&self, session: &Session) -> Option<Stepper> {
         self.stepper.filter(|_| session.scenario.id == SCENE)
+    }
+
+    /// The fault that happened last.
+    pub fn fault(&self) -> &'static str {
+        FAULTS[self.fault]
     }
 
     /// The file that the cycle times go to.
@@ -148,7 +161,11 @@ fn run_cycle(
     *state = own.body_state(body);
     transform.translation = state.position.as_vec3();
     transform.rotation = state.rotation.as_quat();
-    *aabb = WorldAabb::of(body, &state);
+    let before = core::mem::replace(&mut *aabb, WorldAabb::of(body, &state));
+    let is_over = |aabb: &WorldAabb| floor.is_none_or(|floor| f64::from(aabb.0.min.y) > floor);
+    if is_over(&before) && !is_over(&aabb) {
+        demo.fault = 4;
+    }
     if let Some(log) = &mut demo.log
         && let Err(error) = log.write(stepper, demo.cycle_ns)
     {
@@ -181,7 +198,13 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
     let Some((body, _)) = main_box(world) else {
         return;
     };
-    let mut demo = world.resource_mut::<Demo2012>();
+    let demo = &mut *world.resource_mut::<Demo2012>();
+    demo.fault = match demo.pushes {
+        0 if body_point.cross(impulse) == DVec3::ZERO => 3,
+        0 => 2,
+        _ => 1,
+    };
+    demo.pushes += 1;
     let start = || State::new(&body, &initial);
     let state = demo.state.get_or_insert_with(start);
     Demo::of(&body, None).push(state, Demo::force_for(impulse), body_point);

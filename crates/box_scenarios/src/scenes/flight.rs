@@ -93,7 +93,7 @@ pub fn throw() -> Scenario {
     Scenario {
         id: "throw",
         title: "Tumbling throw",
-        lesson: "The center follows a parabola while the box tumbles freely, because gravity exerts no torque. Both motions have closed forms, and errors in one do not affect the other.",
+        lesson: "The center follows a parabola while the box tumbles freely, because gravity exerts no torque. Errors in one do not affect the other.",
         hints: [
             "Press [Sweep] in the [Work–precision tab]: position and attitude can have different orders.",
             "Press [equal cost]: cheaper integrators take smaller steps.",

@@ -189,7 +189,7 @@ pub fn dissertation_2012() -> Scenario {
     Scenario {
         id: "dissertation-2012",
         title: "The 2012 demo",
-        lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. The method that it called implicit Euler is Heun's explicit method.",
+        lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. Its implicit Euler is Heun's explicit method.",
         hints: [
             "Press [box_physics] and [Restart]: the fall becomes a parabola, and it bounces.",
             "Press [Push +x] twice, quickly: in 2012 the second push replaces the first.",

@@ -16,7 +16,7 @@ pub fn dzhanibekov() -> Scenario {
     Scenario {
         id: "dzhanibekov",
         title: "Dzhanibekov flip",
-        lesson: "A box spun about its intermediate axis flips every few seconds. An integrator that does not conserve energy flips too early, too late, or in the wrong direction.",
+        lesson: "A box that spins about its intermediate axis flips every few seconds. If its energy drifts, it flips too early, too late, or the wrong way.",
         hints: [
             "Open [Add or switch] and tick [Explicit Euler]: it gains energy and stops flipping.",
             "Press [120 Hz]: the flips of accurate integrators do not move.",

@@ -156,18 +156,15 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
         }
     });
     let words = match demo.stepper {
-        Some(stepper) => format!(
-            "{} All three integrators: {}.",
-            stepper.fault(),
-            FAULTS.join("; ")
-        ),
+        Some(stepper) => format!("{}\nNow: {}.", stepper.fault(), demo.fault),
         None => format!(
             "{}: pushes add up, the fall is a parabola, contact acts at the corners.",
             panel.view.integrator.name()
         ),
     };
     if room {
-        ui.add(Label::new(words).wrap());
+        let all = format!("All three integrators of 2012: {}.", FAULTS.join("; "));
+        ui.add(Label::new(words).wrap()).on_hover_text(all);
     }
 }
 
