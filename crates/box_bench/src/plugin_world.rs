@@ -68,8 +68,11 @@ impl PluginWorld {
     }
 
     /// Sets the maximum number of threads.
-    pub fn use_threads(&mut self, most: usize) {
-        self.app.world_mut().resource_mut::<PhysicsThreads>().most = most;
+    pub fn use_threads(&mut self, max_threads: usize) {
+        self.app
+            .world_mut()
+            .resource_mut::<PhysicsThreads>()
+            .max_threads = max_threads;
     }
 
     /// Runs one step of the plugin's schedule.

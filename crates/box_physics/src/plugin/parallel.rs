@@ -18,7 +18,7 @@ use bevy::tasks::ComputeTaskPool;
 /// use box_physics::prelude::*;
 /// let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-///     .insert_resource(PhysicsThreads { most: 1, ..default() }); // single-threaded
+///     .insert_resource(PhysicsThreads { max_threads: 1, ..default() }); // single-threaded
 /// app.update();
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,17 +26,17 @@ use bevy::tasks::ComputeTaskPool;
 pub struct PhysicsThreads {
     /// Maximum number of threads, including the caller; 0 counts as 1. Default: all of Bevy's
     /// `ComputeTaskPool`.
-    pub most: usize,
+    pub max_threads: usize,
     /// Number of bodies in free flight per additional thread. A body moving at the floor counts as 16 of them, a body
     /// under forces as 4. The default of 2048 amounts to about 100 µs, which waking a thread may take.
-    pub bodies_each: usize,
+    pub bodies_per_thread: usize,
 }
 
 impl Default for PhysicsThreads {
     fn default() -> Self {
         Self {
-            most: usize::MAX,
-            bodies_each: 2048,
+            max_threads: usize::MAX,
+            bodies_per_thread: 2048,
         }
     }
 }
@@ -51,9 +51,12 @@ impl PhysicsThreads {
         let Some(pool) = ComputeTaskPool::try_get() else {
             return 1;
         };
-        let wanted = bodies / self.bodies_each.max(1);
+        let wanted = bodies / self.bodies_per_thread.max(1);
         // The calling thread also works.
-        wanted.min(pool.thread_num() + 1).min(self.most).max(1)
+        wanted
+            .min(pool.thread_num() + 1)
+            .min(self.max_threads)
+            .max(1)
     }
 
     /// Applies `work` to every chunk, in any order and on any thread, and adds up the results. The total work costs as
@@ -126,13 +129,13 @@ mod tests {
 
     /// States after 90 steps of boxes that fly, fall, bounce, slide, roll and rest, some with their own gravity scale,
     /// drag or integrator.
-    fn storm(most: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
+    fn storm(max_threads: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
             .insert_resource(Floor::default())
             .insert_resource(PhysicsThreads {
-                most,
-                bodies_each: 100,
+                max_threads,
+                bodies_per_thread: 100,
             });
         let bodies: Vec<_> = (0..1500)
             .map(|i| {
@@ -168,18 +171,18 @@ mod tests {
     fn results_do_not_depend_on_the_number_of_threads() {
         ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(3).build());
         let alone = storm(1);
-        for most in [2, 4] {
-            assert!(storm(most) == alone, "{most} threads");
+        for max_threads in [2, 4] {
+            assert!(storm(max_threads) == alone, "{max_threads} threads");
         }
     }
 
     #[test]
     fn every_chunk_is_done_once_by_any_number_of_threads() {
         ComputeTaskPool::get_or_init(TaskPool::default);
-        for most in [0, 1, 2, 7] {
+        for max_threads in [0, 1, 2, 7] {
             let threads = PhysicsThreads {
-                most,
-                bodies_each: 10,
+                max_threads,
+                bodies_per_thread: 10,
             };
             let mut numbers: Vec<u64> = (0..1000).collect();
             let sum: u64 = threads.share_out(1000, numbers.chunks_mut(7), |chunk| {
