@@ -289,9 +289,9 @@ impl MenuGroup {
     /// Heading of the group.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Ours => "Ours",
+            Self::Ours => "box_physics",
             Self::Textbook => "Textbook",
-            Self::Engines => "What engines do",
+            Self::Engines => "Game engines",
             Self::Dissertation2012 => "2012",
         }
     }

@@ -157,7 +157,7 @@ fn restore_component<C: Component, B: Bundle + Default>(
         if !core::mem::replace(&mut *warned, true) {
             warn!(
                 "box_physics: {entity} has a RigidBox, but no {}; it is restored. To make it no body, remove the \
-                 RigidBox (said once)",
+                 RigidBox (logged once)",
                 ShortName::of::<C>()
             );
         }
@@ -259,7 +259,7 @@ pub(crate) fn report_parents(
             "box_physics: {body} is a body below {parent}, whose Transform is not the identity (or which \
              is a body itself). Bodies are simulated in world coordinates and their Transform is \
              published so: it will be shown elsewhere than it is. Keep bodies at the top of the hierarchy \
-             (said once)"
+             (logged once)"
         );
     }
 }

@@ -77,7 +77,7 @@ pub(crate) fn apply_impulses(
         if !warned.contains(&reason) {
             warned.push(reason);
             let entity = impulse.entity;
-            warn!("box_physics: an impulse on {entity} {reason}; dropped (said once)");
+            warn!("box_physics: an impulse on {entity} {reason}; dropped (logged once)");
         }
     }
 }

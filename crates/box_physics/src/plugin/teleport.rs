@@ -143,7 +143,7 @@ fn teleport(world: &mut World, entity: Entity, change: impl FnOnce(&RigidBox, &m
         Some(state)
     });
     let Some(state) = found else {
-        warn!("box_physics: {entity} cannot be teleported: it is no body (any more)");
+        warn!("box_physics: {entity} cannot be teleported: it is not a body, or no longer one");
         return;
     };
     if !state.is_valid() {

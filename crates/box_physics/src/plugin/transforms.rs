@@ -189,7 +189,7 @@ pub(crate) fn take_teleports(
             && !core::mem::replace(&mut *warned, true)
         {
             warn!(
-                "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
+                "box_physics: the Transform of {entity} is not finite; it is ignored (logged once)"
             );
         }
     }
