@@ -156,7 +156,7 @@ fn restore_component<C: Component, B: Bundle + Default>(
         commands.entity(entity).try_insert(B::default());
         if !core::mem::replace(&mut *warned, true) {
             warn!(
-                "box_physics: {entity} has a RigidBox, but no {}; it is restored. To make it no body, remove the \
+                "box_physics: {entity} has a RigidBox, but no {}; it is restored. If it should not be a body, remove the \
                  RigidBox (logged once)",
                 ShortName::of::<C>()
             );

@@ -72,7 +72,7 @@ pub(crate) fn apply_impulses(
                 "is not finite"
             }
             Ok((.., true)) => "is for a quarantined body",
-            Err(_) => "is for an entity that is no body (any more)",
+            Err(_) => "is for an entity that is not a body",
         };
         if !warned.contains(&reason) {
             warned.push(reason);
