@@ -83,13 +83,19 @@ pub trait Integrate: Sized + 'static {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        if size_of::<Self::Memory>() == 0 {
+        if size_of::<Self::Memory>() == 0 || !Self::remembers(force) {
             let mut none = MemorySlot::none();
             return Self::advance(body, state, force, h, &mut none, &mut AnyArgument);
         }
         memory.during(body, state, force, |state, slot| {
             Self::advance(body, state, force, h, slot, &mut AnyArgument)
         })
+    }
+
+    /// `false` if a step under `force` does without its memory. The memory is not looked up then, and stays as it is.
+    #[inline(always)]
+    fn remembers<F: ForceModel>(_force: &F) -> bool {
+        true
     }
 
     /// Steps the bodies of `group` in free flight: several at a time unless the integrator branches. Each
