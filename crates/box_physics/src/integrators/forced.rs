@@ -62,8 +62,9 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
             let forces = |k: usize| forces(start + k);
             // A few bodies do not pay for the copies of many.
             total += match range.len() {
-                ..=4 => Self::step_block::<S, 4>(columns, forces, h, faults),
-                ..=16 => Self::step_block::<S, 16>(columns, forces, h, faults),
+                2..=4 => Self::step_block::<S, 4>(columns, forces, h, faults),
+                5..=8 => Self::step_block::<S, 8>(columns, forces, h, faults),
+                9..=16 => Self::step_block::<S, 16>(columns, forces, h, faults),
                 _ => Self::step_block::<S, BLOCK>(columns, forces, h, faults),
             };
             faults[known..].iter_mut().for_each(|i| *i += start);

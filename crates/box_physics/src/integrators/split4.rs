@@ -113,7 +113,7 @@ impl Integrate for Split4 {
                 group.drift::<Self>(run.clone(), s * h);
             }
             group.kick(run, |body, state, force| {
-                kick(body, state, force, KICKS[0] * h)
+                kick(body, state, force, KICKS[0] * h);
             });
         })
     }
