@@ -249,6 +249,12 @@ pub trait ForceModel {
     fn damping(&self) -> Damping {
         Damping::NONE
     }
+
+    /// Returns `true` if [`ForceModel::damping`] is nonzero.
+    #[inline(always)]
+    fn has_damping(&self) -> bool {
+        self.damping() != Damping::NONE
+    }
 }
 
 /// A digest of the bits of `numbers`, for [`ForceModel::wrench_fingerprint`].

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::damped_kick::{damp, damped_kick};
 use crate::body::RigidBox;
-use crate::force::{Damping, Dissipation, ForceModel};
+use crate::force::{Dissipation, ForceModel};
 use crate::free_motion::free_rotation_by;
 use crate::math::{AnyArgument, Exponential, Trigonometry, exp};
 use crate::state::BodyState;
@@ -65,7 +65,7 @@ pub(crate) fn impulse_step<F: ForceModel>(
         drift(body, state, force, h, rotation);
         return 1;
     }
-    let damped = force.damping() != Damping::NONE;
+    let damped = force.has_damping();
     if damped {
         damp(body, state, force, 0.5 * h);
     }
@@ -95,7 +95,7 @@ pub(super) fn damped_step<F: ForceModel>(
 ) -> bool {
     let d = force.dissipation();
     let half = 0.5 * h;
-    if force.damping() != Damping::NONE {
+    if force.has_damping() {
         let rate = d.quadratic_drag * body.inverse_mass();
         state.velocity = d.in_air(state.velocity, |v| quadratic_drag_flow(v, rate, half));
         state.position += half * state.velocity;

@@ -84,13 +84,19 @@ pub trait Integrate: Sized + 'static {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        if size_of::<Self::Memory>() == 0 {
+        if size_of::<Self::Memory>() == 0 || !Self::remembers(force) {
             let mut none = MemorySlot::none();
             return Self::advance(body, state, force, h, &mut none, &mut AnyArgument);
         }
         memory.during(body, state, force, |state, slot| {
             Self::advance(body, state, force, h, slot, &mut AnyArgument)
         })
+    }
+
+    /// Returns `false` if a step under `force` does not use its memory. The memory then is not looked up, and stays the same.
+    #[inline(always)]
+    fn remembers<F: ForceModel>(_force: &F) -> bool {
+        true
     }
 
     /// Steps the bodies of `group` in free flight: several at a time unless the integrator branches. Each result has
