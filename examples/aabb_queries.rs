@@ -1,5 +1,5 @@
-//! Finds the boxes in a region and the box that a ray hits. `WorldAabb` is Bevy's `Aabb3d`, so everything in
-//! `bevy::math::bounding` works on it. `cargo run --release --example aabb_queries`
+//! Finds the boxes in a region, and the box that a ray hits. `WorldAabb` wraps Bevy's `Aabb3d`, so everything in
+//! `bevy::math::bounding` applies to it. `cargo run --release --example aabb_queries`
 
 use bevy::math::bounding::{Aabb3d, BoundingVolume, IntersectsVolume, RayCast3d};
 use bevy::prelude::*;
@@ -32,7 +32,7 @@ fn main() {
     println!("{inside} boxes in the region");
     assert_eq!(inside, 3); // at x = 6, 9 and 12
 
-    // A ray along x, a little above the middle. The bounding boxes give the candidates …
+    // A ray along x, slightly above the center. The bounding boxes give the candidates …
     let ray = Ray3d::new(Vec3::new(-5.0, 0.2, 0.0), Dir3::X);
     let cast = RayCast3d::from_ray(ray, 100.0);
     let nearest = boxes
@@ -52,7 +52,7 @@ fn main() {
     println!("the ray hits after {nearest:?} m");
     assert!(nearest.is_some_and(|d| (d - 4.5).abs() < 1e-6));
 
-    // The bounding box of all bodies, for example as the target of a camera.
+    // The bounding box of all bodies, for example to frame them with a camera.
     let all = boxes
         .iter(app.world())
         .map(|(aabb, ..)| aabb.0)

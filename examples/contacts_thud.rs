@@ -1,15 +1,15 @@
-//! Plays a sound for every landing, with a volume by its impulse.
+//! Plays a sound for every landing, with a volume that depends on its impulse.
 //! `cargo run --release --example contacts_thud`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// Volumes that a game would pass to its mixer.
+/// Volumes for the mixer of a game.
 #[derive(Resource, Default)]
 struct Thuds(Vec<f64>);
 
-/// Runs once for each landing of this body, for any number of corners.
+/// Runs once per landing of this body, regardless of the number of corners.
 fn thud(landed: On<Landed>, mut thuds: ResMut<Thuds>) {
     println!(
         "thud after {:.2} s at {:.2} m/s: {:.2} N s",
@@ -34,7 +34,8 @@ fn main() -> Result<(), BevyError> {
     for _ in 0..200 {
         app.update();
     }
-    // Dropped by 2 m: v = √(2 g h), and the floor gives m v (1 + e). Every bounce is half as fast.
+    // After a drop of 2 m the speed is v = √(2 g h), and the impulse of the floor is m v (1 + e). Every bounce is half
+    // as fast.
     let thuds = &app.world().resource::<Thuds>().0;
     let expected = (2.0 * 9.81 * 2.0_f64).sqrt() * 1.5;
     assert!((thuds[0] / expected - 1.0).abs() < 0.02, "{}", thuds[0]);

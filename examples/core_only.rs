@@ -1,5 +1,5 @@
-//! The physics without Bevy's `App`: plain values and one function call per step. For servers, tools, tests
-//! and papers. `cargo run --release --example core_only`
+//! The physics without a Bevy `App`: plain values and one function call per step, for servers, tools, tests and papers.
+//! `cargo run --release --example core_only`
 
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::force::Gravity;
@@ -13,7 +13,7 @@ fn main() -> Result<(), InvalidValue> {
         .with_angular_velocity(&brick, DVec3::new(1.5, 2.5, 1.0));
     let h = 1.0 / 60.0;
 
-    // Free flight under any integrator, and its cost.
+    // Free flight with several integrators, and their cost.
     let vacuum = Gravity(DVec3::ZERO);
     for integrator in [
         Integrator::Exact,

@@ -1,4 +1,4 @@
-//! A tower of 10 000 bricks and a bomb in it. Space lights the bomb, R builds the tower up again.
+//! A tower of 10 000 bricks with a bomb inside. Space detonates the bomb, R rebuilds the tower.
 //! `cargo run --release --example debris`
 
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use bevy::prelude::*;
 use box_physics::prelude::*;
 
-/// Bricks along x, y and z.
+/// Number of bricks along x, y and z.
 const TOWER: [u16; 3] = [20, 25, 20];
 /// Half-extents of a brick [m].
 const BRICK: DVec3 = DVec3::new(0.2, 0.1, 0.2);
@@ -17,7 +17,7 @@ const BOMB: Explosion = Explosion {
     falloff: 2.0,
 };
 
-/// The tower before the explosion, to go back to.
+/// Snapshot of the tower before the explosion.
 #[derive(Resource)]
 struct Before(PhysicsSnapshot);
 
@@ -40,9 +40,9 @@ fn setup(
     mut clock: ResMut<PhysicsClock>,
     mut gizmos: ResMut<GizmoConfigStore>,
 ) -> Result {
-    // The text is in front of the bricks.
+    // Draws the text in front of the bricks.
     gizmos.config_mut::<DefaultGizmoConfigGroup>().0.depth_bias = -1.0;
-    // Bricks do not hold each other up: the tower stands because the clock does.
+    // Bricks do not support each other. The tower stands because the clock is paused.
     clock.paused = true;
     let brick = RigidBox::new(BRICK, 8.0)?;
     let mesh = meshes.add(Cuboid::from_size(2.0 * BRICK.as_vec3()));
@@ -106,7 +106,7 @@ fn rebuild(world: &mut World) {
     }
 }
 
-/// Frame time, what of it the physics takes, and how many bricks rest.
+/// Displays the frame time, the physics time and the number of bricks at rest.
 fn show(
     mut gizmos: Gizmos,
     camera: Single<&Transform, With<Camera3d>>,

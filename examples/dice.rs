@@ -1,4 +1,4 @@
-//! Five dice in a tray: throw them, wait until they settle, read their faces. Space throws.
+//! Five dice in a tray: throws them, waits until they settle, and reads their faces. Space throws again.
 //! `cargo run --release --example dice`
 
 use bevy::prelude::*;
@@ -7,12 +7,12 @@ use box_physics::prelude::*;
 /// Edge of a die [m], and its mass [kg].
 const EDGE: f32 = 0.016;
 const MASS: f64 = 0.004;
-/// Throws scatter around these [m/s], [rad/s].
+/// Largest random velocity [m/s] and angular velocity [rad/s] of a throw, per axis.
 const THROW: (f64, f64) = (0.8, 25.0);
-/// From the middle of the tray to its walls, and their height [m].
+/// Distance of the tray's walls from its middle, and their height [m].
 const TRAY: (f32, f32) = (0.1, 0.03);
 
-/// The pips of the face with this normal; opposite faces add up to seven.
+/// Number of pips on the face with this normal; opposite faces add up to seven.
 fn pips(normal: DVec3) -> usize {
     let positive = normal.abs().dot(DVec3::new(2.0, 1.0, 3.0)) as usize;
     if normal.element_sum() > 0.0 {
@@ -22,11 +22,11 @@ fn pips(normal: DVec3) -> usize {
     }
 }
 
-/// The face that is up, once the die lies.
+/// Number of the upper face, once the die is at rest.
 #[derive(Component, Default)]
 struct Die(Option<usize>);
 
-/// Where numbers between −1 and 1 come from: another throw every time.
+/// Generator of random numbers between −1 and 1.
 #[derive(Resource)]
 struct Luck(u64);
 
@@ -96,14 +96,14 @@ fn setup(
     Ok(())
 }
 
-/// Where the pips of a face are, in quarters of the edge.
+/// Positions of the pips on a face, in quarters of the edge.
 fn places(pips: usize) -> impl Iterator<Item = (f32, f32)> {
     let x = [0.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
     let y = [0.0, 1.0, -1.0, -1.0, 1.0, 0.0, 0.0];
     x.into_iter().zip(y).skip(1 - pips % 2).take(pips)
 }
 
-/// Space throws all dice from above; the first throw comes by itself.
+/// Throws all dice from above at the start and when Space is pressed.
 fn throw(
     mut dice: Query<(BodyMut, &mut Die)>,
     keys: Res<ButtonInput<KeyCode>>,
@@ -122,7 +122,7 @@ fn throw(
     info!("thrown");
 }
 
-/// A die has settled: the axis of its body that points up is the normal of its upper face.
+/// Reads a die that has settled: the body axis that points up is the normal of its upper face.
 fn read(settled: On<Settled>, mut dice: Query<(&BodyState, &mut Die)>) {
     let Ok((state, mut die)) = dice.get_mut(settled.entity) else {
         return;
@@ -134,7 +134,7 @@ fn read(settled: On<Settled>, mut dice: Query<(&BodyState, &mut Die)>) {
     }
 }
 
-/// The number above each die that lies, and the sum of all.
+/// Displays the number above each die at rest, and the sum.
 fn show(dice: Query<(&Transform, &Die)>, mut gizmos: Gizmos) {
     let facing = Quat::from_rotation_x(-0.75);
     let mut sum = 0;

@@ -1,7 +1,6 @@
-//! Simulation far from the origin. The state is f64, so the physics works at 10 000 km as at the origin; only
-//! the f32 of `Transform` loses precision. Draw relative to an origin that follows the player: the system
-//! below does in ten lines what `big_space` does with its grid cells.
-//! `cargo run --release --example floating_origin`
+//! Simulation far from the origin. The state is f64, so the physics works as well at 10 000 km as at the origin; only
+//! the f32 of `Transform` loses precision. Draw relative to an origin that follows the player: the system below does in
+//! ten lines what `big_space` does with its grid cells. `cargo run --release --example floating_origin`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;

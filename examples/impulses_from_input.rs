@@ -1,5 +1,5 @@
-//! Pushes from the keyboard. The example itself presses the keys, so that it runs without a window; with
-//! `DefaultPlugins` the same system receives real keys. `cargo run --release --example impulses_from_input`
+//! Pushes from the keyboard. The example presses the keys itself, so it runs without a window; with `DefaultPlugins`
+//! the same system receives real keys. `cargo run --release --example impulses_from_input`
 
 use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::input::{ButtonState, InputPlugin};
@@ -19,7 +19,7 @@ fn push(
             impulses.write(ApplyImpulse::center(entity, Vec3::Y * 5.0)); // N s
         }
         if keys.pressed(KeyCode::KeyW) {
-            // 20 N over this frame, at the top face: it also tips the box.
+            // 20 N during this frame, at the top face, which also tips the box.
             let push = Vec3::NEG_Z * (20.0 * time.delta_secs());
             impulses.write(ApplyImpulse::at_body_point(entity, push, Vec3::Y * 0.5));
         }

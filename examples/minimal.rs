@@ -11,7 +11,7 @@ fn main() {
         .add_systems(Startup, |mut commands: Commands| {
             commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 3.0, 0.0)));
         })
-        // Not for a game: every update is exactly one tick, so that this example does not wait.
+        // Not for a game: every update is exactly one tick, so the example does not wait.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
 
     for _ in 0..3 {

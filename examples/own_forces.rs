@@ -1,7 +1,7 @@
 //! Three ways to add your own forces. `cargo run --release --example own_forces`
 //!
 //! 1. Constant over a step: write [`ExternalForce`] in [`PhysicsSystems::Forces`].
-//! 2. State-dependent and built in: [`Springs`], [`PointForces`] and drags, evaluated at every stage.
+//! 2. State-dependent and built in: [`Springs`], [`PointForces`] and drag, evaluated at every stage.
 //! 3. State-dependent and custom: implement [`ForceModel`] and step the core with it. The integrator
 //!    evaluates it at every stage, so it keeps its order.
 
@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// Gusty wind.
+/// Applies gusts of wind.
 fn wind(clock: Res<PhysicsClock>, mut bodies: Query<&mut ExternalForce>) {
     let gust = if clock.time() % 2.0 < 1.0 { 3.0 } else { 0.0 };
     for mut external in &mut bodies {
@@ -61,7 +61,7 @@ fn main() {
     println!("the wind took the leaf {:.2} m", state.position.x);
     assert!(state.position.x > 1.0);
 
-    // A satellite on a circle of radius 10 m: v = √(µ/r), and back after 2π r/v.
+    // A satellite on a circle of radius 10 m: v = √(µ/r), and a period of 2π r/v.
     let (body, law) = (RigidBox::default(), Planet { strength: 40.0 });
     let start = BodyState::at(DVec3::X * 10.0).with_velocity(DVec3::Z * 2.0);
     let (mut state, mut memory) = (start, IntegratorMemory::default());

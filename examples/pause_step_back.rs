@@ -1,5 +1,4 @@
-//! Pause, single step, slow motion, and a return to a snapshot.
-//! `cargo run --release --example pause_step_back`
+//! Pause, single step, slow motion, and the return to a snapshot. `cargo run --release --example pause_step_back`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -26,7 +25,7 @@ fn main() {
     run(&mut app, 10);
     assert_eq!(state(&app), paused);
 
-    // A single step, also while paused; it runs at once.
+    // A single step, even while paused; it runs immediately.
     app.world_mut().commands().queue(StepPhysics(1));
     app.world_mut().flush();
     assert!(state(&app) != paused);
@@ -36,7 +35,8 @@ fn main() {
         state(&app).position
     );
 
-    // A snapshot, a second on, and back: the future repeats bit for bit, including the landing.
+    // Takes a snapshot, runs a second, and restores it: the second run repeats the first bit for bit, including the
+    // landing.
     let snapshot = PhysicsSnapshot::take(app.world_mut());
     let future = |app: &mut App| {
         app.world_mut().commands().queue(StepPhysics(60));

@@ -1,5 +1,5 @@
-//! One body with a different integrator: a stiff spring under an implicit integrator, the other bodies under
-//! the default. `cargo run --release --example per_body_integrator`
+//! One body with its own integrator: a stiff spring uses an implicit integrator, and the other bodies the default.
+//! `cargo run --release --example per_body_integrator`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -20,7 +20,7 @@ fn main() {
         let integrator = own.map_or("the global one".to_owned(), |own| own.0.to_string());
         println!("{name}: {integrator}, y = {:.6} m", state.position.y);
         if name.as_str() == "on a stiff spring" {
-            // It hangs where the spring carries its weight: m g/k = 9.81 µm below the anchor.
+            // It hangs where the spring supports its weight: m g/k = 9.81 µm below the anchor.
             assert!((5.0 - state.position.y - 9.81e-6).abs() < 1e-9);
         }
     }

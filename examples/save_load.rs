@@ -1,13 +1,13 @@
-//! Saving and loading. With the feature `serde` the complete state of a body can be written to a file, and
-//! the loaded body continues bit for bit. `cargo run --release --example save_load` (in your own project:
-//! `box_physics = { …, features = ["serde"] }`).
+//! Saving and loading. With the feature `serde` the complete state of a body can be written to a file, and the loaded
+//! body continues bit for bit. `cargo run --release --example save_load` (in your own project: `box_physics = { …,
+//! features = ["serde"] }`).
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// One body in a file: what you gave it, and what the physics remembers of it.
+/// One body in a file: the components that you set, and the state that the physics maintains.
 #[derive(Serialize, Deserialize, Bundle)]
 struct SavedBody {
     body: RigidBox,
@@ -39,7 +39,7 @@ fn save(world: &mut World) -> Result<String, BevyError> {
         gravity: *world.resource(),
         floor: *world.resource(),
     };
-    // RON keeps every bit of an f64. (JSON does so only with serde_json's `float_roundtrip`.)
+    // RON preserves every bit of an f64. (JSON does so only with serde_json's `float_roundtrip`.)
     Ok(ron::to_string(&game)?)
 }
 

@@ -1,4 +1,4 @@
-//! Bodies in scene literals: a function returns one, and other code patches it. No window.
+//! Bodies in scene literals: a function returns a scene, and other code patches it. No window.
 //! `cargo run --release --example scene_literal`
 
 use bevy::asset::AssetPlugin;
@@ -7,8 +7,8 @@ use bevy::scene::ScenePlugin;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
 
-/// A crate of 1 m and 10 kg that falls through air. For a box of another size, `template_value` takes a value
-/// made in Rust.
+/// A crate of 1 m and 10 kg that falls through air. `template_value` accepts a value created in Rust, for boxes of
+/// other sizes.
 fn crate_in_air() -> impl Scene {
     let body = RigidBox::new(DVec3::splat(0.5), 10.0).expect("sizes and mass in range");
     bsn! {
@@ -41,7 +41,7 @@ fn main() {
         .add_plugins(PhysicsPlugins::default())
         .insert_resource(Floor::default())
         .add_systems(Startup, setup)
-        // Not for a game: every update is exactly one tick, so that this example does not wait.
+        // Not for a game: every update is exactly one tick, so the example does not wait.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
     for _ in 0..128 {
         app.update();

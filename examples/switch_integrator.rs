@@ -1,5 +1,5 @@
-//! The numerical integrator is a resource. You can change it at any time; the motion continues from the
-//! current state. `cargo run --release --example switch_integrator`
+//! The numerical integrator is a resource that you can change at any time; the motion continues from the current state.
+//! `cargo run --release --example switch_integrator`
 
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
@@ -9,10 +9,10 @@ fn main() -> Result<(), BevyError> {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
         .insert_resource(WorldGravity(DVec3::ZERO))
-        // Not for a game: every update is exactly one tick, so that this example does not wait.
+        // Not for a game: every update is exactly one tick, so the example does not wait.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
 
-    // A tumbling brick; the integrators differ greatly in its spin energy.
+    // A tumbling brick, whose rotational energy depends strongly on the integrator.
     let brick = RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0)?;
     let spin = DVec3::new(1.5, 2.5, 1.0);
     let start = BodyState::default().with_angular_velocity(&brick, spin);

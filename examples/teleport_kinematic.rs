@@ -9,7 +9,7 @@ use box_physics::prelude::*;
 #[derive(Component)]
 struct Elevator;
 
-/// Moves kinematic bodies: bodies without gravity whose position and velocity you set before every step. The
+/// Moves kinematic bodies, which have no gravity and whose position and velocity you set before every step. The
 /// velocity is chosen so that the step ends on the path.
 fn lift(clock: Res<PhysicsClock>, mut elevators: Query<&mut BodyState, With<Elevator>>) {
     // `time` is the end of this step; this is its start.

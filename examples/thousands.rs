@@ -1,4 +1,4 @@
-//! Thousands of boxes rain on the floor. `cargo run --release --example thousands -- 10000`
+//! Thousands of boxes fall onto the floor. `cargo run --release --example thousands -- 10000`
 
 use std::time::Instant;
 

@@ -1,5 +1,5 @@
-//! The same throw by two clocks: at 30 Hz, interpolated and not, and at 240 Hz in a physics world of its own. Until
-//! they land the paths are the same, because the default integrator is exact in flight. Space throws.
+//! The same throw with two clocks: at 30 Hz, with and without interpolation, and at 240 Hz in a separate physics app.
+//! Until they land the paths agree, because the default integrator is exact in flight. Space throws again.
 //! `cargo run --release --example two_clocks`
 
 use bevy::prelude::*;
@@ -8,14 +8,14 @@ use bevy_transform_interpolation::prelude::*;
 use box_physics::plugin::BodyMutItem;
 use box_physics::prelude::*;
 
-/// A second app without a window, for the physics at 240 Hz.
+/// A second app without a window, with physics at 240 Hz.
 struct Fine(App);
 
-/// A brick of the second app is shown by this entity.
+/// The entity that displays a brick of the second app.
 #[derive(Component)]
 struct Shows(Entity);
 
-/// What stands below a brick.
+/// Text displayed below a brick.
 #[derive(Component)]
 struct Label(&'static str);
 
@@ -75,7 +75,7 @@ fn setup(
     Ok(())
 }
 
-/// Throws all three alike, at first and at every Space.
+/// Throws all three bricks identically, at the start and when Space is pressed.
 fn throw(
     mut bricks: Query<(&Label, BodyMut)>,
     mut fine: NonSendMut<Fine>,
@@ -100,7 +100,7 @@ fn throw(
     info!("thrown");
 }
 
-/// Lets the second app live through the time of this frame, and shows its brick.
+/// Updates the second app by the time of this frame, and displays its brick.
 fn follow(time: Res<Time>, mut fine: NonSendMut<Fine>, mut shown: Query<&mut Transform>) {
     let Fine(app) = &mut *fine;
     app.insert_resource(TimeUpdateStrategy::ManualDuration(time.delta()));

@@ -185,8 +185,8 @@ impl Variant {
             .insert_resource(GlobalIntegrator(self.integrator))
             // Every available thread gets bodies, even if they are few.
             .insert_resource(PhysicsThreads {
-                most: self.threads,
-                bodies_each: 1,
+                max_threads: self.threads,
+                bodies_per_thread: 1,
             })
             .insert_resource(Time::<Fixed>::from_seconds(H))
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));

@@ -111,11 +111,11 @@ fn a_quick_run_writes_every_page_table_and_figure() {
     for part in [
         "| `split` (the default) |",
         "| `exact` (closed form) |",
-        "| `rk4` (the yardstick) |",
+        "| `rk4` (the baseline) |",
         "| `engine-rescaled` / `engine-newton` (",
-        "| `heun-2012` (the dissertation's, 2012) |",
-        "At 30 · 60 · 120 Hz: scenes of 13",
-        "At 60 Hz take `",
+        "| `heun-2012` (2012 dissertation) |",
+        "At 30 · 60 · 120 Hz: scenes out of 13",
+        "At 60 Hz, use `",
         "Where `rk4` wins",
         "rustc 1.",
     ] {

@@ -17,7 +17,7 @@ fn bodies_despawned_between_message_and_step() {
         app.world_mut().despawn(gone);
         app.update();
     }
-    log.says_once("is no body (any more)");
+    log.says_once("is not a body");
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn check_names_a_changed_number_and_bless_stores_it() {
         "report.csv: 2 differences",
         "free-tumble exact 60 Hz: attitude_error_rad was",
         "free-tumble exact 60 Hz: evaluations were",
-        "digests.csv: 1 differences",
+        "digests.csv: 1 difference",
         "was 0123456789abcdef, is",
         "box_report bless",
     ] {

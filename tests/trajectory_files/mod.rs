@@ -161,7 +161,7 @@ fn bad_files_are_refused_by_name() {
         (
             "/initial/quaternion_xyzw",
             json!([0, 0, 0, 0]),
-            "initial.quaternion_xyzw | length zero | [0,0,0,0]",
+            "initial.quaternion_xyzw | nonzero | [0,0,0,0]",
         ),
         (
             "/initial/velocity",

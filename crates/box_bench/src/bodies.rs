@@ -1,4 +1,4 @@
-//! Sets of bodies for the benchmarks: the same for plugin, bare loop and contact.
+//! Sets of bodies for the benchmarks of plugin, bare loop and contact.
 
 use box_physics::floor::Floor;
 use box_physics::prelude::*;
@@ -11,15 +11,15 @@ pub enum Situation {
     Flight,
     /// Tumbling and falling from high above a floor.
     Falling,
-    /// Falling low over the floor, without touching.
+    /// Falling close above the floor, without touching it.
     Near,
-    /// Falling still lower: one in twenty strikes the floor in the step.
+    /// Falling still closer: one body in twenty hits the floor during the step.
     Grazing,
-    /// Thrown on the floor from half a meter to two meters, and simulated until most are at rest.
+    /// Thrown onto the floor from 0.5 to 2 m, and simulated until most are at rest.
     Settling,
     /// At rest.
     Rest,
-    /// Sliding on a face without stopping, because the floor is steeper than friction can hold.
+    /// Sliding on a face without stopping, because friction cannot hold the box on the inclined floor.
     Sliding,
 }
 
@@ -66,8 +66,8 @@ impl Situation {
         }
     }
 
-    /// Number of steps of 1/60 s that a measured call takes from the start. 0 if it continues from the end of
-    /// the last call.
+    /// Number of steps of 1/60 s in a measured call that starts from the initial state; 0 if a call continues from the
+    /// end of the last one.
     pub const fn episode(self) -> u32 {
         match self {
             Self::Settling => 180,
@@ -103,7 +103,7 @@ impl Situation {
         match self {
             Self::Flight => tumbling(0.0, random.vector(1.0)),
             Self::Falling => tumbling(1e6, random.vector(1.0)),
-            // In the step the box falls by 1/60 + 9.81/7200 m = 0.01803 m.
+            // During the step the box falls by 1/60 + 9.81/7200 m = 0.01803 m.
             Self::Near => tumbling(body.radius() + 0.0185, DVec3::NEG_Y),
             Self::Grazing => tumbling(body.radius() + 0.01, DVec3::NEG_Y),
             Self::Settling => tumbling(body.radius() + random.range(0.5, 2.0), random.vector(1.0)),
@@ -126,7 +126,7 @@ mod tests {
     use box_physics::floor::FloorContext;
     use box_physics::force::Gravity;
 
-    /// Of the two sets low over the floor, one has no impacts and the other has a few.
+    /// There are two sets of bodies just above the floor. One has no impacts, the other a few.
     #[test]
     fn near_is_not_touching() {
         let (floor, settings) = (Floor::default(), ContactSettings::default());

@@ -1,4 +1,4 @@
-//! One box over the floor in each state with a different cost, stepped by the bare core.
+//! One box at the floor in each situation with a different cost, stepped by the core alone.
 
 use box_physics::floor::{ContactState, FloorContext, step_on_floor};
 use box_physics::force::Gravity;
@@ -8,19 +8,19 @@ use box_physics::prelude::*;
 /// The motion of the box in every measured step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactScene {
-    /// Rests on a face.
+    /// At rest on a face.
     Resting,
-    /// Flies so low that only the flown step tells that it does not touch.
+    /// In flight so close to the floor that only the trial step shows that it does not touch.
     FlyingLow,
     /// Slides on a face.
     Sliding,
-    /// Slides on a face and turns about the vertical.
+    /// Slides on a face and spins about the vertical.
     SlidingAndSpinning,
-    /// Strikes the floor with an edge.
+    /// Hits the floor with an edge.
     EdgeImpact,
-    /// Strikes the floor with a corner.
+    /// Hits the floor with a corner.
     CornerImpact,
-    /// Starts to fall about an edge that is on the floor.
+    /// Starts to fall about an edge on the floor.
     Pivoting,
 }
 
@@ -91,7 +91,7 @@ pub struct ContactBench {
 }
 
 impl ContactBench {
-    /// The benchmark of `scene`. A resting box has already come to rest.
+    /// Creates the benchmark of `scene`. A resting box has already come to rest.
     pub fn new(scene: ContactScene) -> Self {
         let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).unwrap_or_default();
         let mut this = Self {
@@ -108,7 +108,7 @@ impl ContactBench {
         this
     }
 
-    /// One step of 1/60 s from the start.
+    /// Takes one step of 1/60 s from the start.
     pub fn step(&mut self) -> BodyState {
         let mut state = self.start;
         step_on_floor::<Split, _>(

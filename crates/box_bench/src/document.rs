@@ -1,7 +1,7 @@
-//! The tables of a document, between markers, rewritten from what was measured.
+//! Rewrites the tables of a document between markers from measurements.
 //!
-//! A table named `step` is between the lines `<!-- table: step -->` and `<!-- /table -->`; its name is
-//! a suite's, or that of something else: `targets` and `million`, computed from several, and `machine`.
+//! A table named `step` is between the lines `<!-- table: step -->` and `<!-- /table -->`. Its name is that of a suite,
+//! or one of `targets` and `million`, which are computed from several suites, and `machine`.
 
 use std::fmt::Write as _;
 use std::io;
@@ -11,7 +11,7 @@ use crate::machine::Machine;
 use crate::rows::Row;
 use crate::targets::{self, Aim};
 
-/// Replaces every table of the file whose suite is among the rows.
+/// Replaces every table of the file for which the rows contain the suite.
 ///
 /// # Errors
 /// If the file cannot be read or written.
@@ -21,7 +21,8 @@ pub fn rewrite(file: &Path, rows: &[Row]) -> io::Result<()> {
     std::fs::write(&file, with_tables(&text, rows))
 }
 
-/// Cargo runs a benchmark in its package's folder; a relative path means the repository's.
+/// Resolves a relative path against the top of the repository, because cargo runs a benchmark in the folder of its
+/// package.
 fn from_the_top(file: &Path) -> PathBuf {
     if file.is_absolute() || file.exists() {
         return file.to_owned();
@@ -51,7 +52,7 @@ fn with_tables(text: &str, rows: &[Row]) -> String {
     out
 }
 
-/// The measurement of a name, if there is one.
+/// The content of the table `name`, if it was measured.
 fn block(name: &str, rows: &[Row]) -> Option<String> {
     let found: Vec<_> = rows.iter().filter(|row| row.suite == name).collect();
     match name {
@@ -64,7 +65,7 @@ fn block(name: &str, rows: &[Row]) -> Option<String> {
 }
 
 fn targets_table(rows: &[Row]) -> Option<String> {
-    // Of the kernels alone too little can be said.
+    // The kernels alone are not sufficient for the targets.
     if !rows.iter().any(|row| row.suite == "step") {
         return None;
     }
@@ -100,7 +101,7 @@ impl Lines {
     }
 }
 
-/// Columns that say the same everywhere, or nothing, are left out.
+/// Omits columns whose cells are all equal.
 fn table(rows: &[&Row]) -> String {
     let ratio = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2}"));
     let count = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.0}"));
@@ -153,7 +154,7 @@ fn table(rows: &[&Row]) -> String {
     lines.0
 }
 
-/// Three significant digits will do.
+/// Formats with about three significant digits.
 fn number(ns: f64) -> String {
     if ns < 100.0 {
         format!("{ns:.1}")

@@ -1,4 +1,4 @@
-//! Where measured numbers come from: processor, compiler, commit, date.
+//! Origin of measured numbers: processor, compiler, commit and date.
 
 use std::fmt;
 use std::path::Path;
@@ -9,29 +9,29 @@ use serde::{Deserialize, Serialize};
 /// The provenance of a measurement.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Machine {
-    /// The processor, as it names itself.
+    /// Name of the processor.
     pub processor: String,
-    /// The vector instructions that the integrators' SIMD lanes use here.
+    /// Vector instruction set used by the integrators' SIMD lanes.
     #[serde(default)]
     pub features: String,
-    /// How many threads it runs at once.
+    /// Number of hardware threads.
     pub threads: usize,
     /// The operating system.
     pub system: String,
-    /// Year-month-day, UTC.
+    /// Date of the measurement, year-month-day, UTC.
     pub date: String,
     /// Version of the program.
     pub version: String,
-    /// The compiler that built it.
+    /// Version of the compiler.
     #[serde(default)]
     pub compiler: String,
-    /// The commit, with `-dirty` if files differ from it; empty outside a repository.
+    /// Commit, with `-dirty` for a modified working tree; empty outside of a repository.
     #[serde(default)]
     pub commit: String,
 }
 
 impl Machine {
-    /// This machine, now.
+    /// Describes this machine at the current time.
     pub fn this() -> Self {
         Self {
             processor: processor().unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
@@ -47,7 +47,7 @@ impl Machine {
 }
 
 impl fmt::Display for Machine {
-    /// In one line; what is not known is left out.
+    /// One line; unknown values are omitted.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let threads = format!("{} threads", self.threads);
         let commit = match self.commit.as_str() {
@@ -69,7 +69,7 @@ impl fmt::Display for Machine {
     }
 }
 
-/// The name in Linux's list of processors, where there is one.
+/// The processor's name in `/proc/cpuinfo`, if available.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("model name"))?;

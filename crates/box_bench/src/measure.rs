@@ -1,10 +1,10 @@
 //! Interleaved timing.
 //!
-//! A shared machine drifts: its clock changes, a neighbor wakes. So contenders take turns, one sample
-//! each, round after round, and what is compared are figures of the same run. What disturbs a sample
-//! only ever lengthens it: the **minimum** is the intrinsic cost, median and 95th percentile tell how
-//! quiet the machine was. Before each sample the contender is called once untimed: it would else pay for what
-//! the one before it has left in the caches, and for threads that fell asleep meanwhile.
+//! The speed of a shared machine varies: its clock changes, and other processes run. The contenders therefore take
+//! turns, one sample each per round, and only results of the same run are compared. A disturbance can only lengthen a
+//! sample. The **minimum** is therefore the intrinsic cost; median and 95th percentile show how quiet the machine was.
+//! Before each sample the contender runs once untimed. Otherwise the sample would include reloading the caches after
+//! the previous contender and waking threads that fell asleep.
 
 use std::time::Duration;
 
@@ -12,8 +12,8 @@ use bevy::platform::time::Instant;
 use box_scenarios::statistics::Quantiles;
 use serde::Serialize;
 
-/// Times a call that returns its work (force evaluations and body-steps): the wall clock, or in tests a clock made of
-/// that.
+/// Measures the duration of a call that returns its work (force evaluations and body-steps). This is the wall clock, or
+/// in tests a clock computed from the work.
 pub type Stopwatch = fn(&mut dyn FnMut() -> u64) -> Duration;
 
 /// The wall clock.
@@ -23,19 +23,19 @@ pub fn wall_clock(work: &mut dyn FnMut() -> u64) -> Duration {
     start.elapsed()
 }
 
-/// Something to be timed.
+/// Work to be timed.
 pub struct Contender<'a> {
     run: Box<dyn FnMut() -> u64 + 'a>,
-    /// What one call amounts to (say, bodies times steps); a cost is per unit.
+    /// Number of units of work per call (for example, bodies times steps); costs are per unit.
     units: f64,
-    /// Calls that fill a sample; 0 before the first.
+    /// Number of calls per sample; 0 before the first sample.
     repeats: u32,
-    /// Whether a call is too long to be made untimed.
+    /// `true` if a call takes too long for an untimed call.
     long: bool,
 }
 
 impl<'a> Contender<'a> {
-    /// `run` does `units` units of work (> 0) at each call.
+    /// Creates a contender whose `run` does `units` units of work (> 0) per call.
     pub fn new(units: f64, mut run: impl FnMut() + 'a) -> Self {
         Self::counted(units, move || {
             run();
@@ -43,7 +43,7 @@ impl<'a> Contender<'a> {
         })
     }
 
-    /// The same, of a `run` that returns its work, at least 1.
+    /// Creates a contender whose `run` returns its work, at least 1.
     pub fn counted(units: f64, run: impl FnMut() -> u64 + 'a) -> Self {
         Self {
             run: Box::new(run),
@@ -53,8 +53,8 @@ impl<'a> Contender<'a> {
         }
     }
 
-    /// One sample [ns per unit]: an untimed call, then calls until they last long enough. The first sample finds out
-    /// how many that takes, and is its own warm-up.
+    /// Takes one sample [ns per unit]: an untimed call, then enough calls to reach the minimum duration. The first
+    /// sample determines the number of calls and is its own warm-up.
     pub fn sample(&mut self, settings: &Settings) -> f64 {
         if self.repeats > 0 && !self.long {
             (self.run)();
@@ -63,10 +63,10 @@ impl<'a> Contender<'a> {
         loop {
             let elapsed = self.time(settings.stopwatch);
             if elapsed >= settings.shortest_sample {
-                self.long = elapsed > LONG * self.repeats;
+                self.long = elapsed > LONG_CALL * self.repeats;
                 return elapsed.as_nanos() as f64 / (f64::from(self.repeats) * self.units);
             }
-            // A fifth more than needed, at most ten times as many as were tried.
+            // 20 % more than needed, at most ten times the last number.
             let wanted =
                 1.2 * settings.shortest_sample.as_secs_f64() / elapsed.as_secs_f64().max(1e-9);
             self.repeats = (f64::from(self.repeats) * wanted.clamp(1.2, 10.0)).ceil() as u32;
@@ -79,21 +79,22 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// How to measure.
+/// Settings of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// A sample lasts at least this long: a call that is shorter is repeated.
+    /// Minimum duration of a sample; shorter calls are repeated.
     pub shortest_sample: Duration,
-    /// Samples per contender, at least (≥ 1) and at most: between these no round begins after the `budget`.
+    /// Minimum (≥ 1) and maximum number of samples per contender. Between these, no round starts after the `budget` is
+    /// used up.
     pub samples: (usize, usize),
-    /// See `samples`.
+    /// Time after which no further round starts.
     pub budget: Duration,
-    /// What tells the time.
+    /// The clock.
     pub stopwatch: Stopwatch,
 }
 
 impl Default for Settings {
-    /// Twenty samples of at least 100 µs by the wall clock, fewer where they would take more than ten seconds.
+    /// Twenty samples of at least 100 µs by the wall clock, fewer if they would take more than ten seconds.
     fn default() -> Self {
         Self {
             shortest_sample: Duration::from_micros(100),
@@ -104,10 +105,10 @@ impl Default for Settings {
     }
 }
 
-/// What a unit of work costs.
+/// Cost of a unit of work.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Cost {
-    /// Shortest sample \[ns per unit\]: the cost without what else the machine did.
+    /// Shortest sample \[ns per unit\], the cost without disturbances.
     pub min: f64,
     /// Median sample \[ns per unit\].
     pub median: f64,
@@ -116,7 +117,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Of samples [ns per unit], which must not be empty.
+    /// The cost from samples [ns per unit], which must not be empty.
     pub fn of(samples: &[f64]) -> Self {
         let quantiles = Quantiles::of(samples.iter().copied());
         Self {
@@ -126,22 +127,22 @@ impl Cost {
         }
     }
 
-    /// How far the median lies above the minimum, relative: 0.05 is a quiet machine.
+    /// Relative difference between median and minimum; 0.05 indicates a quiet machine.
     pub fn spread(&self) -> f64 {
         self.median / self.min - 1.0
     }
 }
 
-/// A call that takes longer than this is not made untimed: what the one before it left is a small part of it.
-const LONG: Duration = Duration::from_millis(200);
+/// Duration of a call above which no untimed call is made, because caches and threads hardly affect it.
+const LONG_CALL: Duration = Duration::from_millis(200);
 
-/// Times all `contenders` in turns and returns their costs in their order. A first sample of each, which sets the
-/// length of the others and warms the caches, does not count.
+/// Times all `contenders` in turns and returns their costs in the same order. The first sample of each is discarded: it
+/// determines the number of calls and warms the caches.
 pub fn interleaved(contenders: &mut [Contender<'_>], settings: &Settings) -> Vec<Cost> {
     interleaved_until(contenders, settings, || false).unwrap_or_default()
 }
 
-/// [`interleaved`], given up when `stop`, which is called before each sample, returns true.
+/// Like [`interleaved`], but returns `None` as soon as `stop`, called before each sample, returns `true`.
 pub fn interleaved_until(
     contenders: &mut [Contender<'_>],
     settings: &Settings,
@@ -187,7 +188,7 @@ mod tests {
             &settings,
         );
         assert_eq!(costs.len(), 2);
-        // The first sample of each, then samples in turn, each after an untimed call.
+        // The first sample of each, then alternating samples, each after an untimed call.
         let turns = turns.into_inner();
         assert_eq!(turns.iter().collect::<String>(), "abaabbaabbaabb");
         let mut calls = 0_u32;
@@ -215,7 +216,7 @@ mod tests {
         assert_eq!(interleaved_until(contenders, &settings, || true), None);
     }
 
-    /// A clock made of work: ten nanoseconds each.
+    /// A clock computed from the work: ten nanoseconds per unit.
     #[test]
     fn a_stopwatch_can_be_another() {
         let settings = Settings {

@@ -9,7 +9,7 @@ pub struct Traffic {
 }
 
 impl Traffic {
-    /// Arrays for `n` bodies with these numbers of bytes read (including those written) and written.
+    /// Creates arrays for `n` bodies, with the number of bytes read (including those written) and written per body.
     pub fn new(n: usize, (read, written): (usize, usize)) -> Self {
         let words = |bytes: usize| vec![1_u64; n * bytes / 8];
         Self {
@@ -19,7 +19,7 @@ impl Traffic {
         }
     }
 
-    /// One pass.
+    /// Runs one pass.
     pub fn pass(&mut self) {
         let sum = self
             .only_read

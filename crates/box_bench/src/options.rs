@@ -11,7 +11,7 @@ use crate::measure::Settings;
 /// Options shared by all benchmarks.
 #[derive(Clone, Debug, Parser)]
 pub struct Options {
-    /// A few seconds instead of minutes: fewer samples, and no more than 10 000 bodies.
+    /// Measure for seconds instead of minutes: fewer samples, at most 10 000 bodies.
     #[arg(long)]
     pub quick: bool,
     /// Also write the rows to this file as JSON.
@@ -27,7 +27,7 @@ pub struct Options {
     /// Integrators by id (default: all for kernels, `split` for the plugin).
     #[arg(long, value_delimiter = ',', value_name = "IDS")]
     pub integrators: Vec<Integrator>,
-    /// Only situations whose name contains this.
+    /// Only situations whose name contains this text.
     #[arg(long, value_name = "TEXT")]
     pub only: Option<String>,
     /// Rewrite the tables between the markers of this file, relative to the top of the repository

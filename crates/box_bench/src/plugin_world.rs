@@ -1,4 +1,4 @@
-//! The plugin in an app without a window: its whole step, as in a game.
+//! The plugin in an app without a window, with the same step as in a game.
 
 use bevy::MinimalPlugins;
 use bevy::app::{App, FixedFirst, FixedLast};
@@ -18,7 +18,7 @@ pub struct PluginWorld {
 }
 
 impl PluginWorld {
-    /// `n` bodies under `integrator`, after a few warm-up steps.
+    /// Creates an app with `n` bodies under `integrator`, and runs a few warm-up steps.
     pub fn new(situation: Situation, integrator: Integrator, n: usize) -> Self {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
@@ -28,7 +28,7 @@ impl PluginWorld {
         if let Some(floor) = situation.floor() {
             app.insert_resource(floor);
         }
-        // A step also runs these; their empty schedules are not part of the measurement.
+        // A step also runs these schedules; a single-threaded executor keeps them out of the measurement.
         for label in [FixedFirst.intern(), FixedLast.intern()] {
             app.edit_schedule(label, |schedule| {
                 schedule.set_executor(SingleThreadedExecutor::new());
@@ -52,12 +52,12 @@ impl PluginWorld {
         this
     }
 
-    /// Number of steps of one [`call`](Self::call).
+    /// Number of steps per [`call`](Self::call).
     pub fn steps_per_call(&self) -> u32 {
         self.episode.max(1)
     }
 
-    /// The measured work: one step, or an episode from its start.
+    /// Runs the measured work: one step, or an episode from its start.
     pub fn call(&mut self) {
         if self.episode > 0 {
             self.restart();
@@ -67,12 +67,15 @@ impl PluginWorld {
         }
     }
 
-    /// Sets the largest number of threads.
-    pub fn use_threads(&mut self, most: usize) {
-        self.app.world_mut().resource_mut::<PhysicsThreads>().most = most;
+    /// Sets the maximum number of threads.
+    pub fn use_threads(&mut self, max_threads: usize) {
+        self.app
+            .world_mut()
+            .resource_mut::<PhysicsThreads>()
+            .max_threads = max_threads;
     }
 
-    /// One step of the plugin's schedule.
+    /// Runs one step of the plugin's schedule.
     pub fn step(&mut self) {
         StepPhysics(1).apply(self.app.world_mut());
     }
@@ -82,7 +85,7 @@ impl PluginWorld {
         &mut self.app
     }
 
-    /// Resets every body.
+    /// Resets every body to its initial state.
     pub fn restart(&mut self) {
         for (entity, state) in &self.start {
             if let Some(mut now) = self.app.world_mut().get_mut::<BodyState>(*entity) {
@@ -96,7 +99,7 @@ impl PluginWorld {
 mod tests {
     use super::*;
 
-    /// Steps until the diagnostics' histories (120 values) have their final size.
+    /// Number of steps after which the histories of the diagnostics (120 values) have their final size.
     const WARM: u32 = 150;
 
     fn allocations(world: &mut PluginWorld, steps: u64) -> u64 {

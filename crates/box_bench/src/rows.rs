@@ -31,7 +31,7 @@ pub struct Row {
     pub allocations: Option<f64>,
 }
 
-/// Prints rows as a table, with where they were measured.
+/// Prints rows as a table, with the machine on which they were measured.
 pub fn print(rows: &[Row]) {
     println!("{}", Machine::this());
     println!(
@@ -67,7 +67,7 @@ pub fn print(rows: &[Row]) {
     }
 }
 
-/// Writes rows and where they were measured as JSON.
+/// Writes rows and the machine on which they were measured as JSON.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -1,14 +1,14 @@
-//! The cost of a step of a scene's bodies under each integrator: the one definition of that figure for panel, headless
-//! table, sweep, report and benchmarks.
+//! The cost of a step of a scene's bodies under each integrator. It is defined only here, for panel, headless table,
+//! sweep, report and benchmarks.
 //!
-//! A [`Snapshot`] copies the bodies, states and contacts of one moment. Each call puts the copies back there and steps
-//! them by the path that the plugin takes for that many bodies: in free flight under gravity alone several at a time in
-//! SIMD lanes, with other forces by [`ForcedGroup::step_each`], at the floor by the contact solver. The steps are a few
-//! ([`Snapshot::new`]) or those of a whole scene ([`Snapshot::of_scene`]).
+//! A [`Snapshot`] copies the bodies, states and contacts at one time. Each call resets the copies and steps them by the
+//! path that the plugin takes for this number of bodies. In free flight under gravity alone, several bodies are stepped
+//! at a time in SIMD lanes; under other forces, [`ForcedGroup::step_each`] steps them; at the floor, the contact solver
+//! does. A call takes a few steps ([`Snapshot::new`]) or those of a whole scene ([`Snapshot::of_scene`]).
 //!
 //! All integrators take turns on the same snapshot ([`measure`](crate::measure)). The cost is the **minimum** of the
-//! samples, in ns per body-step; the median says how quiet the machine was. The second figure, where it is wanted, is
-//! that of a lone body by the integrator's plain step ([`lone_body`]).
+//! samples, in ns per body-step; the median shows how quiet the machine was. The optional second cost is that of a
+//! single body stepped by the integrator's plain step ([`lone_body`]).
 
 use core::ops::Range;
 
@@ -22,21 +22,21 @@ use box_scenarios::{Driver, ForceSet, Model, Setup};
 
 use crate::measure::{Contender, Cost, Settings, interleaved};
 
-/// Bodies that are copied at most: as many as the plugin steps in one piece.
-const MOST: usize = 512;
-/// The same where some are at the floor: a call stays within a few milliseconds.
-const MOST_AT_FLOOR: usize = 128;
-/// Body-steps in a call, roughly, and the steps that may be.
+/// Maximum number of bodies that are copied: the size of the plugin's chunks.
+const MAX_BODIES: usize = 512;
+/// Maximum number of bodies if some are at the floor, so that a call takes at most a few milliseconds.
+const MAX_BODIES_AT_FLOOR: usize = 128;
+/// Approximate number of body-steps per call, and the range of the number of steps.
 const BODY_STEPS: usize = 1024;
 const STEPS: (usize, usize) = (4, 16);
-/// Body-steps in a call that follows a whole scene, unless the bodies that are followed at least make more: enough of
-/// them for the plugin's path of many.
+/// Maximum number of body-steps in a call over a whole scene. The minimum number of bodies, which is enough for the
+/// plugin's path for many bodies, takes precedence.
 const SCENE_BODY_STEPS: usize = 65_536;
 const SCENE_BODIES: usize = 32;
-/// How much of a scene is followed \[s\].
+/// Maximum simulated time of a scene \[s\].
 pub const LONGEST_SCENE: f64 = 10.0;
 
-/// See the module.
+/// Copies of the bodies of a scene at one time; see the [module](self).
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     bodies: Vec<RigidBox>,
@@ -48,14 +48,14 @@ pub struct Snapshot {
     forces: ForceSet,
     floor: Option<(Floor, ContactSettings)>,
     h: f64,
-    /// Steps of a call, and those that [`Self::advance`] has done of it.
+    /// Number of steps per call, and the number that [`Self::advance`] has taken.
     steps: usize,
     done: usize,
 }
 
 impl Snapshot {
-    /// Of `bodies` under `forces`, over a floor or none, in steps of `h` \[s\]. `None` without bodies or where `h` is
-    /// not positive.
+    /// Copies `bodies` under `forces`, over an optional floor, with steps of `h` \[s\]. Returns `None` without bodies,
+    /// or if `h` is not positive.
     pub fn new<'a>(
         bodies: impl Iterator<Item = (&'a RigidBox, &'a BodyState, ContactState)>,
         forces: &ForceSet,
@@ -69,19 +69,19 @@ impl Snapshot {
             ..Self::default()
         };
         let mut at_floor = false;
-        for (body, state, contact) in bodies.take(MOST) {
+        for (body, state, contact) in bodies.take(MAX_BODIES) {
             at_floor |= this.floor.as_ref().is_some_and(|(floor, _)| {
                 contact.touching() != 0 || may_touch(floor, body, state, &forces.forces(body), h)
             });
-            if at_floor && this.bodies.len() >= MOST_AT_FLOOR {
+            if at_floor && this.bodies.len() >= MAX_BODIES_AT_FLOOR {
                 break;
             }
             this.bodies.push(*body);
             this.start.push((*state, contact));
         }
         if at_floor {
-            this.bodies.truncate(MOST_AT_FLOOR);
-            this.start.truncate(MOST_AT_FLOOR);
+            this.bodies.truncate(MAX_BODIES_AT_FLOOR);
+            this.start.truncate(MAX_BODIES_AT_FLOOR);
         }
         let count = this.bodies.len();
         this.memories = vec![IntegratorMemory::default(); count];
@@ -89,8 +89,9 @@ impl Snapshot {
         (count > 0 && h > 0.0).then_some(this)
     }
 
-    /// Of a scene with `boxes` boxes, from its start through its whole duration (at most [`LONGEST_SCENE`]) in steps of
-    /// `h` \[s\], without its impulses. Of many boxes a part is followed, so that a call stays short.
+    /// Creates the snapshot of a scene with `boxes` boxes. A call runs it from the start over its whole duration (at
+    /// most [`LONGEST_SCENE`]) in steps of `h` \[s\], without its impulses. If there are many boxes, only some are
+    /// simulated, to keep a call short.
     pub fn of_scene(setup: &Setup, boxes: usize, h: f64) -> Option<Self> {
         let steps = (setup.duration.min(LONGEST_SCENE) / h).round().max(1.0) as usize;
         let boxes = boxes.clamp(1, (SCENE_BODY_STEPS / steps).max(SCENE_BODIES));
@@ -102,7 +103,7 @@ impl Snapshot {
         Some(Self { steps, ..this })
     }
 
-    /// The costs of `integrators` on this snapshot, in turns, in their order.
+    /// Measures the costs of `integrators` on this snapshot in turns, and returns them in the same order.
     pub fn costs(&self, integrators: &[Integrator], settings: &Settings) -> Vec<Cost> {
         let mut contenders: Vec<_> = integrators
             .iter()
@@ -111,24 +112,24 @@ impl Snapshot {
         interleaved(&mut contenders, settings)
     }
 
-    /// Calls under `integrator`; the units are body-steps.
+    /// A contender that makes calls with `integrator`; its units are body-steps.
     pub fn contender(mut self, integrator: Integrator) -> Contender<'static> {
         Contender::counted(self.units(), move || self.work(integrator))
     }
 
-    /// Body-steps in one call.
+    /// Number of body-steps per call.
     pub fn units(&self) -> f64 {
         (self.bodies.len() * self.steps) as f64
     }
 
-    /// From the snapshot's moment, a few steps by `integrator`: what is timed.
+    /// Resets the bodies and takes the steps of a call with `integrator`. This is the timed work.
     pub fn call(&mut self, integrator: Integrator) -> StepOutcome {
         self.restart();
         let steps = self.steps;
         integrator.dispatch(Advance(self, steps))
     }
 
-    /// The next `steps` steps of a call, but not beyond its end; returns their evaluations and body-steps like
+    /// Takes the next `steps` steps of a call, up to its end. Returns force evaluations plus body-steps, like
     /// [`Self::work`].
     pub fn advance(&mut self, integrator: Integrator, steps: usize) -> u64 {
         let steps = steps.min(self.steps - self.done);
@@ -136,24 +137,24 @@ impl Snapshot {
         evaluations + (self.bodies.len() * steps) as u64
     }
 
-    /// Whether no call is in progress: [`Self::advance`] has reached the end of one.
+    /// Returns `true` if no call is in progress, that is, [`Self::advance`] has completed one.
     pub fn is_at_start(&self) -> bool {
         self.done == 0
     }
 
-    /// Gives up the call in progress.
+    /// Aborts the call in progress.
     pub fn restart(&mut self) {
         self.done = 0;
     }
 
-    /// Number of bodies that are stepped.
+    /// Number of stepped bodies.
     pub fn bodies(&self) -> usize {
         self.bodies.len()
     }
 
-    /// One sample under `integrator`, for a caller that lets the integrators take turns itself.
+    /// Takes one sample of `integrator`, for a caller that alternates between integrators itself.
     pub fn sample(&mut self, integrator: Integrator, settings: &Settings) -> Sample {
-        // The untimed call before a sample; a new contender makes none.
+        // The untimed call before a sample, because a new contender makes none.
         let evaluations = self.call(integrator).evaluations as f64 / self.units();
         let units = self.units();
         let mut contender = Contender::counted(units, || self.work(integrator));
@@ -163,7 +164,7 @@ impl Snapshot {
         }
     }
 
-    /// A call; returns its evaluations and body-steps.
+    /// Makes a call and returns force evaluations plus body-steps.
     pub fn work(&mut self, integrator: Integrator) -> u64 {
         self.call(integrator).evaluations + self.units() as u64
     }
@@ -175,7 +176,7 @@ impl Snapshot {
         })
     }
 
-    /// Consecutive bodies in free flight, under `gravity` alone or each under its own forces.
+    /// Steps consecutive bodies in free flight, under `gravity` alone or each under its own forces.
     fn fly<S: Integrate, F: ForceModel>(
         &mut self,
         range: Range<usize>,
@@ -222,7 +223,7 @@ impl Snapshot {
         if self.floor.is_none() {
             return self.fly::<S, F>(0..count, gravity, &force);
         }
-        // In flight, not yet stepped.
+        // First body in flight that has not been stepped.
         let mut from = 0;
         for i in 0..count {
             let force_here = force(&self.bodies[i]);
@@ -237,7 +238,7 @@ impl Snapshot {
         outcome
     }
 
-    /// A body that an integrator makes diverge begins again: what is timed are steps of valid bodies.
+    /// Resets a body that has diverged, so that only steps of valid bodies are timed.
     fn restore_if_invalid(&mut self, i: usize) {
         if !self.states[i].is_valid() {
             (self.states[i], self.contacts[i]) = self.start[i].clone();
@@ -259,7 +260,7 @@ impl Snapshot {
     }
 }
 
-/// A number of steps, not beyond the end of a call.
+/// Takes a number of steps, up to the end of a call.
 struct Advance<'a>(&'a mut Snapshot, usize);
 
 impl IntegratorVisitor for Advance<'_> {
@@ -284,17 +285,17 @@ impl IntegratorVisitor for Advance<'_> {
     }
 }
 
-/// One measurement of one integrator.
+/// One measurement of an integrator.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// ns per body-step.
+    /// Time per body-step \[ns\].
     pub nanoseconds: f64,
     /// Force evaluations per body-step.
     pub evaluations: f64,
 }
 
-/// The lone body of `setup` from its start by the integrator's plain step in steps of `h` \[s\], over the whole scene
-/// like [`Snapshot::of_scene`]; the units are steps.
+/// A contender that runs the single body of `setup` from its start by the integrator's plain step in steps of `h`
+/// \[s\], over the whole scene like [`Snapshot::of_scene`]. Its units are steps.
 pub fn lone_body(setup: &Setup, integrator: Integrator, h: f64) -> Contender<'static> {
     let steps = (setup.duration.min(LONGEST_SCENE) / h).round().max(1.0) as u64;
     let (model, start) = (Model::of(setup), setup.initial);

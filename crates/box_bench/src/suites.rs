@@ -16,9 +16,9 @@ use crate::rows::Row;
 /// Step size of every benchmark \[s\].
 pub const STEP: f64 = 1.0 / 60.0;
 
-/// Numbers of threads for `n` bodies: one for few bodies, because the plugin then uses no other, whatever they do.
+/// Numbers of threads to measure for `n` bodies. For few bodies it is one, because the plugin then uses no others.
 fn threads(n: usize) -> &'static [usize] {
-    if n < 64 { &[1] } else { &[1, 2] }
+    if n < 256 { &[1] } else { &[1, 2] }
 }
 
 /// Largest number of bodies in an episode; more would take minutes.
@@ -27,7 +27,7 @@ const LARGEST_EPISODE: usize = 10_000;
 /// Counts the allocations of a call on this thread.
 pub type CountAllocations = fn(&mut dyn FnMut()) -> u64;
 
-/// Every integrator on plain arrays in free flight: body by body, and many bodies at a time.
+/// Measures every integrator on plain arrays in free flight: body by body, and many bodies at a time.
 pub fn kernels(options: &Options) -> Vec<Row> {
     let mut rows = Vec::new();
     for n in options.sizes() {
@@ -55,7 +55,7 @@ pub fn kernels(options: &Options) -> Vec<Row> {
     rows
 }
 
-/// Bounding boxes and transforms on plain arrays, compared with a pass over the bytes of a whole step.
+/// Measures bounding boxes and transforms on plain arrays, compared with a pass over the bytes of a whole step.
 pub fn refit(options: &Options) -> Vec<Row> {
     let mut rows = Vec::new();
     for n in options.sizes() {
@@ -77,7 +77,7 @@ pub fn refit(options: &Options) -> Vec<Row> {
     rows
 }
 
-/// One box at the floor in every state with a different cost, by the bare core and `split`.
+/// Measures one box at the floor in every situation with a different cost, with the core alone and `split`.
 pub fn contact(options: &Options) -> Vec<Row> {
     let mut boxes = ContactScene::ALL.map(ContactBench::new);
     let mut contenders: Vec<_> = boxes
@@ -110,7 +110,7 @@ fn plain_row(suite: &'static str, name: &str, i: Integrator, bodies: usize, cost
     }
 }
 
-/// The plugin's whole step in every situation, compared with the bare loop and the memory bound.
+/// Measures the plugin's whole step in every situation, compared with the bare loop and the memory bound.
 pub fn step(options: &Options, count: CountAllocations) -> Vec<Row> {
     let mut rows = Vec::new();
     for integrator in options.integrators_or(&[Integrator::Split]) {
@@ -161,7 +161,7 @@ fn step_rows(
     }
     let mut settings = options.settings();
     if steps > 1.0 {
-        // An episode is a long sample and an average over many steps.
+        // An episode is long and averages over many steps.
         settings.samples = (3, 3);
     }
     let costs = interleaved(&mut contenders, &settings);

@@ -1,14 +1,14 @@
-//! Performance targets as ratios of figures of one run, and their results.
+//! Performance targets, as ratios of costs measured in the same run.
 
 use crate::rows::Row;
 
-/// Step of a game at 60 Hz \[ns\].
+/// Time of a step of a game at 60 Hz \[ns\].
 const FRAME: f64 = 1e9 / 60.0;
 
 /// A target for a ratio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// The measured ratio, in words.
+    /// Description of the measured ratio.
     pub what: String,
     /// The target.
     pub aim: Aim,
@@ -16,7 +16,7 @@ pub struct Target {
     pub measured: f64,
 }
 
-/// A bound.
+/// Bound of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
     /// At most this value.
@@ -35,7 +35,7 @@ impl Target {
     }
 }
 
-/// The targets for which `rows` has the measurements.
+/// The targets that can be computed from `rows`.
 pub fn targets(rows: &[Row]) -> Vec<Target> {
     let found = Found(rows);
     let mut targets = Vec::new();
@@ -105,7 +105,7 @@ pub fn targets(rows: &[Row]) -> Vec<Target> {
     targets
 }
 
-/// The cost of a million falling boxes in words, if measured.
+/// A sentence about the cost of a million falling boxes, if measured.
 pub fn million(rows: &[Row]) -> Option<String> {
     let found = Found(rows);
     let per_step = |threads| {

@@ -138,34 +138,34 @@ impl Parameter {
                 id: "dt", label: "dt", unit: "s", hint: "Step size. Type 0.01, 1/60 or 60 Hz.",
                 slider: STEP, range: STEP, logarithmic: true, effect: Effect::Clock, ..LIVE },
             Self::Substeps => Info {
-                id: "substeps", label: "Substeps", hint: "Equal parts of each step.",
+                id: "substeps", label: "Substeps", hint: "Number of equal parts per step.",
                 slider: PARTS, range: PARTS, logarithmic: true, integer: true, effect: Effect::Clock, ..LIVE },
             Self::Gravity => Info {
                 id: "gravity", label: "Gravity", unit: "m/s²", hint: "Downward acceleration.",
                 slider: (0.0, 30.0), range: (-1e4, 1e4), ..LIVE },
             Self::Restitution => Info {
                 id: "restitution", label: "Restitution",
-                hint: "Speed after a bounce over the speed before it: 0 stays down, 1 keeps bouncing.", ..LIVE },
+                hint: "Ratio of the speeds after and before a bounce: 0 never bounces, 1 bounces forever.", ..LIVE },
             Self::RestitutionLaw => Info {
                 id: "restitution-law", label: "Impact law", integer: true, choices: &["Energetic", "Newton"],
-                hint: "Energetic: an impact returns at most e² of the energy. Newton: the speed of each corner is \
-                    reversed times e.", ..LIVE },
+                hint: "Energetic: an impact returns at most e² of the energy. Newton: the normal speed of each \
+                    corner is reversed and multiplied by e.", ..LIVE },
             Self::Friction => Info {
                 id: "friction", label: "Friction", hint: "Coulomb friction coefficient of the floor.",
                 slider: (0.0, 2.0), range: (0.0, 1e3), ..LIVE },
             Self::LinearDrag => Info {
-                id: "linear-drag", label: "Linear drag", unit: "N s/m", hint: "Force against the velocity, c₁ v.",
+                id: "linear-drag", label: "Linear drag", unit: "N s/m", hint: "Force opposite to the velocity, c₁ v.",
                 slider: (0.0, 100.0), range: (0.0, 1e6), logarithmic: true, ..LIVE },
             Self::AngularDamping => Info {
                 id: "angular-damping", label: "Ang. damping", unit: "1/s",
-                hint: "Torque against the angular momentum, γ L.",
+                hint: "Torque opposite to the angular momentum, γ L.",
                 slider: (0.0, 10.0), range: (0.0, 1e6), logarithmic: true, ..LIVE },
             Self::HalfX => Info {
-                id: "half-x", label: "Half-size x", hint: "Half the size along the box's x axis.", ..Info::HALF },
+                id: "half-x", label: "Half-size x", hint: "Half-extent along the body x axis.", ..Info::HALF },
             Self::HalfY => Info {
-                id: "half-y", label: "Half-size y", hint: "Half the size along the box's y axis.", ..Info::HALF },
+                id: "half-y", label: "Half-size y", hint: "Half-extent along the body y axis.", ..Info::HALF },
             Self::HalfZ => Info {
-                id: "half-z", label: "Half-size z", hint: "Half the size along the box's z axis.", ..Info::HALF },
+                id: "half-z", label: "Half-size z", hint: "Half-extent along the body z axis.", ..Info::HALF },
             Self::Mass => Info {
                 id: "mass", label: "Mass", unit: "kg", hint: "Mass of the box, uniformly distributed.",
                 slider: (0.0005, 100.0), range: (1e-6, 1e6), logarithmic: true, effect: Effect::Restart, ..LIVE },
@@ -173,7 +173,7 @@ impl Parameter {
                 id: "impulse", label: "Strength", unit: "N s", hint: "Impulse of one push.",
                 slider: (0.01, 100.0), range: (0.0, 1e6), logarithmic: true, effect: Effect::None, ..LIVE },
             Self::Boxes => Info {
-                id: "boxes", label: "Boxes", hint: "Number of boxes. More boxes make the timing steadier.",
+                id: "boxes", label: "Boxes", hint: "Number of boxes. More boxes give steadier timings.",
                 slider: (1.0, 1e4), range: (1.0, 1e5), logarithmic: true, integer: true,
                 effect: Effect::Restart, ..LIVE },
         }

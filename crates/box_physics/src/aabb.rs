@@ -1,10 +1,11 @@
-//! World-aligned bounding boxes, refitted every step.
+//! World-aligned bounding boxes.
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// Half-extents \[m\] of the smallest world-aligned box around a box of half-extents `half` at attitude
-/// `rotation`: |R|·h with the absolute values of the rotation matrix. Exact, without a loop over corners: the
-/// extent along world axis i is the support Σ_j |R_ij| h_j (Ericson, *Real-Time Collision Detection*, 2005,
+/// Half-extents \[m\] of the world-aligned bounding box of a rotated box with half-extents `half` \[m\].
+///
+/// The result is |R|·h, with the absolute values of the rotation matrix. It is exact and needs no loop over corners:
+/// the extent along world axis i is the support Σ_j |R_ij| h_j (Ericson, *Real-Time Collision Detection*, 2005,
 /// §4.2.6).
 ///
 /// ```
@@ -19,7 +20,7 @@ pub fn world_half_extents(rotation: DQuat, half: DVec3) -> DVec3 {
     r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z
 }
 
-/// Corners (minimum, maximum) of the refitted box, rounded outward to f32: the f32 box contains the f64 box.
+/// Minimum and maximum corner of a world-aligned box, rounded outward to f32. The f32 box contains the f64 box.
 #[inline(always)]
 pub fn outward(center: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
     let (low, high) = (center - half, center + half);
@@ -29,8 +30,8 @@ pub fn outward(center: DVec3, half: DVec3) -> (glam::Vec3, glam::Vec3) {
     )
 }
 
-/// The largest f32 not above `x`. Branchless, because the direction of rounding is random: six mispredicted
-/// branches cost more than the rest of a bounding box.
+/// The largest f32 not above `x`. Branchless: the direction of rounding is random, and six mispredicted branches cost
+/// more than the rest of a bounding box.
 #[inline(always)]
 fn below(x: f64) -> f32 {
     let nearest = x as f32;
@@ -44,11 +45,11 @@ fn above(x: f64) -> f32 {
     moved(nearest, i32::wrapping_add, f64::from(nearest) < x)
 }
 
-/// `x`, or its neighbor if `leave` is true: the next f32 up (by adding) or down (by subtracting).
+/// Returns `x`, or its neighbor if `leave` is true: the next f32 up (`by` adds) or down (`by` subtracts).
 ///
-/// The bits of a float grow with its magnitude. The next number up has one more if the float is positive, one
-/// less if it is negative. This fails for −0, which never occurs: no number is rounded across zero, so
-/// `below` never leaves 0, nor `above` −0.
+/// The bits of a float, read as an integer, grow with its magnitude. The next number up has one more if the float is
+/// positive and one less if it is negative. This fails for −0, which never occurs here: no number is rounded across
+/// zero, so `below` never leaves 0, nor `above` −0.
 #[inline(always)]
 fn moved(x: f32, by: impl Fn(i32, i32) -> i32, leave: bool) -> f32 {
     let bits = x.to_bits() as i32;
@@ -69,7 +70,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The definition, in terms of the standard library.
+    /// Compares with the standard library's `next_down` and `next_up`.
     #[test]
     fn neighbors_are_those_of_the_standard_library() {
         let tiny = f64::from(f32::from_bits(1));

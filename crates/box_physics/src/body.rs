@@ -58,8 +58,10 @@ pub struct RigidBox {
 }
 
 impl RigidBox {
-    /// A solid box of uniform density. `half_extents` \[m\] are the distances from the center to the faces,
-    /// each between 1e-6 and 1e6. `mass` \[kg\] is between 1e-12 and 1e12.
+    /// Creates a solid box of uniform density.
+    ///
+    /// `half_extents` \[m\] are the distances from the center to the faces, each between 1e-6 and 1e6. `mass` \[kg\] is
+    /// between 1e-12 and 1e12.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
@@ -96,7 +98,7 @@ impl RigidBox {
         Ok(Self::from_parts(h, mass, inertia))
     }
 
-    /// A solid cube of edge length `edge` \[m\], twice the half-extent.
+    /// Creates a solid cube of mass `mass` \[kg\] with edges of length `edge` \[m\], twice the half-extent.
     ///
     /// # Errors
     /// The same as [`RigidBox::new`].
@@ -198,7 +200,7 @@ impl Default for RigidBox {
 
 #[cfg(feature = "serde")]
 mod serialized {
-    //! Serialized fields of a box: those that cannot be computed. Loading applies the checks of the
+    //! Serialized fields of a box, without those that are computed from them. Loading applies the checks of the
     //! constructors.
 
     use glam::DVec3;
@@ -238,12 +240,13 @@ mod serialized {
     }
 }
 
-/// The planar rotations that follow the exact rotation with the reference moment (Fassò 2003).
+/// Axes and coefficients of the splitting of the free rotation: two planar rotations and an exact rotation (Fassò
+/// 2003).
 ///
-/// H = |L|²/2I_r + ½(J_a−J_r) L_a² + ½(J_c−J_r) L_c², J = 1/I. The first term is a Casimir times a constant,
-/// so its flow commutes with the other two. r is the axis of the middle moment. The outer axis a (two half
-/// steps) is the one with the larger |J_a − J_r|. This rule minimizes the leading error term |αβ|(|α|/24 +
-/// |β|/12) over all choices (numerically, 20 000 random boxes).
+/// H = |L|²/2I_r + ½(J_a−J_r) L_a² + ½(J_c−J_r) L_c², J = 1/I. The first term is a Casimir times a constant, so its
+/// flow commutes with the other two. r is the axis of the middle moment. The outer axis a (two half steps) is the one
+/// with the larger |J_a − J_r|. This rule minimizes the leading error term |αβ|(|α|/24 + |β|/12) over all choices
+/// (checked numerically for 20 000 random boxes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Splitting {
     /// The axis rotated by two half steps, and the axis rotated by one whole step between them.
@@ -328,7 +331,7 @@ mod tests {
             .splitting();
         assert_eq!(s.frame, SplitFrame::new(0, 2));
         assert!(s.alpha > 0.0 && s.beta < 0.0 && s.alpha.abs() >= s.beta.abs());
-        // A cube and a square bar leave nothing to split.
+        // Nothing is left to split for a cube, and only one term for a square bar.
         let s = *RigidBox::default().splitting();
         assert_eq!((s.alpha, s.beta), (0.0, 0.0));
         let s = *RigidBox::new(DVec3::new(0.25, 0.5, 0.25), 6.0)

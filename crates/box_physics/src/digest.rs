@@ -12,11 +12,13 @@ use crate::state::BodyState;
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const PRIME: u64 = 0x0000_0100_0000_01b3;
 
-/// A digest of `states` in this order: FNV-1a over the bits of position, attitude, velocity and angular
-/// momentum of each body. Equal digests mean equal bits, except for one chance in 1.8e19. Use it to compare
-/// runs, builds, machines, lock-step peers and replays.
+/// Computes a digest of `states`, in this order.
 ///
-/// 0 and −0 are different bits, and so are q and −q.
+/// The digest is FNV-1a over the bits of position, attitude, velocity and angular momentum of each body. Equal digests
+/// mean equal bits, except for one chance in 1.8e19. Use it to compare runs, builds, machines, lock-step peers and
+/// replays.
+///
+/// 0 and −0 have different bits, and so have q and −q.
 ///
 /// ```
 /// use box_physics::{digest::state_digest, force::Gravity, prelude::*};
@@ -47,9 +49,10 @@ pub fn state_digest<'a>(states: impl IntoIterator<Item = &'a BodyState>) -> u64 
     hash
 }
 
-/// A digest of a fixed scene as this build simulates it under `integrator`. The scene lasts a second and a
-/// half; its bodies tumble, bounce, slide, have drag and hang on a spring. Peers in lock-step compare it
-/// before they start: a difference in any part of a step changes it.
+/// Computes the digest of a fixed scene, simulated by this build under `integrator`.
+///
+/// The scene lasts 1.5 s; its bodies tumble, bounce, slide, have drag and hang on a spring. A difference in any part of
+/// a step changes the digest, so lock-step peers compare it before they start.
 ///
 /// ```
 /// use box_physics::{digest::fingerprint, prelude::*};

@@ -6,9 +6,9 @@ use crate::body::RigidBox;
 use crate::force::{ForceModel, Forces, Frame};
 use crate::state::BodyState;
 
-/// Potential energy \[J\] of the conservative terms: uniform acceleration (0 at the origin), springs (0 at
-/// the anchor) and point forces constant in the world. Body-fixed forces and torques have no potential and do
-/// not count.
+/// Potential energy \[J\] of the conservative terms: uniform acceleration (0 at the origin), springs (0 at the anchor)
+/// and point forces constant in the world. Body-fixed forces and constant torques have no potential and are not
+/// counted.
 pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 {
     let mut energy = -body.mass() * forces.acceleration().dot(state.position);
     for s in forces.springs {
@@ -22,7 +22,7 @@ pub fn potential_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> 
     energy
 }
 
-/// Kinetic and potential energy \[J\].
+/// Total energy \[J\]: kinetic plus potential.
 ///
 /// ```
 /// use box_physics::energy::total_energy;
@@ -42,8 +42,8 @@ pub fn total_energy(body: &RigidBox, state: &BodyState, forces: &Forces) -> f64 
     state.kinetic_energy(body) + potential_energy(body, state, forces)
 }
 
-/// Returns `true` if the force model conserves [`total_energy`]: no dissipation, no body-fixed force or
-/// torque.
+/// Returns `true` if the force model conserves [`total_energy`]: no dissipation, no spring damping, no constant torque
+/// and no body-fixed force.
 pub fn is_conservative(forces: &Forces) -> bool {
     forces.dissipation == crate::force::Dissipation::NONE
         && forces.body_torque == DVec3::ZERO

@@ -1,5 +1,7 @@
-//! Rigid boxes over a floor, among walls and on ramps, for [Bevy](https://bevyengine.org). The numerical integrator is a
-//! resource, and the default is exact in free flight. The state is f64; `Transform` stays f32.
+//! Rigid-body simulation of boxes with a floor, walls and ramps, for [Bevy](https://bevyengine.org).
+//!
+//! The numerical integrator is selectable at run time; the default is exact in free flight. The state is f64;
+//! `Transform` remains f32.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -15,9 +17,9 @@
 //! }
 //!
 //! fn setup(mut commands: Commands) -> Result {
-//!     // A cube of 1 m and 1 kg, where its Transform says.
+//!     // A cube of 1 m and 1 kg, placed by its Transform.
 //!     commands.spawn((RigidBox::default(), Transform::from_xyz(0.0, 5.0, 0.0)));
-//!     // A brick by its half-extents \[m\] and mass \[kg\], thrown and spinning.
+//!     // A brick given by its half-extents \[m\] and mass \[kg\], thrown and spinning.
 //!     let brick = RigidBox::new(Vec3::new(0.5, 0.25, 0.125), 3.0)?;
 //!     let thrown = BodyState::at(Vec3::Y * 2.0)
 //!         .with_velocity(Vec3::X * 4.0)
@@ -27,8 +29,8 @@
 //! }
 //! ```
 //!
-//! A body is a [`RigidBox`](body::RigidBox). Its other components come along, among them its motion, a
-//! [`BodyState`](state::BodyState); `Transform` is written once a step.
+//! A body is an entity with a [`RigidBox`](body::RigidBox). Its other components are required components and are
+//! inserted automatically. Its motion is a [`BodyState`](state::BodyState); `Transform` is written once per step.
 //!
 //! | to | see |
 //! |---|---|
@@ -41,13 +43,14 @@
 //! | compare runs, builds and machines | the module [`digest`]: results are the same bits everywhere |
 //! | use the core without Bevy | [`ForceModel`](force::ForceModel): a loop of ten lines |
 //!
-//! `docs/guide.md` in the repository does each of these, and dice, debris, replay, netcode and saving.
+//! The guide in the repository (`docs/guide.md`) covers each of these, and also dice, debris, replays, netcode and
+//! saving.
 //!
-//! Features: `bevy` (default) is the plugin; without it the crate needs `glam` and `libm` alone. `gizmos` draws bounding
-//! boxes, axes and contacts. `serde` saves bodies that continue bit for bit.
+//! Features: `bevy` (default) provides the plugin; without it, the crate depends only on `glam` and `libm`. `gizmos`
+//! draws bounding boxes, axes and contacts. `serde` makes bodies serializable; a loaded body continues bit for bit.
 //!
-//! Limits: boxes, a floor and planes; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m, masses
-//! from 1e-12 to 1e12 kg, positions, velocities and momenta within 1e38.
+//! Limits: boxes, a floor and planes; no contact between boxes, no joints, no other shapes. Sizes from 1e-6 to 1e6 m,
+//! masses from 1e-12 to 1e12 kg, positions, velocities and momenta within 1e38.
 
 pub mod aabb;
 pub mod body;
@@ -67,7 +70,7 @@ pub mod rotation;
 pub mod state;
 pub mod translation;
 
-/// What most users need, by name.
+/// The types that most users need.
 pub mod prelude {
     pub use crate::body::RigidBox;
     pub use crate::error::InvalidValue;

@@ -9,9 +9,9 @@ use crate::rotation::renormalize;
 
 /// The state that the integrators advance, in f64.
 ///
-/// The stored rotational quantity is the angular momentum in body axes, because every integrator is written
-/// in it. Converting to the angular velocity and back each step would bias the energy: the product I·(1/I) is
-/// not exactly 1. The angular velocity has an accessor and a setter, in world axes.
+/// The stored rotational quantity is the angular momentum in body axes, because every integrator is formulated in it.
+/// Converting to the angular velocity and back in each step would bias the energy, since the product I·(1/I) is not
+/// exactly 1. The angular velocity has an accessor and a setter, in world axes.
 ///
 /// You may write to the state at any time. Change detection wakes a sleeping box, so do not bypass it. The
 /// physics itself does not mark a state as changed when it moves a body; use `Changed<Transform>` for that.
@@ -77,11 +77,13 @@ impl BodyState {
         }
     }
 
-    /// A body at rest at `position` \[m\] with attitude `rotation`, which is normalized here in f64. A zero
-    /// or non-finite quaternion is kept unchanged, and the plugin quarantines the body.
+    /// A body at rest at `position` \[m\] with attitude `rotation`.
     ///
-    /// There is no `with_rotation`: the angular velocities below refer to the attitude, so it comes first.
-    /// Use [`turn_to`](Self::turn_to) to turn a spinning body.
+    /// The quaternion is normalized here in f64. A zero or non-finite quaternion is kept unchanged, and the plugin
+    /// quarantines the body.
+    ///
+    /// There is no `with_rotation`: the setters of the angular velocity depend on the attitude, so it comes first. Use
+    /// [`turn_to`](Self::turn_to) to turn a spinning body.
     pub fn at_pose(position: impl Into<DVec3>, rotation: DQuat) -> Self {
         let norm = rotation.length();
         Self {
@@ -192,8 +194,7 @@ impl BodyState {
         self.velocity + self.rotation * self.body_angular_velocity(body).cross(body_point)
     }
 
-    /// Applies `impulse` \[N s\] (world axes) at the world point `at` \[m\]: Δv = J/m, ΔL_world = (p − x) ×
-    /// J.
+    /// Applies `impulse` \[N s\] (world axes) at the world point `at` \[m\]: Δv = J/m, ΔL_world = (p − x) × J.
     pub fn apply_impulse(&mut self, body: &RigidBox, impulse: DVec3, at: DVec3) {
         self.velocity += impulse * body.inverse_mass();
         let moment = (at - self.position).cross(impulse);
@@ -224,9 +225,10 @@ impl BodyState {
             && self.angular_momentum.is_finite()
     }
 
-    /// Returns `true` if the state can be stepped and displayed. Position, velocity and momentum must be
-    /// within 1e38 in their units (an f32 ends at 3.4e38, and their products must not overflow). The attitude
-    /// must be a unit quaternion, to 1e-3 in its square.
+    /// Returns `true` if the state can be stepped and displayed.
+    ///
+    /// Position, velocity and angular momentum must be within 1e38 in their units: the largest f32 is 3.4e38, and
+    /// products of the values must not overflow. The squared norm of the attitude must be within 1e-3 of 1.
     #[inline(always)]
     pub fn is_valid(&self) -> bool {
         (self.rotation.length_squared() - 1.0).abs() < 1e-3
@@ -235,8 +237,8 @@ impl BodyState {
                 .all(|v| v.abs().cmple(DVec3::splat(1e38)).all())
     }
 
-    /// The body axis that is closest to a world direction, as one of the six unit vectors in body axes. For `up` it is
-    /// the normal of the upper face of a die.
+    /// The body axis that is closest to a world direction, as one of the six unit vectors in body axes. For the
+    /// direction up it is the normal of a die's upper face.
     ///
     /// ```
     /// use box_physics::prelude::*;
@@ -261,14 +263,14 @@ impl BodyState {
         axes.into_iter().fold(DVec3::X, closer)
     }
 
-    /// Rotation angle between two attitudes \[rad\], 0 to π: 2 atan2(|vec|, |w|) of q₁* q₂. (`acos` would
-    /// have a floor of 1e-8.) q and −q are the same attitude.
+    /// Rotation angle between two attitudes \[rad\], 0 to π. Computed as 2 atan2(|vec|, |w|) of q₁* q₂, because `acos`
+    /// cannot resolve angles below 1e-8. q and −q are the same attitude.
     pub fn attitude_difference(&self, other: &Self) -> f64 {
         let d = self.rotation.inverse() * other.rotation;
         2.0 * libm::atan2(d.xyz().length(), d.w.abs())
     }
 
-    /// Corrects the quaternion to unit length.
+    /// Renormalizes the attitude to unit length.
     #[inline(always)]
     pub(crate) fn renormalize(&mut self) {
         self.rotation = renormalize(self.rotation);
@@ -302,7 +304,7 @@ mod tests {
             |state| &mut state.angular_momentum,
         ];
         for part in parts {
-            for (value, sound) in [
+            for (value, valid) in [
                 (1e37, true),
                 (-1e37, true),
                 (1e39, false),
@@ -312,7 +314,7 @@ mod tests {
             ] {
                 let mut state = BodyState::default();
                 part(&mut state).z = value;
-                assert_eq!(state.is_valid(), sound, "{state:?}");
+                assert_eq!(state.is_valid(), valid, "{state:?}");
             }
         }
     }

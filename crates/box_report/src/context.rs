@@ -1,4 +1,4 @@
-//! What every part of the report works with: options, folder, progress, the wish to stop.
+//! Shared context of the report's parts: options, output folder, progress and interruption.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,40 +9,40 @@ use box_bench::measure::{Contender, Cost, Settings, interleaved};
 use box_physics::integrators::Integrator;
 use indicatif::ProgressBar;
 
-/// Why a part ended without a result.
+/// Reasons why a part ends without a result.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Stop {
     /// Ctrl-C.
-    #[error("interrupted; what was finished is in the folder")]
+    #[error("interrupted; the finished parts are in the output folder")]
     Interrupted,
     /// A file or folder cannot be written or read.
     #[error("{path}: {source}")]
     File {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// The command line makes no sense here; the message lists what is allowed.
+    /// Invalid use of the command line; the message lists what is allowed.
     #[error("{0}")]
     Usage(String),
     /// A number differs from the stored one.
     #[error("{0}")]
     Changed(String),
-    /// A program that was called did not do its work.
+    /// An external program failed.
     #[error("{0}")]
     Failed(String),
-    /// A mistake of ours.
+    /// An internal error.
     #[error("{0}")]
     Internal(String),
 }
 
-/// Set by Ctrl-C; a second Ctrl-C ends the program at once.
+/// A flag that Ctrl-C sets; a second Ctrl-C ends the program at once.
 #[derive(Clone, Default)]
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens for Ctrl-C and for being asked to end.
+    /// Installs the handler of Ctrl-C and of termination requests.
     pub(crate) fn listen() -> Result<Self, Stop> {
         let this = Self::default();
         let flag = this.0.clone();
@@ -60,29 +60,29 @@ impl Interrupt {
     }
 }
 
-/// The surroundings of a part.
+/// What every part of the report works with.
 pub(crate) struct Context {
-    /// Where the files go.
+    /// Output folder.
     pub(crate) folder: PathBuf,
     /// The integrators to compare.
     pub(crate) integrators: Vec<Integrator>,
-    /// Fewer steps and samples: seconds instead of minutes, noisier.
+    /// Fewer steps and samples: it takes seconds instead of minutes, and the times are noisier.
     pub(crate) quick: bool,
-    /// On a terminal only.
+    /// Progress bar, shown only on a terminal.
     pub(crate) progress: ProgressBar,
     pub(crate) interrupt: Interrupt,
 }
 
-/// Samples per contender, at least and at most: as many as the share of time allows.
+/// Minimum and maximum number of samples per contender. Within these limits, the time available decides.
 const SAMPLES: (usize, usize) = (7, 60);
 
 impl Context {
-    /// A file of the folder.
+    /// Path of a file in the output folder.
     pub(crate) fn file(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
-    /// One step of work is done; stops if that is wished.
+    /// Counts one unit of work as done, with the message `what`. Returns an error if Ctrl-C was pressed.
     pub(crate) fn tick(&self, what: &str) -> Result<(), Stop> {
         self.progress.set_message(what.to_owned());
         self.progress.inc(1);
@@ -92,7 +92,7 @@ impl Context {
         Ok(())
     }
 
-    /// Times contenders in turns; `share` is the time for that.
+    /// Times the contenders in turns. They share the time `share`.
     pub(crate) fn measure(&self, contenders: &mut [Contender<'_>], share: Duration) -> Vec<Cost> {
         let settings = if self.quick {
             Settings {
@@ -112,4 +112,4 @@ impl Context {
 }
 
 /// How times are measured, for the text of the report.
-pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 7 to 60 samples of at least 100 µs, integrators in turns on the same bodies within one run";
+pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 7 to 60 samples of at least 100 µs, integrators timed in turns on the same bodies in one run";

@@ -1,4 +1,4 @@
-//! `determinism`: the bits that every machine must find.
+//! `determinism`: digests of the exact results, which are the same on every machine.
 
 use std::num::NonZero;
 use std::thread;
@@ -18,10 +18,10 @@ struct Row {
     digest: String,
 }
 
-/// Computes the fingerprint of every integrator, on every thread of this machine at once.
+/// Computes the digest of every integrator, on all threads of this machine at once.
 ///
 /// # Errors
-/// An unwritable file; threads that disagree.
+/// A file cannot be written, or threads disagree.
 pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     let threads = thread::available_parallelism().map_or(1, NonZero::get);
     let digests = on_threads(threads, &ctx.integrators)?;
@@ -37,14 +37,14 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     files::write_csv(&ctx.file("determinism.csv"), &rows)?;
     let mut section = Section::new(
         "determinism",
-        "The same bits",
-        "Three boxes that tumble, bounce, slide, feel drag and hang on a spring, for 96 steps of 1/64 s; of their last \
-         states a digest (FNV-1a, 64 bit). No sine of the platform, no fused multiply-add: every machine, every \
-         number of threads, debug and release find these digits, or a step differs. A game asks for them by \
-         `box_physics::digest::fingerprint`; the tests hold them (`tests/determinism.rs`).",
+        "Determinism",
+        "Digest (FNV-1a, 64 bit) of the final states of three boxes that tumble, bounce and slide, with drag and a spring, \
+         after 96 steps of 1/64 s. The code uses no platform sine and no fused multiply-add, so every machine, every \
+         number of threads, debug and release builds must compute these digests. A game computes them with \
+         `box_physics::digest::fingerprint`; `tests/determinism.rs` checks them.",
     );
     section.verdicts.push(format!(
-        "Here {threads} threads at once found the same {} digests.",
+        "On this machine, {threads} parallel threads computed the same {} digests.",
         rows.len()
     ));
     section.tables.push(Table {
@@ -60,7 +60,7 @@ pub(crate) fn section(ctx: &Context) -> Result<Section, Stop> {
     Ok(section)
 }
 
-/// The fingerprints of `integrators`, computed by `threads` threads in parallel.
+/// Digests of `integrators`, computed by `threads` threads in parallel.
 fn on_threads(threads: usize, integrators: &[Integrator]) -> Result<Vec<u64>, Stop> {
     let all = || {
         integrators
@@ -78,6 +78,8 @@ fn on_threads(threads: usize, integrators: &[Integrator]) -> Result<Vec<u64>, St
     let found = found.map_err(|_| Stop::Internal("a fingerprint panicked".to_owned()))?;
     match found.split_first() {
         Some((first, others)) if others.iter().all(|o| o == first) => Ok(first.clone()),
-        _ => Err(Stop::Internal("threads found different bits".to_owned())),
+        _ => Err(Stop::Internal(
+            "threads computed different digests".to_owned(),
+        )),
     }
 }

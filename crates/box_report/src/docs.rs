@@ -1,5 +1,5 @@
-//! The measured tables of README, integrators page and performance page: rewritten by `--docs`, from the same measurement
-//! as the page of results.
+//! The measured tables in the README and on the integrators and performance pages. `--docs` rewrites them from the same
+//! measurement as the results page.
 
 use std::path::Path;
 
@@ -14,9 +14,9 @@ use crate::timing::Timings;
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
-/// The command that writes all of them.
+/// The command that rewrites all of them.
 const COMMAND: &str = "cargo box-report --docs docs";
-/// Families whose errors the integrators page shows.
+/// Families whose errors are shown on the integrators page.
 const FAMILIES: [&str; 7] = [
     "free-tumble",
     "flip",
@@ -26,11 +26,12 @@ const FAMILIES: [&str; 7] = [
     "heavy-top",
     "bounce",
 ];
-/// Situations whose costs it shows.
+/// Situations whose costs are shown on the integrators page.
 const SITUATIONS: [&str; 3] = ["free-many", "free-one", "torque"];
 
-/// Rewrites the measured sections of the files in `docs` and of the README above it, where these files are. `summary` is
-/// the table of five rows.
+/// Rewrites the measured sections of the files in `docs` and of the README in its parent folder, where these files
+/// exist.
+/// `summary` is the table of five rows.
 pub(crate) fn rewrite(
     docs: &Path,
     summary: &Table,
@@ -56,7 +57,7 @@ pub(crate) fn rewrite(
         let mut page = files::read(&file)?;
         let place = section(&file.display().to_string(), &page, name)?;
         let hurry = if quick {
-            "; **in a hurry (`--quick`): times are noisy**"
+            "; **quick run (`--quick`): times are noisy**"
         } else {
             ""
         };
@@ -67,7 +68,7 @@ pub(crate) fn rewrite(
     Ok(())
 }
 
-/// Largest errors at 60 Hz, and costs.
+/// Table of the largest errors at 60 Hz and of the costs.
 fn errors(work: &WorkPrecision, timings: &Timings) -> String {
     let families: Vec<_> = FAMILIES.iter().filter_map(|id| work.family(id)).collect();
     let titles = families.iter().map(|f| {
@@ -86,7 +87,7 @@ fn errors(work: &WorkPrecision, timings: &Timings) -> String {
     tables::markdown(&heading, rows)
 }
 
-/// The cost of every integrator in every situation.
+/// Table of the cost of every integrator in every situation.
 fn costs(timings: &Timings) -> String {
     let situations = timings.situations();
     let mut heading = vec!["integrator".to_owned()];

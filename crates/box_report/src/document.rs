@@ -1,5 +1,5 @@
-//! The result of a part of the report, and the pages made of it: `report.md`, `report.html` (one file,
-//! figures inside) and the digest `results.md`.
+//! The result of a part of the report, and the pages generated from results: `report.md`, `report.html` (one file that
+//! contains the figures) and the digest `results.md`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,43 +16,43 @@ use box_bench::machine::Machine;
 /// A part of the report.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Section {
-    /// As typed: the subcommand.
+    /// The name of the subcommand.
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
     /// What was measured and how, in a few sentences.
     pub(crate) intro: String,
-    /// How it was measured in detail, behind everything else; may be empty.
+    /// The method in detail, shown at the end of the section; may be empty.
     pub(crate) method: String,
-    /// What the numbers say, each a sentence with its number.
+    /// Conclusions: sentences that contain the measured values.
     pub(crate) verdicts: Vec<String>,
     pub(crate) figures: Vec<Figure>,
     pub(crate) tables: Vec<Table>,
-    /// Further files of the part: name and what is in it.
+    /// Additional files of the part: name and contents.
     pub(crate) files: Vec<(String, String)>,
 }
 
-/// A figure, drawn.
+/// A figure as SVG.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Figure {
-    /// Name of the file, without its ending.
+    /// File name without extension.
     pub(crate) id: String,
-    /// What there is to see.
+    /// Description of what the figure shows.
     pub(crate) caption: String,
     #[serde(skip)]
     pub(crate) svg: String,
-    /// Whether the digest shows it.
+    /// Whether the figure also appears in the digest.
     pub(crate) digest: bool,
 }
 
-/// A table to read; its data are in a CSV file.
+/// A table of the report; its data are in a CSV file.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Table {
     pub(crate) title: String,
-    /// What the columns mean, where their headings do not say it.
+    /// Explanation of the columns whose headings are not enough.
     pub(crate) note: String,
     pub(crate) columns: Vec<String>,
     pub(crate) rows: Vec<Vec<String>>,
-    /// The file with these data.
+    /// Name of the file with the data.
     pub(crate) csv: String,
 }
 
@@ -79,13 +79,13 @@ impl Section {
     }
 }
 
-/// Everything there is to say at the end of a run.
+/// The contents of all pages.
 pub(crate) struct Document<'a> {
     pub(crate) sections: &'a [Section],
     /// Requested parts that were not finished.
     pub(crate) missing: &'a [String],
     pub(crate) machine: &'a Machine,
-    /// Seconds that the run took.
+    /// Duration of the run \[s\].
     pub(crate) seconds: f64,
     pub(crate) quick: bool,
 }
@@ -108,8 +108,8 @@ impl Document<'_> {
         )
     }
 
-    /// Writes the page of one minute: `results.md` (the summary's first table, the figures marked for it, other
-    /// engines) and `results/*.svg` into `docs`.
+    /// Writes the digest into `docs`: `results.md` (the first table of the summary, the figures marked for it, other
+    /// engines) and `results/*.svg`.
     pub(crate) fn write_digest(&self, docs: &Path) -> Result<(), Stop> {
         let figures = docs.join("results");
         files::create_folder(&figures)?;
@@ -149,7 +149,7 @@ impl Document<'_> {
     }
 }
 
-/// Data for a template.
+/// Converts `data` for a template.
 fn plain(data: &impl Serialize) -> Result<Value, Stop> {
     fn value(json: serde_json::Value) -> Value {
         match json {
@@ -171,7 +171,7 @@ fn plain(data: &impl Serialize) -> Result<Value, Stop> {
         .map_err(|e| Stop::Internal(format!("data of the pages: {e}")))
 }
 
-/// `markdown` as the body of an HTML page, each image of a figure replaced by the figure itself.
+/// Renders `markdown` as the body of an HTML page; each image of a figure is replaced by its SVG.
 fn html_body(markdown: &str, figures: &BTreeMap<String, &str>) -> String {
     let mut in_figure = false;
     let events =
@@ -187,7 +187,7 @@ fn html_body(markdown: &str, figures: &BTreeMap<String, &str>) -> String {
                 in_figure = false;
                 None
             }
-            // The description of an image, which its caption repeats.
+            // Skip the text of an image because its caption repeats it.
             _ if in_figure => None,
             _ => Some(event),
         });

@@ -1,4 +1,4 @@
-//! `efficiency`: the cheapest way to stay below an error, and the integrators that nothing beats.
+//! `efficiency`: the cheapest integrator and step below a given error, and the Pareto frontier of error and cost.
 
 use box_physics::integrators::Integrator;
 use serde::Serialize;
@@ -8,12 +8,12 @@ use crate::document::{Section, Table};
 use crate::work_precision::{FamilyPoints, Point, WorkPrecision};
 use crate::{files, text};
 
-/// The errors to stay below, in the unit of each family's first metric.
+/// Error limits, in the unit of each family's first metric.
 const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
-/// An integrator beats another only if it is cheaper by more than this: what measurements of one machine
-/// cannot tell apart is no victory.
+/// Cost ratio below which an integrator is clearly cheaper than another. Smaller differences cannot be distinguished by
+/// measurements on one machine.
 pub(crate) const CLEARLY: f64 = 0.95;
-/// Errors below this count as this: smaller ones are not needed, and rounding would decide.
+/// Errors below this value are replaced by it: smaller ones are not needed, and rounding would decide the order.
 const GOOD_ENOUGH: f64 = 1e-9;
 
 #[derive(Serialize)]
@@ -37,7 +37,7 @@ struct FrontierRow {
     families: String,
 }
 
-/// The points that did not fail, each with error and cost.
+/// The points that did not fail, each with its error and cost.
 fn measured(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
     f.points.iter().filter_map(|p| {
         let error = p.run.error(f.family.metrics[0])?.max(GOOD_ENOUGH);
@@ -62,7 +62,7 @@ fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
     best
 }
 
-/// Whether some point of `integrator` is beaten by no point of another.
+/// Whether `integrator` has a point on the frontier: no point of another integrator beats it.
 fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
     measured(f)
         .filter(|(p, ..)| p.integrator == integrator)
@@ -73,13 +73,13 @@ fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
         })
 }
 
-/// The section, made of the work–precision measurement.
+/// Makes the section from the work–precision measurement.
 pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, Stop> {
     let mut section = Section::new(
         "efficiency",
         "Efficiency",
-        "For each scene the cheapest integrator and step that stay below an error, from the points of the \
-         work–precision diagrams: what it costs per box and simulated second on one core, for many boxes by the plugin's path. The error is the \
+        "For each scene, the cheapest integrator and step size whose error stays below a bound, from the points of the \
+         work–precision diagrams. Cost: time per box and simulated second on one core, for many boxes by the plugin's path. Error: the \
          first one named for the scene (attitude in rad, position in m).",
     );
     let mut rows = Vec::new();
@@ -126,8 +126,8 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     let mut columns = vec!["scene (error)".to_owned()];
     columns.extend(BELOW.map(|b| format!("below {b:.0e}")));
     section.tables.push(Table {
-        title: "The cheapest way to stay below an error".to_owned(),
-        note: "Integrator, step and time per body and simulated second.".to_owned(),
+        title: "Cheapest integrator for each error bound".to_owned(),
+        note: "Integrator, step size and time per box and simulated second.".to_owned(),
         columns,
         rows: cells,
         csv: "efficiency.csv".to_owned(),
@@ -160,10 +160,10 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
         .collect();
     files::write_csv(&ctx.file("frontier.csv"), &rows)?;
     Ok(Table {
-        title: "The frontier: where nothing beats an integrator".to_owned(),
+        title: "Pareto frontier of error and cost".to_owned(),
         note: format!(
-            "An integrator is on the frontier of a scene if at one of its steps no other integrator is at least as accurate \
-             for clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
+            "An integrator is on the frontier of a scene if, at one of its step sizes, no other integrator is at least as accurate \
+             in clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
             100.0 * (1.0 - CLEARLY)
         ),
         columns: ["integrator", "scenes", "which"]
@@ -176,7 +176,7 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
                     text::code(r.integrator),
                     r.families_on_frontier.to_string(),
                     if r.families.is_empty() {
-                        "beaten everywhere".to_owned()
+                        "none".to_owned()
                     } else {
                         r.families.replace(' ', ", ")
                     },
@@ -202,10 +202,10 @@ fn verdicts(
     let names = |s: &[&Integrator]| text::list(&s.iter().map(text::code).collect::<Vec<_>>());
     vec![
         format!(
-            "Cheapest way to an accuracy, of {questions} questions (scene and error): {}.",
+            "How often each integrator is the cheapest, out of {questions} pairs of scene and error bound: {}.",
             text::list(&cheapest)
         ),
         format!("On the frontier of at least one scene: {}.", names(&on)),
-        format!("Beaten in every scene at every step: {}.", names(&off)),
+        format!("Not on the frontier of any scene: {}.", names(&off)),
     ]
 }

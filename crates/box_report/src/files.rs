@@ -1,4 +1,4 @@
-//! Writing files, with errors that name them.
+//! Reading and writing files, with errors that contain the path.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> Stop + '_ {
     }
 }
 
-/// Creates `path` and every folder above it, and makes sure that a file can be written there.
+/// Creates `path` and its parent folders, and checks that files can be written there.
 pub(crate) fn create_folder(path: &Path) -> Result<(), Stop> {
     std::fs::create_dir_all(path).map_err(failed(path))?;
     let probe = path.join(".box_report");
@@ -27,18 +27,18 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Stop> {
     std::fs::write(path, text).map_err(failed(path))
 }
 
-/// Reads a text.
+/// Reads a text file.
 pub(crate) fn read(path: &Path) -> Result<String, Stop> {
     std::fs::read_to_string(path).map_err(failed(path))
 }
 
-/// Writes `rows` to `path` as CSV, with the names of their fields as heading.
+/// Writes `rows` to `path` as CSV; the header contains the field names.
 pub(crate) fn write_csv<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Stop> {
     let text = csv_text(rows).map_err(failed(path))?;
     write(path, &text)
 }
 
-/// `rows` as CSV.
+/// Converts `rows` to CSV.
 pub(crate) fn csv_text<R: Serialize>(rows: &[R]) -> Result<String, std::io::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
@@ -48,10 +48,10 @@ pub(crate) fn csv_text<R: Serialize>(rows: &[R]) -> Result<String, std::io::Erro
     String::from_utf8(bytes).map_err(std::io::Error::other)
 }
 
-/// The rows of a CSV text.
+/// Parses the rows of a CSV text.
 ///
 /// # Errors
-/// What the text has wrong, in words.
+/// A description of what is wrong with the text.
 pub(crate) fn parse_csv<R: DeserializeOwned>(text: &str) -> Result<Vec<R>, String> {
     csv::Reader::from_reader(text.as_bytes())
         .deserialize()

@@ -1,4 +1,4 @@
-//! Speed against error, offline: every integrator measured against references.
+//! Offline comparison of speed and error: measures every integrator against references.
 
 mod context;
 mod determinism;
@@ -27,8 +27,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 use context::Stop;
 use report::Part;
 
-/// Measures every integrator against references, speed against error, and writes a
-/// report. Without a command: everything, in less than five minutes on a quiet machine.
+/// Measures error and cost of every integrator and writes a report. Without a command,
+/// it measures everything, in less than five minutes on an idle machine.
 #[derive(Parser)]
 #[command(name = "box_report", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -40,19 +40,19 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Error against time and force evaluations: diagrams of every family of motion
+    /// Error against time and against force evaluations: diagrams for every family of motion
     WorkPrecision(report::Options),
-    /// The cheapest way to stay below an error, and the integrators that nothing beats
+    /// The cheapest integrator for each error bound, and the Pareto frontier
     Efficiency(report::Options),
-    /// The hard cases, and the largest stable steps against theory
+    /// Hard cases, and the largest stable steps compared with theory
     Stability(report::Options),
-    /// What a step costs, in flight, with forces, on the floor
+    /// Cost per step in flight, under forces and on the floor
     Timing(report::Options),
-    /// When a player can see the error
+    /// Time until an error is visible
     Visible(report::Options),
-    /// The comparison of 2012 redone, and its question answered
+    /// The 2012 comparison repeated, and the answer to its question
     Dissertation(report::Options),
-    /// What every machine must compute: a digest of the bits for every integrator
+    /// State digest of every integrator, which must be equal on every machine
     Determinism(report::Options),
     /// The same boxes in Avian, Rapier and Box3D: builds and runs crates/box_peers
     Peers(report::Options),
@@ -60,19 +60,19 @@ enum Command {
     Check(stored::Repository),
     /// Store the digests, errors and tables of this build, and print what changed
     Bless(stored::BlessOptions),
-    /// One trajectory as CSV
+    /// Write a trajectory as CSV
     Simulate(simulate::Options),
     /// Run every reference trajectory of a folder under the integrators and print their errors
     Verify(verify::Options),
 }
 
-/// Everything was done.
+/// Success.
 const OK: u8 = 0;
-/// A file could not be used, or a number differs from the stored one.
+/// A file could not be used, or a value differs from the stored one.
 const BAD: u8 = 1;
-/// The command line makes no sense (clap's own code for it).
+/// Invalid command line (clap uses the same code).
 const USAGE: u8 = 2;
-/// Ctrl-C, as a shell reports it.
+/// Interrupted by Ctrl-C; shells use the same code.
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
@@ -100,7 +100,7 @@ fn main() -> ExitCode {
     end(report::run(options, Some(part)))
 }
 
-/// What clap says; it does not list the commands by itself.
+/// Prints clap's message. For an unknown command, adds the list of commands, which clap omits.
 fn refuse(e: &clap::Error) -> ExitCode {
     // Standard error may be closed.
     let _ = e.print();
@@ -121,7 +121,7 @@ fn verify(options: &verify::Options) -> ExitCode {
             }
             ExitCode::from(BAD)
         }
-        // Who reads our output has seen enough (`… | head`).
+        // The reader of the output has closed it (`… | head`).
         Err(verify::VerifyError::Output(e)) if e.kind() == std::io::ErrorKind::BrokenPipe => {
             ExitCode::from(OK)
         }
@@ -152,7 +152,7 @@ fn end(result: Result<(), Stop>) -> ExitCode {
 mod tests {
     use super::*;
 
-    /// Text for people: no escapes and no markup of doc comments in any help page.
+    /// Help pages contain plain text: no escapes and no markup of doc comments.
     #[test]
     fn help_pages_are_plain_text() {
         fn pages(command: &mut clap::Command, found: &mut Vec<String>) {

@@ -1,4 +1,4 @@
-//! The report as a whole: which parts, in which order, and the pages at the end.
+//! Runs the report: selects the parts, measures them in order and writes the pages.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -19,22 +19,22 @@ use box_bench::machine::Machine;
 /// Options of every part that measures.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Folder for report.md, report.html, the figures and one CSV file a table
+    /// Folder for report.md, report.html, the figures and one CSV file per table
     #[arg(short, long, value_name = "DIR", default_value = "report")]
     output: PathBuf,
-    /// Fewer steps and samples: seconds instead of minutes, times noisier
+    /// Fewer steps and samples: seconds instead of minutes, noisier times
     #[arg(long)]
     quick: bool,
     /// Only these integrators, separated by commas [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     integrators: Vec<Integrator>,
-    /// Rewrite what the repository shows as well: DIR/results.md, its figures DIR/results/*.svg, and the measured
+    /// Also rewrite the documents of the repository: DIR/results.md, its figures DIR/results/*.svg, and the measured
     /// tables of DIR/integrators.md, DIR/performance.md and DIR/../README.md
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
 }
 
-/// What can be measured by itself, in the order in which it is measured: what others need first.
+/// The parts that can be measured alone, in the order of measurement: a part comes after those it needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Part {
     WorkPrecision,
@@ -48,13 +48,13 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    /// As typed: `work-precision`.
+    /// The name on the command line: `work-precision`.
     fn id(self) -> String {
         let name = self.to_possible_value();
         name.map_or_else(String::new, |name| name.get_name().to_owned())
     }
 
-    /// Steps of the progress.
+    /// Number of progress ticks.
     fn ticks(self, quick: bool) -> u64 {
         match self {
             Self::WorkPrecision => work_precision::ticks(),
@@ -67,17 +67,17 @@ impl Part {
     }
 }
 
-/// Measures `only` (everything, if `None`) and writes the pages, also after Ctrl-C.
+/// Measures `only` (all parts if `None`) and writes the pages, also after Ctrl-C.
 ///
 /// # Errors
-/// An unwritable folder; Ctrl-C, when what was finished has been written.
+/// A file cannot be written; or Ctrl-C was pressed. In that case the finished parts have been written.
 pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     let clock = Instant::now();
     files::create_folder(&options.output)?;
     if let Some(docs) = &options.docs {
         if only.is_some_and(|p| p != Part::Peers) {
             return Err(Stop::Usage(
-                "--docs rewrites the digest of everything: allowed without a command, and with 'peers'"
+                "--docs rewrites the summary of all parts; it is allowed without a command or with 'peers'"
                     .to_owned(),
             ));
         }
@@ -131,9 +131,9 @@ pub(crate) fn run(options: &Options, only: Option<Part>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// A line at the bottom of the terminal, for `steps` steps of work.
+/// A progress line at the bottom of the terminal, for `steps` ticks of work.
 fn progress(steps: u64) -> ProgressBar {
-    let line = "{bar:28} {pos}/{len} steps, {elapsed} gone, about {eta} left  {msg}";
+    let line = "{bar:28} {pos}/{len} steps, {elapsed} elapsed, about {eta} left  {msg}";
     let bar = ProgressBar::new(steps);
     match ProgressStyle::with_template(line) {
         Ok(style) => bar.with_style(style),
@@ -141,12 +141,12 @@ fn progress(steps: u64) -> ProgressBar {
     }
 }
 
-/// The parts asked for.
+/// The requested parts.
 fn wanted(only: Option<Part>) -> Vec<Part> {
     only.map_or_else(|| Part::value_variants().to_vec(), |p| vec![p])
 }
 
-/// What must be measured for the parts that are wanted: some are made of others.
+/// The parts that must be measured for the requested ones, because some parts use the results of others.
 fn measurements(wanted: &[Part]) -> Vec<Part> {
     let needs = |p: Part| {
         wanted.contains(&p)
@@ -162,7 +162,7 @@ fn measurements(wanted: &[Part]) -> Vec<Part> {
     all.filter(|p| needs(*p)).collect()
 }
 
-/// Fills `done`; what is there when it ends early is finished.
+/// Measures the parts into `done`. If it ends early, `done` contains the finished parts.
 fn measure_all(
     ctx: &Context,
     options: &Options,

@@ -12,25 +12,25 @@ use clap::Args;
 
 use crate::context::Stop;
 
-/// Longest run \[steps\].
-const MOST_STEPS: u64 = 100_000_000;
+/// Maximum length of a run \[steps\].
+const MAX_STEPS: u64 = 100_000_000;
 
-/// What to simulate.
+/// Options of the command simulate.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// A scene's name, or a file: a scene (RON) or a reference trajectory (JSON)
+    /// Name of a scene, or a file: a scene (RON) or a reference trajectory (JSON)
     #[arg(value_name = "SCENE|FILE")]
     scene: String,
-    /// The integrator
+    /// Integrator
     #[arg(long, value_name = "INTEGRATOR", default_value = "split")]
     integrator: Integrator,
-    /// The step: 60hz, 1/60 or 0.0166 (seconds)
+    /// Step size: 60hz, 1/60 or 0.0166 (seconds)
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse_step)]
     dt: f64,
-    /// How long, in seconds (by default as the scene says)
+    /// Duration in seconds [default: the scene's]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     duration: Option<f64>,
-    /// Where the CSV goes [default: standard output]
+    /// CSV file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -39,10 +39,10 @@ fn seconds(text: &str) -> Result<f64, String> {
     let value = text.trim_end_matches('s').parse::<f64>().ok();
     value
         .filter(|s| s.is_finite() && *s > 0.0)
-        .ok_or_else(|| format!("a duration is a number of seconds above 0, but this is '{text}'"))
+        .ok_or_else(|| format!("allowed: seconds, above 0; given: '{text}'"))
 }
 
-/// The columns; the errors are empty where there is no reference.
+/// The columns. The error columns are empty where there is no reference.
 const COLUMNS: [&str; 20] = [
     "t_s",
     "x_m",
@@ -66,8 +66,8 @@ const COLUMNS: [&str; 20] = [
     "attitude_error_rad",
 ];
 
-/// The setup that `name` means: a scene of the list, a family of the report, or a file. **Other formats
-/// of files are read here**, by their ending.
+/// Finds the setup called `name`: a scene of the list, a family of the report, or a file. **To support other file
+/// formats, extend this function**; it selects the format by the file extension.
 fn find(name: &str) -> Result<Setup, Stop> {
     let path = Path::new(name);
     if path.is_file() {
@@ -79,7 +79,7 @@ fn find(name: &str) -> Result<Setup, Stop> {
                 .map(|s| s.setup)
                 .map_err(|e| Stop::Usage(e.to_string())),
             _ => Err(Stop::Usage(format!(
-                "{name}: a scene file ends in .ron, a reference trajectory in .json"
+                "{name}: allowed: a scene file (.ron) or a reference trajectory (.json)"
             ))),
         };
     }
@@ -100,16 +100,16 @@ fn find(name: &str) -> Result<Setup, Stop> {
     })
 }
 
-/// Simulates and writes.
+/// Runs the simulation and writes the CSV.
 pub(crate) fn run(options: &Options) -> Result<(), Stop> {
     let mut setup = find(&options.scene)?;
     if let Some(duration) = options.duration {
         setup.duration = duration;
     }
     let steps = steps_in(setup.duration, options.dt);
-    if steps > MOST_STEPS {
+    if steps > MAX_STEPS {
         return Err(Stop::Usage(format!(
-            "{} s in steps of {} s are more than 1e8 steps",
+            "{} s in steps of {} s: allowed: at most 1e8 steps",
             setup.duration, options.dt
         )));
     }
@@ -170,16 +170,16 @@ fn write(
         csv.write_record(cells.map(text))
     };
     line(0.0, &setup.initial)?;
-    let times: Vec<f64> = (1..=steps).map(|k| k as f64 * options.dt).collect();
     let plan = if setup.impulses.is_empty() {
         Plan::clock(options.dt, 1, steps)
     } else {
+        let times: Vec<f64> = (1..=steps).map(|k| k as f64 * options.dt).collect();
         Plan::new(&times, &setup.impulses, options.dt)
     };
     let mut result = Ok(());
     run_plan(setup, options.integrator, &plan, |t, state| {
         result = line(t, state);
-        // A state that is not finite is the last line: what follows says nothing.
+        // Stop after a state that is not finite; later lines would contain no information.
         result.is_ok() && state.is_finite()
     });
     result?;

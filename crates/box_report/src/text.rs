@@ -1,6 +1,6 @@
-//! Numbers as people read them.
+//! Numbers formatted for readers.
 
-/// An error: two digits, `6.2e-3`; 0 is `0`.
+/// Formats an error with two digits, such as `6.2e-3`; 0 is `0`.
 pub(crate) fn error(x: f64) -> String {
     if x == 0.0 {
         "0".to_owned()
@@ -11,19 +11,19 @@ pub(crate) fn error(x: f64) -> String {
     }
 }
 
-/// `digits` significant digits without an exponent.
+/// Formats `x` with `digits` significant digits and without an exponent.
 pub(crate) fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
     }
-    // Rounding first: 9.96 is 10, not 10.0.
+    // Round first, so that 9.96 becomes 10 and not 10.0.
     let rounded: f64 = format!("{x:.*e}", digits - 1).parse().unwrap_or(x);
     let before = rounded.abs().log10().floor() as i32 + 1;
     let after = (digits as i32 - before).max(0) as usize;
     format!("{rounded:.after$}")
 }
 
-/// A step: `1/60 s`, or in seconds.
+/// Formats a step \[s\] as `1/60`, or with three digits if it is not one over an integer.
 pub(crate) fn step(dt: f64) -> String {
     let rate = 1.0 / dt;
     if (rate - rate.round()).abs() < 1e-6 * rate && rate >= 1.0 {
@@ -33,7 +33,7 @@ pub(crate) fn step(dt: f64) -> String {
     }
 }
 
-/// A relative error, signed, in percent; below 1e-12 it is rounding.
+/// Formats a relative error as a signed percentage. Values below 1e-12 are rounding errors and become 0 %.
 pub(crate) fn percent(x: f64) -> String {
     if x.abs() < 1e-12 {
         return "0 %".to_owned();
@@ -42,7 +42,7 @@ pub(crate) fn percent(x: f64) -> String {
     format!("{sign}{} %", significant(100.0 * x.abs(), 2))
 }
 
-/// A duration \[ns\] with its unit.
+/// Formats a duration \[ns\] with a suitable unit.
 pub(crate) fn time(ns: f64) -> String {
     match ns {
         _ if ns < 1e3 => format!("{} ns", significant(ns, 3)),
@@ -51,7 +51,7 @@ pub(crate) fn time(ns: f64) -> String {
     }
 }
 
-/// A list in a sentence: `a`, `b` and `c`.
+/// Joins items to a list in a sentence: `a`, `b` and `c`.
 pub(crate) fn list(items: &[String]) -> String {
     match items {
         [] => "none".to_owned(),
@@ -60,7 +60,7 @@ pub(crate) fn list(items: &[String]) -> String {
     }
 }
 
-/// As code.
+/// Formats `x` as inline code.
 pub(crate) fn code(x: impl core::fmt::Display) -> String {
     format!("`{x}`")
 }

@@ -1,4 +1,4 @@
-//! `timing`: what a step costs, in flight, with forces, and on the floor.
+//! `timing`: the cost of a step in flight, with forces and on the floor.
 
 use std::time::Duration;
 
@@ -14,21 +14,21 @@ use crate::{files, text};
 
 /// The step \[s\].
 const H: f64 = 1.0 / 60.0;
-/// Time for the measurements of a situation.
+/// Time for measuring a situation.
 const SHARE: Duration = Duration::from_secs(3);
-/// Boxes that are many.
-const MANY: usize = 100;
+/// Number of boxes where a situation has many.
+const BOXES: usize = 100;
 
-/// What boxes are doing.
+/// A situation in which a step is timed.
 struct Situation {
     id: &'static str,
     title: &'static str,
     setup: Setup,
-    /// One body by its plain step, not many along the plugin's path.
+    /// Whether it times the plain step of one body instead of many bodies in the plugin's code path.
     alone: bool,
 }
 
-/// Costs per situation, integrators in order.
+/// Costs per situation and integrator, in order.
 pub(crate) struct Timings {
     situations: Vec<(Situation, Vec<(Integrator, Cost)>)>,
 }
@@ -39,14 +39,14 @@ impl Timings {
         self.situations.iter().map(|(s, _)| s.id).collect()
     }
 
-    /// Headings of the columns of these situations.
+    /// Column headings of the given situations.
     pub(crate) fn titles(&self, ids: &[&str]) -> Vec<String> {
         let wanted = |id: &&str| self.situations.iter().find(|(s, _)| s.id == *id);
         let found = ids.iter().filter_map(wanted);
         found.map(|(s, _)| format!("{} [ns]", s.title)).collect()
     }
 
-    /// ns per body and step of `integrator` in a situation, by its id.
+    /// Cost of `integrator` in the situation with this id \[ns per body and step\].
     pub(crate) fn of(&self, situation: &str, integrator: Integrator) -> Option<f64> {
         let (_, costs) = self.situations.iter().find(|(s, _)| s.id == situation)?;
         let found = costs.iter().find(|(s, _)| *s == integrator);
@@ -102,7 +102,7 @@ fn situations() -> Result<Vec<Situation>, Stop> {
     ])
 }
 
-/// Ticks of the progress that [`measure`] takes.
+/// Progress ticks of [`measure`].
 pub(crate) fn ticks() -> u64 {
     7
 }
@@ -112,7 +112,7 @@ pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
     let mut timed = Vec::new();
     for situation in situations()? {
         let setup = &situation.setup;
-        let snapshot = Snapshot::of_scene(setup, MANY, H)
+        let snapshot = Snapshot::of_scene(setup, BOXES, H)
             .ok_or_else(|| Stop::Internal(format!("{}: no bodies", situation.title)))?;
         let contender = |&i: &Integrator| {
             if situation.alone {
@@ -135,11 +135,11 @@ pub(crate) fn measure(ctx: &Context) -> Result<Timings, Stop> {
 pub(crate) fn section(ctx: &Context, data: &Timings) -> Result<Section, Stop> {
     let mut section = Section::new(
         "timing",
-        "What a step costs",
+        "Cost per step",
         format!(
             "Nanoseconds per body and step of 1/60 s on one core over the whole scene, without bounding box and `Transform`. \
-             *{MANY} boxes* (and everywhere but *one box*): by the path that the plugin takes for them, in SIMD lanes under gravity \
-             alone where the integrator has them. *One box*: the plain step of a lone body. Fastest sample, and how far the \
+             *{BOXES} boxes* (and all columns except *one box*): by the plugin's path for them, in SIMD lanes under gravity \
+             alone if the integrator supports it. *One box*: the plain step of a single body. Fastest sample, and how far the \
              median lies above it: {SAMPLES_IN_WORDS}."
         ),
     );
@@ -187,7 +187,7 @@ fn verdicts(ctx: &Context, data: &Timings) -> Vec<String> {
     by_cost.sort_by(|a, b| a.1.total_cmp(&b.1));
     match (by_cost.first(), by_cost.last()) {
         (Some(first), Some(last)) => vec![format!(
-            "In free flight `{}` is cheapest with {}, `{}` dearest with {}: even that is {} boxes in a millisecond.",
+            "In free flight, `{}` is cheapest at {} and `{}` most expensive at {}; even that is {} boxes per millisecond.",
             first.0,
             text::time(first.1),
             last.0,

@@ -1,4 +1,4 @@
-//! `visible`: how long until a player can see the error: 1° of attitude, or 1 % of the box's size.
+//! `visible`: the time until a player can see the error: 1° of attitude, or 1 % of the box's size.
 
 use box_physics::integrators::Integrator;
 use box_scenarios::{Family, Metric};
@@ -10,42 +10,42 @@ use crate::{files, text};
 
 /// Steps per second.
 pub(crate) const RATES: [u32; 3] = [30, 60, 120];
-/// Visible beyond this \[rad\].
+/// Attitude error above which a difference is visible \[rad\].
 const ATTITUDE: f64 = core::f64::consts::PI / 180.0;
-/// Visible beyond this part of the longest edge.
+/// Position error above which a difference is visible, relative to the longest edge.
 const SIZE: f64 = 0.01;
-/// How long a player watches one throw or spin before pushing again \[s\]: what a recommendation counts.
+/// Time for which a player watches one throw or spin before the next push \[s\]. Recommendations are based on it.
 pub(crate) const THROW: f64 = 10.0;
-/// To the end of every scene.
+/// Time by which every scene has ended \[s\].
 pub(crate) const MINUTE: f64 = 60.0;
-/// With `--quick`, no longer than this \[s\].
+/// Maximum time per scene with `--quick` \[s\].
 const QUICK_WATCH: f64 = THROW;
 
-/// One integrator in one scene at one rate.
+/// Result of one integrator in one scene at one rate.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     family: usize,
     integrator: Integrator,
     rate: u32,
-    /// When, and which error; `None`: not before the end.
+    /// The time at which an error becomes visible, and which error; `None` if none does until the end.
     at: Option<(f64, Metric)>,
-    /// The end \[s\].
+    /// End of the scene \[s\].
     end: f64,
 }
 
-/// The whole measurement.
+/// The results of all scenes.
 pub(crate) struct Visible {
     seen: Vec<Seen>,
 }
 
 impl Visible {
-    /// In how many scenes `integrator` shows nothing for `seconds`, or to the end, at `rate`.
+    /// The number of scenes in which `integrator` has no visible error at `rate`, for `seconds` or to the end.
     pub(crate) fn invisible(&self, integrator: Integrator, rate: u32, seconds: f64) -> usize {
         let unseen = |s: &&Seen| s.at.is_none_or(|(t, _)| t > seconds);
         self.of(integrator, rate).filter(unseen).count()
     }
 
-    /// When the error of `integrator` first shows in any scene at `rate` \[s\], if it does.
+    /// The time of the first visible error of `integrator` in any scene at `rate` \[s\], if there is one.
     pub(crate) fn first(&self, integrator: Integrator, rate: u32) -> Option<f64> {
         let times = self.of(integrator, rate).filter_map(|s| Some(s.at?.0));
         times.reduce(f64::min)
@@ -62,24 +62,24 @@ struct Row {
     family: &'static str,
     integrator: &'static str,
     rate_hz: u32,
-    /// Empty: not before the end.
+    /// Empty if no error is visible until the end.
     visible_after_s: Option<f64>,
     error: Option<&'static str>,
     watched_s: f64,
 }
 
-/// Ticks of the progress that [`measure`] takes.
+/// Progress ticks of [`measure`].
 pub(crate) fn ticks() -> u64 {
     Family::all().len() as u64
 }
 
-/// Watches every scene under every integrator at every rate.
+/// Runs every scene with every integrator at every rate.
 pub(crate) fn measure(ctx: &Context) -> Result<Visible, Stop> {
     let longest = if ctx.quick { QUICK_WATCH } else { MINUTE };
     watch(&ctx.integrators, longest, |family| ctx.tick(family.title))
 }
 
-/// Watches every scene to its end, for `longest` \[s\] at most, and calls `done` after each.
+/// Runs every scene to its end or for `longest` \[s\], and calls `done` after each scene.
 fn watch(
     integrators: &[Integrator],
     longest: f64,
@@ -115,10 +115,10 @@ fn watch(
 pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
     let mut section = Section::new(
         "visible",
-        "When a player can see it",
-        "Time until the attitude is wrong by more than 1° or the position by more than 1 % of the box's longest \
-         edge, whichever comes first, over a minute of each scene (the corner drop: its second). Compared at every step \
-         with the reference.",
+        "Time until an error is visible",
+        "Time until the attitude error exceeds 1° or the position error exceeds 1 % of the box's longest \
+         edge, whichever comes first, over a minute of each scene (corner drop: one second). Compared with the reference \
+         at every step.",
     );
     let rows: Vec<Row> = data
         .seen
@@ -147,7 +147,7 @@ pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
             .map(|(n, s)| format!("`{s}` {n}"))
             .collect();
         section.verdicts.push(format!(
-            "At {rate} Hz, scenes of {} in which nothing shows to the end: {} (the best three).",
+            "At {rate} Hz, scenes out of {} without a visible error to the end: {} (best three).",
             Family::all().len(),
             best.join(", ")
         ));
@@ -171,7 +171,7 @@ fn table(ctx: &Context, data: &Visible, rate: u32) -> Table {
     };
     Table {
         title: format!("Time until the error is visible at {rate} Hz"),
-        note: "°: the attitude shows it, x: the position. “> 60 s”: not within the minute."
+        note: "°: attitude error, x: position error. “> 60 s”: not visible within the minute."
             .to_owned(),
         columns,
         rows: ctx.integrators.iter().map(row).collect(),

@@ -1,63 +1,63 @@
-//! The balance of energy and angular momentum of one comparison: what inputs, forces and floor have rightly
-//! changed is booked, so that what is left over is numerical error.
+//! The balance of energy and angular momentum of one comparison. It accounts for the changes due to inputs, forces and
+//! the floor, so that the residual is numerical error.
 //!
 //! ```text
 //! E = E₀ + inputs + forces + contact + residual        (the same for L, a vector in world axes)
 //! ```
 //!
-//! What a force or the floor rightly does in one step is the change along the accurate flow of the force model,
-//! from the comparison's own state at the beginning of that step: a simulation in finer steps by the integrator of
-//! [`best_integrator`]. Under conservative forces away from the floor nothing is booked and nothing computed.
+//! The change due to forces and floor in a step is that of the accurate flow of the force model, starting from the
+//! comparison's own state at the beginning of the step. The flow is simulated in finer steps by [`best_integrator`].
+//! Under conservative forces and away from the floor, nothing is computed or added.
 
 use box_physics::force::rates;
 use box_physics::prelude::{BodyState, DVec3};
 
 use crate::driver::Driver;
 use crate::live_reference::best_integrator;
-use crate::metrics::{energy_scale, momentum_scale};
+use crate::metrics::error_scale;
 use crate::model::Model;
 
-/// Parts of a step in which the accurate flow is simulated: with an integrator of fourth order its error is
-/// 4096 times smaller than the comparison's would be with the same.
+/// Number of parts of a step in which the accurate flow is simulated. With an integrator of fourth order, its error is
+/// 4096 times smaller than that of a whole step.
 const PARTS: u32 = 8;
 
-/// The books of one comparison.
+/// Energy and angular momentum accounts of one comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// Energy at the start \[J\].
     pub start: f64,
-    /// By pushes, changed parameters and placing by hand \[J\].
+    /// Change by pushes, changed parameters and repositioning \[J\].
     pub inputs: f64,
-    /// By drag, damping, torques and damped springs \[J\].
+    /// Change by drag, damping, torques and damped springs \[J\].
     pub forces: f64,
-    /// By the floor \[J\]; in a step that meets it, by everything.
+    /// Change by the floor \[J\]; in a step that touches it, all changes.
     pub contact: f64,
-    /// The most energy that it could have been given so far: at the start, by inputs, and by torques and springs where
-    /// those gave any \[J\].
+    /// Upper bound on the energy given so far \[J\]: at the start, by inputs, and by torques and springs where they
+    /// added energy.
     pub given: f64,
-    /// The angular momentum that would be right, world axes [kg m²/s].
+    /// Expected angular momentum, world axes [kg m²/s].
     pub momentum: DVec3,
     energy_scale: f64,
     momentum_scale: f64,
-    /// The most kinetic energy that it could have had so far \[J\].
+    /// Upper bound on the kinetic energy so far \[J\].
     kinetic_scale: f64,
 }
 
-/// What is left over.
+/// Deviation from the balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
-    /// Energy over its scale.
+    /// Energy residual, divided by its scale.
     pub energy: f64,
-    /// |L| less what it should be, over its scale.
+    /// |L| minus its expected value, divided by its scale.
     pub momentum: f64,
-    /// |L − L_right|, vectors in world axes, over its scale.
+    /// |L − L_expected|, vectors in world axes, divided by its scale.
     pub vector: f64,
-    /// Angle between L and what it should be \[°\].
+    /// Angle between L and its expected value \[°\].
     pub direction: f64,
 }
 
 impl Balance {
-    /// Opens the books.
+    /// Creates the balance of a body that starts in `state`.
     pub fn new(model: &Model, state: &BodyState) -> Self {
         let start = model.energy(state);
         let momentum = state.angular_momentum_world();
@@ -65,32 +65,32 @@ impl Balance {
             start,
             given: start,
             momentum,
-            energy_scale: energy_scale(start, state.kinetic_energy(&model.body)),
-            momentum_scale: momentum_scale(momentum.length(), 0.0),
+            energy_scale: error_scale(start, state.kinetic_energy(&model.body)),
+            momentum_scale: error_scale(momentum.length(), 0.0),
             kinetic_scale: state.kinetic_energy(&model.body).max(reach(model, state)),
             ..Self::default()
         }
     }
 
-    /// What the energy should be \[J\].
+    /// Expected energy \[J\].
     pub fn expected(&self) -> f64 {
         self.start + self.inputs + self.forces + self.contact
     }
 
-    /// Books an input: everything that it changed.
+    /// Adds all changes made by an input.
     pub fn input(&mut self, before: (&Model, &BodyState), after: (&Model, &BodyState)) {
         let change = after.0.energy(after.1) - before.0.energy(before.1);
         self.inputs += change;
         self.given += change;
         self.momentum += after.1.angular_momentum_world() - before.1.angular_momentum_world();
-        // A box that was at rest has no scale before it is pushed.
+        // A box that was at rest has no energy scale before it is pushed.
         let kinetic = after.1.kinetic_energy(&after.0.body);
         self.energy_scale = self.energy_scale.max(self.expected().abs()).max(kinetic);
         self.kinetic_scale = self.kinetic_scale.max(kinetic).max(reach(after.0, after.1));
         self.momentum_scale = self.momentum_scale.max(self.momentum.length());
     }
 
-    /// Books what forces and floor do in a step of `h` \[s\] from `state`.
+    /// Adds the changes by forces and floor in a step of `h` \[s\] from `state`.
     pub fn step(&mut self, model: &Model, state: &BodyState, h: f64) {
         let meets = model.may_touch(state, h);
         let d = model.forces.dissipation();
@@ -108,7 +108,7 @@ impl Balance {
         if model.forces.has_wrench() {
             self.given += change.max(0.0);
         } else {
-            // Drag and floor only take.
+            // Drag and floor can only remove energy.
             change = change.min(0.0);
         }
         if meets {
@@ -120,8 +120,10 @@ impl Balance {
         self.momentum_scale = self.momentum_scale.max(self.momentum.length());
     }
 
-    /// Whether `state` has more energy than it could have been given, whatever the error of the motion: kinetic energy
-    /// beyond what is left of the energy given at this place, by more than the most that there ever was.
+    /// Returns `true` if `state` has more energy than it can have been given, whatever the error of the motion.
+    ///
+    /// The available kinetic energy is the energy given minus the potential energy in this state. The limit is exceeded
+    /// if the kinetic energy exceeds the available one by more than the largest available one so far.
     pub fn is_exceeded(&mut self, model: &Model, state: &BodyState) -> bool {
         let kinetic = state.kinetic_energy(&model.body);
         let left = self.given - (model.energy(state) - kinetic);
@@ -130,14 +132,14 @@ impl Balance {
         kinetic > most || kinetic.is_nan() || most.is_nan()
     }
 
-    /// Opens the books in `state` with `energy` (over its scale) already left over.
+    /// Restarts the balance in `state` with the energy residual `energy` (divided by its scale).
     pub fn rebase(&mut self, model: &Model, state: &BodyState, energy: f64) {
         self.inputs += model.energy(state) - self.expected() - energy * self.energy_scale;
         self.given = self.given.max(model.energy(state));
         self.momentum = state.angular_momentum_world();
     }
 
-    /// What is left over in `state`.
+    /// The residual in `state`.
     pub fn residual(&self, model: &Model, state: &BodyState) -> Residual {
         let l = state.angular_momentum_world();
         let right = self.momentum;
@@ -154,10 +156,10 @@ impl Balance {
     }
 }
 
-/// The kinetic energy \[J\] that the forces at `state` give within a radius of the box, or a radian: what a motion that
-/// starts from rest is measured by.
+/// The kinetic energy \[J\] that the forces at `state` supply over a radius of the box or a radian. It is the scale of
+/// a motion that starts from rest.
 fn reach(model: &Model, state: &BodyState) -> f64 {
-    // At rest: neither drag nor the gyroscopic term L×ω gives any energy.
+    // At rest, because neither drag nor the gyroscopic term L×ω supplies energy.
     let rest = BodyState {
         velocity: DVec3::ZERO,
         angular_momentum: DVec3::ZERO,
@@ -175,7 +177,7 @@ mod tests {
 
     const H: f64 = 1.0 / 60.0;
 
-    /// Runs a scene with its books and returns the largest residual of the energy.
+    /// Runs a scene with its balance and returns the largest energy residual.
     fn worst(id: &str, integrator: Integrator, seconds: f64) -> f64 {
         let setup = Scenario::find(id).expect("a scene").setup;
         let model = Model::of(&setup);
@@ -190,7 +192,8 @@ mod tests {
         worst
     }
 
-    /// Drag, torque and lossy impacts are not drift: an integrator that is right about them has none left.
+    /// Drag, torque and lossy impacts are not counted as drift: an integrator that treats them correctly has no
+    /// residual.
     #[test]
     fn what_forces_and_floor_take_is_not_drift() {
         for (id, integrator, most) in [
@@ -205,7 +208,7 @@ mod tests {
         }
     }
 
-    /// With dissipation or without.
+    /// Errors appear with and without dissipation.
     #[test]
     fn what_an_integrator_gets_wrong_shows() {
         assert!(worst("dzhanibekov", Integrator::SemiImplicitEuler, 3.0) > 0.1);

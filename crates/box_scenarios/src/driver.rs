@@ -1,13 +1,13 @@
-//! One box stepped by one integrator outside the plugin, bit for bit as the plugin steps it.
+//! Steps one box with one integrator outside of the plugin, bit for bit like the plugin.
 //!
-//! Headless runs, panel, sweep, comparisons, report and benchmarks all step through [`Driver`], so that the
-//! rules of contact and the path of execution are the same everywhere:
+//! Headless runs, panel, sweep, comparisons, report and benchmarks all step through [`Driver`], so that contact rules
+//! and execution path are the same everywhere:
 //!
-//! - gravity alone runs through a loop compiled for it;
+//! - under gravity alone, a loop compiled for it runs;
 //! - a box that cannot reach the floor in a step takes the integrator's plain step;
-//! - a box that may reach it, or that touched it, takes [`step_on_floor`];
+//! - a box that may reach the floor, or touched it, takes [`step_on_floor`];
 //! - in a tray it takes [`step_on_planes`];
-//! - an invalid state is not kept: the box stays where it was.
+//! - an invalid state is discarded: the box keeps its last state.
 
 use box_physics::floor::{
     ContactState, FloorContext, FloorOutcome, PlanesContext, may_touch, may_touch_planes,
@@ -22,16 +22,16 @@ use box_physics::state::BodyState;
 use crate::model::Model;
 use crate::setup::TimedImpulse;
 
-/// Cost of a run, and how often its steps ended in a substitute.
+/// Cost of a run, and the number of exceptional steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
     /// Steps taken.
     pub steps: u64,
     /// Force evaluations.
     pub evaluations: u64,
-    /// Steps handed to `split`.
+    /// Steps taken by `split` as a fallback.
     pub fallbacks: u64,
-    /// Iterations that ended at their cap.
+    /// Iterations that reached their maximum number.
     pub unconverged: u64,
     /// Impacts on the floor.
     pub impacts: u64,
@@ -71,20 +71,20 @@ const BLOCK: u64 = 4096;
 pub struct Driver {
     /// The integrator.
     pub integrator: Integrator,
-    /// The present state: the last valid one.
+    /// The current state, which is the last valid one.
     pub state: BodyState,
     /// Simulated time \[s\].
     pub time: f64,
     /// Cost so far.
     pub totals: Totals,
-    /// What the integrator remembers.
+    /// The memory of the integrator.
     pub memory: IntegratorMemory,
     /// Contact of the box with the floor at the end of the last step.
     pub contact: ContactState,
 }
 
 impl Driver {
-    /// A box in `state` at time 0.
+    /// Creates a driver for a box in `state` at time 0.
     pub fn new(state: BodyState, integrator: Integrator) -> Self {
         Self {
             integrator,
@@ -96,27 +96,27 @@ impl Driver {
         }
     }
 
-    /// The same at another time \[s\].
+    /// Sets the time \[s\].
     #[must_use]
     pub fn at_time(mut self, time: f64) -> Self {
         self.time = time;
         self
     }
 
-    /// Corners at the floor at the end of the last step.
+    /// Number of corners at the floor at the end of the last step.
     pub fn contacts(&self) -> u32 {
         self.contact.touching().count_ones()
     }
 
-    /// Takes one step of `h` \[s\] and returns its outcome; `None` if it led to an invalid state, in which
-    /// case the box stays where it was.
+    /// Takes one step of `h` \[s\] and returns its outcome. Returns `None` if it led to an invalid state; the box then
+    /// keeps its last state.
     pub fn step(&mut self, model: &Model, h: f64) -> Option<FloorOutcome> {
         let mut last = FloorOutcome::default();
         self.steps(model, h, 1, &mut last).then_some(last)
     }
 
-    /// Takes `n` steps of `h` \[s\]; `false` if one of them led to an invalid state, which ends the run at the
-    /// last valid one. Also ends soon after more than `budget` evaluations in all.
+    /// Takes `n` steps of `h` \[s\]. Returns `false` if one of them led to an invalid state; the run then ends at the
+    /// last valid one. It also ends soon after the total number of evaluations exceeds `budget`.
     pub fn run(&mut self, model: &Model, h: f64, n: u64, budget: u64) -> bool {
         let mut left = n;
         while left > 0 && self.totals.evaluations <= budget {
@@ -137,32 +137,33 @@ impl Driver {
 
     fn steps(&mut self, model: &Model, h: f64, n: u64, last: &mut FloorOutcome) -> bool {
         let forces = model.forces.forces(&model.body);
-        let integrator = self.integrator;
-        if model.only_gravity() {
-            let force = &Gravity(forces.acceleration);
-            integrator.dispatch(Steps {
-                driver: self,
-                model,
-                force,
-                h,
-                n,
-                last,
-            })
+        if model.is_uniform_acceleration() {
+            self.steps_under(&Gravity(forces.acceleration), model, h, n, last)
         } else {
-            let force = &forces;
-            integrator.dispatch(Steps {
-                driver: self,
-                model,
-                force,
-                h,
-                n,
-                last,
-            })
+            self.steps_under(&forces, model, h, n, last)
         }
+    }
+
+    fn steps_under<F: ForceModel>(
+        &mut self,
+        force: &F,
+        model: &Model,
+        h: f64,
+        n: u64,
+        last: &mut FloorOutcome,
+    ) -> bool {
+        self.integrator.dispatch(Steps {
+            driver: self,
+            model,
+            force,
+            h,
+            n,
+            last,
+        })
     }
 }
 
-/// `n` steps compiled for one integrator and force model.
+/// `n` steps, compiled for one integrator and force model.
 struct Steps<'a, F> {
     driver: &'a mut Driver,
     model: &'a Model,
@@ -257,8 +258,7 @@ mod tests {
         }
     }
 
-    /// Explicit Euler at c·h/m = 10 multiplies the velocity by −9 in each step, up to the limit of a valid
-    /// state, 1e38.
+    /// Explicit Euler at c·h/m = 10 multiplies the velocity by −9 per step, up to the limit of a valid state, 1e38.
     #[test]
     fn an_invalid_state_is_not_kept() {
         let drag = ForceSet {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::limits;
 
-/// The owned counterpart of [`Forces`]: every term of the force model, 0 or empty meaning absent.
+/// The owned counterpart of [`Forces`]: every term of the force model; 0 or empty means absent.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -55,12 +55,12 @@ pub struct ForceSet {
 }
 
 impl ForceSet {
-    /// Nothing acts.
+    /// No forces.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// Gravity alone, `g` [m/s²] downwards (−y).
+    /// Gravity alone, `g` [m/s²] downward (−y).
     pub fn gravity(g: f64) -> Self {
         Self {
             gravity: DVec3::new(0.0, -g, 0.0),
@@ -68,8 +68,8 @@ impl ForceSet {
         }
     }
 
-    /// The same with a magnetic-like dipole `moment` (body axes) in a uniform `field` (world axes),
-    /// torque (R µ) × B \[N m\]: the force B at the body point µ and −B at the center, a pure couple.
+    /// Adds a magnetic-like dipole `moment` (body axes) in a uniform `field` (world axes) with the torque (R µ) × B \[N
+    /// m\]. It consists of the force B at the body point µ and −B at the center, a pure couple.
     #[must_use]
     pub fn with_dipole(mut self, moment: DVec3, field: DVec3) -> Self {
         let at = |body_point, force| PointForce {
@@ -82,8 +82,8 @@ impl ForceSet {
         self
     }
 
-    /// The same with a spring of zero natural length from `body_point` (body axes \[m\]) to `anchor`
-    /// (world \[m\]), `stiffness` [N/m], `damping` [N s/m].
+    /// Adds a spring of zero natural length from `body_point` (body axes \[m\]) to `anchor` (world \[m\]) with
+    /// `stiffness` [N/m] and `damping` [N s/m].
     #[must_use]
     pub fn with_spring(
         mut self,
@@ -101,7 +101,7 @@ impl ForceSet {
         self
     }
 
-    /// The force model as the integrators take it, for `body` (a force is an acceleration only with its mass).
+    /// The force model for the integrators, for `body`, whose mass converts the constant force to an acceleration.
     pub fn forces(&self, body: &RigidBox) -> Forces<'_> {
         Forces {
             acceleration: self.acceleration(body),
@@ -113,7 +113,7 @@ impl ForceSet {
         }
     }
 
-    /// Gravity plus the constant force over the mass [m/s²], world axes.
+    /// Gravity plus constant force divided by mass [m/s²], world axes.
     pub fn acceleration(&self, body: &RigidBox) -> DVec3 {
         self.gravity + self.force * body.inverse_mass()
     }
@@ -129,7 +129,7 @@ impl ForceSet {
         }
     }
 
-    /// Whether a torque or a state-dependent force acts (what the integrators call the wrench).
+    /// Returns `true` if a torque or a state-dependent force acts (the integrators' wrench).
     pub fn has_wrench(&self) -> bool {
         self.body_torque != DVec3::ZERO
             || self.world_torque != DVec3::ZERO
@@ -137,8 +137,8 @@ impl ForceSet {
             || !self.springs.is_empty()
     }
 
-    /// Whether gravity is all that acts: the plugin's table has then no force component, and its loop is compiled for
-    /// that.
+    /// Returns `true` if only gravity acts. The plugin's table then has no force components, and its loop is compiled
+    /// for that case.
     pub fn is_gravity_alone(&self) -> bool {
         !self.has_wrench() && self.dissipation() == Dissipation::NONE && self.force == DVec3::ZERO
     }
@@ -146,7 +146,7 @@ impl ForceSet {
     /// Checks that every number is finite and every coefficient ≥ 0.
     ///
     /// # Errors
-    /// [`InvalidValue`] names the first field that is not.
+    /// [`InvalidValue`] names the first invalid field.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         for (field, v) in [
             ("gravity", self.gravity),
@@ -201,10 +201,10 @@ pub(crate) fn coefficient(field: &'static str, value: f64) -> Result<(), Invalid
     }
 }
 
-/// The most springs, forces at points or impulses in a file.
-pub(crate) const MANY: usize = 64;
+/// Maximum number of springs, point forces or impulses in a file.
+pub(crate) const MAX_ITEMS: usize = 64;
 
-// The force types of `box_physics` know nothing of serde; these mirrors do.
+// Mirrors of the force types of `box_physics` that check the limits while reading.
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -250,7 +250,7 @@ fn save_points<S: Serializer>(points: &[PointForce], to: S) -> Result<S::Ok, S::
 }
 
 fn load_points<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PointForce>, D::Error> {
-    let saved: Vec<SavedPoint> = limits::at_most(from, MANY)?;
+    let saved: Vec<SavedPoint> = limits::at_most(from, MAX_ITEMS)?;
     Ok(saved
         .into_iter()
         .map(|p| PointForce {
@@ -274,7 +274,7 @@ fn save_springs<S: Serializer>(springs: &[Spring], to: S) -> Result<S::Ok, S::Er
 }
 
 fn load_springs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Spring>, D::Error> {
-    let saved: Vec<SavedSpring> = limits::at_most(from, MANY)?;
+    let saved: Vec<SavedSpring> = limits::at_most(from, MAX_ITEMS)?;
     Ok(saved
         .into_iter()
         .map(|s| Spring {

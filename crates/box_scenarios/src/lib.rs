@@ -1,20 +1,20 @@
-//! Named rigid-body scenes with reference solutions, shared by the tests, the report and the game. No
-//! rendering, no clock.
+//! Named rigid-body scenes with reference solutions, shared by the tests, the report and the game. Without rendering
+//! and without a wall clock.
 //!
-//! - [`scenario`]: what a scene is; [`scenes`]: the registry, one function a scene, **where a new scene goes**.
-//! - [`scene_file`]: scenes from files and into files; [`view`]: how they want to be looked at.
-//! - [`setup`] and [`forces`]: what a scene consists of.
-//! - [`mod@reference`]: the reference solution: a closed form where there is one, else a fine numerical reference.
-//! - [`model`]: a box and everything that acts on it; [`driver`]: its steps, bit for bit those of the plugin; [`run`]: a whole setup, from sample to sample;
-//!   [`mod@simulate`]: against its reference; [`metrics`]: the errors.
-//! - [`live_reference`]: what to measure against while inputs come; [`balance`]: what energy and angular momentum
-//!   should be; [`runner`]: one integrator with its balance; [`comparison`]: all integrators against one reference.
-//! - [`families`]: the motions over which the report compares integrators.
-//! - [`mod@hard_cases`]: what breaks integrators; [`trend`]: energy over a million steps.
-//! - [`mod@contact_cases`]: what breaks contact.
-//! - [`dissertation`]: the demo of 2012 as it computed, wrongly.
+//! - [`scenario`]: a scene; [`scenes`]: the registry with one function per scene, **where a new scene is added**.
+//! - [`scene_file`]: reads and writes scene files; [`view`]: camera and plot of a scene.
+//! - [`setup`] and [`forces`]: body, start, forces, floor and impulses of a scene.
+//! - [`mod@reference`]: the reference solution: a closed form if there is one, otherwise a fine numerical reference.
+//! - [`model`]: a box and everything that acts on it; [`driver`]: steps it bit for bit like the plugin; [`run`]: runs a
+//!   whole setup from sample to sample; [`mod@simulate`]: compares it with its reference; [`metrics`]: the errors.
+//! - [`live_reference`]: the reference while inputs arrive; [`balance`]: expected energy and angular momentum;
+//!   [`runner`]: one integrator with its balance; [`comparison`]: all integrators against one reference.
+//! - [`families`]: the motions for which the report compares integrators.
+//! - [`mod@hard_cases`]: motions on which integrators fail; [`trend`]: energy over a million steps.
+//! - [`mod@contact_cases`]: motions on which contact solvers fail.
+//! - [`dissertation`]: the demo of 2012 with its errors.
 //! - [`oracle`]: reference trajectories from files.
-//! - [`statistics`]: quantiles and orders; [`random`]: a generator that repeats.
+//! - [`statistics`]: quantiles and orders; [`random`]: a reproducible random generator.
 //! - [`mod@style`]: color, dash and marker of each integrator.
 //!
 //! ```

@@ -1,15 +1,15 @@
-//! Ranges of the numbers in a file, checked while it is read: types that come from files name these in
-//! `deserialize_with`, so that an error has the place of the value.
+//! Ranges of the numbers in a file, checked while reading. Types read from files use these functions in
+//! `deserialize_with`, so that an error has the location of the value.
 
 use core::ops::RangeInclusive;
 
 use glam::DVec3;
 use serde::de::{Deserialize, Deserializer, Error};
 
-/// The largest number of any kind, in its SI unit.
+/// Largest absolute value of any number in a file, in its SI unit.
 const LARGEST: f64 = 1e6;
 
-/// A number in `range`, which `allowed` names.
+/// Reads a number within `range`; `allowed` describes the range in the error.
 pub(crate) fn number<'de, D: Deserializer<'de>>(
     from: D,
     range: RangeInclusive<f64>,
@@ -25,22 +25,22 @@ pub(crate) fn number<'de, D: Deserializer<'de>>(
     }
 }
 
-/// Any number of a file.
+/// Reads any number that a file may contain.
 pub(crate) fn any<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     number(from, -LARGEST..=LARGEST, "between -1e6 and 1e6")
 }
 
-/// A coefficient of a force or of friction.
+/// Reads a coefficient of a force or of friction.
 pub(crate) fn coefficient<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     number(from, 0.0..=LARGEST, "between 0 and 1e6")
 }
 
-/// A share, 0 to 1.
+/// Reads a fraction, 0 to 1.
 pub(crate) fn share<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     number(from, 0.0..=1.0, "between 0 and 1")
 }
 
-/// A vector of numbers that a file may have.
+/// Reads a vector.
 pub(crate) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     within(
         DVec3::deserialize(from)?,
@@ -49,7 +49,7 @@ pub(crate) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Err
     )
 }
 
-/// The same, or none.
+/// Reads an optional vector.
 pub(crate) fn optional_vector<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<Option<DVec3>, D::Error> {
@@ -59,7 +59,7 @@ pub(crate) fn optional_vector<'de, D: Deserializer<'de>>(
         .transpose()
 }
 
-/// `v`, if each component is in `range`, which `allowed` names.
+/// Returns `v` if each component is within `range`; `allowed` describes the range in the error.
 pub(crate) fn within<E: Error>(
     v: DVec3,
     range: RangeInclusive<f64>,
@@ -71,7 +71,7 @@ pub(crate) fn within<E: Error>(
     }
 }
 
-/// At most `most` of something.
+/// Reads a list of at most `most` elements.
 pub(crate) fn at_most<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     from: D,
     most: usize,
@@ -80,6 +80,6 @@ pub(crate) fn at_most<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
     if list.len() <= most {
         Ok(list)
     } else {
-        Err(D::Error::custom(format_args!("has room for {most}")))
+        Err(D::Error::custom(format_args!("allowed: at most {most}")))
     }
 }

@@ -1,4 +1,4 @@
-//! How far a computed state is from the reference.
+//! Differences between a computed state and the reference.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::setup::Setup;
 use crate::status::Reason;
 
-/// The difference of two states at one instant. All are ≥ 0, in SI units.
+/// Difference between two states at one time. All values are ≥ 0, in SI units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StateError {
     /// |Δx| \[m\].
@@ -20,7 +20,7 @@ pub struct StateError {
 }
 
 impl StateError {
-    /// Of a state that is not finite, or of none.
+    /// The error of a state that is not finite or missing.
     pub const LOST: Self = Self {
         position: f64::INFINITY,
         velocity: f64::INFINITY,
@@ -28,7 +28,7 @@ impl StateError {
         angular_momentum: f64::INFINITY,
     };
 
-    /// Between `state` and `reference`; infinite where `state` is not finite.
+    /// The error of `state` relative to `reference`; infinite if `state` is not finite.
     pub fn between(state: &BodyState, reference: &BodyState) -> Self {
         if !state.is_finite() {
             return Self::LOST;
@@ -59,7 +59,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Takes one more instant into account.
+    /// Includes the error at another time.
     pub fn see(&mut self, e: &StateError) {
         self.position = self.position.max(e.position);
         self.velocity = self.velocity.max(e.velocity);
@@ -67,7 +67,7 @@ impl Errors {
         self.angular_momentum = self.angular_momentum.max(e.angular_momentum);
     }
 
-    /// Takes an energy \[J\] and its expected value \[J\] into account.
+    /// Includes the error of an energy \[J\] relative to its expected value \[J\].
     pub fn see_energy(&mut self, energy: f64, expected: f64) {
         let error = (energy - expected).abs();
         self.energy = if error.is_nan() {
@@ -78,39 +78,41 @@ impl Errors {
     }
 }
 
-/// By what an energy error is divided: |initial energy| \[J\] or, where that is 0, the initial kinetic
-/// energy \[J\], or 1 where that is 0 as well (the error is then absolute).
-pub fn energy_scale(initial: f64, initial_kinetic: f64) -> f64 {
-    [initial.abs(), initial_kinetic]
-        .into_iter()
-        .find(|&e| e > 0.0)
-        .unwrap_or(1.0)
+/// Scale of an error: the magnitude at the start or, if that is 0, another one. If both are 0 the scale is 1, and the
+/// error is absolute.
+pub fn error_scale(initial: f64, other: f64) -> f64 {
+    let scales = [initial.abs(), other];
+    scales.into_iter().find(|&x| x > 0.0).unwrap_or(1.0)
 }
 
-/// By what an angular-momentum error is divided: the initial magnitude or, where that is 0, the final
-/// one, or 1 where both are 0 (the error is then absolute).
-pub fn momentum_scale(initial: f64, last: f64) -> f64 {
-    [initial, last]
-        .into_iter()
-        .find(|&l| l > 0.0)
-        .unwrap_or(1.0)
+/// How many of the 13 numbers of two states differ in any bit.
+pub(crate) fn differing_numbers(a: &BodyState, b: &BodyState) -> usize {
+    let numbers = |s: &BodyState| {
+        let (x, v, l, q) = (s.position, s.velocity, s.angular_momentum, s.rotation);
+        [
+            x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w,
+        ]
+        .map(f64::to_bits)
+    };
+    let pairs = numbers(a).into_iter().zip(numbers(b));
+    pairs.filter(|(a, b)| a != b).count()
 }
 
-/// Tells a run that diverged from one that is merely inaccurate: a state is not finite, or more than a thousand times
-/// faster than the reference has been so far.
+/// Limits that distinguish a diverged run from an inaccurate one. A state is diverged if it is not finite, or more than
+/// a thousand times faster than the reference has been so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedLimits {
     speed: f64,
     momentum: f64,
 }
 
-/// Factor beyond the reference's largest speed and angular momentum at which a run is given up: far
-/// above every legitimate error, far below overflow.
+/// Factor by which a run may exceed the reference's largest speed and angular momentum. It is far above every
+/// legitimate error and far below overflow.
 const TOO_FAST: f64 = 1e3;
 
 impl SpeedLimits {
-    /// The limits for a run of `setup` before its reference is known. Where nothing moves, the size of
-    /// the box and what gravity does in a second set the scale.
+    /// The limits of a run of `setup`, before its reference is known. If nothing moves, the size of the box and the
+    /// speed that gravity gives in one second set the scale.
     pub fn of(setup: &Setup) -> Self {
         let (body, start) = (&setup.body, &setup.initial);
         let speed = setup.forces.acceleration(body).length() + body.radius();
@@ -123,7 +125,7 @@ impl SpeedLimits {
         limits
     }
 
-    /// Takes a state of the reference into account.
+    /// Includes a state of the reference.
     pub fn see(&mut self, reference: &BodyState) {
         self.speed = self.speed.max(TOO_FAST * reference.velocity.length());
         self.momentum = self
@@ -131,7 +133,7 @@ impl SpeedLimits {
             .max(TOO_FAST * reference.angular_momentum.length());
     }
 
-    /// The limit that `state` breaks, if it does.
+    /// The limit that `state` exceeds, if any.
     pub fn broken(&self, state: &BodyState) -> Option<Reason> {
         let within = state.velocity.length() <= self.speed
             && state.angular_momentum.length() <= self.momentum;
@@ -169,9 +171,9 @@ mod tests {
 
     #[test]
     fn scales_fall_back() {
-        assert_eq!(energy_scale(-2.0, 1.0), 2.0);
-        assert_eq!(energy_scale(0.0, 3.0), 3.0);
-        assert_eq!(energy_scale(0.0, 0.0), 1.0);
-        assert_eq!(momentum_scale(0.0, 4.0), 4.0);
+        assert_eq!(error_scale(-2.0, 1.0), 2.0);
+        assert_eq!(error_scale(0.0, 3.0), 3.0);
+        assert_eq!(error_scale(0.0, 0.0), 1.0);
+        assert_eq!(error_scale(0.0, 4.0), 4.0);
     }
 }

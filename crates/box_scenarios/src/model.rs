@@ -17,14 +17,14 @@ pub struct Model {
     pub forces: ForceSet,
     /// The floor, if there is one.
     pub floor: Option<Floor>,
-    /// From the middle of a tray to its walls \[m\]; 0 without walls.
+    /// Distance from the middle of a tray to its walls \[m\]; 0 without walls.
     pub tray: f64,
     /// Limits of the contact solver.
     pub settings: ContactSettings,
 }
 
 impl Model {
-    /// The model of `setup`. A floor out of range is left out: [`Setup::validate`] rejects it.
+    /// The model of `setup`. A floor with invalid values is omitted; [`Setup::validate`] rejects it.
     pub fn of(setup: &Setup) -> Self {
         Self {
             body: setup.body,
@@ -51,7 +51,7 @@ impl Model {
         }
     }
 
-    /// The motion from `state` for `duration` \[s\], without impulses.
+    /// A setup with this model that starts in `state` and lasts `duration` \[s\], without impulses.
     pub fn setup(&self, state: BodyState, duration: f64) -> Setup {
         let setup = Setup::new(self.body, state, self.forces.clone(), duration);
         match &self.floor {
@@ -81,17 +81,17 @@ impl Model {
         [Plane::from(floor)].into_iter().chain(walls).collect()
     }
 
-    /// Kinetic and potential energy \[J\].
+    /// Kinetic plus potential energy \[J\].
     pub fn energy(&self, state: &BodyState) -> f64 {
         box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
     }
 
-    /// Whether no force changes the energy (the floor apart).
+    /// Returns `true` if the forces conserve energy (not considering the floor).
     pub fn is_conservative(&self) -> bool {
         box_physics::energy::is_conservative(&self.forces.forces(&self.body))
     }
 
-    /// Whether a box in this state may reach the floor within `h` \[s\].
+    /// Returns `true` if a box in this state may touch the floor within `h` \[s\].
     pub fn may_touch(&self, state: &BodyState, h: f64) -> bool {
         let forces = self.forces.forces(&self.body);
         may_touch_planes(&self.planes(), &self.body, state, &forces, h)
@@ -100,8 +100,8 @@ impl Model {
                 .is_some_and(|floor| may_touch(&floor, &self.body, state, &forces, h))
     }
 
-    /// Whether gravity is all that acts in flight.
-    pub fn only_gravity(&self) -> bool {
+    /// Returns `true` if only a uniform acceleration acts in flight.
+    pub fn is_uniform_acceleration(&self) -> bool {
         !self.forces.has_wrench() && self.forces.dissipation() == Dissipation::NONE
     }
 }

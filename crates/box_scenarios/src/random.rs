@@ -1,4 +1,4 @@
-//! A small random generator, so that every run on every machine tries the same boxes.
+//! A small random generator, so that every run on every machine uses the same boxes.
 
 use box_physics::math::exp;
 use glam::DVec3;
@@ -8,12 +8,12 @@ use glam::DVec3;
 pub struct Random(u64);
 
 impl Random {
-    /// From a seed other than 0.
+    /// Creates a generator from a seed; 0 is replaced by 1.
     pub fn new(seed: u64) -> Self {
         Self(seed.max(1))
     }
 
-    /// Uniform in [`low`, `high`).
+    /// A number uniformly distributed in [`low`, `high`).
     pub fn range(&mut self, low: f64, high: f64) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
@@ -22,12 +22,12 @@ impl Random {
         low + (high - low) * (bits as f64 / (1_u64 << 53) as f64)
     }
 
-    /// Between `low` and `high`, uniform in the logarithm.
+    /// A number between `low` and `high` whose logarithm is uniformly distributed.
     pub fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         exp(self.range(libm::log(low), libm::log(high)))
     }
 
-    /// Each component uniform in [−`size`, `size`).
+    /// A vector with each component uniformly distributed in [−`size`, `size`).
     pub fn vector(&mut self, size: f64) -> DVec3 {
         DVec3::from_array(core::array::from_fn(|_| self.range(-size, size)))
     }
@@ -49,7 +49,7 @@ mod tests {
         assert_eq!(a, sample(7));
         assert_ne!(a, sample(8));
         assert!(a.iter().all(|x| (-1.0..3.0).contains(x)));
-        // The mean of n uniform numbers scatters by 4/√(12 n) = 0.012.
+        // The mean of n uniform numbers has the standard deviation 4/√(12 n) = 0.012.
         let mean = a.iter().sum::<f64>() / a.len() as f64;
         assert!((mean - 1.0).abs() < 0.05, "{mean}");
         let lower = a.iter().filter(|x| **x < 0.0).count();

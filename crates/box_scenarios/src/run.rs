@@ -1,4 +1,4 @@
-//! Running a setup: from sample to sample, through its impulses, in equal steps.
+//! Runs a setup from sample to sample, through its impulses, in equal steps.
 
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
@@ -7,8 +7,8 @@ use crate::driver::{Driver, Totals};
 use crate::model::Model;
 use crate::setup::{Setup, TimedImpulse};
 
-/// How many equal steps of at most `dt` \[s\] fill `interval` \[s\]: the ceiling of their ratio, where a
-/// ratio within 1e-9 of a whole number counts as that number (30.000000000000004 steps are 30).
+/// Number of equal steps of at most `dt` \[s\] in `interval` \[s\]. This is their ratio rounded up, where a ratio
+/// within 1e-9 of an integer counts as that integer (30.000000000000004 steps are 30).
 pub fn steps_in(interval: f64, dt: f64) -> u64 {
     let ratio = interval / dt;
     let nearest = ratio.round();
@@ -20,30 +20,30 @@ pub fn steps_in(interval: f64, dt: f64) -> u64 {
     n as u64
 }
 
-/// A stretch without events: `steps` of `h` \[s\], then perhaps a sample, then perhaps impulses.
+/// An interval without events: `steps` of `h` \[s\], then possibly a sample, then possibly impulses.
 #[derive(Clone, Debug, PartialEq)]
 struct Leg {
     h: f64,
     steps: u64,
     /// Time at the end \[s\].
     end: f64,
-    /// Whether the state at the end is to be looked at (before the impulses).
+    /// `true` if the state at the end (before the impulses) is a sample.
     sample: bool,
     impulses: Vec<TimedImpulse>,
 }
 
-/// The steps of a run: each interval between samples and impulses in equal steps of at most dt.
+/// The steps of a run: each interval between samples and impulses is divided into equal steps of at most dt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     legs: Vec<Leg>,
-    /// Force evaluations allowed.
+    /// Maximum number of force evaluations.
     budget: u64,
 }
 
 impl Plan {
-    /// For samples at `times` \[s\] (not decreasing, ≥ 0) and `impulses` (in order of time; later than
-    /// the last sample, they are ignored), with steps of at most `dt` \[s\]. A sample at an impulse's
-    /// time is the state just before it.
+    /// A plan for samples at `times` \[s\] (≥ 0, not decreasing) and `impulses` (sorted by time; those after the last
+    /// sample are ignored), with steps of at most `dt` \[s\]. A sample at the time of an impulse is the state just
+    /// before it.
     pub fn new(times: &[f64], impulses: &[TimedImpulse], dt: f64) -> Self {
         let mut legs: Vec<Leg> = Vec::with_capacity(times.len() + impulses.len());
         let mut now = 0.0;
@@ -82,8 +82,8 @@ impl Plan {
         }
     }
 
-    /// `samples` samples, one after every `stride` steps of exactly `h` \[s\]: the clock of a game. Every
-    /// step is bit for bit as long as the last, so that an integrator's memory stays valid throughout.
+    /// A plan with `samples` samples, one after every `stride` steps of exactly `h` \[s\], like the clock of a game.
+    /// All steps have exactly the same length, so that an integrator's memory stays valid throughout.
     pub fn clock(h: f64, stride: u64, samples: u64) -> Self {
         let leg = |k: u64| Leg {
             h,
@@ -98,8 +98,8 @@ impl Plan {
         }
     }
 
-    /// The same, ended soon after more than `evaluations` force evaluations: for setups from files, which
-    /// may ask for anything.
+    /// Limits the run: it ends soon after `evaluations` force evaluations. For setups from files, which may be
+    /// arbitrarily expensive.
     #[must_use]
     pub fn within(self, evaluations: u64) -> Self {
         Self {
@@ -108,9 +108,9 @@ impl Plan {
         }
     }
 
-    /// Steps altogether.
+    /// Total number of steps.
     pub fn steps(&self) -> u64 {
-        // A file may ask for more than a number can hold.
+        // A file may require more steps than fit into the type.
         self.legs
             .iter()
             .fold(0, |sum: u64, leg| sum.saturating_add(leg.steps))
@@ -120,20 +120,20 @@ impl Plan {
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// It reached the end of its plan.
+    /// The run reached the end of its plan.
     Complete,
-    /// It was stopped at a sample.
+    /// The run was stopped at a sample.
     Stopped,
     /// A step led to an invalid state.
     Failed {
         /// Time at the end of that step \[s\].
         at: f64,
     },
-    /// It needed more force evaluations than it was allowed.
+    /// The run needed more force evaluations than allowed.
     OutOfBudget,
 }
 
-/// A run that can be interrupted: it goes from one sample or impulse of its plan to the next.
+/// A run that can be interrupted. It advances from one sample or impulse of its plan to the next.
 #[derive(Clone, Debug)]
 pub struct PlanRun {
     model: Model,
@@ -142,7 +142,7 @@ pub struct PlanRun {
 }
 
 impl PlanRun {
-    /// The start of `setup`.
+    /// Creates a run at the start of `setup`.
     pub fn new(setup: &Setup, integrator: Integrator) -> Self {
         Self {
             model: Model::of(setup),
@@ -151,13 +151,13 @@ impl PlanRun {
         }
     }
 
-    /// Back to the start of `setup`.
+    /// Restarts the run at the start of `setup`.
     pub fn restart(&mut self, setup: &Setup) {
         self.driver = Driver::new(setup.initial, self.driver.integrator);
         self.leg = 0;
     }
 
-    /// The next stretch of `plan`, as in [`run_plan`]; returns how the run ended, once it has.
+    /// Runs the next interval of `plan`, as in [`run_plan`]. Returns how the run ended, once it has.
     pub fn advance(
         &mut self,
         plan: &Plan,
@@ -174,7 +174,7 @@ impl PlanRun {
         if driver.totals.evaluations > plan.budget {
             return Some(End::OutOfBudget);
         }
-        // Not a sum of steps.
+        // Set exactly, instead of summing steps.
         driver.time = leg.end;
         if leg.sample && !look(leg.end, &driver.state) {
             return Some(End::Stopped);
@@ -186,8 +186,8 @@ impl PlanRun {
     }
 }
 
-/// Runs `setup` by `integrator` along `plan`, and shows time \[s\] and state at every sample to `look`,
-/// which returns whether to go on.
+/// Runs `setup` with `integrator` along `plan`, and passes time \[s\] and state at every sample to `look`, which
+/// returns whether to continue.
 pub fn run_plan(
     setup: &Setup,
     integrator: Integrator,

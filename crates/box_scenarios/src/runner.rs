@@ -1,4 +1,4 @@
-//! One integrator through the impulses of a setup, with the balance of its energy and angular momentum.
+//! Runs one integrator through the impulses of a setup, with the balance of its energy and angular momentum.
 
 use std::sync::Arc;
 
@@ -12,26 +12,26 @@ use crate::model::Model;
 use crate::setup::TimedImpulse;
 use crate::status::{Divergence, Reason, Status};
 
-/// An impulse or input this part of a step after a boundary still belongs to it.
+/// An impulse or input belongs to a step boundary if it is less than this fraction of a step later.
 pub const DUE: f64 = 1e-9;
 
-/// See the module.
+/// One integrator with its balance; see the [module](self).
 #[derive(Clone, Debug)]
 pub struct Runner {
     /// The simulation.
     pub driver: Driver,
-    /// What acts on it now.
+    /// The current model.
     pub model: Arc<Model>,
-    /// What its energy and angular momentum should be.
+    /// Expected energy and angular momentum.
     pub balance: Balance,
-    /// When it was given up.
+    /// When and why it was stopped.
     pub diverged: Option<Divergence>,
-    /// Number of the next impulse of the setup.
+    /// Index of the next impulse of the setup.
     pub next_impulse: usize,
 }
 
 impl Runner {
-    /// In `state` at `t` \[s\]; of the setup's `impulses` those before `t` have happened.
+    /// Creates a runner in `state` at `t` \[s\]. Impulses of the setup before `t` are skipped.
     pub fn new(
         integrator: Integrator,
         model: &Arc<Model>,
@@ -48,7 +48,7 @@ impl Runner {
         }
     }
 
-    /// The same integrator begins again in `state` at `t` \[s\] under `model`.
+    /// Restarts the same integrator in `state` at `t` \[s\] under `model`.
     pub fn restart(&mut self, model: &Arc<Model>, state: BodyState, t: f64) {
         let (integrator, totals) = (self.driver.integrator, self.driver.totals);
         self.driver = Driver::new(state, integrator).at_time(t);
@@ -58,7 +58,7 @@ impl Runner {
         self.diverged = None;
     }
 
-    /// The setup's impulses up to `until` \[s\]; returns whether there were any.
+    /// Applies the setup's impulses up to `until` \[s\]. Returns `true` if there were any.
     pub fn take_impulses(&mut self, impulses: &[TimedImpulse], until: f64) -> bool {
         let first = self.next_impulse;
         while let Some(i) = impulses.get(self.next_impulse).filter(|i| i.t <= until) {
@@ -71,7 +71,7 @@ impl Runner {
         self.next_impulse > first
     }
 
-    /// Something is done to the box.
+    /// Applies a change to the box or its model.
     pub fn change(&mut self, change: &Change) {
         let (model, before) = (self.model.clone(), self.driver.state);
         match change {
@@ -89,8 +89,8 @@ impl Runner {
             .input((&model, &before), (&self.model, &self.driver.state));
     }
 
-    /// One step of `h` \[s\], unless it was given up before; returns whether it goes on. One that is given up stays
-    /// at its last state before that.
+    /// Takes one step of `h` \[s\], unless the run has diverged. Returns `true` if the run continues. A diverged run
+    /// keeps its last state before the divergence.
     pub fn step(&mut self, h: f64) -> bool {
         if self.diverged.is_some() {
             return false;
@@ -113,14 +113,13 @@ impl Runner {
         self.diverged.is_none()
     }
 
-    /// Its status now.
+    /// The current status.
     pub fn status(&self) -> Status {
         Status::of(&self.driver.state, self.driver.contacts(), self.diverged)
     }
 }
 
-/// The error of one step of `h` \[s\] alone: from the reference's state at its beginning, against the reference at its
-/// end.
+/// The error of a single step of `h` \[s\] that starts in the reference's state, relative to the reference at its end.
 pub fn local_error(
     integrator: Integrator,
     model: &Model,

@@ -9,27 +9,26 @@ use crate::view::SceneView;
 /// A named scene with its lesson and hints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// As typed: lower case, hyphens.
+    /// Identifier: lower case with hyphens.
     pub id: &'static str,
-    /// As shown in a menu.
+    /// Title in the menu.
     pub title: &'static str,
-    /// What there is to see, in one or two sentences.
+    /// What the scene shows, in one or two sentences.
     pub lesson: &'static str,
-    /// What to try.
+    /// Suggestions for the user.
     pub hints: [&'static str; 2],
     /// Body, start, forces, floor, impulses, duration.
     pub setup: Setup,
-    /// Ids of the integrators worth comparing here, the interesting one first.
+    /// Ids of the integrators worth comparing here, the most interesting one first.
     pub recommended: &'static [&'static str],
-    /// How many boxes the game shows: 1, except in scenes about load.
+    /// Number of boxes in the game; 1, except in load tests.
     pub boxes: u32,
     /// Camera and plot.
     pub view: SceneView,
 }
 
 impl Scenario {
-    /// The reference solution. Computing it may take some milliseconds; looking it up afterwards,
-    /// microseconds.
+    /// The reference solution. Computing it may take some milliseconds; evaluating it takes microseconds.
     pub fn reference(&self) -> ReferenceSolution {
         self.setup.reference()
     }

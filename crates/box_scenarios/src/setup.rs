@@ -1,4 +1,4 @@
-//! A setup: a body, its start, its forces, floor and impulses, and a duration.
+//! A setup: a body, its start, forces, floor and impulses, and a duration.
 
 use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
@@ -10,23 +10,23 @@ use serde::{Deserialize, Serialize};
 use crate::forces::{ForceSet, coefficient};
 use crate::limits;
 
-/// The floor of a scene: the plane y = `height`, and perhaps walls around it.
+/// The floor of a scene: the plane y = `height`, optionally with walls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FloorSpec {
-    /// Where the plane lies, y \[m\].
+    /// Height of the plane, y \[m\].
     #[serde(deserialize_with = "limits::any")]
     pub height: f64,
     /// Newton's restitution e, 0 to 1: speed after over speed before.
     #[serde(deserialize_with = "limits::share")]
     pub restitution: f64,
-    /// How an impact is limited in energy.
+    /// The restitution law, which limits the energy of an impact.
     #[serde(default, skip_serializing_if = "is_default")]
     pub restitution_law: RestitutionLaw,
     /// Coulomb's friction µ, ≥ 0.
     #[serde(deserialize_with = "limits::coefficient")]
     pub friction: f64,
-    /// A tray: four walls of the same surface, at x and z = ± this \[m\], 0 without.
+    /// Half-width of a tray \[m\]: four walls of the same surface at x and z = ± this value; 0 for no walls.
     #[serde(
         default,
         skip_serializing_if = "is_zero",
@@ -55,12 +55,12 @@ impl FloorSpec {
         }
     }
 
-    /// The same in a tray with walls `tray` \[m\] from its middle.
+    /// Adds a tray with walls at the distance `tray` \[m\] from its middle.
     pub const fn in_tray(self, tray: f64) -> Self {
         Self { tray, ..self }
     }
 
-    /// The walls.
+    /// The walls of the tray.
     pub fn walls(&self) -> Vec<StaticPlane> {
         let sides = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z];
         let wall = |normal: DVec3| {
@@ -107,13 +107,13 @@ impl FloorSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimedImpulse {
-    /// When \[s\].
+    /// Time \[s\].
     #[serde(deserialize_with = "limits::coefficient")]
     pub t: f64,
-    /// J \[N s\], world axes.
+    /// Impulse J \[N s\], world axes.
     #[serde(deserialize_with = "limits::vector")]
     pub impulse: DVec3,
-    /// Where, body axes from the center of mass \[m\].
+    /// Point of application, body axes from the center of mass \[m\].
     #[serde(deserialize_with = "limits::vector")]
     pub body_point: DVec3,
 }
@@ -123,7 +123,7 @@ pub struct TimedImpulse {
 pub struct Setup {
     /// The box.
     pub body: RigidBox,
-    /// Its state at t = 0.
+    /// State of the box at t = 0.
     pub initial: BodyState,
     /// The forces on it.
     pub forces: ForceSet,
@@ -131,12 +131,12 @@ pub struct Setup {
     pub floor: Option<FloorSpec>,
     /// Impulses, in order of time.
     pub impulses: Vec<TimedImpulse>,
-    /// How long it is worth watching \[s\].
+    /// Duration of the scene \[s\].
     pub duration: f64,
 }
 
 impl Setup {
-    /// A body in free flight for `duration` \[s\] under `forces`, no floor, no impulses.
+    /// A body in free flight for `duration` \[s\] under `forces`, without floor and impulses.
     pub fn new(body: RigidBox, initial: BodyState, forces: ForceSet, duration: f64) -> Self {
         Self {
             body,
@@ -148,27 +148,27 @@ impl Setup {
         }
     }
 
-    /// The same over a floor.
+    /// Adds a floor.
     #[must_use]
     pub fn with_floor(mut self, floor: FloorSpec) -> Self {
         self.floor = Some(floor);
         self
     }
 
-    /// The same with impulses.
+    /// Sets the impulses.
     #[must_use]
     pub fn with_impulses(mut self, impulses: Vec<TimedImpulse>) -> Self {
         self.impulses = impulses;
         self
     }
 
-    /// Kinetic and potential energy of `state` under these forces \[J\].
+    /// Kinetic plus potential energy of `state` under these forces \[J\].
     pub fn energy(&self, state: &BodyState) -> f64 {
         box_physics::energy::total_energy(&self.body, state, &self.forces.forces(&self.body))
     }
 
-    /// Whether the energy is constant: conservative forces, no impulses, and a floor only if it takes
-    /// nothing (e = 1, µ = 0).
+    /// Returns `true` if the energy is constant: conservative forces, no impulses, and no floor or one without losses
+    /// (e = 1, µ = 0).
     pub fn conserves_energy(&self) -> bool {
         box_physics::energy::is_conservative(&self.forces.forces(&self.body))
             && self.impulses.is_empty()
@@ -177,12 +177,13 @@ impl Setup {
                 .is_none_or(|f| f.restitution >= 1.0 && f.friction <= 0.0)
     }
 
-    /// The energy at every time \[J\], where it is constant.
+    /// The constant energy \[J\], if it is conserved.
     pub fn conserved_energy(&self) -> Option<f64> {
         self.conserves_energy().then(|| self.energy(&self.initial))
     }
 
-    /// Whether the angular momentum about the center is constant in the world: nothing turns the body.
+    /// Returns `true` if the angular momentum about the center is constant in the world: no torque, impulse or floor
+    /// acts.
     pub fn conserves_angular_momentum(&self) -> bool {
         let d = self.forces.dissipation();
         !self.forces.has_wrench()
@@ -192,7 +193,7 @@ impl Setup {
             && self.floor.is_none()
     }
 
-    /// Checks forces, floor, impulses and duration (body and state are checked where they are made).
+    /// Checks forces, floor, impulses and duration. Body and state are checked on construction.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.

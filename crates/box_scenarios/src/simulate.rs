@@ -1,4 +1,4 @@
-//! The one runner of a setup against a reference.
+//! Runs a setup and compares it with a reference.
 
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
@@ -10,12 +10,12 @@ use crate::run::{End, Plan, run_plan, steps_in};
 use crate::setup::Setup;
 use crate::status::{Divergence, Reason};
 
-/// What a run should have reached at a sample, as far as it is known.
+/// Expected values at a sample, as far as they are known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Expected {
     /// The state.
     pub state: Option<BodyState>,
-    /// The energy \[J\], in the zero of [`Setup::energy`].
+    /// The energy \[J\], with the zero level of [`Setup::energy`].
     pub energy: Option<f64>,
 }
 
@@ -24,29 +24,29 @@ pub struct Expected {
 pub struct Compared<'a> {
     /// Time \[s\].
     pub t: f64,
-    /// The state computed.
+    /// The computed state.
     pub state: &'a BodyState,
-    /// Its error, where the reference is known.
+    /// The error, if the reference is known.
     pub error: Option<StateError>,
 }
 
 /// The result of a run against a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// The largest errors over the samples; 0 in what the reference does not know.
+    /// Largest errors over the samples; 0 for quantities without a reference.
     pub errors: Errors,
     /// Cost.
     pub totals: Totals,
-    /// How it ended.
+    /// How the run ended.
     pub end: End,
-    /// When and why it diverged, if it did; nothing after that counts.
+    /// When and why the run diverged, if it did. Later samples do not count.
     pub diverged: Option<Divergence>,
-    /// The last state that did not diverge.
+    /// The last state before a divergence.
     pub last: BodyState,
 }
 
-/// Runs `setup` by `integrator` along `plan`. `expected` gives the
-/// reference at each sample, in order of time; `look` sees each sample and returns whether to go on.
+/// Runs `setup` with `integrator` along `plan`. `expected` returns the reference at each sample, in order of time.
+/// `look` receives each sample and returns whether to continue.
 pub fn compare(
     setup: &Setup,
     integrator: Integrator,
@@ -87,8 +87,8 @@ pub fn compare(
     }
 }
 
-/// Runs `setup` to its end in steps of `dt` \[s\] and compares every step with `reference`. Impulses between
-/// two steps split that step at their time.
+/// Runs `setup` to its end in steps of `dt` \[s\] and compares every step with `reference`. An impulse within a step
+/// splits the step.
 pub fn simulate(
     setup: &Setup,
     reference: &ReferenceSolution,

@@ -7,7 +7,7 @@ use core::fmt;
 pub struct Quantiles(Vec<f64>);
 
 impl Quantiles {
-    /// Of `samples`, in any order.
+    /// Sorts `samples`.
     pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = samples.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -31,7 +31,8 @@ impl Quantiles {
         self.at(0.5)
     }
 
-    /// The mean of the middle half: finer than the median of samples that a coarse clock has rounded.
+    /// The mean of the middle half of the samples. It has a finer resolution than the median if a coarse clock rounds
+    /// the samples.
     pub fn middle(&self) -> f64 {
         let n = self.0.len();
         let half = &self.0[n / 4..(3 * n).div_ceil(4)];
@@ -39,14 +40,14 @@ impl Quantiles {
     }
 }
 
-/// What the errors at several steps say.
+/// Result of fitting an order to errors at several steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fitted {
     /// Error ∝ dtᵖ.
     Order(f64),
     /// Only rounding errors at every step.
     Rounding,
-    /// Too few points between lost and rounding.
+    /// Too few points between lost runs and rounding.
     Unknown,
 }
 
@@ -60,16 +61,18 @@ impl fmt::Display for Fitted {
     }
 }
 
-/// Where errors are no longer proportional to anything: a tenth of a radian or meter, or of the energy.
+/// Errors above this are no longer proportional to a power of the step: a tenth of a radian, of a meter, or of the
+/// energy.
 const LOST: f64 = 0.1;
-/// Errors below this are rounding, summed over ten thousands of steps and stretched by the motion.
+/// Errors below this are rounding errors, summed over tens of thousands of steps and amplified by the motion.
 const ROUNDING: f64 = 1e-10;
-/// A point of the line is this far above the smallest error, which may be rounding.
+/// Factor by which a point must exceed the smallest error, which may be rounding.
 const ABOVE_FLOOR: f64 = 20.0;
 
-/// Fits the order to (dt, error), in any order; a failed run is left out. The line is a least-squares fit
-/// of the logarithms over the errors that are neither lost nor near the smallest, the smaller half of
-/// the steps among them if they are many: order is what holds for small steps.
+/// Fits the order to pairs (dt, error) in any order; failed runs are ignored.
+///
+/// The line is a least-squares fit of the logarithms over the errors that are neither lost nor near the smallest. If
+/// there are many, only the smaller half of the steps is used, because the order is defined for small steps.
 pub fn order(points: &[(f64, f64)]) -> Fitted {
     let mut points: Vec<_> = points
         .iter()
@@ -83,7 +86,7 @@ pub fn order(points: &[(f64, f64)]) -> Fitted {
     if points.iter().all(|p| p.1 < ROUNDING) {
         return Fitted::Rounding;
     }
-    // From the largest step down to the smallest error: what follows it is rounding, growing.
+    // Uses the points from the largest step to the smallest error. Beyond, rounding errors grow.
     let smallest = points
         .iter()
         .enumerate()
@@ -146,7 +149,7 @@ mod tests {
     #[test]
     fn orders_are_found_between_lost_and_rounding() {
         assert!((fitted(|h| 3.0 * h * h) - 2.0).abs() < 1e-9);
-        // Lost at first, rounding at last.
+        // Lost for large steps, rounding for small ones.
         let fourth = |h: f64| (1e4 * h.powi(4)).min(3.0) + 1e-14 / h;
         assert!((fitted(fourth) - 4.0).abs() < 0.1);
         let sixth = |h: f64| h.powi(6) + 1e-14;

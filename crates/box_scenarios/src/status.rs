@@ -1,49 +1,49 @@
-//! What can be said of a trajectory at one moment.
+//! Status of a trajectory at one time.
 
 use core::fmt;
 
 use box_physics::prelude::BodyState;
 
-/// The state of a trajectory, for table, panel and log.
+/// Status of a trajectory, for table, panel and log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Status {
-    /// In free flight.
+    /// The box is in free flight.
     #[default]
     Ok,
-    /// At the floor.
+    /// The box touches the floor.
     Contact,
-    /// At the floor, without any motion.
+    /// The box touches the floor and does not move.
     Resting,
-    /// Frozen at its last valid state.
+    /// The box is frozen at its last valid state.
     Quarantined,
-    /// Simulated up to this part of the clock's time, 0 to 1.
+    /// The simulation has reached this fraction of the clock's time, 0 to 1.
     CatchingUp(f64),
-    /// Given up.
+    /// The run was stopped because it diverged.
     Diverged(Divergence),
 }
 
-/// When and why a trajectory was given up.
+/// When and why a trajectory was stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Divergence {
     /// Simulated time \[s\].
     pub t: f64,
-    /// What was wrong.
+    /// The cause.
     pub reason: Reason,
 }
 
-/// What was wrong with a state.
+/// Cause of a divergence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// It is not finite, or beyond the limits of a valid state.
+    /// The state is not finite, or exceeds the limits of a valid state.
     Invalid,
-    /// It has more than twice the energy that it could have been given.
+    /// The kinetic energy exceeds what the body can have been given by more than its largest value so far.
     Energy,
-    /// It is more than a thousand times faster than the reference has been.
+    /// The state is more than a thousand times faster than the reference has been.
     Speed,
 }
 
 impl Status {
-    /// Of a body in `state` with `contacts` corners at the floor.
+    /// The status of a body in `state` with `contacts` corners at the floor.
     pub fn of(state: &BodyState, contacts: u32, diverged: Option<Divergence>) -> Self {
         let still =
             state.velocity == glam::DVec3::ZERO && state.angular_momentum == glam::DVec3::ZERO;
@@ -55,7 +55,7 @@ impl Status {
         }
     }
 
-    /// One word, as in the CSV log.
+    /// Identifier of the status in the CSV log.
     pub const fn id(&self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -67,7 +67,7 @@ impl Status {
         }
     }
 
-    /// Whether the trajectory was given up.
+    /// Returns `true` if the trajectory was stopped.
     pub const fn is_diverged(&self) -> bool {
         matches!(self, Self::Diverged(_))
     }
@@ -77,7 +77,7 @@ impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::CatchingUp(part) => write!(f, "catching up, {:.0} %", 100.0 * part),
-            Self::Diverged(d) => write!(f, "DIVERGED @ t = {:.2} s ({})", d.t, d.reason),
+            Self::Diverged(d) => write!(f, "diverged at t = {:.2} s ({})", d.t, d.reason),
             other => f.write_str(other.id()),
         }
     }

@@ -1,11 +1,9 @@
-//! Step sizes as people write them.
+//! Parsing of step sizes.
 
-/// Reads a step \[s\] from `60hz` (a rate), `1/60` (a fraction) or `0.0166` (seconds, with or without an
-/// `s`).
+/// Parses a step size \[s\] from `60hz` (a rate), `1/60` (a fraction) or `0.0166` (seconds, with or without `s`).
 ///
 /// # Errors
-/// A sentence that says what is allowed, if the text is none of these or the step is not finite and
-/// positive.
+/// A message with the allowed forms, if the text is none of these or the step is not finite and positive.
 ///
 /// ```
 /// use box_scenarios::parse_step;
@@ -26,7 +24,7 @@ pub fn parse_step(text: &str) -> Result<f64, String> {
         .filter(|s| s.is_finite() && *s > 0.0)
         .ok_or_else(|| {
             format!(
-                "a step is a rate (60hz), a fraction (1/60) or seconds (0.0166), finite and positive, but this is '{text}'"
+                "allowed: a finite positive rate (60hz), fraction (1/60) or number of seconds (0.0166); given: '{text}'"
             )
         })
 }

@@ -1,13 +1,13 @@
-//! The look of each integrator in every plot and scene, and its key in the game, by its id: in this one table.
-//! An integrator that has no row gets a spare look, chosen by its id alone, and no key.
+//! Color, dash and marker of each integrator in all plots and scenes, and its key in the game, listed by id in one
+//! table. An integrator without a row gets a spare style, determined by its id, and no key.
 //!
-//! The colors are Okabe and Ito's (2008), distinguishable with every common color blindness; yellow
-//! is spare because it is faint on white. Dash and marker repeat what the color
-//! says, so that nothing depends on color alone.
+//! The colors are those of Okabe and Ito (2008), which are distinguishable with every common form of color blindness.
+//! Yellow is only used for spare styles because it is faint on white. Dash and marker repeat the information of the
+//! color, so that nothing depends on color alone.
 
 use box_physics::integrators::Integrator;
 
-/// A line's dash pattern.
+/// Dash pattern of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Dash {
     /// ────
@@ -20,7 +20,7 @@ pub enum Dash {
     Long,
 }
 
-/// A point's shape.
+/// Shape of a marker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "the names are the shapes")]
 pub enum Marker {
@@ -54,10 +54,10 @@ impl Marker {
     }
 }
 
-/// How one line looks.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Style {
-    /// sRGB, 0 to 255 a channel.
+    /// sRGB color, 0 to 255 per channel.
     pub color: [u8; 3],
     /// Dash pattern.
     pub dash: Dash,
@@ -73,10 +73,10 @@ const SKY: [u8; 3] = [0x56, 0xB4, 0xE9];
 const PURPLE: [u8; 3] = [0xCC, 0x79, 0xA7];
 const YELLOW: [u8; 3] = [0xF0, 0xE4, 0x42];
 
-/// A row: id, key, look.
+/// A row: id, key, style.
 type Row = (&'static str, Option<u8>, Style);
 
-/// By id. Every (color, dash) pair and every (color, marker) pair occurs once, here and in [`SPARE`].
+/// Styles by id. Every (color, dash) pair and every (color, marker) pair occurs once, here and in [`SPARE`].
 const TABLE: &[Row] = {
     use Dash::{Dashed, Dotted, Long, Solid};
     &[
@@ -106,7 +106,7 @@ const TABLE: &[Row] = {
     ]
 };
 
-/// For integrators without a row.
+/// Styles of integrators without a row.
 const SPARE: &[Style] = {
     use Dash::{Dashed, Dotted, Long, Solid};
     &[
@@ -120,7 +120,7 @@ const SPARE: &[Style] = {
     ]
 };
 
-/// A row; key 0 is none.
+/// Creates a row; key 0 means no key.
 const fn row(id: &'static str, key: u8, style: Style) -> Row {
     (id, if key == 0 { None } else { Some(key) }, style)
 }
@@ -137,7 +137,7 @@ fn listed(id: &str) -> Option<&'static Row> {
     TABLE.iter().find(|row| row.0 == id)
 }
 
-/// The look of `integrator`.
+/// The style of `integrator`.
 pub fn style(integrator: Integrator) -> Style {
     by_id(integrator.id())
 }
@@ -146,7 +146,7 @@ fn by_id(id: &str) -> Style {
     listed(id).map_or_else(|| spare(id), |row| row.2)
 }
 
-/// By FNV-1a of the id (Fowler, Noll, Vo), so that it does not depend on which others there are.
+/// Selected by FNV-1a of the id (Fowler, Noll, Vo), so that it does not depend on the other integrators.
 fn spare(id: &str) -> Style {
     let hash = id.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
@@ -154,12 +154,12 @@ fn spare(id: &str) -> Style {
     SPARE[(hash % SPARE.len() as u64) as usize]
 }
 
-/// The digit key that chooses `integrator` in the game, 1 to 9.
+/// The digit key that selects `integrator` in the game, 1 to 9.
 pub fn key(integrator: Integrator) -> Option<u8> {
     listed(integrator.id())?.1
 }
 
-/// The integrator that the digit key `digit` chooses in the game.
+/// The integrator that the digit key `digit` selects in the game.
 pub fn integrator_of_key(digit: u8) -> Option<Integrator> {
     let all = Integrator::ALL.iter().copied();
     all.into_iter().find(|&i| key(i) == Some(digit))
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(integrator_of_key(0), None);
     }
 
-    /// An insertion into the menu recolors nobody: what a look is made of is the id.
+    /// Inserting an integrator into the menu does not change other colors, because a style depends only on the id.
     #[test]
     fn looks_do_not_depend_on_the_place() {
         assert_eq!(by_id("rk4").color, GREEN);

@@ -1,4 +1,4 @@
-//! The slow change of the energy under a long run, separated from its oscillation.
+//! The slow energy change in a long run, separated from its oscillation.
 
 use box_physics::integrators::Integrator;
 
@@ -7,10 +7,11 @@ use crate::forces::ForceSet;
 use crate::model::Model;
 use crate::setup::Setup;
 
-/// The change of the rotational energy of a freely spinning body over `steps` steps of `h` \[s\],
-/// relative to the start: the difference of the means over the last and the first tenth, weighted
-/// smoothly (Hann), so that an oscillation that begins and ends anywhere does not look like a trend.
-/// `None` if the motion is lost. Gravity and other forces of `setup` are left out.
+/// The relative change of the rotational energy of a freely spinning body over `steps` steps of `h` \[s\].
+///
+/// It is the difference between the means over the last and the first tenth. The means have a smooth (Hann) weight, so
+/// that an oscillation with any phase does not look like a trend. Returns `None` if the motion diverges. Gravity and
+/// other forces of `setup` are ignored.
 pub fn energy_trend(setup: &Setup, integrator: Integrator, h: f64, steps: u64) -> Option<f64> {
     let body = &setup.body;
     let free = Model::without_floor(*body, ForceSet::none());
@@ -23,7 +24,7 @@ pub fn energy_trend(setup: &Setup, integrator: Integrator, h: f64, steps: u64) -
             driver.step(&free, h)?;
             let part = (k as f64 + 0.5) / tenth as f64;
             let weight = libm::sin(core::f64::consts::PI * part).powi(2);
-            // Relative to the start before summing: the sum of a million energies would round.
+            // Subtracts the initial energy before summing, because the sum of a million energies would lose digits.
             sum += weight * (driver.state.rotational_energy(body) - start);
             weights += weight;
         }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::limits;
 
-/// The camera when the scene opens, and the plot that is open. Every field has a default.
+/// The initial camera and the open plot of a scene. Every field has a default.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneView {
@@ -16,13 +16,13 @@ pub struct SceneView {
     /// Angle above the horizon \[degrees\], −85 to 85.
     #[serde(deserialize_with = "pitch")]
     pub pitch: f64,
-    /// Distance from the target \[m\]; by default one that shows the box and the floor below it.
+    /// Distance from the target \[m\]; the default shows the box and the floor below it.
     #[serde(deserialize_with = "distance")]
     pub distance: Option<f64>,
-    /// The target of the camera \[m\]; by default the box, or between box and floor.
+    /// Target of the camera \[m\]; the default is the box, or a point between box and floor.
     #[serde(deserialize_with = "limits::optional_vector")]
     pub target: Option<DVec3>,
-    /// The plot worth watching.
+    /// The most interesting plot.
     pub plot: Plot,
 }
 
@@ -56,7 +56,7 @@ impl Default for SceneView {
 }
 
 impl SceneView {
-    /// From `yaw` and `pitch` \[degrees\].
+    /// A view from `yaw` and `pitch` \[degrees\].
     pub const fn from(yaw: f64, pitch: f64) -> Self {
         Self {
             yaw,
@@ -67,7 +67,7 @@ impl SceneView {
         }
     }
 
-    /// The same at `target` \[m\] from `distance` \[m\].
+    /// Sets the target to `target` \[m\] and the distance to `distance` \[m\].
     #[must_use]
     pub const fn at(mut self, target: [f64; 3], distance: f64) -> Self {
         self.target = Some(DVec3::from_array(target));
@@ -75,7 +75,7 @@ impl SceneView {
         self
     }
 
-    /// The same with another plot.
+    /// Sets the plot.
     #[must_use]
     pub const fn with_plot(mut self, plot: Plot) -> Self {
         self.plot = plot;
@@ -83,7 +83,7 @@ impl SceneView {
     }
 }
 
-/// Tab of the drawer.
+/// Tabs of the drawer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Plot {
@@ -92,14 +92,14 @@ pub enum Plot {
     /// Drift of energy and angular momentum over time.
     #[default]
     Energy,
-    /// ns per body-step of every integrator over time.
+    /// Time per body-step \[ns\] of every integrator over time.
     Timing,
     /// CPU use of the process and the system over time.
     Cpu,
-    /// Error against cost.
+    /// Errors against cost.
     #[serde(alias = "work-precision")]
     WorkPrecision,
-    /// Figures of every integrator.
+    /// A table of all values of every integrator.
     Table,
 }
 

@@ -18,8 +18,8 @@ fn snapshot(situation: Situation, n: usize) -> Snapshot {
     Snapshot::new(bodies, &forces, floor, 1.0 / 60.0).expect("bodies")
 }
 
-/// A call is the plugin's steps: the same bits, for one body, few and many, in flight, near the floor, on it, under
-/// gravity alone and with torques, point forces and springs.
+/// A call has the same bits as the steps of the plugin, for one, few and many bodies, in flight, near the floor and on
+/// it, under gravity alone and with torques, point forces and springs.
 #[test]
 fn it_steps_as_the_plugin_does() {
     for situation in [
@@ -35,7 +35,7 @@ fn it_steps_as_the_plugin_does() {
         }
         .with_dipole(DVec3::Y, DVec3::X * 0.3)
         .with_spring(DVec3::splat(0.1), DVec3::Y, 0.1, 0.0);
-        // Fewer and more than are stepped together under forces.
+        // Below and above the number of bodies that are stepped together under forces.
         for n in [1, 9, 40] {
             same_as_the_plugin(situation, n, ForceSet::none());
             same_as_the_plugin(situation, n, forces.clone());
@@ -45,7 +45,7 @@ fn it_steps_as_the_plugin_does() {
 
 fn same_as_the_plugin(situation: Situation, n: usize, forces: ForceSet) {
     let mut snapshot = snapshot(situation, n);
-    // Over the clock's step, which is whole nanoseconds.
+    // The clock's step, which is a whole number of nanoseconds.
     snapshot.h = Duration::from_nanos(16_666_667).as_secs_f64();
     let mut plugin = PluginWorld::new(situation, Integrator::Split, n);
     plugin.restart();
@@ -82,7 +82,8 @@ fn same_as_the_plugin(situation: Situation, n: usize, forces: ForceSet) {
     assert_eq!(states, ours, "{n} bodies: {}", situation.name());
 }
 
-/// Many bodies in flight are stepped in SIMD lanes: cheaper than one by one. Where forces forbid that, they are not.
+/// Many bodies in flight are stepped in SIMD lanes, which is cheaper than one by one. Forces that prevent this increase
+/// the cost.
 #[test]
 fn many_bodies_in_flight_share_lanes() {
     let cost = |n: usize, forces: ForceSet| {
@@ -110,7 +111,7 @@ fn every_integrator_can_be_timed_anywhere() {
             };
             let s = snapshot.sample(i, &shortest);
             assert!(s.nanoseconds > 0.0 && s.nanoseconds.is_finite(), "{i}");
-            // A box at rest is not evaluated.
+            // A box at rest needs no evaluations.
             let moves = situation != Situation::Rest;
             assert!(s.evaluations >= 1.0 || !moves, "{i}: {}", situation.name());
         }

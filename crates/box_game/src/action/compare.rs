@@ -11,7 +11,7 @@ pub enum CompareAction {
     ToggleComparison(Integrator),
     /// Compare with every integrator.
     CompareAll,
-    /// Compare with none.
+    /// Remove all comparisons.
     CompareNone,
     /// Layout of the comparisons.
     SetLayout(Layout),
@@ -21,7 +21,7 @@ pub enum CompareAction {
     ToggleComparisons,
     /// Quantity that is equal for all integrators.
     SetFairness(Fairness),
-    /// Move everything to the reference's state.
+    /// Set the main box and all comparisons to the reference state.
     Resync,
     /// Time span of the plots.
     SetWindow(Window),
@@ -29,7 +29,7 @@ pub enum CompareAction {
     ToggleLogarithmic,
     /// Energy and angular momentum on a logarithmic or a linear axis.
     ToggleLogarithmicEnergy,
-    /// Error since the start, or of each step alone.
+    /// Error since the start, or local error of each step.
     ToggleLocal,
     /// Start the work–precision sweep in the background.
     StartSweep,
@@ -43,12 +43,12 @@ pub enum CompareAction {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
-    /// The main box alone.
+    /// Only the main box.
     Solo,
-    /// All in one place: the main box solid, comparisons translucent.
+    /// All in one place: the main box solid, comparisons as wireframes.
     #[default]
     Overlaid,
-    /// Side by side; only the picture is shifted.
+    /// Side by side; only the drawing is shifted.
     SideBySide,
     /// The main box and the first three comparisons in one view each, from the same place.
     Views,
@@ -57,18 +57,22 @@ pub enum Layout {
 impl Layout {
     /// In the order of the key, with the text of the button and its tooltip.
     pub const ALL: [(Self, &str, &str); 4] = [
-        (Self::Solo, "Solo", "The main box alone (G)."),
+        (Self::Solo, "Solo", "Show only the main box (G)."),
         (
             Self::Overlaid,
             "Overlaid",
-            "All in one place, comparisons as edges (G).",
+            "All in one place, comparisons as wireframes (G).",
         ),
         (
             Self::SideBySide,
             "Side by side",
-            "Side by side; only the picture is shifted (V).",
+            "Side by side; only the drawing is shifted (V).",
         ),
-        (Self::Views, "Views", "One view each, for up to four (V)."),
+        (
+            Self::Views,
+            "Views",
+            "A view for each of up to four integrators (V).",
+        ),
     ];
 
     /// The one after it.
@@ -84,7 +88,7 @@ pub enum Fairness {
     /// The step.
     #[default]
     Step,
-    /// Force evaluations per simulated second: an integrator with four a step takes steps four times as long.
+    /// Force evaluations per simulated second: an integrator with four per step takes steps four times as long.
     Evaluations,
     /// Measured cost per simulated second.
     Cost,
@@ -93,7 +97,11 @@ pub enum Fairness {
 impl Fairness {
     /// In the order of the panel, with the text of the button and its tooltip.
     pub const ALL: [(Self, &str, &str); 3] = [
-        (Self::Step, "equal dt", "Same step for every integrator."),
+        (
+            Self::Step,
+            "equal dt",
+            "Same step size for every integrator.",
+        ),
         (
             Self::Evaluations,
             "equal evaluations",

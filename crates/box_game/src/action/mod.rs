@@ -1,5 +1,5 @@
-//! Everything a person can request. Keys, panel, mouse, command line and scripts all request these; each
-//! feature observes those that are its own, so a test of an action is a test of every way to trigger it.
+//! All actions of the game. Keys, panel, mouse, command line and scripts request them; each feature
+//! observes its own actions, so a test of an action covers every way to trigger it.
 
 pub mod compare;
 
@@ -61,28 +61,28 @@ fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
     }
 }
 
-/// One request.
+/// An action, as keys, panel and scripts request it.
 #[derive(Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
-    /// Simulate every box with this integrator from the next step on; the state is carried over.
+    /// Simulate every box with this integrator from the next step on; the state stays the same.
     SetIntegrator(Integrator),
     /// Pause or resume.
     TogglePause,
     /// Take this many steps (pauses first).
     Step(u32),
-    /// Step this many ticks back (pauses first).
+    /// Step back by this many ticks (pauses first).
     StepBack(u32),
     /// Restart the scene with the current parameters.
     Restart,
     /// Target speed: simulated seconds per second, 0.01 to 4.
     SetSpeed(f64),
-    /// One notch down the speed ladder.
+    /// The next lower speed.
     Slower,
-    /// One notch up the speed ladder.
+    /// The next higher speed.
     Faster,
-    /// Sets a parameter.
+    /// Set a parameter.
     Set(Parameter, f64),
-    /// Restore the scene's own parameters.
+    /// Restore the scene's parameters.
     ResetParameters,
     /// Restore the first scene and every default.
     ResetEverything,
@@ -90,61 +90,61 @@ pub enum Action {
     Undo,
     /// Redo the last undone change.
     Redo,
-    /// This scene, by its id, or by the path of its file.
+    /// Open the scene with this id or in this file.
     SelectScene(String),
-    /// The next scene of the list.
+    /// Open the next scene of the list.
     NextScene,
-    /// The previous scene of the list.
+    /// Open the previous scene of the list.
     PreviousScene,
-    /// An impulse on the main box.
+    /// Apply an impulse to the main box.
     Push(Push),
-    /// An impulse on the main box at a point of its surface.
+    /// Apply an impulse to the main box at a point of its surface.
     Poke(Poke),
     /// Grab the main box at a point, or release it.
     Grab(Option<Hold>),
-    /// In the 2012 scene: a stepper of the dissertation, or the plugin.
+    /// In the 2012 scene: use an integrator of the dissertation, or the plugin.
     SetDemo(#[serde(with = "stepper")] Option<Stepper>),
     /// Start or stop the dissertation's log of cycle times, a text file.
     ToggleDemoLog,
-    /// Draw the re-fitted bounding boxes.
+    /// Show or hide the bounding boxes.
     ToggleAabb,
-    /// Draw contact points, normals and impulses.
+    /// Show or hide contact points, impulses and friction cones.
     ToggleContacts,
-    /// Draw body axes and velocity.
+    /// Show or hide body axes and velocity.
     ToggleAxes,
     /// Start or stop the CSV log.
     ToggleLog,
     /// Save a PNG of the window.
     Screenshot,
-    /// Save it under this name.
+    /// Save a PNG of the window under this name.
     ScreenshotTo(PathBuf),
     /// Save a PNG of the open plot or table alone, under this name or the next free one.
     SavePlot(Option<PathBuf>),
-    /// Film the picture, as animated PNG.
+    /// Save a series of numbered screenshots.
     Record(Film),
     /// Copy the command line that restores this session to the clipboard.
     CopyCommandLine,
     /// Center the view on the main box.
     FrameCamera,
-    /// Reset the view to the scene's own.
+    /// Reset the view to that of the scene.
     HomeCamera,
     /// Place the camera.
     SetCamera(SceneView),
-    /// Scale of the panel, 0.75 to 2.
+    /// Set the scale of the panel, 0.75 to 2.
     SetUiScale(f64),
-    /// Show or hide the list of scenes to search in.
+    /// Show or hide the scene menu.
     TogglePicker,
     /// Show or hide the list of keys.
     ToggleHelp,
-    /// Show or hide the panel; hidden leaves a one-line display.
+    /// Show or hide the panel; when hidden, one line remains.
     TogglePanel,
     /// Show or hide the drawer with the plots.
     TogglePlots,
-    /// Dark or light panel.
+    /// Switch between dark and light panel.
     ToggleTheme,
     /// Choose the plot in the drawer.
     SelectPlot(Plot),
-    /// An action of the comparison.
+    /// Control the comparison.
     Compare(CompareAction),
     /// End the program.
     Quit,
@@ -162,23 +162,23 @@ impl From<CompareAction> for Action {
 pub struct Push {
     /// Direction: a unit vector along ±x, ±y or ±z.
     pub direction: DVec3,
-    /// Along the world's axes instead of the box's own.
+    /// Direction in world axes instead of body axes.
     #[serde(default)]
     pub world: bool,
-    /// At the edge of the face instead of its middle, so that it spins.
+    /// At the edge of the face instead of its center, so that the box spins.
     #[serde(default)]
     pub off_center: bool,
 }
 
-/// A push at a point of the surface, inwards.
+/// An inward push at a point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Poke {
-    /// Where, body axes from the center \[m\].
+    /// Point in body axes, from the center \[m\].
     pub body_point: DVec3,
-    /// Outward normal of the face, body axes; the impulse is against it.
+    /// Outward normal of the face, body axes; the impulse is opposite to it.
     pub normal: DVec3,
-    /// In strengths of the panel.
+    /// Impulse as a multiple of the panel's strength.
     pub strength: f64,
 }
 
@@ -186,21 +186,21 @@ pub struct Poke {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
-    /// The held point, body axes from the center \[m\].
+    /// Held point in body axes, from the center \[m\].
     pub body_point: DVec3,
-    /// The target of that point \[m\].
+    /// Target of that point, world axes \[m\].
     pub anchor: DVec3,
 }
 
-/// A series of numbered pictures.
+/// A series of numbered screenshots.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Film {
-    /// The folder of the pictures `0001.png`, `0002.png`, …; created where it is missing.
+    /// Folder of the screenshots `0001.png`, `0002.png`, …; created if it does not exist.
     pub folder: PathBuf,
-    /// Number of pictures.
+    /// Number of screenshots.
     pub pictures: u32,
-    /// Pictures per second of the program's clock.
+    /// Screenshots per second of the program's clock.
     pub rate: f64,
 }
 
@@ -221,7 +221,7 @@ mod stepper {
             let found = Stepper::ALL.into_iter().find(|s| s.id() == id);
             found.ok_or_else(|| {
                 let ids = Stepper::ALL.map(Stepper::id).join(", ");
-                D::Error::custom(format!("unknown stepper '{id}'; allowed: {ids}"))
+                D::Error::custom(format!("unknown 2012 integrator '{id}'; allowed: {ids}"))
             })
         };
         let id = Option::<String>::deserialize(from)?;

@@ -3,10 +3,14 @@
 pub mod orbit;
 pub mod views;
 
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_egui::EguiPrimaryContextPass;
 
 use crate::interaction::mouse::use_mouse;
+
+/// It needs no look-up tables, which would be a tenth of a browser's download.
+const TONEMAPPING: Tonemapping = Tonemapping::SomewhatBoringDisplayTransform;
 
 /// Spawns and moves the cameras. Needs a renderer and its
 /// [`PictureTarget`](crate::view::renderer::PictureTarget).

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 use box_physics::prelude::{BodyState, Floor};
 use box_scenarios::SceneView;
 
+use super::TONEMAPPING;
 use crate::action::Action;
 use crate::input::focus::UiFocus;
 use crate::interaction::mouse::Hand;
@@ -166,6 +167,7 @@ pub fn spawn_camera(session: Res<Session>, target: Res<PictureTarget>, mut comma
         orbit.transform(),
         target.0.clone(),
         Msaa::Sample4,
+        TONEMAPPING,
     ));
 }
 

@@ -5,6 +5,7 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Viewport};
 use bevy::prelude::*;
 
+use super::TONEMAPPING;
 use super::orbit::OrbitCamera;
 use crate::action::compare::Layout;
 use crate::compare::Comparison;
@@ -134,6 +135,7 @@ pub fn spawn_views(target: Res<PictureTarget>, mut commands: Commands) {
             RenderLayers::from_layers(&[k, COMMON]),
             target.0.clone(),
             Msaa::Sample4,
+            TONEMAPPING,
         ));
     }
 }

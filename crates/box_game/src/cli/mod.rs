@@ -16,24 +16,24 @@ use crate::action::compare::Layout;
 use crate::parameters::Parameter;
 use crate::platform::Need;
 
-/// Push a box around and compare numerical integrators live: speed against error.
+/// Push a box around and compare numerical integrators live, by error and cost.
 ///
-/// Exit codes: 0 ok, 1 run-time error, 2 usage, 3 diverged with --fail-on-divergence, 4 no display or
-/// GPU although a flag asks for one.
+/// Exit codes: 0 success, 1 run-time error, 2 usage error, 3 divergence with --fail-on-divergence,
+/// 4 no display or GPU although an option requires one.
 #[derive(Resource, Parser, Clone, Debug)]
 #[command(name = "box_game", version, verbatim_doc_comment)]
 pub struct Cli {
-    /// The scene to open with (see --list-scenes), or a scene file (assets/scenes/example.ron explains
-    /// the format); throw for --headless.
+    /// Scene to open (see --list-scenes), or a scene file (assets/scenes/example.ron documents the
+    /// format) [default with --headless: throw].
     #[arg(value_parser = parse::scene)]
     pub scene: Option<String>,
 
-    /// Integrators, separated by commas: the first moves the box, the others run beside it; all are compared
-    /// by --headless (default there: every integrator). See --list-integrators.
+    /// Integrators, separated by commas: the first moves the main box, the others are comparisons.
+    /// --headless compares all of them [default there: every integrator]. See --list-integrators.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub integrator: Vec<Integrator>,
 
-    /// Step size, as a rate (60hz), a fraction (1/60) or seconds (0.0166); 0.00052 to 0.5 s.
+    /// Step size as a rate (60hz), a fraction (1/60) or seconds (0.0166); 0.00052 to 0.5 s.
     #[arg(long, value_name = "STEP", default_value = "60hz", value_parser = parse::step)]
     pub dt: f64,
 
@@ -41,7 +41,7 @@ pub struct Cli {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
     pub substeps: u32,
 
-    /// How the integrators are shown together: solo, overlaid (all in one place), side-by-side or views.
+    /// Layout of the comparisons: solo, overlaid (all in one place), side-by-side or views.
     #[arg(
         long,
         value_name = "LAYOUT",
@@ -51,8 +51,8 @@ pub struct Cli {
     )]
     pub layout: Layout,
 
-    /// The tab of the drawer to open with: error, energy, timing, cpu, work-precision (and begin its
-    /// sweep over step sizes) or table [default: the scene's].
+    /// Plot to show: error, energy, timing, cpu, work-precision (also starts its sweep over step
+    /// sizes) or table [default: the scene's].
     #[arg(long, value_name = "TAB", value_parser = parse::plot)]
     pub plot: Option<Plot>,
 
@@ -60,36 +60,36 @@ pub struct Cli {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub boxes: Option<u32>,
 
-    /// Seed of everything random (the attitudes of the load boxes).
+    /// Random seed (for the attitudes of multiple boxes).
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
 
-    /// Simulated seconds, then quit [default: no end; headless: the scene's own].
+    /// Quit after this simulated time in seconds [default: no limit; headless: the scene's duration].
     #[arg(long, value_name = "S", value_parser = parse::duration)]
     pub duration: Option<f64>,
 
-    /// Log to this CSV file from the start.
+    /// Write the CSV log to this file from the start.
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
 
-    /// No window and no GPU: the comparison as a table, and its whole course as CSV (into --log, by
-    /// default comparison.csv in this folder).
+    /// Run the comparison without a window or GPU: print a table and write the time series as CSV
+    /// (to --log, by default comparison.csv in this folder).
     #[arg(long, conflicts_with_all = ["offscreen", "screenshot", "boxes", "frames"])]
     pub headless: bool,
 
-    /// Render without a window (needs a GPU driver, may be a software one); use with --screenshot.
+    /// Render without a window, for --screenshot (needs a GPU driver, hardware or software).
     #[arg(long)]
     pub offscreen: bool,
 
-    /// Frames to draw, then quit.
+    /// Quit after rendering this number of frames.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
 
-    /// Save a picture of the last frame to this PNG, then quit (after --frames, by default 60).
+    /// Save the last frame to this PNG file and quit (after --frames, by default 60).
     #[arg(long, value_name = "FILE", value_parser = parse::png)]
     pub screenshot: Option<PathBuf>,
 
-    /// Size of the window, or of the picture with --offscreen, in pixels.
+    /// Size of the window, or of the image with --offscreen, in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
     pub size: (u32, u32),
 
@@ -97,20 +97,20 @@ pub struct Cli {
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = parse::speed)]
     pub speed: f64,
 
-    /// A parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
+    /// Set a parameter of the scene, for example gravity=1.62; may be repeated. Names: gravity, restitution,
     /// restitution-law (energetic or newton), friction, linear-drag, angular-damping, half-x, half-y, half-z (or half-extents=X,Y,Z), mass, impulse.
     #[arg(long, value_name = "NAME=VALUE", value_parser = parse::setting)]
     pub set: Vec<Setting>,
 
-    /// Play this script of actions (assets/scripts/tour.ron is one).
+    /// Run this script of actions (example: assets/scripts/tour.ron).
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
 
-    /// Neither read nor write the settings file of the user.
+    /// Do not read or write the user's settings file.
     #[arg(long)]
     pub no_settings: bool,
 
-    /// Scale of the panel, 0.75 to 2 [default: as set last].
+    /// Scale of the panel, 0.75 to 2 [default: last used].
     #[arg(long, value_name = "X", value_parser = parse::scale)]
     pub ui_scale: Option<f32>,
 
@@ -126,7 +126,7 @@ pub struct Cli {
     #[arg(long)]
     pub list_integrators: bool,
 
-    /// Internal: find out in a process of its own whether a window and a GPU are to be had.
+    /// Internal: check in a separate process whether a window and a GPU are available.
     #[arg(long, hide = true, value_name = "WHAT")]
     pub probe: Option<Need>,
 }

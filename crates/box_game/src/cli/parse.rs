@@ -15,7 +15,7 @@ pub(super) fn step(text: &str) -> Result<f64, String> {
     let (low, high) = Parameter::Step.info().range;
     let step = box_scenarios::parse_step(text)?;
     let within = (low..=high).contains(&step).then_some(step);
-    within.ok_or_else(|| format!("allowed: {low:.5} to {high} s, but this is {step} s"))
+    within.ok_or_else(|| format!("allowed: {low:.5} to {high} s; given: {step} s"))
 }
 
 pub(super) fn scene(text: &str) -> Result<String, String> {
@@ -45,7 +45,7 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let pixels = |t: &str| t.parse().ok().filter(|n| (320..=7680).contains(n));
     text.split_once(['x', 'X', '×'])
         .and_then(|(w, h)| pixels(w).zip(pixels(h)))
-        .ok_or_else(|| "allowed: width x height, each 320 to 7680, as in 1920x1080".to_owned())
+        .ok_or_else(|| "allowed: WIDTHxHEIGHT, each 320 to 7680, such as 1920x1080".to_owned())
 }
 
 pub(super) fn speed(text: &str) -> Result<f64, String> {
@@ -67,7 +67,7 @@ fn within<T: FromStr + PartialOrd + Display>(text: &str, range: (T, T)) -> Resul
 pub(super) fn setting(text: &str) -> Result<Setting, String> {
     let (name, value) = text
         .split_once('=')
-        .ok_or("allowed: NAME=VALUE, as in gravity=1.62")?;
+        .ok_or("allowed: NAME=VALUE, such as gravity=1.62")?;
     let number = |t: &str| {
         let number = t.trim().parse::<f64>().ok().filter(|v| v.is_finite());
         number.ok_or_else(|| format!("'{t}' is not a number"))
@@ -75,7 +75,7 @@ pub(super) fn setting(text: &str) -> Result<Setting, String> {
     if name.trim() == "half-extents" {
         let sizes: Vec<f64> = value.split(',').map(number).collect::<Result<_, _>>()?;
         if sizes.len() != 3 {
-            return Err("half-extents: three numbers, as in 0.5,0.25,0.125".to_owned());
+            return Err("half-extents: allowed: three numbers, such as 0.5,0.25,0.125".to_owned());
         }
         let axes = [Parameter::HalfX, Parameter::HalfY, Parameter::HalfZ];
         return Ok(Setting(axes.into_iter().zip(sizes).collect()));

@@ -125,7 +125,7 @@ fn end(
             exit.write(code);
         }
         Some(since) if *frames > since + 600 => {
-            error!("the picture {} was not written", path.display());
+            error!("screenshot {} was not written", path.display());
             exit.write(AppExit::from_code(1));
         }
         Some(_) => {}

@@ -83,7 +83,7 @@ pub(crate) fn copy_plot(world: &mut World) {
     let said = match world.get_resource_mut::<Clipboard>() {
         Some(mut clipboard) => match clipboard.set_text(text) {
             Ok(()) => format!("copied {rows} rows as CSV"),
-            Err(error) => format!("nothing copied: {error:?}"),
+            Err(_) => "nothing copied: the clipboard is not available".to_owned(),
         },
         None => "nothing copied: there is no clipboard".to_owned(),
     };

@@ -77,7 +77,7 @@ pub(crate) fn compare_view(
     let ideal = |f: Floor| f.restitution >= 1.0 && f.friction <= 0.0;
     view.conservative = run.law.is_conservative() && run.law.floor.is_none_or(ideal);
     if boxes > 1 {
-        view.note = "The trajectories simulate the first box alone, without the load.".to_owned();
+        view.note = "The comparisons simulate only the first box.".to_owned();
     }
     view
 }

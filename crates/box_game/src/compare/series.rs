@@ -53,18 +53,8 @@ impl Quantity {
         match self {
             Self::Position => ("position error [m]", "pos_err_m", 1.0, DISTANCE),
             Self::Attitude => ("attitude error [°]", "rot_err_deg", 1.0, ANGLE),
-            Self::LocalPosition => (
-                "position error of one step [m]",
-                "local_pos_err_m",
-                1.0,
-                DISTANCE,
-            ),
-            Self::LocalAttitude => (
-                "attitude error of one step [°]",
-                "local_rot_err_deg",
-                1.0,
-                ANGLE,
-            ),
+            Self::LocalPosition => ("local position error [m]", "local_pos_err_m", 1.0, DISTANCE),
+            Self::LocalAttitude => ("local attitude error [°]", "local_rot_err_deg", 1.0, ANGLE),
             Self::Energy => ("energy drift [%]", "energy_rel", 100.0, None),
             Self::Momentum => ("|L| drift [%]", "angmom_rel", 100.0, None),
             Self::Direction => ("direction of L [°]", "angmom_dir_deg", 1.0, ANGLE),

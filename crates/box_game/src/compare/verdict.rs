@@ -71,21 +71,21 @@ impl Quality {
     }
 }
 
-/// `flip 2: 0.40 s late`, `88° off`, `exploded at 1.5 s`.
+/// `flip 2 late by 0.40 s`, `88° off`, `diverged at 1.5 s`.
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Right => f.write_str("right"),
+            Self::Right => f.write_str("accurate"),
             Self::Late(n, late) => {
                 let word = if late > 0.0 { "late" } else { "early" };
-                write!(f, "flip {n} {:.2} s {word}", late.abs())
+                write!(f, "flip {n} {word} by {:.2} s", late.abs())
             }
             Self::Turned(angle) => write!(f, "{}° off", short(angle)),
             Self::Away(distance) if distance < 1.0 => {
                 write!(f, "{} cm off", short(100.0 * distance))
             }
             Self::Away(distance) => write!(f, "{} m off", short(distance)),
-            Self::Exploded(t) => write!(f, "exploded at {t:.1} s"),
+            Self::Exploded(t) => write!(f, "diverged at {t:.1} s"),
         }
     }
 }
@@ -151,9 +151,9 @@ pub(crate) fn headline(view: &CompareView) -> String {
     };
     let (distance, angle) = best.worst;
     let error = match quality(best) {
-        Quality::Right if angle.max(distance) < ROUNDING => "right to rounding".to_owned(),
-        Quality::Right if view.attitude => format!("right to {}°", short(angle)),
-        Quality::Right => format!("right to {} m", short(distance)),
+        Quality::Right if angle.max(distance) < ROUNDING => "accurate to rounding".to_owned(),
+        Quality::Right if view.attitude => format!("accurate to {}°", short(angle)),
+        Quality::Right => format!("accurate to {} m", short(distance)),
         other => other.to_string(),
     };
     format!("{first} {}: {error}{price}.", name(best))
@@ -168,13 +168,16 @@ mod tests {
     #[test]
     fn a_word_for_every_quality() {
         let of = |worst, late, attitude| Quality::of(worst, late, Status::Ok, attitude).to_string();
-        assert_eq!(of((0.0, 0.1), None, true), "right");
+        assert_eq!(of((0.0, 0.1), None, true), "accurate");
         assert_eq!(of((0.0, 88.2), None, true), "88° off");
         assert_eq!(of((0.35, 88.2), None, false), "35 cm off");
         assert_eq!(of((3.51, 0.0), None, false), "3.5 m off");
-        assert_eq!(of((0.0, 140.0), Some((2, 0.4)), true), "flip 2 0.40 s late");
+        assert_eq!(
+            of((0.0, 140.0), Some((2, 0.4)), true),
+            "flip 2 late by 0.40 s"
+        );
         let early = of((0.0, 140.0), Some((1, -0.4)), true);
-        assert_eq!(early, "flip 1 0.40 s early");
+        assert_eq!(early, "flip 1 early by 0.40 s");
     }
 
     #[test]
@@ -209,19 +212,19 @@ mod tests {
         euler.now[Quantity::Energy as usize] = 0.33;
         assert_eq!(
             headline(&view),
-            "Semi-implicit Euler: 88° off, energy +33 %. Split: right to rounding, at the same cost."
+            "Semi-implicit Euler: 88° off, energy +33 %. Split: accurate to rounding, at the same cost."
         );
         view.trajectories[2].cost = Some(Cost::of(&[20.0]));
         view.trajectories[2].late = Some((2, 0.4));
         assert_eq!(
             headline(&view),
-            "Semi-implicit Euler: flip 2 0.40 s late, energy +33 %. Split: right to rounding, at 2.5× the cost."
+            "Semi-implicit Euler: flip 2 late by 0.40 s, energy +33 %. Split: accurate to rounding, at 2.5× the cost."
         );
         view.trajectories[2].status = Status::Diverged(box_scenarios::Divergence {
             t: 1.5,
             reason: box_scenarios::Reason::Energy,
         });
-        assert!(headline(&view).starts_with("Semi-implicit Euler: exploded at 1.5 s. Split"));
+        assert!(headline(&view).starts_with("Semi-implicit Euler: diverged at 1.5 s. Split"));
         view.trajectories.clear();
         assert_eq!(headline(&view), "");
     }

@@ -19,13 +19,13 @@ use crate::scene::start::{SceneOpened, SceneStarted};
 /// The scene it belongs to.
 pub const SCENE: &str = "dissertation-2012";
 
-/// Faults of its physics, for the strip.
+/// Faults of its physics. The strip shows each when it happens.
 pub const FAULTS: [&str; 5] = [
-    "gravity moves the position: it falls at 9.81 m/s, straight away and for ever",
-    "a push replaces the one before",
-    "spin grows by α/60 a step whatever the step, without the gyroscopic term, with 0.83 for 1/12 in the inertia",
+    "gravity sets the velocity: the box falls at a constant 9.81 m/s",
+    "a push replaces the previous one",
+    "spin grows by α/60 per step at any step size, without the gyroscopic term, and with 0.83 for 1/12 in the inertia",
     "damping of 0.005 per millisecond stops it within a second",
-    "contact lifts the bounding box out of the floor: no bounce, no friction, a tilted cube stands on its corner",
+    "contact only lifts the bounding box: no bounce, no friction, a tilted cube balances on its corner",
 ];
 
 /// Moves the main box by the demo in its scene.
@@ -40,7 +40,9 @@ impl Plugin for Demo2012Plugin {
                     demo.stepper = Demo2012::default().stepper;
                 }
             })
-            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| demo.state = None)
+            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| {
+                (demo.state, demo.fault, demo.pushes) = (None, 0, 0);
+            })
             .add_systems(
                 PhysicsSchedule,
                 run_cycle
@@ -68,6 +70,10 @@ pub struct Demo2012 {
     pub state: Option<State>,
     /// Time of the last integration cycle \[ns\].
     pub cycle_ns: u64,
+    /// The fault that happened last, of [`FAULTS`].
+    fault: usize,
+    /// Pushes since the start.
+    pushes: u32,
     log: Option<CycleLog>,
 }
 
@@ -77,6 +83,8 @@ impl Default for Demo2012 {
             stepper: Some(Stepper::default()),
             state: None,
             cycle_ns: 0,
+            fault: 0,
+            pushes: 0,
             log: None,
         }
     }
@@ -86,6 +94,11 @@ impl Demo2012 {
     /// The stepper, if it is in charge in `session`'s scene.
     pub fn active(&self, session: &Session) -> Option<Stepper> {
         self.stepper.filter(|_| session.scenario.id == SCENE)
+    }
+
+    /// The fault that happened last.
+    pub fn fault(&self) -> &'static str {
+        FAULTS[self.fault]
     }
 
     /// The file that the cycle times go to.
@@ -148,11 +161,15 @@ fn run_cycle(
     *state = own.body_state(body);
     transform.translation = state.position.as_vec3();
     transform.rotation = state.rotation.as_quat();
-    *aabb = WorldAabb::of(body, &state);
+    let before = core::mem::replace(&mut *aabb, WorldAabb::of(body, &state));
+    let is_over = |aabb: &WorldAabb| floor.is_none_or(|floor| f64::from(aabb.0.min.y) > floor);
+    if is_over(&before) && !is_over(&aabb) {
+        demo.fault = 4;
+    }
     if let Some(log) = &mut demo.log
         && let Err(error) = log.write(stepper, demo.cycle_ns)
     {
-        warn!("the log of 2012 ends: {error}");
+        warn!("cycle log closed: {error}");
         demo.log = None;
     }
 }
@@ -165,7 +182,7 @@ fn choose(world: &mut World, stepper: Option<Stepper>) {
         demo.state = main_box.map(|(body, state)| State::new(&body, &state));
     }
     demo.stepper = stepper;
-    let text = stepper.map_or("ours", Stepper::id);
+    let text = stepper.map_or("box_physics", Stepper::id);
     let mut session = world.resource_mut::<Session>();
     session.perturb(format!("2012: {text}"));
 }
@@ -181,7 +198,13 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
     let Some((body, _)) = main_box(world) else {
         return;
     };
-    let mut demo = world.resource_mut::<Demo2012>();
+    let demo = &mut *world.resource_mut::<Demo2012>();
+    demo.fault = match demo.pushes {
+        0 if body_point.cross(impulse) == DVec3::ZERO => 3,
+        0 => 2,
+        _ => 1,
+    };
+    demo.pushes += 1;
     let start = || State::new(&body, &initial);
     let state = demo.state.get_or_insert_with(start);
     Demo::of(&body, None).push(state, Demo::force_for(impulse), body_point);
@@ -191,11 +214,11 @@ pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
 fn toggle_log(world: &mut World) {
     let mut demo = world.resource_mut::<Demo2012>();
     let text = if let Some(CycleLog { path, cycles, .. }) = demo.log.take() {
-        format!("log of 2012 closed: {} ({cycles} cycles)", path.display())
+        format!("cycle log closed: {} ({cycles} cycles)", path.display())
     } else {
         match platform::next_free("cycles-2012", "txt").and_then(CycleLog::create) {
-            Ok(log) => format!("log of 2012: {}", demo.log.insert(log).path.display()),
-            Err(error) => format!("log of 2012: {error}"),
+            Ok(log) => format!("cycle log: {}", demo.log.insert(log).path.display()),
+            Err(error) => format!("cycle log: {error}"),
         }
     };
     world.resource_mut::<Session>().notice(text);

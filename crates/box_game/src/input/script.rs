@@ -73,7 +73,7 @@ fn parse(text: &str) -> Result<Vec<Beat>, String> {
         let at = beat.at;
         if !(at.is_finite() && at >= last) {
             return Err(format!(
-                " beat {k}: at {at}: allowed: finite and not before the beat above"
+                " beat {k}: at {at}: allowed: finite, not before the previous beat"
             ));
         }
         last = at;
@@ -135,7 +135,7 @@ pub fn play(
         if *action == Action::Quit && (pending.0 > 0 || asking) {
             script.waited += 1;
             if script.waited > LONGEST_WAIT {
-                error!("{} pictures were not written", pending.0);
+                error!("{} screenshots were not written", pending.0);
                 exit.write(AppExit::from_code(1));
             }
             return;

@@ -163,8 +163,8 @@ fn step_back(world: &mut World, ticks: u32) {
             let mut session = world.resource_mut::<Session>();
             session.events.push("step back".to_owned());
         }
-        None => world
-            .resource_mut::<Session>()
-            .notice("No earlier step is stored (limit: 2000 steps, 1000 boxes)."),
+        None => world.resource_mut::<Session>().notice(
+            "No earlier step is stored (limits: 2000 steps, 80 000 box states, 1000 boxes).",
+        ),
     }
 }

@@ -59,7 +59,9 @@ pub fn next_free(name: &str, extension: &str) -> io::Result<PathBuf> {
         .find(|path| !exists(path))
         .ok_or_else(|| {
             let last = format!("{name}-9999.{extension}");
-            io::Error::other(format!("{name}-01.{extension} to {last} exist"))
+            io::Error::other(format!(
+                "all names from {name}-01.{extension} to {last} are taken"
+            ))
         })
 }
 

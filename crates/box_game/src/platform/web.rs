@@ -141,7 +141,7 @@ fn open_files(mut actions: ResMut<Actions>, mut session: ResMut<Session>) {
         if with_extension(&path, "ron").is_some() {
             actions.0.push(Action::SelectScene(path));
         } else {
-            session.notice(format!("{path}: a scene file ends in .ron"));
+            session.notice(format!("{path}: not a scene file (.ron)"));
         }
     }
 }
@@ -170,8 +170,8 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
     match need {
         Need::Window => Ok(()),
         Need::Gpu => Err(Unavailable {
-            reason: "A browser has no pictures without a canvas.".to_owned(),
-            advice: "Leave --offscreen away.",
+            reason: "Offscreen rendering is not available in a browser.".to_owned(),
+            advice: "Remove offscreen from the URL.",
         }),
     }
 }
@@ -277,7 +277,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let files = files();
     let Some((_, text)) = files.texts.get(path) else {
-        let text = "not on this page; drop the file on it, or give its address";
+        let text = "no such file; drop it on the page, or give its URL";
         return Err(io::Error::new(io::ErrorKind::NotFound, text));
     };
     let length = text.len().min(usize::try_from(most).unwrap_or(usize::MAX));

@@ -44,7 +44,7 @@ pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut co
         Action::SavePlot(path) => (path.clone(), true),
         Action::Record(film) => {
             if !(film.rate > 0.0 && film.rate.is_finite()) {
-                session.notice(format!("film: rate {}: allowed: above 0", film.rate));
+                session.notice(format!("Record: rate {}: allowed: above 0", film.rate));
                 return;
             }
             commands.insert_resource(Filming {
@@ -85,7 +85,9 @@ pub(crate) fn take_screenshot(
     match path.map_or_else(|| platform::next_free(name, "png"), Ok) {
         Err(error) => capture.session.notice(error.to_string()),
         Ok(_) if request.plot && plot.0.is_empty() => {
-            capture.session.notice("no plot is open; M opens the plots");
+            capture
+                .session
+                .notice("no plot is open; press M to show the plots");
         }
         Ok(path) => capture.picture(request.plot.then_some(plot.0), path, named),
     }
@@ -130,9 +132,9 @@ impl Capture<'_, '_> {
                   mut pending: ResMut<PendingPictures>| {
                 pending.0 = pending.0.saturating_sub(1);
                 match save(&captured.image, area, &path) {
-                    Ok(()) if named => info!("picture: {}", path.display()),
-                    Ok(()) => session.notice(format!("picture: {}", path.display())),
-                    Err(error) => session.notice(format!("picture {}: {error}", path.display())),
+                    Ok(()) if named => info!("screenshot: {}", path.display()),
+                    Ok(()) => session.notice(format!("screenshot: {}", path.display())),
+                    Err(error) => session.notice(format!("screenshot {}: {error}", path.display())),
                 }
             },
         );
@@ -147,7 +149,7 @@ fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
     }
     let mut png = io::Cursor::new(Vec::new());
     let format = ImageFormat::Png.as_image_crate_format();
-    let format = format.ok_or_else(|| io::Error::other("built without PNG"))?;
+    let format = format.ok_or_else(|| io::Error::other("built without PNG support"))?;
     // The alpha of a window has no meaning.
     picture
         .to_rgb8()

@@ -163,7 +163,7 @@ impl SceneLibrary {
         if Scenario::ids().contains(&scene.id) || self.files.iter().any(other) {
             let (file, id) = (path.display(), scene.id);
             return Err(format!(
-                "{file}: id: another scene is called '{id}' already"
+                "{file}: id: '{id}' is already the id of another scene"
             ));
         }
         Ok(scene)
@@ -240,7 +240,7 @@ pub fn watch_scenes(world: &mut World) {
         let title = scene.title;
         open_scene(world, scene, false);
         let mut session = world.resource_mut::<Session>();
-        session.notice(format!("{title}: read again"));
+        session.notice(format!("{title}: reloaded"));
     }
     let mut session = world.resource_mut::<Session>();
     for error in errors.iter().filter(|e| first || !before.contains(e)) {

@@ -157,6 +157,7 @@ fn history(s: &Sources) -> HistoryView {
 fn demo(demo: &Demo2012) -> DemoView {
     DemoView {
         stepper: demo.stepper,
+        fault: demo.fault(),
         cycle_us: demo.cycle_ns as f64 * 1e-3,
         log: demo
             .log()

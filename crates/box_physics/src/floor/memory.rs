@@ -72,12 +72,12 @@ pub(super) struct Rest {
     dissipation: Dissipation,
     wrench: Wrench,
     floor: Floor,
-    /// A fingerprint of all planes, or of one that moves, and the normal for the report, where it rests among several or
-    /// on one that is not the floor.
+    /// A fingerprint of all planes, or of those that carry it, and the normal for the report, where it rests among several
+    /// or on one that is not the floor.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) planes: Option<(u64, DVec3)>,
-    /// Height of the center over the floor, or over a plane that moves \[m\].
-    pub(super) above: f64,
+    /// Height of the center over the floor \[m\].
+    above: f64,
     /// The floor's force at each corner \[N\], for the report.
     pub(super) reaction: [f64; 8],
 }

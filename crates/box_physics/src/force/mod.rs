@@ -5,8 +5,8 @@
 //! L'   = L×ω − γ L − c_ω ω + τ(x, q, v, ω)           body axes, ω = L/I
 //! ```
 //!
-//! The parts are separate because a good integrator treats them separately. The uniform acceleration and the
-//! isotropic dissipation have exact flows. A kick applies the rest, the *wrench*.
+//! The terms are separate because a good integrator treats them separately. The uniform acceleration and the isotropic
+//! dissipation have exact flows. The rest, the *wrench*, is applied as a kick.
 
 mod parts;
 
@@ -114,8 +114,10 @@ impl Dissipation {
     }
 }
 
-/// Dampers at points of a body, each a force −d u at its point, with u the point's velocity. Any number of
-/// them act on the body through ten numbers that do not depend on its pose. Force and torque in body axes:
+/// The combined effect of viscous dampers at points of a body.
+///
+/// Each damper exerts a force −d u at its point, where u is the point's velocity. Any number of them act on the body
+/// through ten numbers that do not depend on its pose. Force and torque in body axes:
 ///
 /// ```text
 /// F = −Σd (v + ω×r),   T = Σ r×F
@@ -161,7 +163,7 @@ impl Damping {
 ///
 /// ```
 /// use box_physics::prelude::*;
-/// /// A rotor that drives the box about its own z axis, weaker the faster it turns.
+/// /// A motor about the box's own z axis, whose torque decreases with the speed.
 /// struct Motor;
 /// impl ForceModel for Motor {
 ///     fn acceleration(&self) -> DVec3 { DVec3::ZERO }
@@ -207,9 +209,9 @@ pub trait ForceModel {
         Wrench::ZERO
     }
 
-    /// The part of [`ForceModel::wrench`] that does not depend on the velocities, for integrators that kick.
-    /// [`ForceModel::damping`] must contain the rest. The default is the whole wrench; such an integrator
-    /// then takes the velocity-dependent part at the current velocity (order 1).
+    /// The part of [`ForceModel::wrench`] that does not depend on the velocities, for integrators that apply it as a
+    /// kick. [`ForceModel::damping`] must contain the rest. The default is the whole wrench; such an integrator then
+    /// evaluates the velocity-dependent part at the current velocity (order 1).
     #[inline(always)]
     fn elastic_wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
         self.wrench(body, state)
@@ -231,20 +233,27 @@ pub trait ForceModel {
         self.elastic_wrench(body, &displaced)
     }
 
-    /// A number that differs whenever [`ForceModel::wrench`] differs, over all parameters other than body and
-    /// state. Multistep integrators compare it and restart when it changes. `None` means unknown and is the
-    /// default for a model with a wrench; they then remember nothing. Mix in your own constant, so that the
-    /// number differs from that of other models ([`fingerprint`]).
+    /// A hash of all parameters of [`ForceModel::wrench`] other than body and state.
+    ///
+    /// Multistep integrators compare it and restart when it changes. `None` means unknown and is the default for a
+    /// model with a wrench; they then keep no history. Mix in a constant of your own, so that the hash differs from
+    /// that of other models ([`fingerprint`]).
     #[inline(always)]
     fn wrench_fingerprint(&self) -> Option<u64> {
         (!self.has_wrench()).then_some(0)
     }
 
-    /// The part of [`ForceModel::wrench`] that [`ForceModel::elastic_wrench`] leaves out, linear in the
-    /// velocities. Constant over a step.
+    /// The velocity-dependent part of [`ForceModel::wrench`], which [`ForceModel::elastic_wrench`] leaves out. It is
+    /// linear in the velocities and constant over a step.
     #[inline(always)]
     fn damping(&self) -> Damping {
         Damping::NONE
+    }
+
+    /// Returns `true` if [`ForceModel::damping`] is nonzero.
+    #[inline(always)]
+    fn has_damping(&self) -> bool {
+        self.damping() != Damping::NONE
     }
 }
 

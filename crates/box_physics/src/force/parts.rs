@@ -21,8 +21,10 @@ pub struct PointForce {
     pub frame: Frame,
 }
 
-/// A spring of zero natural length from a body point to a world anchor, with a damper. The force is −k (x + R
-/// r − anchor) − d u at the point, with u its velocity. A mouse grab is such a spring.
+/// A damped spring of zero natural length from a body point to a world anchor.
+///
+/// The force at the point is −k (x + R r − anchor) − d u, where u is the point's velocity. A mouse grab is such a
+/// spring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -58,7 +60,7 @@ pub struct Spring {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces<'a> {
-    /// Gravity times the body's scale, plus constant force over mass [m/s²].
+    /// Uniform acceleration [m/s²]: gravity times the body's scale, plus constant force divided by mass.
     pub acceleration: DVec3,
     /// Drag and damping.
     pub dissipation: Dissipation,
@@ -91,39 +93,25 @@ impl ForceModel for Forces<'_> {
             && self.world_torque == DVec3::ZERO)
     }
 
+    #[inline(always)]
     fn wrench(&self, body: &RigidBox, state: &BodyState) -> Wrench {
-        let mut total = self.elastic_wrench(body, state);
-        for spring in self.springs.iter().filter(|s| s.damping != 0.0) {
-            let local = state.body_angular_velocity(body).cross(spring.body_point);
-            let force = -spring.damping * (state.velocity + state.rotation * local);
-            total += at_point(state, force, spring.body_point);
+        if self.springs.is_empty() {
+            self.springless(state)
+        } else {
+            self.with_dampers(body, state)
         }
-        total
     }
 
+    #[inline(always)]
     fn elastic_wrench(&self, _body: &RigidBox, state: &BodyState) -> Wrench {
-        let inverse = state.rotation.inverse();
-        let mut total = Wrench {
-            force: DVec3::ZERO,
-            torque: self.body_torque + inverse * self.world_torque,
-        };
-        for p in self.point_forces {
-            let (force, local) = match p.frame {
-                Frame::World => (p.force, inverse * p.force),
-                Frame::Body => (state.rotation * p.force, p.force),
-            };
-            total += Wrench {
-                force,
-                torque: p.body_point.cross(local),
-            };
+        if self.springs.is_empty() {
+            self.springless(state)
+        } else {
+            self.with_springs(state)
         }
-        for s in self.springs {
-            let force = -s.stiffness * (state.point(s.body_point) - s.anchor);
-            total += at_point(state, force, s.body_point);
-        }
-        total
     }
 
+    #[inline(always)]
     fn displaced_wrench(
         &self,
         _body: &RigidBox,
@@ -131,31 +119,11 @@ impl ForceModel for Forces<'_> {
         shift: DVec3,
         turn: DVec3,
     ) -> Wrench {
-        let inverse = state.rotation.inverse();
-        let turned = |v: DVec3| v + v.cross(turn);
-        let mut total = Wrench {
-            force: DVec3::ZERO,
-            torque: self.body_torque + turned(inverse * self.world_torque),
-        };
-        for p in self.point_forces {
-            let (force, local) = match p.frame {
-                Frame::World => (p.force, turned(inverse * p.force)),
-                Frame::Body => (state.rotation * (p.force + turn.cross(p.force)), p.force),
-            };
-            total += Wrench {
-                force,
-                torque: p.body_point.cross(local),
-            };
+        if self.springs.is_empty() {
+            self.displaced_springless(state, turn)
+        } else {
+            self.displaced_with_springs(state, shift, turn)
         }
-        for s in self.springs {
-            let arm = s.body_point + turn.cross(s.body_point);
-            let force = -s.stiffness * (state.point(arm) + shift - s.anchor);
-            total += Wrench {
-                force,
-                torque: s.body_point.cross(turned(inverse * force)),
-            };
-        }
-        total
     }
 
     fn wrench_fingerprint(&self) -> Option<u64> {
@@ -172,7 +140,7 @@ impl ForceModel for Forces<'_> {
         let parts = points
             .chain(springs)
             .flat_map(|(a, b, rest)| a.to_array().into_iter().chain(b.to_array()).chain(rest));
-        // The number of points separates points from springs.
+        // The number of point forces separates them from the springs.
         Some(fingerprint(
             [self.point_forces.len() as f64]
                 .into_iter()
@@ -184,6 +152,102 @@ impl ForceModel for Forces<'_> {
     fn damping(&self) -> Damping {
         let add = |sum: Damping, s: &Spring| sum.with(s.body_point, s.damping);
         self.springs.iter().fold(Damping::NONE, add)
+    }
+
+    #[inline(always)]
+    fn has_damping(&self) -> bool {
+        self.springs.iter().any(|s| s.damping != 0.0)
+    }
+}
+
+/// Without springs a wrench is inlined into the step; with them it is a call, because loops inside a step are slower.
+impl Forces<'_> {
+    #[inline(always)]
+    fn springless(&self, state: &BodyState) -> Wrench {
+        let inverse = state.rotation.inverse();
+        let world_torque = if self.world_torque == DVec3::ZERO {
+            DVec3::ZERO
+        } else {
+            inverse * self.world_torque
+        };
+        let mut total = Wrench {
+            force: DVec3::ZERO,
+            torque: self.body_torque + world_torque,
+        };
+        for p in self.point_forces {
+            let (force, local) = match p.frame {
+                Frame::World => (p.force, inverse * p.force),
+                Frame::Body => (state.rotation * p.force, p.force),
+            };
+            total += Wrench {
+                force,
+                torque: p.body_point.cross(local),
+            };
+        }
+        total
+    }
+
+    #[inline(never)]
+    fn with_springs(&self, state: &BodyState) -> Wrench {
+        let mut total = self.springless(state);
+        for s in self.springs {
+            let force = -s.stiffness * (state.point(s.body_point) - s.anchor);
+            total += at_point(state, force, s.body_point);
+        }
+        total
+    }
+
+    #[inline(never)]
+    fn with_dampers(&self, body: &RigidBox, state: &BodyState) -> Wrench {
+        let mut total = self.with_springs(state);
+        for spring in self.springs.iter().filter(|s| s.damping != 0.0) {
+            let local = state.body_angular_velocity(body).cross(spring.body_point);
+            let force = -spring.damping * (state.velocity + state.rotation * local);
+            total += at_point(state, force, spring.body_point);
+        }
+        total
+    }
+
+    #[inline(always)]
+    fn displaced_springless(&self, state: &BodyState, turn: DVec3) -> Wrench {
+        let inverse = state.rotation.inverse();
+        let turned = |v: DVec3| v + v.cross(turn);
+        let world_torque = if self.world_torque == DVec3::ZERO {
+            DVec3::ZERO
+        } else {
+            turned(inverse * self.world_torque)
+        };
+        let mut total = Wrench {
+            force: DVec3::ZERO,
+            torque: self.body_torque + world_torque,
+        };
+        for p in self.point_forces {
+            let (force, local) = match p.frame {
+                Frame::World => (p.force, turned(inverse * p.force)),
+                Frame::Body => (state.rotation * (p.force + turn.cross(p.force)), p.force),
+            };
+            total += Wrench {
+                force,
+                torque: p.body_point.cross(local),
+            };
+        }
+        total
+    }
+
+    #[inline(never)]
+    fn displaced_with_springs(&self, state: &BodyState, shift: DVec3, turn: DVec3) -> Wrench {
+        let inverse = state.rotation.inverse();
+        let turned = |v: DVec3| v + v.cross(turn);
+        let mut total = self.displaced_springless(state, turn);
+        for s in self.springs {
+            let arm = s.body_point + turn.cross(s.body_point);
+            let force = -s.stiffness * (state.point(arm) + shift - s.anchor);
+            total += Wrench {
+                force,
+                torque: s.body_point.cross(turned(inverse * force)),
+            };
+        }
+        total
     }
 }
 

@@ -115,7 +115,7 @@ fn a_kite_stands_in_the_wind() {
             integrator.step(&body, &mut state, &law, 1.0 / 240.0, &mut memory);
         }
         let off = (state.position - stretch).length();
-        // Those of first order that damp after the kick miss it by the part c h/m.
+        // First-order integrators that damp after the kick miss it by the fraction c h/m.
         let most = stretch.length() * 1.01 * 1.6 / 240.0;
         assert!(
             off < most && state.velocity.length() < 0.02,

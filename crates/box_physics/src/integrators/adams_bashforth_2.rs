@@ -1,4 +1,4 @@
-//! `adams-bashforth-2`: the two-step method of flight simulators, which remembers one derivative.
+//! `adams-bashforth-2`: the two-step method of flight simulators, which stores one derivative.
 
 use super::slope::Slope;
 use super::{
@@ -10,15 +10,14 @@ use crate::force::ForceModel;
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
-/// `y_{n+1} = y_n + h (3/2 f_n − 1/2 f_{n−1})` on (x, q, v, L), the quaternion normalized.
+/// `y_{n+1} = y_n + h (3/2 f_n − 1/2 f_{n−1})` on (x, q, v, L); the quaternion is normalized after each step.
 ///
-/// One evaluation per step for order 2. As in `JSBSim`, the first step takes `f_{−1} = f_0`, which is a step
-/// of Euler's method. The same applies after a change of state, body, forces or step size, and to every step
-/// in contact, because contact changes the forces each time.
+/// The method needs one evaluation per step for order 2. As in `JSBSim`, the first step uses `f_{−1} = f_0`, which
+/// makes it a step of Euler's method. The same holds after a change of state, body, forces or step size, and for every
+/// step in contact, because contact changes the forces in each step.
 ///
-/// On y' = λy the growth factor solves ζ² = (1 + 3z/2) ζ − z/2, z = λh. It is stable for real z down to −1,
-/// half of Euler's range. On the imaginary axis |ζ| ≈ 1 + |z|⁴/4, so every oscillation and every spin gains
-/// energy.
+/// On y' = λy the growth factor ζ solves ζ² = (1 + 3z/2) ζ − z/2, z = λh. The method is stable for real z down to −1,
+/// half of Euler's range. On the imaginary axis |ζ| ≈ 1 + |z|⁴/4, so every oscillation and every spin gains energy.
 pub struct AdamsBashforth2;
 
 /// The derivative at the start of the last step, and the length of that step \[s\].
@@ -71,8 +70,8 @@ impl Integrate for AdamsBashforth2 {
     }
 }
 
-/// Returns `true` if two step sizes are equal up to rounding, because dividing a time into steps gives them
-/// only to rounding.
+/// Returns `true` if two step sizes are equal up to rounding. Dividing a time into steps yields sizes that are equal
+/// only up to rounding.
 #[inline(always)]
 fn same_step(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-12 * b.abs()
@@ -99,7 +98,7 @@ mod tests {
         }
     }
 
-    /// The parabola except for Euler's first step, which is ½ g h² behind.
+    /// A parabola, except that Euler's first step lags by ½ g h².
     #[test]
     fn free_fall() {
         let (v, g, h) = (DVec3::new(3.0, 9.0, 0.0), DVec3::NEG_Y * 9.81, 1.0 / 60.0);

@@ -23,9 +23,9 @@ use crate::state::BodyState;
 /// and L turns about the axis of symmetry: its motion in the body and the energy are then exact. The attitude
 /// has order 1, because it turns by the velocity at the end of the step.
 ///
-/// The rest is as in `engine-newton`: velocities first, damping by implicit factors, drag with its
-/// coefficient at the start of the step. A torque acts first, and k and Ω use the velocity after it, as Avian
-/// orders its systems. The text keeps the velocity before it in k and Ω.
+/// Everything else is as in `engine-newton`: velocities first, damping by implicit factors, and drag with its
+/// coefficient at the start of the step. A torque acts first, and k and Ω use the velocity after it, in the order of
+/// Avian's systems. Spiers's text uses the velocity before it in k and Ω.
 pub struct Avian993;
 
 impl Integrate for Avian993 {
@@ -67,7 +67,7 @@ fn turn_momentum(
     let w = j * l;
     let k = w.cross(l);
     let (square, weighted) = (k.length_squared(), k.dot(j * k));
-    // If k is 0, nothing turns.
+    // If k is 0, L does not turn.
     let rate = if square > 0.0 { weighted / square } else { 0.0 };
     let axis = if square > 0.0 {
         w - rate * l

@@ -1,4 +1,4 @@
-//! `backward-euler`: the true implicit Euler method, which damps every motion.
+//! `backward-euler`: the implicit Euler method, solved to convergence; it damps every motion.
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
@@ -11,16 +11,17 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// All terms are taken at the end of the step and solved to convergence (`implicit_stage`):
+/// Backward Euler: all terms are evaluated at the end of the step, and the equations are solved to convergence
+/// (`implicit_stage`):
 ///
 /// ```text
 /// v₁ = v₀ + h (a − (c₁ + k₂|v₁|) v₁/m + F₁/m),              x₁ = x₀ + h v₁
 /// L₁ = L₀ + h (L₁×ω₁ − γL₁ − c_ω ω₁ + T₁),  ω₁ = L₁/I,       q₁ = q₀∘exp(hω₁)
 /// ```
 ///
-/// R(z) = 1/(1 − z): A- and L-stable. In free rotation ω₁·(L₁ − L₀) = 0 gives 2E₁ = ω₁·L₀ ≤ 2√(E₀E₁), so the
-/// energy never rises. By the same argument |L| never rises. Both fall until the box spins about one axis (23
-/// % of the energy in 10 s for a brick at 60 Hz).
+/// R(z) = 1/(1 − z): A- and L-stable. In free rotation ω₁·(L₁ − L₀) = 0 gives 2E₁ = ω₁·L₀ ≤ 2√(E₀E₁), so the energy
+/// never increases. By the same argument |L| never increases. Both decrease until the box spins about one axis (a brick
+/// at 60 Hz loses 23 % of its energy in 10 s).
 pub struct BackwardEuler;
 
 impl Integrate for BackwardEuler {
@@ -108,7 +109,7 @@ mod tests {
         expect_new_velocities::<BackwardEuler>();
     }
 
-    /// Quadratic drag settles at the terminal speed at any step: k v² = m g.
+    /// With quadratic drag the speed approaches the terminal speed, k v² = m g, at any step.
     #[test]
     fn terminal_speed() {
         let body = RigidBox::cube(1.0, 2.0).expect("valid");

@@ -1,4 +1,4 @@
-//! `buss`: the second-order method of Buss, a turn by the mean angular velocity at constant world momentum.
+//! `buss`: the second-order method of Buss, which rotates by the mean angular velocity at constant world momentum.
 
 use glam::DVec3;
 
@@ -11,14 +11,14 @@ use crate::math::Trigonometry;
 use crate::rotation::{compose, exponential_map_by};
 use crate::state::BodyState;
 
-/// Free rotation by a turn about the mean angular velocity of the step:
+/// Free rotation by the mean angular velocity of the step:
 ///
 /// ```text
 /// ω̄ = ω + h/2 ω'            ω' = I⁻¹(L×ω)
-/// q ← q∘exp(hω̄),  L in the world as it was
+/// q ← q∘exp(hω̄),  L in the world unchanged
 /// ```
 ///
-/// It runs between two half kicks by the forces, as in `velocity-verlet` (the paper is about free bodies).
+/// The rotation is enclosed by two half kicks of the forces, as in `velocity-verlet` (the paper treats free bodies).
 /// The method truncates the Magnus expansion: L in the world is conserved to rounding, the energy is not.
 pub struct Buss;
 
@@ -54,7 +54,7 @@ impl Integrate for Buss {
     }
 }
 
-/// Kick, drift, kick. With `augmented`, the rotation has the additional term of the augmented method.
+/// A step of kick, drift, kick. With `augmented`, the rotation has the additional term of the augmented method.
 #[inline(always)]
 pub(super) fn kick_drift_kick<F: ForceModel>(
     body: &RigidBox,
@@ -75,7 +75,8 @@ pub(super) fn kick_drift_kick<F: ForceModel>(
     half_kick(body, state, force, 0.5 * h);
 }
 
-/// ω̄ of a step from ω and ω'. With `augmented`, it has the additional term of the augmented method.
+/// The mean angular velocity ω̄ of a step from ω and ω'. With `augmented`, it has the additional term of the augmented
+/// method.
 #[inline(always)]
 pub(super) fn mean(w: DVec3, rate: DVec3, h: f64, augmented: bool) -> DVec3 {
     let mean = w + (0.5 * h) * rate;

@@ -9,12 +9,12 @@ use crate::state::BodyState;
 
 /// `buss` with the next commutator of the Magnus expansion: ω̄ = ω + h/2 ω' + h²/12 ω'×ω.
 ///
-/// The other term of the same order, h²/6 ω'', is omitted, so the order stays 2. The error is smaller where
-/// the spin is fast and nearly steady, and larger for a slow tumbling.
+/// The other term of the same order, h²/6 ω'', is omitted, so the order remains 2. The error is smaller for a fast,
+/// nearly steady spin and larger for slow tumbling.
 ///
-/// `JSBSim`'s "Buss 2" is this turn with angular velocities from Adams–Bashforth 4; the paper takes them from
-/// the momentum. On a fast spin that is a hundred times better (a test below), but it does not conserve
-/// momentum.
+/// `JSBSim`'s "Buss 2" is this rotation with angular velocities from Adams–Bashforth 4; the paper computes them from
+/// the angular momentum. For a fast spin that variant is a hundred times more accurate (see the test below), but it
+/// does not conserve angular momentum.
 pub struct BussAugmented;
 
 impl Integrate for BussAugmented {

@@ -14,21 +14,20 @@ use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose, renormalize};
 use crate::state::BodyState;
 
-/// The discrete Moser–Veselov algorithm on modified moments of inertia.
+/// The discrete Moser–Veselov algorithm with modified moments of inertia.
 ///
-/// The algorithm (Moser, Veselov 1991) is an integrable discretization of the free rigid body. It conserves
-/// energy and momentum and moves along the true polhode, but at a speed with an error of O(h²). That speed is
-/// a function of energy and |L| alone. With moments Ĩ chosen by them, the same algorithm moves along the same
-/// curve with an error O(h⁶) (the 2005 and 2006 papers of the sources). In c, the tangent-half-angle vector
-/// of the step's turn:
+/// The algorithm (Moser, Veselov 1991) is an integrable discretization of the free rigid body. It conserves energy and
+/// angular momentum and moves along the true polhode, but at a speed with an error of O(h²). That speed depends only on
+/// energy and |L|. With suitably modified moments Ĩ, the same algorithm moves along the same curve with an error of
+/// O(h⁶) (the 2005 and 2006 papers of the sources). With c, the tangent-half-angle vector of the step's rotation:
 ///
 /// ```text
 /// c_i = (1 + |c|²) b_i + e_i c_j c_k          b_i = (h/2) L_i/Ĩ_i,  e_i = (Ĩ_j − Ĩ_k)/Ĩ_i,  ijk cyclic
-/// q ← q ∘ (c, 1)/√(1 + |c|²),   L turned the other way
+/// q ← q ∘ (c, 1)/√(1 + |c|²),   L rotated backward
 /// ```
 ///
-/// Newton's method solves this equation. The other terms are as in `split`. A step whose turn |ω|h exceeds 1
-/// is a step of `split`, and counted.
+/// This equation is solved by Newton's method. The other terms are as in `split`. A step with |ω|h above 1 is taken by
+/// `split` and counted as a fallback.
 pub struct Dmv6;
 
 impl Integrate for Dmv6 {
@@ -79,7 +78,7 @@ impl Integrate for Dmv6 {
     }
 }
 
-/// The algorithm, or the flow of `split` where it does not apply, counted.
+/// The algorithm, or the flow of `split` where it does not apply; such fallbacks are counted.
 struct MoserVeselov<'a, T> {
     trigonometry: &'a mut T,
     fallbacks: u64,
@@ -95,23 +94,22 @@ impl<T: Trigonometry> FreeRotationFlow for MoserVeselov<'_, T> {
     }
 }
 
-/// Largest |ω|h \[rad\] of a step by this algorithm, with |ω| the largest along the free motion.
+/// Largest |ω|h \[rad\] of a step by this algorithm, with |ω| the maximum along the free motion.
 ///
-/// By experiment (600 000 random boxes of aspects up to 64, and spins), Newton's method converges for every
-/// body up to 1.4. Beyond, it fails for some, because the expansion of the modified moments in h is no longer
-/// valid. Up to 1 the largest error of a single step is 8e-4 rad, compared with 3e-2 for `split`; at 1.4 the
-/// two are equal.
+/// In an experiment with 600 000 random boxes (aspect ratios up to 64) and spins, Newton's method converged for every
+/// body up to 1.4. Above, it fails for some, because the expansion of the modified moments in h is no longer valid. Up
+/// to 1 the largest error of a single step is 8e-4 rad, compared with 3e-2 for `split`; at 1.4 the two are equal.
 const LARGEST_TURN: f64 = 1.0;
 
-/// Tolerance of Newton's method, which is quadratic with a factor of at most about 1 here. After a correction
-/// δ below 3e-9 √|c|, the next would be below 1e-17 |c|. Written as |δ|⁴ ≤ 1e-34 |c|².
+/// Tolerance of Newton's method, which converges quadratically with a factor of at most about 1 here. After a
+/// correction δ below 3e-9 √|c|, the next would be below 1e-17 |c|. Written as |δ|⁴ ≤ 1e-34 |c|².
 const TOLERANCE: f64 = 1e-34;
 
-/// Maximum number of iterations: twice the 5 that any body needs up to the limit.
-const MOST_ITERATIONS: usize = 10;
+/// Maximum number of iterations: twice the 5 that suffice for every body up to the limit.
+const MAX_ITERATIONS: usize = 10;
 
-/// Free rotation over `h` \[s\] by the algorithm, order 6. Returns `false` and leaves `state` unchanged if
-/// the step is too large.
+/// Free rotation over `h` \[s\] by the algorithm, order 6. Returns `false` and leaves `state` unchanged if the step is
+/// too long or the iteration fails.
 #[inline(always)]
 fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
     let l = state.angular_momentum;
@@ -121,8 +119,8 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
     let Some(c) = half_turn(body, l, h) else {
         return false;
     };
-    // L turned by Cayley's rotation of −c. At the solution this equals the usual L_i += (4/h)(Ĩ_j − Ĩ_k) c_j
-    // c_k/(1 + |c|²), but it conserves the world's L for any c.
+    // L rotated by the Cayley map of −c. At the solution this equals the usual L_i += (4/h)(Ĩ_j − Ĩ_k) c_j c_k/(1 +
+    // |c|²), but it conserves the world's L for any c.
     let across = c.cross(l);
     let scale = 2.0 / (1.0 + c.length_squared());
     state.angular_momentum = l + scale * (c.cross(across) - across);
@@ -132,10 +130,10 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
 
 /// The largest |ω|² along the free motion through `l` [rad²/s²].
 ///
-/// For given T and |L|, |ω|² is linear in the square of any one component:
-/// `|ω|² = 2T(J_a + J_c) − J_a J_c|L|² + (J_b − J_a)(J_b − J_c) L_b²`. For the middle axis b the last term is
-/// negative, so |ω|² is largest where L_b is 0, which every motion passes. It is a constant of the motion: a
-/// tumbling body does not switch between this integrator and `split`, forward or backward.
+/// For given T and |L|, |ω|² is linear in the square of any one component: `|ω|² = 2T(J_a + J_c) − J_a J_c|L|² + (J_b −
+/// J_a)(J_b − J_c) L_b²`. For the middle axis b the last term is negative, so |ω|² is largest where L_b is 0, which
+/// occurs in every motion. The maximum is a constant of the motion, so a tumbling body does not alternate between this
+/// integrator and `split`, forward or backward.
 #[inline(always)]
 fn largest_speed_squared(body: &RigidBox, l: DVec3) -> f64 {
     let s = body.splitting();
@@ -143,8 +141,8 @@ fn largest_speed_squared(body: &RigidBox, l: DVec3) -> f64 {
     (body.inverse_inertia() * l).length_squared() - s.alpha * s.beta * middle * middle
 }
 
-/// S and D of the modified moments, `1/Ĩ_i = S/I_i + D`: Hairer and Vilmart 2006 to order 6, with
-/// C = ½h²|L|², H = ½h²L·ω, written in J = 1/I.
+/// Returns S and D of the modified moments, `1/Ĩ_i = S/I_i + D`: Hairer and Vilmart 2006 to order 6, with C = ½h²|L|²,
+/// H = ½h²L·ω, written in J = 1/I.
 #[inline(always)]
 fn modified_moments(body: &RigidBox, l: DVec3, h: f64) -> (f64, f64) {
     let (i, j) = (body.inertia(), body.inverse_inertia());
@@ -165,7 +163,7 @@ fn modified_moments(body: &RigidBox, l: DVec3, h: f64) -> (f64, f64) {
     (s, det * d)
 }
 
-/// The solution c of the equation; `None` if it does not converge.
+/// Solves the equation for c. Returns `None` if the iteration does not converge.
 #[inline(always)]
 fn half_turn(body: &RigidBox, l: DVec3, h: f64) -> Option<DVec3> {
     let (i, j) = (body.inertia(), body.inverse_inertia());
@@ -181,7 +179,7 @@ fn half_turn(body: &RigidBox, l: DVec3, h: f64) -> Option<DVec3> {
     // Two fixed-point sweeps, which cost less than one Newton iteration and save one.
     let sweep = |c: DVec3| (1.0 + c.length_squared()) * b + e * pairs(c);
     let mut c = sweep(sweep(b));
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let f = c - sweep(c);
         let step = newton_correction(b, e, c, f);
         c -= step;
@@ -199,8 +197,7 @@ fn pairs(c: DVec3) -> DVec3 {
     DVec3::new(c.y * c.z, c.z * c.x, c.x * c.y)
 }
 
-/// The solution of (1 − 2b cᵀ − M) δ = f with `M_ij = e_i c_k`, `M_ik = e_i c_j`: Cramer's rule on the
-/// columns.
+/// Solves (1 − 2b cᵀ − M) δ = f with `M_ij = e_i c_k`, `M_ik = e_i c_j` by Cramer's rule on the columns.
 #[inline(always)]
 fn newton_correction(b: DVec3, e: DVec3, c: DVec3, f: DVec3) -> DVec3 {
     let b = -2.0 * b;

@@ -12,7 +12,7 @@ use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
-/// Velocities first, as in those engines:
+/// The gyroscopic step of Bullet and box3d, velocities first:
 ///
 /// ```text
 /// v ← v/(1 + hc/m) + h(a + F/m),  x += h v_new
@@ -20,14 +20,14 @@ use crate::state::BodyState;
 /// ω₁ = ω − (I + h([ω]I − [Iω]))⁻¹ hω×Iω,  q ← q∘exp(hω₁)
 /// ```
 ///
-/// The third line is one Newton step from ω on I(ω₁ − ω) + hω₁×Iω₁ = 0, never iterated, by design. While |ω|h
-/// is small, it dissipates like backward Euler, which it approximates.
+/// The third line is one Newton step from ω on I(ω₁ − ω) + hω₁×Iω₁ = 0; by design it is not iterated. For small |ω|h it
+/// dissipates like backward Euler, which it approximates.
 ///
-/// The matrix is not always regular. Df = ∂(I⁻¹(Iω×ω))/∂ω has real eigenvalues up to |ω| near the middle
-/// axis, where the motion diverges; 1 − hDf is singular if one of them is 1/h. From |ω|h = 1 on, a step close
-/// to that multiplies the energy, by up to 1e9 for random boxes.
+/// The matrix may be singular. Df = ∂(I⁻¹(Iω×ω))/∂ω has real eigenvalues up to |ω| near the middle axis, where the
+/// motion diverges; 1 − hDf is singular if one of them is 1/h. For |ω|h ≥ 1, a step close to that multiplies the
+/// energy, by up to 1e9 for random boxes.
 ///
-/// Damping is box3d's implicit factor on the old velocity alone. Quadratic and angular drag, which no engine
+/// Damping is box3d's implicit factor, applied to the old velocity only. Quadratic and angular drag, which no engine
 /// has, use their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
 pub struct EngineNewton;
 
@@ -67,7 +67,8 @@ impl Integrate for EngineNewton {
     }
 }
 
-/// All but the gyroscopic term and the attitude: the damping by implicit factors, then forces and torques.
+/// Updates everything except the gyroscopic term and the attitude: damping by implicit factors, then forces and
+/// torques.
 #[inline(always)]
 pub(super) fn velocities_first<F: ForceModel>(
     body: &RigidBox,
@@ -93,8 +94,8 @@ pub(super) fn velocities_first<F: ForceModel>(
     state.angular_momentum += h * w.torque;
 }
 
-/// I (I + h([ω]I − [Iω]))⁻¹ hω×Iω, with each row divided by its moment, so that nothing overflows for any
-/// body size. With `α_x = (I_z − I_y)/I_x`, cyclic:
+/// Computes I (I + h([ω]I − [Iω]))⁻¹ hω×Iω. Each row is divided by its moment, so that nothing overflows for any body
+/// size. With `α_x = (I_z − I_y)/I_x`, cyclic:
 ///
 /// ```text
 ///         ⎡  0    α_xω_z  α_xω_y ⎤                    ⎡ α_x ω_yω_z ⎤

@@ -12,20 +12,19 @@ use crate::force::{Dissipation, ForceModel, Wrench};
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
-/// Velocities first, as in those engines:
+/// The gyroscopic step of Jolt, Avian and Rapier, velocities first:
 ///
 /// ```text
 /// L* = (L − hω×L)·|L|/|L − hω×L|,  L ← (L* + hτ)·max(0, 1 − hγ),  q ← q∘exp(hω_new)
 /// v ← (v + h(a + F/m))·max(0, 1 − hc/m),  x += h v_new
 /// ```
 ///
-/// The explicit step L − hω×L is longer than L by √(1 + h²|ω×L|²/|L|²), because the two terms are at right
-/// angles. Rescaling removes that growth and with it the blow-up. The error in direction remains and drives
-/// every spin toward the middle axis: `E → L²/2I_mid`.
+/// The explicit step L − hω×L is longer than L by the factor √(1 + h²|ω×L|²/|L|²), because the two terms are
+/// orthogonal. Rescaling removes that growth and with it the blow-up. The error in direction remains and drives every
+/// spin toward the middle axis: `E → L²/2I_mid`.
 ///
-/// Damping is the clamped factor of Jolt (`ApplyForceTorqueAndDragInternal`). Quadratic and angular drag,
-/// which no engine has, use their coefficient at the start of the step, `c = c₁ + k₂|v|`,
-/// `γ_i = γ + c_ω/I_i`.
+/// Damping is the clamped factor of Jolt (`ApplyForceTorqueAndDragInternal`). Quadratic and angular drag, which no
+/// engine has, use their coefficient at the start of the step, `c = c₁ + k₂|v|`, `γ_i = γ + c_ω/I_i`.
 pub struct EngineRescaled;
 
 impl Integrate for EngineRescaled {

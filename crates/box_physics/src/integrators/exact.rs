@@ -3,8 +3,8 @@
 use super::split;
 use super::trajectory::{FlightForces, Trajectory};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -65,8 +65,7 @@ impl Integrate for Exact {
         memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let d = force.dissipation();
-        if force.has_wrench() || d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
+        if !Self::remembers(force) {
             let evaluations = split::step(body, state, force, h, trigonometry);
             return StepOutcome {
                 fallbacks: 1,
@@ -83,6 +82,25 @@ impl Integrate for Exact {
             }
         }
         StepOutcome::plain(1)
+    }
+
+    #[inline(always)]
+    fn remembers<F: ForceModel>(force: &F) -> bool {
+        let d = force.dissipation();
+        !force.has_wrench() && d.quadratic_drag == 0.0 && d.angular_drag == 0.0
+    }
+
+    const FORCED_IN_LANES: bool = true;
+
+    /// Under a wrench a group steps like one of `split`.
+    fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
+        let fallback = StepOutcome {
+            fallbacks: 1,
+            ..StepOutcome::plain(4)
+        };
+        group.wrench_in_lanes::<Self>(h, fallback, |group, run| {
+            split::chin_in_lanes(group, run, h);
+        })
     }
 }
 

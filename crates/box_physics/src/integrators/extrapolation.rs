@@ -1,10 +1,10 @@
-//! Richardson's extrapolation of a symmetric step of order 2 to order 4: S(½h)² + (S(½h)² − S(h))/3.
+//! Richardson extrapolation of a symmetric step of order 2 to order 4: S(½h)² + (S(½h)² − S(h))/3.
 
 use glam::{DQuat, DVec3};
 
 use crate::state::BodyState;
 
-/// Advances `state` by two half steps. Returns its start and the result of one whole step.
+/// Advances `state` by two half steps. Returns the initial state and the result of one whole step.
 #[inline(always)]
 pub(super) fn halved(
     state: &mut BodyState,
@@ -19,17 +19,18 @@ pub(super) fn halved(
     (start, one)
 }
 
-/// The extrapolated position and velocity, replacing those of the two half steps in `state`.
+/// Replaces position and velocity of the two half steps in `state` by the extrapolated values.
 #[inline(always)]
 pub(super) fn extrapolate_translation(start: &BodyState, one: &BodyState, state: &mut BodyState) {
     state.position += (state.position - one.position) * (1.0 / 3.0);
     state.velocity = extrapolated(start.velocity, one.velocity, state.velocity);
 }
 
-/// The extrapolated velocity or momentum: `start` is the initial value, `one` the result of one step and `two` of
-/// two half steps. If `one` and `two` differ
-/// by more than half of the larger of `start` and `two`, the step is too long to extrapolate and the result is
-/// `two`. The result never reverses a quantity that a flow has damped.
+/// The extrapolated velocity or momentum: `start` is the initial value, `one` the result of one step and `two` of two
+/// half steps.
+///
+/// If `one` and `two` differ by more than half of the larger of `start` and `two`, the step is too long to extrapolate,
+/// and the result is `two`. Extrapolation therefore never reverses a quantity that a flow has damped.
 #[inline(always)]
 fn extrapolated(start: DVec3, one: DVec3, two: DVec3) -> DVec3 {
     let difference = two - one;
@@ -41,7 +42,7 @@ fn extrapolated(start: DVec3, one: DVec3, two: DVec3) -> DVec3 {
     }
 }
 
-/// The same for the attitude and the momentum, replacing the two half steps in `state`.
+/// Replaces attitude and angular momentum of the two half steps in `state` by the extrapolated values.
 #[inline(always)]
 pub(super) fn extrapolate_rotation(start: &BodyState, one: &BodyState, state: &mut BodyState) {
     let near = if one.rotation.dot(state.rotation) < 0.0 {

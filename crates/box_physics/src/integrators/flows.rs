@@ -4,13 +4,13 @@ use glam::DVec3;
 
 use super::damped_kick::{damp, damped_kick};
 use crate::body::RigidBox;
-use crate::force::{Damping, Dissipation, ForceModel};
+use crate::force::{Dissipation, ForceModel};
 use crate::free_motion::free_rotation_by;
 use crate::math::{AnyArgument, Exponential, Trigonometry, exp};
 use crate::state::BodyState;
 use crate::translation::{exponential_step, quadratic_drag_flow};
 
-/// A flow of the free rotation, which distinguishes the integrators composed of these flows. (A trait, not a
+/// A flow of the free rotation. The integrators composed of the flows of this module differ in it. (A trait, not a
 /// closure: a closure cannot be marked `#[inline(always)]` and would prevent vectorization over many bodies.)
 pub(crate) trait FreeRotationFlow {
     /// Advances the free rotation over `h` \[s\].
@@ -27,7 +27,7 @@ impl<T: Trigonometry> FreeRotationFlow for ExactRotation<'_, T> {
     }
 }
 
-/// Kick, drift, kick (Strang) with a given flow of the free rotation, or [`damped_step`]. Returns the number
+/// A step of kick, drift, kick (Strang) with a given flow of the free rotation, or [`damped_step`]. Returns the number
 /// of force evaluations.
 #[inline(always)]
 pub(crate) fn kick_drift_kick<F: ForceModel>(
@@ -50,10 +50,10 @@ pub(crate) fn kick_drift_kick<F: ForceModel>(
     2
 }
 
-/// The step without contact from which the floor computes the mean velocities of the corners. The initial
-/// wrench moves the body by ½h² of its whole acceleration, as if undamped and at a fixed pose; a floor that
-/// holds the body must bear that wrench. Dampers act on the existing motion only. Order 2; returns the number
-/// of force evaluations.
+/// The step without contact from which the floor computes the mean velocities of the corners. The initial wrench
+/// displaces the body by ½h² times its whole acceleration, as if undamped and at a fixed pose, because a floor that
+/// supports the body must balance that wrench. Dampers act only on the existing motion. Order 2; returns the number of
+/// force evaluations.
 pub(crate) fn impulse_step<F: ForceModel>(
     body: &RigidBox,
     state: &mut BodyState,
@@ -65,7 +65,7 @@ pub(crate) fn impulse_step<F: ForceModel>(
         drift(body, state, force, h, rotation);
         return 1;
     }
-    let damped = force.damping() != Damping::NONE;
+    let damped = force.has_damping();
     if damped {
         damp(body, state, force, 0.5 * h);
     }
@@ -78,13 +78,13 @@ pub(crate) fn impulse_step<F: ForceModel>(
     2
 }
 
-/// A step under a wrench that must be combined with the damping: ½ drift, whole kick, ½ drift, order 2, one
-/// evaluation. A composition that ends with a kick would leave the velocity hF/2m instead of F/d. Returns
-/// `false` if no such step is necessary.
+/// A step under a wrench that must be combined with the damping: ½ drift, whole kick, ½ drift; order 2, one evaluation.
+/// A composition that ends with a kick would leave the velocity hF/2m instead of F/d. Returns `false` if no such step
+/// is necessary.
 ///
-/// With dampers the kick contains all linear damping ([`damped_kick`]) and the weight, and the drifts contain
-/// neither. As d → ∞ the kick ends at the terminal velocity F/d, with which the drifts move the body. If only
-/// the damping of the body itself is fast (rate × step above 1), the drifts contain it exactly.
+/// With dampers, the kick contains all linear damping ([`damped_kick`]) and the weight, and the drifts contain neither.
+/// For d → ∞ the kick ends at the terminal velocity F/d, with which the drifts move the body. If only the body's own
+/// damping is fast (rate × step above 1), the drifts contain it exactly.
 #[inline(always)]
 pub(super) fn damped_step<F: ForceModel>(
     body: &RigidBox,
@@ -95,7 +95,7 @@ pub(super) fn damped_step<F: ForceModel>(
 ) -> bool {
     let d = force.dissipation();
     let half = 0.5 * h;
-    if force.damping() != Damping::NONE {
+    if force.has_damping() {
         let rate = d.quadratic_drag * body.inverse_mass();
         state.velocity = d.in_air(state.velocity, |v| quadratic_drag_flow(v, rate, half));
         state.position += half * state.velocity;
@@ -117,7 +117,7 @@ pub(super) fn damped_step<F: ForceModel>(
     true
 }
 
-/// Applies v += τF/m, L += τT at a fixed pose: one evaluation of the wrench.
+/// Applies v += τF/m, L += τT at a fixed pose, with one evaluation of the wrench.
 #[inline(always)]
 pub(super) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, tau: f64) {
     let w = force.elastic_wrench(body, state);
@@ -125,15 +125,16 @@ pub(super) fn kick<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force:
     state.angular_momentum += tau * w.torque;
 }
 
-/// Chin's modified kick: [`kick`] over τ with the wrench at a pose displaced by that wrench times c \[s²\], to
-/// first order,
+/// Chin's modified kick: a [`kick`] over τ with the wrench at a pose displaced by that wrench times c \[s²\], to first
+/// order:
 ///
 /// ```text
 /// x̃ = x + c F/m,  q̃ = q∘exp(c e),  e = T/I:   v += τ F̃/m,  L += τ (T̃ + c e×T)
 /// ```
 ///
-/// the flow of the kick and its double commutator with the drift (Chin, Phys. Lett. A 226 (1997) 344). The
-/// term e×T comes from body axes (Omelyan, J. Chem. Phys. 127 (2007) 044102). Two evaluations of the wrench.
+/// This is the flow of the kick and its double commutator with the drift (Chin, Phys. Lett. A 226 (1997) 344). The term
+/// e×T arises because torques are in body axes (Omelyan, J. Chem. Phys. 127 (2007) 044102). It takes two evaluations of
+/// the wrench.
 #[inline(always)]
 pub(super) fn modified_kick<F: ForceModel>(
     body: &RigidBox,
@@ -192,7 +193,7 @@ pub(super) fn exact_drift(
     state.angular_momentum *= damping.decay;
 }
 
-/// Quadratic and angular drag by their exact flows over `tau`; L_i ← L_i e^{−c_ω τ/I_i}.
+/// Applies the exact flows of quadratic and angular drag over `tau`; for the latter, L_i ← L_i e^{−c_ω τ/I_i}.
 #[inline(always)]
 pub(super) fn half_dissipation(body: &RigidBox, state: &mut BodyState, d: &Dissipation, tau: f64) {
     if d.quadratic_drag != 0.0 {

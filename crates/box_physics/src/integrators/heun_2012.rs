@@ -10,11 +10,11 @@ use crate::force::{ForceModel, rates};
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
-/// k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new. The angular momentum uses the same formula,
-/// then q ← q∘exp(h ω_new).
+/// k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new. The angular momentum uses the same formula, then q ←
+/// q∘exp(h ω_new).
 ///
-/// The method is explicit: Heun's method on the velocity. Moving the position by the new velocity loses the
-/// second order: under gravity it is ahead by exactly ½ g h t.
+/// The method is explicit: it is Heun's method applied to the velocity. Because the position moves by the new velocity,
+/// the second order is lost: under gravity the position is ahead by exactly ½ g h t.
 pub struct Heun2012;
 
 impl Integrate for Heun2012 {

@@ -1,4 +1,4 @@
-//! `implicit-midpoint`: the implicit midpoint rule, A-stable and conserving.
+//! `implicit-midpoint`: the implicit midpoint rule, which is A-stable and conserves energy and angular momentum.
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
@@ -11,34 +11,34 @@ use crate::math::Trigonometry;
 use crate::rotation::{cayley_map, compose};
 use crate::state::BodyState;
 
-/// The implicit midpoint rule, with Cayley's map for the rotation:
+/// The implicit midpoint rule, with the Cayley map for the rotation:
 ///
 /// ```text
 /// v_m  = v₀ + h/2 (a − (c₁ + k₂|v_m|) v_m/m + F/m),            v₁ = 2v_m − v₀,    x₁ = x₀ + h v_m
 /// Iω_m = L₀ + h/2 (Iω_m×ω_m − γIω_m − c_ω ω_m + T),            L₁ = 2Iω_m − L₀,   q₁ = q₀∘cay(hω_m)
 /// ```
 ///
-/// Free motion: `L₁ − L₀ = h L_m×ω_m` is at right angles to `ω_m` and to `L_m = ½(L₀ + L₁)`, so energy and
-/// |L| do not change. L in the world does not change either, because `cay(hω_m) L₁ = L₀` (that map is
-/// *defined* by v' − v = hω×½(v' + v)).
+/// In free motion `L₁ − L₀ = h L_m×ω_m` is orthogonal to `ω_m` and to `L_m = ½(L₀ + L₁)`, so energy and |L| are
+/// constant. L in the world is constant too, because `cay(hω_m) L₁ = L₀` (the Cayley map is *defined* by v' − v =
+/// hω×½(v' + v)).
 ///
-/// All three hold to rounding, which grows with the turn of a step. For a needle the energy was conserved to
-/// 4e-11 at |ω|h = 2e6 and to 5e-9 at 2e8. From 1e14 on, a turn has no digits left, energy is not conserved,
-/// and the solver occasionally fails. On linear drag R(z) = (1 + z/2)/(1 − z/2): never above 1, but −1 for
-/// z → −∞.
+/// All three hold up to rounding errors, which grow with the rotation per step. For a needle the energy was conserved
+/// to 4e-11 at |ω|h = 2e6 and to 5e-9 at 2e8. From 1e14 on, the rotation angle has no significant digits left, energy
+/// is not conserved, and the solver occasionally fails. With linear drag R(z) = (1 + z/2)/(1 − z/2), which never
+/// exceeds 1 in magnitude but approaches −1 for z → −∞.
 ///
-/// With a wrench the equations are solved together (`implicit_stage`), A-stable on springs. The wrench is the
-/// mean of those at the two attitudes q₀ and q₁ (at `x_m, v_m, ω_m`). The torque is the mean in *world* axes,
-/// converted to body axes as `T = t − h/2 ω_m×t`, `t = q₀*T_w`. Then L₁ = cay⁻¹(L₀ + h t): world torque adds
-/// to the world momentum exactly.
+/// With a wrench the equations are solved together (`implicit_stage`), and the method is A-stable on springs. The
+/// wrench is the mean of those at the two attitudes q₀ and q₁ (at `x_m, v_m, ω_m`). The torque is the mean in *world*
+/// axes, converted to body axes as `T = t − h/2 ω_m×t`, `t = q₀*T_w`. Then L₁ = cay⁻¹(L₀ + h t), so a world torque adds
+/// to the world's angular momentum exactly.
 ///
-/// The chord is R₁r − R₀r = hω×½(R₀ + R₁)r. For springs of zero length and constant world forces at body
-/// points, the work F·Δx + T·hω is therefore exactly the potential that they lose. Energy is conserved with
-/// them too, at any step (Simo and Wong's energy–momentum method).
+/// The displacement of a body point is R₁r − R₀r = hω×½(R₀ + R₁)r. For springs of zero length and constant world forces
+/// at body points, the work F·Δx + T·hω is therefore exactly the potential energy that they lose. Energy is conserved
+/// with them too, at any step (Simo and Wong's energy–momentum method).
 ///
-/// The limit for a very stiff spring at a corner is finding the root. While the box turns by more than about
-/// a radian per step, steps are divided and reported. Beyond √(k/m) h ≈ 100 some become steps of `split`
-/// (`shortened`). A central spring has no limit.
+/// With a very stiff spring at a corner, the solver may not find the root. If the box turns by more than about a radian
+/// per step, steps are divided and reported. Above √(k/m) h ≈ 100, `split` takes some of them (`shortened`). A central
+/// spring has no limit.
 pub struct ImplicitMidpoint;
 
 impl Integrate for ImplicitMidpoint {

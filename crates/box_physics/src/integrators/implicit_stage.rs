@@ -5,9 +5,9 @@
 //! Iω = L₀ + τ (Iω×ω − γ Iω − c_ω ω + T)                  body axes
 //! ```
 //!
-//! F, T is the wrench at the pose and velocities of the stage. For a *given* wrench both equations have a
-//! root that can always be found (`stage_equations`). The unknown of the coupled problem is therefore the
-//! wrench, six numbers; without a wrench there is no unknown.
+//! F, T is the wrench at the pose and velocities of the stage. For a *given* wrench both equations have a root that can
+//! always be found (`stage_equations`). The unknown of the coupled problem is therefore the wrench, six numbers.
+//! Without a wrench there is no unknown.
 
 use glam::DVec3;
 
@@ -20,8 +20,8 @@ use crate::force::{ForceModel, Wrench};
 use crate::math::AnyArgument;
 use crate::state::BodyState;
 
-/// Largest number of parts of a step.
-const MOST_PARTS: u32 = 1024;
+/// Maximum number of parts into which a step is divided.
+const MAX_PARTS: u32 = 1024;
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug)]
@@ -33,10 +33,11 @@ pub(super) enum Attempt {
     Unsolvable,
 }
 
-/// Takes a whole step by `one`, which leaves the state unchanged unless it solves its equations. The
-/// equations may not converge if a stiff spring turns the box by more than a radian per step. The step is
-/// then divided into 4, 16, … 1024 shorter ones, each as stable as the whole, and reported as unconverged. If
-/// that also fails, `split` takes the step, which is reported as a fallback.
+/// Takes a whole step with `one`, which leaves the state unchanged unless it solves its equations.
+///
+/// The equations may not converge if a stiff spring turns the box by more than a radian per step. The step is then
+/// divided into 4, 16, … 1024 shorter ones, each as stable as the whole, and reported as unconverged. If that also
+/// fails, `split` takes the step, which is reported as a fallback.
 #[inline(always)]
 pub(super) fn shortened<F: ForceModel>(
     body: &RigidBox,
@@ -66,7 +67,7 @@ fn in_parts<F: ForceModel>(
     while let Attempt::Unconverged(evaluations) = failed {
         outcome.evaluations += u64::from(evaluations);
         outcome.unconverged = 1;
-        if parts == MOST_PARTS {
+        if parts == MAX_PARTS {
             break;
         }
         parts *= 4;

@@ -37,7 +37,7 @@ impl Channel {
         Self::AngularDrag,
     ];
 
-    /// Heading of the channel.
+    /// Name of the channel, for headings.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gravity => "gravity",
@@ -198,7 +198,7 @@ pub struct Keeps {
 }
 
 impl Keeps {
-    /// The energy as `energy` says; neither angular momentum nor the way back.
+    /// Neither conserves angular momentum nor is reversible; the energy behaves as given.
     pub const fn nothing_else(energy: EnergyBehavior) -> Self {
         Self {
             energy,
@@ -208,7 +208,7 @@ impl Keeps {
         }
     }
 
-    /// The energy as `energy` says, angular momentum, and the way back.
+    /// Conserves angular momentum and is reversible; the energy behaves as given.
     pub const fn all_else(energy: EnergyBehavior) -> Self {
         Self {
             energy,
@@ -226,10 +226,10 @@ pub struct Evaluations {
     pub free: u32,
     /// With a state-dependent force.
     pub forced: u32,
-    /// Maximum number of additional evaluations in a step without enough memory: the first, and after an
+    /// Maximum number of additional evaluations in a step without a complete memory, that is, at the start and after an
     /// external change.
     pub starting: u32,
-    /// `true` if the integrator iterates: then both numbers are per iteration.
+    /// `true` if the integrator iterates; both numbers are then per iteration.
     pub per_iteration: bool,
 }
 
@@ -272,7 +272,7 @@ impl fmt::Display for Evaluations {
     }
 }
 
-/// Section of the menu that lists the integrator, in menu order.
+/// Sections of the menu, in menu order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MenuGroup {
     /// Developed for this library.
@@ -289,9 +289,9 @@ impl MenuGroup {
     /// Heading of the group.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Ours => "Ours",
+            Self::Ours => "box_physics",
             Self::Textbook => "Textbook",
-            Self::Engines => "What engines do",
+            Self::Engines => "Game engines",
             Self::Dissertation2012 => "2012",
         }
     }
@@ -312,7 +312,7 @@ impl MenuGroup {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorInfo {
-    /// Identifier on the command line and in files: lower case, hyphens.
+    /// Identifier on the command line and in files: lower case with hyphens.
     pub id: &'static str,
     /// Display name.
     pub name: &'static str,
@@ -320,7 +320,7 @@ pub struct IntegratorInfo {
     pub group: MenuGroup,
     /// One sentence for a tooltip.
     pub summary: &'static str,
-    /// Author, year, equation.
+    /// Author, year and equation.
     pub source: &'static str,
     /// Order of convergence per channel.
     pub orders: Orders,

@@ -1,4 +1,4 @@
-//! Memory of an integrator about a body between steps.
+//! Per-body memory of an integrator between steps.
 
 use core::any::{Any, TypeId};
 use core::fmt::Debug;
@@ -13,12 +13,14 @@ use crate::ecs::*;
 use crate::force::{Dissipation, ForceModel};
 use crate::state::BodyState;
 
-/// An integrator's memory of one body. Most integrators need none and never access it. The library checks it:
-/// it discards the memory unless state, body and forces match the last step of the integrator bit for bit.
-/// Teleports, impulses and live switching therefore need no notice. An empty memory is always valid.
+/// An integrator's memory of one body.
 ///
-/// To try several steps from one state, copy the memory into a scratch one with
-/// [`clone_from`](Clone::clone_from), which reuses the allocation of the scratch.
+/// Most integrators need none and never access it. The library keeps it consistent: it discards the memory unless
+/// state, body and forces match the last step of the integrator bit for bit. Teleports, impulses and a change of
+/// integrator therefore need no notification. An empty memory is always valid.
+///
+/// To try several steps from one state, copy the memory into a scratch memory with [`clone_from`](Clone::clone_from),
+/// which reuses the allocation of the scratch memory.
 ///
 /// ```
 /// use box_physics::force::Gravity;
@@ -30,7 +32,7 @@ use crate::state::BodyState;
 ///     Integrator::Exact.step(&body, state, &weight, 1.0 / 60.0, memory);
 /// };
 /// step(&mut state, &mut memory);
-/// // To go back and continue to the last bit, keep both.
+/// // To rewind and continue bit for bit, keep both.
 /// let kept = (state, memory.clone());
 /// step(&mut state, &mut memory);
 /// let (mut again, mut memory) = kept;
@@ -143,11 +145,10 @@ impl Situation {
     }
 }
 
-/// The memory of the integrator `S` about the body that it steps.
+/// The memory of the integrator `S` of the body that it steps.
 ///
-/// It is present only if body, state and forces match the last step of `S` bit for bit. The integrator itself
-/// compares the step size. A step that neither recalls nor stores leaves the memory unchanged and valid for
-/// its state.
+/// It is present only if body, state and forces match the last step of `S` bit for bit. The integrator itself must
+/// compare the step size. A step that neither recalls nor stores leaves the memory unchanged and valid for its state.
 pub struct MemorySlot<'a, S: Integrate> {
     /// `None` if nothing can be stored.
     memory: Option<&'a mut IntegratorMemory>,
@@ -157,7 +158,7 @@ pub struct MemorySlot<'a, S: Integrate> {
 }
 
 impl<S: Integrate> MemorySlot<'_, S> {
-    /// A slot that stays empty, for integrators without a memory.
+    /// An empty slot, for integrators without a memory.
     #[inline(always)]
     pub(super) const fn none() -> Self {
         Self {
@@ -168,7 +169,7 @@ impl<S: Integrate> MemorySlot<'_, S> {
         }
     }
 
-    /// Memory of the last step, if this step follows it.
+    /// The memory of the last step, if this step continues it.
     #[inline(always)]
     pub fn recall(&mut self) -> Option<&mut S::Memory> {
         if !self.holds {
@@ -180,8 +181,8 @@ impl<S: Integrate> MemorySlot<'_, S> {
         memory
     }
 
-    /// Stores `memory` until the next step. An integrator that is not on the list of
-    /// [`Integrator`](super::Integrator) cannot store it, so every step is its first.
+    /// Stores `memory` for the next step. An integrator that is not on the list of [`Integrator`](super::Integrator)
+    /// cannot store it, so each of its steps is a first step.
     #[inline(always)]
     pub fn store(&mut self, memory: S::Memory) {
         let (Some(slot), Some(content)) = (&mut self.memory, Content::new::<S>(memory)) else {
@@ -219,7 +220,7 @@ pub trait Saved {}
 #[cfg(not(feature = "serde"))]
 impl<T> Saved for T {}
 
-/// `value` as a `T`, if `S` and `Owner` are the same integrator and therefore the same type.
+/// Returns `value` as a `T`, if `S` and `Owner` are the same integrator, so that the types coincide.
 #[inline(always)]
 pub(super) fn same<S: 'static, Owner: 'static, T: 'static>(value: &mut dyn Any) -> Option<&mut T> {
     if TypeId::of::<S>() == TypeId::of::<Owner>() {

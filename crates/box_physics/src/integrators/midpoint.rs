@@ -10,10 +10,10 @@ use crate::force::ForceModel;
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
-/// k₁ = f(y), k₂ = f(y + h/2 k₁), y += h k₂ on (x, q, v, L), the quaternion normalized after the step.
+/// k₁ = f(y), k₂ = f(y + h/2 k₁), y += h k₂ on (x, q, v, L); the quaternion is normalized after the step.
 ///
-/// On y' = λy a step is R(z) = 1 + z + z²/2, z = λh, so |R(iy)|² = 1 + y⁴/4 > 1. Every undamped oscillation
-/// and every spin gains energy, slowly at small steps.
+/// On y' = λy a step multiplies y by R(z) = 1 + z + z²/2, z = λh, so |R(iy)|² = 1 + y⁴/4 > 1. Every undamped
+/// oscillation and every spin gains energy, slowly at small steps.
 pub struct Midpoint;
 
 impl Integrate for Midpoint {

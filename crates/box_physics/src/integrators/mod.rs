@@ -43,25 +43,26 @@ use crate::state::BodyState;
 
 /// A numerical integrator for translation and rotation.
 ///
-/// An integrator implements one function, [`advance`](Self::advance), for a single body and for SIMD lanes.
+/// One function, [`advance`](Self::advance), serves both a single body and several bodies in SIMD lanes.
 pub trait Integrate: Sized + 'static {
     /// Name, order, cost and properties.
     const INFO: IntegratorInfo;
 
-    /// `true` if a step in free flight branches: on a number, by iterating, or on a memory. Integrators
-    /// without branches step two or four bodies at a time. Selecting one of two numbers is not a branch.
+    /// `true` if a step in free flight branches on a number, iterates, or uses a memory.
+    ///
+    /// Integrators without branches step two or four bodies at a time. Selecting one of two numbers is not a branch.
     /// Neither is a condition that [`Gravity`](crate::force::Gravity) decides at compile time, such as
     /// [`ForceModel::has_wrench`].
     const BRANCHES: bool = false;
 
-    /// Memory of a body from one step to the next; `()` for none.
+    /// Memory of a body between steps; `()` for none.
     type Memory: Remember;
 
     /// Advances `state` by `h` ≠ 0 \[s\] under `force`. A negative `h` runs a reversible integrator backward;
     /// for other integrators it is an ordinary step.
     ///
-    /// Take sines and cosines from `trigonometry`, which has a branch for one body and none for many. Mark
-    /// this function and its callees `#[inline(always)]`: a loop that contains a call is not vectorized.
+    /// Take sines and cosines from `trigonometry`, which branches for one body but not for many. Mark this function and
+    /// its callees `#[inline(always)]`, because a loop that contains a call is not vectorized.
     fn advance<F: ForceModel>(
         body: &RigidBox,
         state: &mut BodyState,
@@ -83,7 +84,7 @@ pub trait Integrate: Sized + 'static {
         if h == 0.0 {
             return StepOutcome::default();
         }
-        if size_of::<Self::Memory>() == 0 {
+        if size_of::<Self::Memory>() == 0 || !Self::remembers(force) {
             let mut none = MemorySlot::none();
             return Self::advance(body, state, force, h, &mut none, &mut AnyArgument);
         }
@@ -92,8 +93,14 @@ pub trait Integrate: Sized + 'static {
         })
     }
 
-    /// Steps the bodies of `group` in free flight: several at a time unless the integrator branches. Each
-    /// result equals that of [`Integrate::step`] under [`Gravity`](crate::force::Gravity) bit for bit.
+    /// Returns `false` if a step under `force` does not use its memory. The memory then is not looked up, and stays the same.
+    #[inline(always)]
+    fn remembers<F: ForceModel>(_force: &F) -> bool {
+        true
+    }
+
+    /// Steps the bodies of `group` in free flight: several at a time unless the integrator branches. Each result has
+    /// the bits of [`Integrate::step`] under [`Gravity`](crate::force::Gravity).
     fn step_group(group: &mut Group<'_>, h: f64) -> StepOutcome {
         const {
             let plain = size_of::<Self::Memory>() == 0 && !Self::INFO.evaluations.per_iteration;
@@ -109,11 +116,10 @@ pub trait Integrate: Sized + 'static {
         }
     }
 
-    /// `true` if [`step_forced`](Self::step_forced) is faster than one step after the other.
+    /// `true` if [`step_forced`](Self::step_forced) is faster than stepping the bodies one by one.
     const FORCED_IN_LANES: bool = false;
 
-    /// Steps the bodies of `group`, each under its own forces. Each result equals that of [`Integrate::step`] bit for
-    /// bit.
+    /// Steps the bodies of `group`, each under its own forces. Each result has the bits of [`Integrate::step`].
     fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
         group.one_by_one::<Self>(0..group.forces.len(), h)
     }
@@ -125,14 +131,14 @@ pub trait Integrate: Sized + 'static {
 pub struct StepOutcome {
     /// Evaluations of the force model.
     pub evaluations: u64,
-    /// Steps handed to `split`, because the integrator does not apply.
+    /// Steps taken by `split` because the integrator was not applicable.
     pub fallbacks: u64,
-    /// Iterations that ended at their cap instead of their tolerance.
+    /// Iterations that reached their maximum number instead of their tolerance.
     pub unconverged: u64,
 }
 
 impl StepOutcome {
-    /// An ordinary step of `evaluations` force evaluations.
+    /// The outcome of an ordinary step with `evaluations` force evaluations.
     #[inline(always)]
     pub const fn plain(evaluations: u32) -> Self {
         Self {
@@ -184,7 +190,7 @@ macro_rules! integrators {
         /// ```
         /// use box_physics::force::Gravity;
         /// use box_physics::prelude::*;
-        /// // A menu, in its order; what was typed; what is shown.
+        /// // The names for a menu; parsing an id; a description.
         /// let menu: Vec<&str> = Integrator::ALL.iter().map(|i| i.name()).collect();
         /// assert_eq!(menu[..2], ["Split", "Exact"]);
         /// let typed: Integrator = "rk4".parse()?;
@@ -214,7 +220,7 @@ macro_rules! integrators {
         }
 
         impl Content {
-            /// The memory of `S`, if this is the memory of `S`.
+            /// The memory of `S`, if this variant belongs to `S`.
             #[inline(always)]
             fn of<S: Integrate>(&mut self) -> Option<&mut S::Memory> {
                 match self {

@@ -1,13 +1,13 @@
 //! A globalized quasi-Newton solver for six equations z = f(z). The implicit integrators use it for forces
 //! that depend on the end of the step.
 
-/// Maximum number of iterations; a stiff spring takes about ten, a soft one four.
+/// Maximum number of iterations. A stiff spring needs about ten, a soft one four.
 const ITERATIONS: u32 = 30;
 /// Smallest fraction of a Newton step that is tried.
 const SMALLEST_STEP: f64 = 1.0 / 64.0;
-/// Contraction of the correction per iteration below which the Jacobian is kept.
+/// The Jacobian is kept while each iteration reduces the correction at least by this factor.
 const KEEP_BELOW: f64 = 0.1;
-/// Forward difference relative to the scale of the unknowns: √ε, where truncation and rounding errors are
+/// Step of the forward differences relative to the scale of the unknowns: √ε, where truncation and rounding errors are
 /// about equal.
 const DIFFERENCE: f64 = 1.5e-8;
 
@@ -17,13 +17,13 @@ pub(super) type Six = [f64; 6];
 /// Scales of the unknowns and of their rounding, in the units of the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
-    /// Size of the other terms in the equations. A correction below 2e-15 of it (and of the unknowns) is
-    /// convergence. So is a correction below 1e-9 of it once the corrections stop falling.
+    /// Size of the other terms in the equations. Convergence is a correction below 2e-15 of it (and of the unknowns),
+    /// or below 1e-9 of it once the corrections no longer decrease.
     pub(super) size: f64,
-    /// Unavoidable rounding error. A correction below a tenth of it is convergence. So is a correction below
-    /// 100 times it once the corrections stop falling.
+    /// Unavoidable rounding error. Convergence is also a correction below a tenth of it, or below 100 times it once the
+    /// corrections no longer decrease.
     pub(super) rounding: f64,
-    /// A change that is small but above rounding. With `size`, it gives the scale of the differences.
+    /// A change that is small but above rounding. Together with `size`, it gives the scale of the differences.
     pub(super) small: f64,
 }
 
@@ -43,19 +43,19 @@ pub(super) struct Root {
     pub(super) z: Six,
     /// Evaluations of f.
     pub(super) evaluations: u32,
-    /// `true` if the tolerance was met within the cap.
+    /// `true` if the tolerance was met within the maximum number of iterations.
     pub(super) converged: bool,
 }
 
-/// Solves z = f(z) from `z`.
+/// Solves z = f(z), starting from `z`.
 ///
-/// With A ≈ 1 − f' and r = z − f(z), the correction is δ = A⁻¹ r. A starts as the identity, so a weak
-/// coupling is a plain fixed-point iteration of one evaluation each. If the next correction (with the same A)
-/// is not ten times smaller, A is recomputed by six forward differences.
+/// With A ≈ 1 − f' and r = z − f(z), the correction is δ = A⁻¹ r. A starts as the identity, so for a weak coupling this
+/// is a plain fixed-point iteration with one evaluation per iteration. If the next correction (with the same A) is not
+/// at least ten times smaller, A is recomputed by six forward differences.
 ///
-/// With a new A the step is halved until the next correction is smaller by 1 − λ/2. This is Deuflhard's
-/// natural monotonicity test (Newton Methods for Nonlinear Problems, 2004, §3.3). It does not depend on the
-/// scaling of the equations, so stiff and soft directions may be mixed.
+/// With a new A the step is halved until the next correction is smaller by the factor 1 − λ/2. This is Deuflhard's
+/// natural monotonicity test (Newton Methods for Nonlinear Problems, 2004, §3.3). It does not depend on the scaling of
+/// the equations, so stiff and soft directions may be mixed.
 pub(super) fn fixed_point(mut z: Six, scales: Scales, mut f: impl FnMut(&Six) -> Six) -> Root {
     let mut evaluations = 1;
     let mut residual = difference(&z, &f(&z));
@@ -222,7 +222,7 @@ mod tests {
         assert!(Lu::new([[f64::NAN; 6]; 6]).is_none());
     }
 
-    /// A weak coupling takes only fixed-point iterations; a strong linear one takes one Jacobian.
+    /// A weak coupling needs only fixed-point iterations; a strong linear one needs one Jacobian.
     #[test]
     fn linear_equations() {
         let root = |slope: f64| fixed_point([0.0; 6], SCALES, |z| z.map(|z| 1.0 + slope * z));

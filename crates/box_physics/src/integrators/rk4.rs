@@ -10,13 +10,13 @@ use crate::force::ForceModel;
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
-/// Classical Runge–Kutta on (x, q, v, L), the quaternion normalized after the step.
+/// The classical Runge–Kutta method on (x, q, v, L); the quaternion is normalized after the step.
 ///
 /// k₁ = f(y), k₂ = f(y + h/2 k₁), k₃ = f(y + h/2 k₂), k₄ = f(y + h k₃),
 /// y += h/6 (k₁ + 2k₂ + 2k₃ + k₄).
 pub struct Rk4;
 
-/// Weight of k₁ and k₄. A multiplication, because a division costs four times as much in SIMD lanes.
+/// Weight of k₁ and k₄. Multiplying by it is faster than a division, which costs four times as much in SIMD lanes.
 const SIXTH: f64 = 1.0 / 6.0;
 
 impl Integrate for Rk4 {
@@ -73,8 +73,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Its own discrete answer: a step multiplies v and L by R(z) = Σ zᵏ/k!, k ≤ 4, and x follows v by
-    /// h (R − 1)/z.
+    /// The discrete solution: a step multiplies v and L by R(z) = Σ zᵏ/k!, k ≤ 4, and x advances by h (R − 1)/z times
+    /// v.
     #[test]
     fn amplification_factor() {
         let (h, z) = (0.1, -0.07);

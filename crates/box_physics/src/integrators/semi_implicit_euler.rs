@@ -12,8 +12,8 @@ use crate::state::BodyState;
 
 /// v += h f(x, v), x += h v; L += h(L×ω + τ), q ← q∘exp(h ω_new).
 ///
-/// Symplectic for forces that depend on position alone. Not symplectic for rotation: the explicit gyroscopic
-/// term adds energy to every tumbling body.
+/// The method is symplectic for forces that depend only on position. It is not symplectic for rotation: the explicit
+/// gyroscopic term adds energy to every tumbling body.
 pub struct SemiImplicitEuler;
 
 impl Integrate for SemiImplicitEuler {

@@ -1,5 +1,5 @@
-//! The time derivative of a whole state, for integrators that apply one formula to all variables, and the turn by a
-//! given angular velocity.
+//! The time derivative of a whole state, for integrators that apply one formula to all variables. Also the rotation by
+//! a given angular velocity.
 
 use glam::{DQuat, DVec3};
 
@@ -32,8 +32,8 @@ impl Slope {
         }
     }
 
-    /// `state` + `h` × this slope. The quaternion is not normalized. Inside a step it differs from a unit
-    /// quaternion by only O(h²), and every order condition holds for the extended field.
+    /// Returns `state` + `h` × this slope. The quaternion is not normalized. Within a step it deviates from unit length
+    /// only by O(h²), and every order condition holds for the field extended to such quaternions.
     #[inline(always)]
     pub(crate) fn from(&self, state: &BodyState, h: f64) -> BodyState {
         BodyState {
@@ -58,7 +58,7 @@ pub(super) fn turn(
     state.renormalize();
 }
 
-/// `l` turned backward: with p the vector part of the turn and w its scalar part, L − 2w p×L + 2p×(p×L).
+/// Rotates `l` backward by `turn`: with p its vector part and w its scalar part, L − 2w p×L + 2p×(p×L).
 #[inline(always)]
 pub(super) fn turned_back(l: DVec3, turn: DQuat) -> DVec3 {
     let across = turn.xyz().cross(l);

@@ -11,7 +11,7 @@ use super::{
     MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Damping, Dissipation, ForceModel};
+use crate::force::{Dissipation, ForceModel};
 use crate::free_motion::free_rotation_by;
 use crate::math::{AnyArgument, Exponential, Trigonometry, exp};
 use crate::state::BodyState;
@@ -75,47 +75,29 @@ impl Integrate for Split {
 
     const FORCED_IN_LANES: bool = true;
 
-    /// Runs of bodies under a wrench alone have their drifts in SIMD lanes.
     fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
-        let (forces, count) = (group.forces, group.forces.len());
-        let composed = |i: usize| {
-            let force = &forces[i];
-            h != 0.0
-                && force.has_wrench()
-                && !force.has_dissipation()
-                && force.damping() == Damping::NONE
-        };
-        let (mut total, mut start) = (StepOutcome::default(), 0);
-        while start < count {
-            let is = composed(start);
-            let end = (start..count).find(|&i| composed(i) != is);
-            let run = start..end.unwrap_or(count);
-            start = run.end;
-            if is {
-                total += StepOutcome::plain(4) * run.len() as u64;
-                chin_in_lanes(group, run, h);
-            } else {
-                total += group.one_by_one::<Self>(run, h);
-            }
-        }
-        total
+        group.wrench_in_lanes::<Self>(h, StepOutcome::plain(4), |group, run| {
+            chin_in_lanes(group, run, h);
+        })
     }
 }
 
 /// [`chin`] without dissipation for many bodies, pass by pass.
 #[inline(never)]
-fn chin_in_lanes<F: ForceModel>(group: &mut ForcedGroup<'_, F>, run: Range<usize>, h: f64) {
+pub(super) fn chin_in_lanes<F: ForceModel>(
+    group: &mut ForcedGroup<'_, F>,
+    run: Range<usize>,
+    h: f64,
+) {
     let end_kick =
         |body: &RigidBox, state: &mut BodyState, force: &F| kick(body, state, force, h / 6.0);
-    group.keeping_valid(run.clone(), |group| {
-        group.kick(run.clone(), end_kick);
-        group.drift::<Split>(run.clone(), 0.5 * h);
-        group.kick(run.clone(), |body, state, force| {
-            modified_kick(body, state, force, h / 1.5, h * h / 24.0);
-        });
-        group.drift::<Split>(run.clone(), 0.5 * h);
-        group.kick(run, end_kick);
+    group.kick(run.clone(), end_kick);
+    group.drift::<Split>(run.clone(), 0.5 * h);
+    group.kick(run.clone(), |body, state, force| {
+        modified_kick(body, state, force, h / 1.5, h * h / 24.0);
     });
+    group.drift::<Split>(run.clone(), 0.5 * h);
+    group.kick(run, end_kick);
 }
 
 /// The step of [`Split`], for integrators that fall back to it. Returns the number of force evaluations.
@@ -145,10 +127,14 @@ pub(super) fn step<F: ForceModel>(
 /// The step with a wrench, in a separate function so that the loop over free bodies stays small.
 #[inline(never)]
 fn forced<F: ForceModel>(body: &RigidBox, state: &mut BodyState, force: &F, h: f64) -> u32 {
+    let d = force.dissipation();
+    if d == Dissipation::NONE && !force.has_damping() {
+        chin(body, state, force, &Dissipation::NONE, h);
+        return 4;
+    }
     if damped_step(body, state, force, h, &mut ExactRotation(&mut AnyArgument)) {
         return 1;
     }
-    let d = force.dissipation();
     if d.quadratic_drag == 0.0 && d.angular_drag == 0.0 {
         chin(body, state, force, &d, h);
         return 4;

@@ -3,11 +3,11 @@
 use super::flows::{FreeRotationFlow, damped_step, drift, exact_drift, half_dissipation, kick};
 use super::split;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Damping, Dissipation, ForceModel};
+use crate::force::{Dissipation, ForceModel};
 use crate::math::Trigonometry;
 use crate::rotation::free_rotation_order4;
 use crate::state::BodyState;
@@ -28,6 +28,12 @@ pub struct Split4;
 const KICKS: [f64; 3] = [0.0829844064174052, 0.396309801498368, -0.0390563049223486];
 /// Fractions of the drifts D₁ D₂; D₃ = ½ − D₁ − D₂ = −0.35.
 const DRIFTS: [f64; 2] = [0.245298957184271, 0.604872665711080];
+/// Fractions of the six kicks before the last, and of the drift that follows each.
+const STAGES: [(f64, f64); 6] = {
+    let ([k1, k2, k3], [d1, d2]) = (KICKS, DRIFTS);
+    let (k4, d3) = (1.0 - 2.0 * (k1 + k2 + k3), 0.5 - (d1 + d2));
+    [(k1, d1), (k2, d2), (k3, d3), (k4, d3), (k3, d2), (k2, d1)]
+};
 /// Largest damping × step of the composition: e^{0.35·20} ε = 2e-13 is still rounding.
 const STIFFEST: f64 = 20.0;
 
@@ -80,22 +86,36 @@ impl Integrate for Split4 {
             };
         }
         let mut order4 = Order4(trigonometry);
-        if force.damping() != Damping::NONE {
+        if force.has_damping() {
             damped_step(body, state, force, h, &mut order4);
             return StepOutcome::plain(1);
         }
         half_dissipation(body, state, &d, 0.5 * h);
-        let [k1, k2, k3] = KICKS;
-        let [d1, d2] = DRIFTS;
-        let (k4, d3) = (1.0 - 2.0 * (k1 + k2 + k3), 0.5 - (d1 + d2));
         let a = force.acceleration();
-        for (k, s) in [(k1, d1), (k2, d2), (k3, d3), (k4, d3), (k3, d2), (k2, d1)] {
+        for (k, s) in STAGES {
             kick(body, state, force, k * h);
             exact_drift(body, state, a, &d, s * h, &mut order4);
         }
-        kick(body, state, force, k1 * h);
+        kick(body, state, force, KICKS[0] * h);
         half_dissipation(body, state, &d, 0.5 * h);
         StepOutcome::plain(7)
+    }
+
+    const FORCED_IN_LANES: bool = true;
+
+    /// Each of the six drifts is thirteen planar turns, one after the other: alone, a body waits for each of them.
+    fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
+        group.wrench_in_lanes::<Self>(h, StepOutcome::plain(7), |group, run| {
+            for (k, s) in STAGES {
+                group.kick(run.clone(), |body, state, force| {
+                    kick(body, state, force, k * h);
+                });
+                group.drift::<Self>(run.clone(), s * h);
+            }
+            group.kick(run, |body, state, force| {
+                kick(body, state, force, KICKS[0] * h);
+            });
+        })
     }
 }
 

@@ -1,5 +1,5 @@
-//! Stage equations of the implicit integrators under a given wrench: a formula for the velocity, one scalar
-//! equation for the angular velocity. They have a root at any step, and the solver always finds it.
+//! Stage equations of the implicit integrators for a given wrench: a formula for the velocity and one scalar equation
+//! for the angular velocity. They have a root at any step, and the solver always finds it.
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ pub(super) struct Stage {
     pub(super) omega: DVec3,
     /// Number of evaluations: of the wrench if present, otherwise of the scalar equation.
     pub(super) evaluations: u32,
-    /// `true` if the tolerance was met within the cap.
+    /// `true` if the tolerance was met within the maximum number of iterations.
     pub(super) converged: bool,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Equations {
     pub(super) acceleration: DVec3,
     momentum: DVec3,
     tau: f64,
-    /// A = τ k₂/m and B = 1 + τ c₁/m of (B + A|v|) v = b, v and b relative to the air.
+    /// A = τ k₂/m and B = 1 + τ c₁/m of (B + A|v|) v = b, with v and b relative to the air.
     drag: (f64, f64),
     /// [m/s]
     wind: DVec3,
@@ -37,9 +37,9 @@ pub(super) struct Equations {
     diagonal: DVec3,
     /// `κ_i = τ (I_j − I_k)/D_i`, i j k in cyclic order.
     coupling: DVec3,
-    /// The axis whose ω becomes the scalar unknown.
+    /// The axis whose ω is the scalar unknown.
     axis: usize,
-    /// ω at the start: the first guess.
+    /// ω at the start, for the first guess.
     pub(super) omega: DVec3,
 }
 
@@ -75,7 +75,7 @@ impl Equations {
         })
     }
 
-    /// The stage under the given wrench: `velocity` = τF/m [m/s], `momentum` = τT \[N m s\].
+    /// Solves the stage for the given wrench: `velocity` = τF/m [m/s], `momentum` = τT \[N m s\].
     #[inline(always)]
     pub(super) fn solve_for(&self, velocity: DVec3, momentum: DVec3) -> Option<Stage> {
         let b = self.velocity + self.tau * self.acceleration + velocity;
@@ -93,7 +93,7 @@ impl Equations {
         })
     }
 
-    /// (B + A|v|) v = b: v is along b, and A|v|² + B|v| = |b| gives v = 2b/(B + √(B² + 4A|b|)).
+    /// Solves (B + A|v|) v = b: v is parallel to b, and A|v|² + B|v| = |b| gives v = 2b/(B + √(B² + 4A|b|)).
     #[inline(always)]
     fn velocity_of(&self, b: DVec3) -> Option<DVec3> {
         let (quadratic, linear) = self.drag;
@@ -104,7 +104,7 @@ impl Equations {
         (discriminant >= 0.0).then(|| b * (2.0 / (linear + discriminant.sqrt())))
     }
 
-    /// `ω_i = w_i + κ_i ω_j ω_k` with w = P/D, P = L₀ + τT.
+    /// Solves `ω_i = w_i + κ_i ω_j ω_k` with w = P/D, P = L₀ + τT.
     ///
     /// Let i be the axis of the smallest or the largest moment. Then `κ_j κ_k ≤ 0`, and for a given `y = ω_i`
     /// the other two equations are linear with determinant `n = 1 − κ_j κ_k y² ≥ 1`:
@@ -179,8 +179,8 @@ mod tests {
         Equations::new(body, start, law, tau)?.solve_for(DVec3::ZERO, DVec3::ZERO)
     }
 
-    /// Boxes from needles to plates, steps up to |ω|h = 1000, with and without dissipation. Both equations
-    /// hold to rounding, and no iteration reaches its cap.
+    /// Boxes from needles to plates, steps up to |ω|h = 1000, with and without dissipation. Both equations hold to
+    /// rounding, and every iteration converges.
     #[test]
     fn free_equations_are_always_solved() {
         let mut seed = 1_u32;

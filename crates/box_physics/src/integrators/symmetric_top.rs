@@ -1,4 +1,4 @@
-//! `symmetric-top`: the free rotation by Fassò's splitting, order 2. It was `split` until 2026.
+//! `symmetric-top`: free rotation by Fassò's splitting, order 2. It was called `split` until 2026.
 
 use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
@@ -13,8 +13,8 @@ use crate::state::BodyState;
 
 /// Strang's composition with the free rotation by the symmetric-top splitting.
 ///
-/// The exact rotation with the middle moment is followed by two planar rotations as ½ a, c, ½ a. The result
-/// is exact for cubes and symmetric bodies. For others it has order 2, with a bounded energy at any step.
+/// The exact rotation with the middle moment is followed by two planar rotations a and c as ½ a, c, ½ a. The result is
+/// exact for cubes and symmetric bodies. For others it has order 2, with a bounded energy error at any step.
 pub struct SymmetricTop;
 
 impl Integrate for SymmetricTop {

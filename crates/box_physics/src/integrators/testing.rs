@@ -21,7 +21,7 @@ pub(crate) fn run<S: Integrate>(
     run_counted::<S>(body, start, law, t, n).0
 }
 
-/// Also returns the sum of the step outcomes.
+/// Like [`run`], and returns the sum of the step outcomes.
 pub(crate) fn run_counted<S: Integrate>(
     body: &RigidBox,
     start: BodyState,
@@ -37,7 +37,7 @@ pub(crate) fn run_counted<S: Integrate>(
     (state, outcome)
 }
 
-/// Only linear drag c₁ [N s/m] and angular damping γ [1/s].
+/// Forces with only linear drag c₁ [N s/m] and angular damping γ [1/s].
 pub(crate) fn drag(linear_drag: f64, angular_damping: f64) -> Forces<'static> {
     Forces {
         dissipation: Dissipation {
@@ -58,7 +58,7 @@ pub(crate) fn spring(body_point: DVec3, stiffness: f64) -> [Spring; 1] {
     }]
 }
 
-/// Only `springs`.
+/// Forces with only `springs`.
 pub(crate) fn on(springs: &[Spring]) -> Forces<'_> {
     Forces {
         springs,
@@ -94,7 +94,7 @@ pub(crate) fn expect_damping<S: Integrate>(
     }
 }
 
-/// Asserts that a spin about each axis of `turn` \[rad\] a step turns the box by `turned` \[rad\] a step.
+/// Asserts that a spin of `turn` \[rad\] per step about each axis rotates the box by `turned` \[rad\] per step.
 pub(crate) fn expect_turn<S: Integrate>(turn: f64, turned: f64) {
     let body = brick();
     for axis in DVec3::AXES {
@@ -106,8 +106,8 @@ pub(crate) fn expect_turn<S: Integrate>(turn: f64, turned: f64) {
     }
 }
 
-/// Asserts the solution of first-order integrators that move the pose by the new velocities: ahead by ½ght of a
-/// parabola and by half a step of a constant torque, exact for a principal spin.
+/// Asserts the discrete solution of first-order integrators that move the pose by the new velocities: ahead of a
+/// parabola by ½ght and of a constant torque's rotation by half a step, exact for a principal spin.
 pub(crate) fn expect_new_velocities<S: Integrate>() {
     let body = brick();
     let (t, h) = (4.0, 1.0 / 60.0);
@@ -219,7 +219,7 @@ impl Case {
         }
     }
 
-    /// Attitude error at the end \[rad\] with `rate` steps a second.
+    /// Attitude error at the end \[rad\] with `rate` steps per second.
     pub(crate) fn error<S: Integrate>(&self, rate: u32) -> f64 {
         let n = self.seconds * rate;
         let end = run::<S>(

@@ -43,7 +43,7 @@ fn evaluations_as_claimed() {
             for step in 1..=8 {
                 let outcome = i.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
                 let spent = outcome.evaluations;
-                // The first step starts and the last does not; between them a long memory fills.
+                // The first step needs the starting evaluations and the last does not; in between, a long memory fills.
                 let (least, most) = match step {
                     1 => (claim + claimed.starting, claim + claimed.starting),
                     8 => (claim, claim),

@@ -8,7 +8,7 @@ use crate::free_motion::FreeRotation;
 use crate::math::Exponential;
 use crate::state::BodyState;
 
-/// Inputs of the center's motion and of the spin damping besides the state.
+/// Inputs of the motion of the center and of the spin damping, besides the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FlightForces {
     /// [m/s²]
@@ -34,8 +34,8 @@ impl FlightForces {
 
 /// The motion since the last event, and the time reached.
 ///
-/// The motion does not keep a clock. It can continue whenever body, state and forces equal the result of its
-/// last step, however that state arose.
+/// The motion has no clock. It continues whenever body, state and forces equal the result of its last step, however
+/// that state arose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -48,8 +48,8 @@ pub struct Trajectory {
     /// The state at the event.
     pub(super) event: BodyState,
     rotation: FreeRotation,
-    /// Time since the event \[s\] is `origin` + `steps` × `step`, so that the time after n equal steps is n h
-    /// to rounding. A sum of n terms would have an error of n/2 roundings.
+    /// Time since the event \[s\] is `origin` + `steps` × `step`, so that the time after n equal steps is n h up to one
+    /// rounding. A sum of n terms would accumulate n/2 roundings.
     origin: f64,
     steps: f64,
     step: f64,
@@ -83,7 +83,7 @@ impl Trajectory {
         let t = self.origin + self.steps * h;
         let before = state.rotation;
         *state = self.at(flight, t);
-        // Selects the sign of q that continues the motion, for interpolation.
+        // Selects the sign of q that is continuous with the last attitude, for interpolation.
         if state.rotation.dot(before) < 0.0 {
             state.rotation = -state.rotation;
         }
@@ -112,7 +112,7 @@ impl Trajectory {
 
 #[cfg(feature = "serde")]
 mod serialized {
-    //! Serialized fields of a trajectory. The rotation follows from the event, bit for bit.
+    //! Serialized fields of a trajectory. The rotation is recomputed from the event, bit for bit.
 
     use super::{BodyState, DVec3, Trajectory};
 

@@ -6,8 +6,7 @@ pub fn exp(x: f64) -> f64 {
     libm::exp(x)
 }
 
-/// Decay of v' = −(ζ/h) v + a over one step. The whole exponential step follows from it: x += h φ₁ v + h² φ₂
-/// a, v ← e^{−ζ} v + h φ₁ a.
+/// Coefficients of the exact solution of v' = −(ζ/h) v + a over one step: x += h φ₁ v + h² φ₂ a, v ← e^{−ζ} v + h φ₁ a.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponential {
     /// e^{−ζ}
@@ -19,16 +18,18 @@ pub struct Exponential {
 }
 
 impl Exponential {
-    /// No decay: the parabola.
+    /// No decay: the step is a parabola.
     pub const IDENTITY: Self = Self {
         decay: 1.0,
         phi1: 1.0,
         phi2: 0.5,
     };
 
-    /// The functions at ζ = rate × step, any finite value. Relative error below 4e-16 where |ζ| ≤ 700,
-    /// without cancellation at small ζ. Below ½, φ₂ is summed as Σ (−ζ)ⁿ/(n+2)!, and φ₁ = 1 − ζφ₂ and e^{−ζ}
-    /// = 1 − ζφ₁ follow. Beyond, φ₁ comes from `expm1`.
+    /// Evaluates the functions at ζ = rate × step, any finite value. The relative error is below 4e-16 for |ζ| ≤ 700,
+    /// without cancellation at small ζ.
+    ///
+    /// For |ζ| < ½, φ₂ is summed as Σ (−ζ)ⁿ/(n+2)!, and φ₁ = 1 − ζφ₂ and e^{−ζ} = 1 − ζφ₁ follow. For larger |ζ|, φ₁
+    /// comes from `expm1`.
     #[inline]
     pub fn new(zeta: f64) -> Self {
         if zeta == 0.0 {

@@ -44,19 +44,19 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() <= FRAC_PI_4 {
         small_sin_cos(x)
     } else {
-        beyond(x)
+        large_sin_cos(x)
     }
 }
 
-/// (sin(√z)/√z, cos(√z)) for z = x² ≥ 0, for the exponential map of a rotation vector. For x ≤ π/4 it takes
-/// no square root and no division, so x = 0 is not a special case.
+/// Returns (sin(√z)/√z, cos(√z)) for z = x² ≥ 0, for the exponential map of a rotation vector. For x ≤ π/4 it needs no
+/// square root and no division, so x = 0 is not a special case.
 #[inline(always)]
 pub fn sinc_cos(z: f64) -> (f64, f64) {
     if z <= FRAC_PI_4 * FRAC_PI_4 {
         small_sinc_cos(z)
     } else {
         let x = z.sqrt();
-        let (s, c) = beyond(x);
+        let (s, c) = large_sin_cos(x);
         (s / x, c)
     }
 }
@@ -65,7 +65,7 @@ pub fn sinc_cos(z: f64) -> (f64, f64) {
 pub trait Trigonometry {
     /// Sine and cosine, as [`sin_cos`].
     fn sin_cos(&mut self, x: f64) -> (f64, f64);
-    /// Sine quotient and cosine, as [`sinc_cos`].
+    /// sin(√z)/√z and cos(√z), as [`sinc_cos`].
     fn sinc_cos(&mut self, z: f64) -> (f64, f64);
     /// Returns `true` if the caller may continue with a formula that holds only under `condition`. For one
     /// body it returns the condition. For many bodies it always returns `true`; bodies with a false condition
@@ -144,10 +144,10 @@ fn small_sinc_cos(z: f64) -> (f64, f64) {
     (1.0 + z * s, (1.0 - 0.5 * z) + z * z * c)
 }
 
-/// The general case, in a separate function so that the common case stays small.
+/// The general case, in a separate function to keep the common case small.
 #[cold]
 #[inline(never)]
-fn beyond(x: f64) -> (f64, f64) {
+fn large_sin_cos(x: f64) -> (f64, f64) {
     libm::sincos(x)
 }
 

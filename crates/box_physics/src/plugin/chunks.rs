@@ -1,21 +1,22 @@
-//! The columns of a table, cut alike into the pieces that threads work on.
+//! Splitting the columns of a table into chunks for the threads.
 
 use core::ops::Range;
 
 use super::components::BodyIntegrator;
 use crate::integrators::Integrator;
 
-/// Columns of equal length: slices, and tuples of them. One that the table lacks is `None`.
+/// Columns of equal length: slices, tuples of them, and `None` for a column that the table does not have.
 pub(crate) trait Columns: Sized {
-    /// The rows before `row`, and the others.
+    /// Splits the columns into the rows before `row` and the rest.
     fn cut(self, row: usize) -> (Self, Self);
 
-    /// The rows of a range.
+    /// The rows of `range`.
     fn rows(self, range: Range<usize>) -> Self {
         self.cut(range.end).0.cut(range.start).1
     }
 
-    /// Pieces of `size` rows, the last one shorter, each with the index of its first row.
+    /// Splits the rows of `range` into chunks of `size` rows (the last may be shorter), each with the index of its
+    /// first row.
     fn chunks(self, range: Range<usize>, size: usize) -> Chunks<Self> {
         Chunks {
             columns: Some(self.rows(range.clone())),
@@ -63,10 +64,10 @@ tuples! {
     (A a, B b, C c, D d, E e, F f, G g, H h)
 }
 
-/// The pieces of [`Columns::chunks`], from both ends.
+/// Iterator over the chunks of [`Columns::chunks`], usable from both ends.
 pub(crate) struct Chunks<C> {
     columns: Option<C>,
-    /// The rows that are left.
+    /// The remaining rows.
     range: Range<usize>,
     size: usize,
 }
@@ -97,7 +98,7 @@ impl<C: Columns> DoubleEndedIterator for Chunks<C> {
     }
 }
 
-/// Maximal runs of rows with one integrator: the whole table where no body has its own.
+/// Maximal runs of rows with the same integrator. Without a column of own integrators this is the whole table.
 pub(crate) fn integrator_runs(
     global: Integrator,
     own: Option<&[BodyIntegrator]>,
@@ -119,7 +120,7 @@ pub(crate) fn integrator_runs(
     })
 }
 
-/// Maximal runs of those of `rows` rows that are `wanted`.
+/// Maximal runs of consecutive rows below `rows` for which `wanted` holds.
 pub(crate) fn runs_of(
     rows: usize,
     wanted: impl Fn(usize) -> bool,
@@ -136,7 +137,8 @@ pub(crate) fn runs_of(
 mod tests {
     use super::*;
 
-    /// From either end: every row once, in pieces of the size but for the last, and each column alike.
+    /// From either end, the chunks cover every row once, have the requested size except for the last, and split all
+    /// columns alike.
     #[test]
     fn chunks_cover_the_range_once_from_both_ends() {
         let (names, mut numbers): (Vec<_>, Vec<_>) = (0..20).map(|i| (i, i)).unzip();

@@ -1,4 +1,4 @@
-//! Components: what a user may put on a body, and what the plugin keeps there.
+//! Components of a body: those that users insert and those that the plugin maintains.
 
 use bevy::ecs::component::Component;
 use bevy::ecs::reflect::ReflectComponent;
@@ -15,7 +15,7 @@ use crate::force::{PointForce, Spring};
 use crate::integrators::Integrator;
 use crate::state::BodyState;
 
-/// The integrator of this body alone, instead of the [`GlobalIntegrator`](super::GlobalIntegrator).
+/// The integrator of this body, overriding the [`GlobalIntegrator`](super::GlobalIntegrator).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -29,8 +29,8 @@ use crate::state::BodyState;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyIntegrator(pub Integrator);
 
-/// Factor on the [`WorldGravity`](super::WorldGravity) for this body (1 without the component; 0
-/// floats, negative rises).
+/// Factor on the [`WorldGravity`](super::WorldGravity) for this body. Bodies without this component have 1; with 0 a
+/// body floats, and with a negative value it rises.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -51,8 +51,8 @@ impl Default for GravityScale {
     }
 }
 
-/// A component that acts only while it is valid, however its values came there: an invalid one is logged once, and its body
-/// is stepped without it.
+/// A component that takes effect only while its values are valid. An invalid one is logged once, and its body is
+/// stepped without it.
 pub(crate) trait Checked: Component {
     fn check(&self) -> Result<(), InvalidValue>;
 }
@@ -81,14 +81,14 @@ impl Checked for Restitution {
 macro_rules! coefficient {
     ($(#[$attribute:meta])* $name:ident, $field:literal) => {
         $(#[$attribute])* ///
-        /// A value that is negative or not finite, however it came there, is logged, and the body is stepped without it.
+        /// A value that is negative or not finite is logged, and the body is stepped without it.
         #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
         #[reflect(Component, Default, Clone, PartialEq)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name(pub f64);
 
         impl $name {
-            /// Checked.
+            /// Checks the coefficient.
             ///
             /// # Errors
             /// [`InvalidValue`] if it is negative or not finite.
@@ -123,9 +123,10 @@ coefficient! {
     AngularDrag, "angular drag"
 }
 
-/// A force through the center \[N\] and a torque \[N m\], both in **world** axes, held constant over each
-/// step. It stays until changed; [`OneShotForce`] lasts for a tick. For forces that depend on the state use [`PointForces`],
-/// [`Springs`], or the core with a [`ForceModel`](crate::force::ForceModel) of your own.
+/// A force through the center \[N\] and a torque \[N m\], both in **world** axes and constant over each step.
+///
+/// It acts until it is changed; [`OneShotForce`] lasts for one tick. For forces that depend on the state use
+/// [`PointForces`], [`Springs`], or the core with your own [`ForceModel`](crate::force::ForceModel).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -152,9 +153,11 @@ pub struct ExternalForce {
     pub torque: DVec3,
 }
 
-/// A force through the center \[N\] and a torque \[N m\], both in **world** axes, constant over the next tick of the
-/// physics (all of its substeps), and cleared after it. Add to it as often as you like, in any schedule. A body with this
-/// component does not sleep. For what acts in an instant use [`ApplyImpulse`](super::ApplyImpulse).
+/// A force through the center \[N\] and a torque \[N m\], both in **world** axes, that act during the next physics tick
+/// only.
+///
+/// They are constant over all substeps of that tick and then cleared. Any system in any schedule may add to them. A
+/// body with this component does not sleep. For instantaneous pushes use [`ApplyImpulse`](super::ApplyImpulse).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -190,8 +193,8 @@ pub struct OneShotForce {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyTorque(pub DVec3);
 
-/// Velocity of the air around this body [m/s], world axes, instead of the [`Wind`](super::Wind) of the world. It acts
-/// through [`LinearDrag`] and [`QuadraticDrag`] only.
+/// Velocity of the air around this body [m/s], world axes, overriding the global [`Wind`](super::Wind). It acts only
+/// through [`LinearDrag`] and [`QuadraticDrag`].
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -202,7 +205,7 @@ pub struct BodyWind(pub DVec3);
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
-/// /// Two thrusters at the sides, full throttle: it rises, and turns with the box.
+/// /// Two thrusters at the sides, full throttle: the box rises, and the thrust turns with it.
 /// fn setup(mut commands: Commands) {
 ///     let thruster = |x| PointForce {
 ///         body_point: DVec3::new(x, 0.0, 0.0),
@@ -217,12 +220,14 @@ pub struct BodyWind(pub DVec3);
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PointForces(pub Vec<PointForce>);
 
-/// Springs from body points to world anchors, evaluated at every stage of the integrator. If a stiffness or damping is
-/// negative or not finite, that is logged, and the body is stepped without any of these springs.
+/// Springs from body points to world anchors, evaluated at every stage of the integrator.
+///
+/// If a stiffness or damping is negative or not finite, this is logged and the body is stepped without any of these
+/// springs.
 ///
 /// ```
 /// use box_physics::prelude::*;
-/// /// Holds a box by one corner, as a mouse does.
+/// /// Holds a box by one corner, like a mouse grab.
 /// fn grab(cursor: DVec3) -> Springs {
 ///     Springs(vec![Spring {
 ///         body_point: DVec3::splat(0.5),
@@ -238,8 +243,8 @@ pub struct PointForces(pub Vec<PointForce>);
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Springs(pub Vec<Spring>);
 
-/// The bounding box in the world, re-fitted after every step and rounded outward, so that it contains
-/// the box in f64. Comes with [`AabbPlugin`](super::AabbPlugin).
+/// World-aligned bounding box, refitted after every step. It is rounded outward to f32, so it contains the f64 box.
+/// Added by [`AabbPlugin`](super::AabbPlugin).
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -253,7 +258,7 @@ pub struct Springs(pub Vec<Spring>);
 pub struct WorldAabb(pub Aabb3d);
 
 impl WorldAabb {
-    /// Fitted to a body: |R|·h about its center, rounded outward.
+    /// The bounding box of a body: |R|·h around its center, rounded outward.
     #[inline(always)]
     pub fn of(body: &RigidBox, state: &BodyState) -> Self {
         let half = aabb::world_half_extents(state.rotation, body.half_extents());
@@ -274,38 +279,41 @@ impl Default for WorldAabb {
     }
 }
 
-/// Asks for [`Landed`](super::Landed) and [`FloorContact`](super::FloorContact) about this body. Without it none are
-/// made. Every contact that began ends once, also where the body is despawned, disabled, quarantined or teleported, or
-/// the floor removed.
+/// Enables [`Landed`](super::Landed) and [`FloorContact`](super::FloorContact) messages for this body; bodies without
+/// it emit none.
+///
+/// Every contact that began ends exactly once, also if the body is despawned, disabled, quarantined or teleported, or
+/// if the floor is removed.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(ReportedContacts)]
 pub struct ReportContacts;
 
-/// Asks for a [`FloorContact`](super::FloorContact) about this body in every step in which it touches the floor, also
-/// while it rests. It does not sleep then.
+/// Emits a [`FloorContact`](super::FloorContact) for this body in every step in which it touches the floor, including
+/// at rest. Such a body does not sleep.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[require(ReportContacts)]
 pub struct ReportPersisting;
 
-/// Simulated time since which the body has been at rest on the floor \[s\]; `None` while it moves. Written by the
-/// physics. It changes only when the body comes to rest ([`Settled`](super::Settled)) or no longer rests
-/// ([`Woken`](super::Woken)), so that `Changed<RestingSince>` finds both.
+/// Simulated time at which the body came to rest on the floor \[s\]; `None` while it moves.
+///
+/// Written by the physics. It changes only when the body comes to rest ([`Settled`](super::Settled)) or stops resting
+/// ([`Woken`](super::Woken)), so `Changed<RestingSince>` detects both.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RestingSince(pub Option<f64>);
 
-/// On a body whose state, body or forces were not finite or led beyond 1e38: it is left out of every step, frozen
-/// at its last good state. Give it a finite state and remove this component, and it goes on.
+/// Marks a body whose state, box or forces were not finite, or led to values beyond 1e38. It is excluded from every
+/// step and frozen at its last valid state. To resume it, write a valid state and remove this component.
 ///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
-/// /// Out of range means lost: a game that can spare it despawns it.
+/// /// Despawns bodies that left the valid range.
 /// fn clear(lost: Query<Entity, Added<Quarantined>>, mut commands: Commands) {
 ///     for entity in &lost {
 ///         commands.entity(entity).despawn();
@@ -316,16 +324,17 @@ pub struct RestingSince(pub Option<f64>);
 #[reflect(Component, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Quarantined {
-    /// Simulated time at which it happened \[s\].
+    /// Simulated time of the quarantine \[s\].
     pub time: f64,
 }
 
-/// Passed from *Integrate* to *Contact* for each body, and from *Contact* to the next *Integrate*.
+/// Passed for each body from *Integrate* to *Contact*, and from *Contact* to the next *Integrate*.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NearFloor {
-    /// It may touch the floor during this step: left to *Contact*.
+    /// The body may touch the floor during this step, so *Contact* steps it.
     pub(crate) pending: bool,
-    /// It touched at the end of the last step: *Contact* takes it once more, to report the end.
+    /// The body touched the floor at the end of the last step. *Contact* steps it once more, to report the end of the
+    /// contact.
     pub(crate) touched: bool,
 }
 

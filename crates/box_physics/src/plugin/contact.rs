@@ -1,4 +1,4 @@
-//! *Contact*: steps the bodies that *Integrate* left for the floor.
+//! *Contact*: steps the bodies that *Integrate* leaves because they may touch the floor.
 
 use bevy::ecs::change_detection::ContiguousMut;
 use bevy::ecs::error::Result;
@@ -15,7 +15,7 @@ use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
-use super::transforms::LIGHT;
+use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::body::RigidBox;
 use crate::floor::{
     ContactState, Floor, FloorContext, Friction, PlanesContext, Restitution, StaticPlane,
@@ -25,7 +25,7 @@ use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
 
-/// What the floor needs of a body besides.
+/// Additional columns for contact with the floor.
 #[derive(QueryData)]
 #[query_data(mutable, contiguous(mutable))]
 pub(crate) struct FloorColumns {
@@ -38,7 +38,7 @@ pub(crate) struct FloorColumns {
     material: Material,
 }
 
-/// The surfaces of bodies that have their own.
+/// Own surface properties of bodies.
 #[derive(QueryData)]
 #[query_data(contiguous(all))]
 pub(crate) struct Material {
@@ -51,18 +51,18 @@ impl MaterialContiguousItem<'_, '_> {
         self.friction.is_none() && self.restitution.is_none()
     }
 
-    /// The surfaces of body `i`.
+    /// Friction and restitution of body `i`.
     fn of(&self, i: usize) -> (Option<&Friction>, Option<&Restitution>) {
         let friction = self.friction.map(|c| &c[i]);
         (friction, self.restitution.map(|c| &c[i]))
     }
 }
 
-/// A step at the floor costs as much as this many in free flight, or more: less than a box that settles, more than one
-/// that slides (`cargo bench --bench step`).
-const AT_FLOOR: usize = 16;
+/// Cost of a step at the floor, in steps in free flight. The value lies between the cost of a settling box and that of
+/// a sliding box (`cargo bench --bench step`).
+const FLOOR_STEP_COST: usize = 16;
 
-/// *Contact*: steps the bodies that *Integrate* left for the floor.
+/// *Contact*: steps the bodies that *Integrate* left because they may touch the floor.
 pub(crate) fn contact(
     step: Res<Step>,
     mut clock: ResMut<SleepClock>,
@@ -117,10 +117,11 @@ pub(crate) fn contact(
                 reported.as_deref_mut(),
                 &*resting,
             );
-            // A few bodies at the floor are work for a thread: with larger chunks the last one would be waited for.
+            // A few bodies at the floor are enough work for a thread; with larger chunks, the others would wait for the
+            // last one.
             let chunk = (awake / 16).clamp(16, CHUNK);
             let mut tally = threads.share_out(
-                awake * AT_FLOOR + range.len() / LIGHT,
+                awake * FLOOR_STEP_COST + range.len() / LIGHT_PASS_DIVISOR,
                 columns.chunks(range, chunk),
                 |(first, (bodies, states, memories, near, contacts, sleep, reported, resting))| {
                     integrator.dispatch(AtFloor {
@@ -147,7 +148,7 @@ pub(crate) fn contact(
                 timings.bodies_at_floor += tally.bodies;
             }
             let (now, time) = (changes.this_run(), step.time);
-            // In the order of rows, whatever thread found them.
+            // Sorted by row, so that the result does not depend on the threads.
             tally.settled.sort_unstable();
             for &i in &tally.settled {
                 (resting[i].0, changes.changed_mut()[i]) = (Some(time), now);
@@ -174,7 +175,7 @@ pub(crate) fn contact(
     Ok(())
 }
 
-/// Moves floor and planes along.
+/// Advances moving floors and planes.
 pub(crate) fn move_surfaces(
     step: Res<Step>,
     floor: Option<ResMut<Floor>>,
@@ -192,10 +193,10 @@ pub(crate) fn move_surfaces(
     }
 }
 
-/// Steps those bodies of a chunk that were left for the floor.
+/// Steps the bodies of a chunk that were left to *Contact*.
 struct AtFloor<'a, 'w, 's> {
     step: &'a Step,
-    /// Of the whole table.
+    /// Forces of the whole table.
     forces: &'a ForceColumnsContiguousItem<'w, 's>,
     material: &'a MaterialContiguousItem<'w, 's>,
     sleepers: &'a Sleepers<'a>,
@@ -242,7 +243,7 @@ impl AtFloor<'_, '_, '_> {
             }
             let (state, contact) = (&mut self.states[i], &mut self.contacts[i]);
             let before = *state;
-            let lay_still = contact.is_resting(state);
+            let was_resting = contact.is_resting(state);
             let mut reported = self.reported.as_mut().map(|r| &mut r[i]);
             let report = reported.as_mut().map(|reported| reported.begin());
             let (step, body, memory) = (self.step, &self.bodies[i], &mut self.memories[i]);
@@ -274,7 +275,7 @@ impl AtFloor<'_, '_, '_> {
             tally.outcome += outcome.step;
             tally.floor += outcome;
             self.near[i].touched = contact.touching() != 0;
-            let still = lay_still && outcome.resting && *state == before;
+            let still = was_resting && outcome.resting && *state == before;
             self.sleep[i] = self.sleepers.after_step(still && state.is_valid());
             if !state.is_valid() {
                 *state = before;

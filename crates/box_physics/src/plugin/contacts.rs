@@ -1,4 +1,4 @@
-//! The contacts that are reported: every one that began ends once, whatever happens to its body.
+//! Reported contacts. Every contact that began ends exactly once, whatever happens to its body.
 
 use bevy::app::App;
 use bevy::ecs::change_detection::DetectChangesMut;
@@ -22,36 +22,36 @@ use crate::body::RigidBox;
 use crate::floor::{ContactReport, ContactState, Floor, StaticPlane};
 use crate::state::BodyState;
 
-/// Impacts that follow each other within this time \[s\] are one landing.
+/// Impacts that follow each other within this time \[s\] count as one landing.
 const LANDING_PAUSE: f64 = 0.1;
-/// Impulses are summed up so long \[s\] before a landing is reported: two ticks of 1/64 s.
+/// Time over which impulses are summed before a landing is reported \[s\]: two ticks of 1/64 s.
 const LANDING_WINDOW: f64 = 0.03;
 
-/// The contacts of a body that are reported.
+/// Reporting state of a body's contacts.
 #[derive(Component, Clone, Debug, Default)]
 pub(crate) struct ReportedContacts {
-    /// A [`FloorContact`] said that it began, and not yet that it ended.
+    /// A [`FloorContact`] with phase `Began` was emitted, and none with `Ended` since.
     began: bool,
-    /// What the step did.
+    /// Contacts of the current step.
     report: Option<ContactReport>,
     /// Simulated time of the last impact \[s\].
     last_impact: Option<f64>,
-    /// A landing of which the impulses are still summed up.
+    /// A landing whose impulses are still being summed.
     landing: Option<Landed>,
 }
 
 impl ReportedContacts {
-    /// What the step that begins will report.
+    /// Starts the report of a new step.
     pub(crate) fn begin(&mut self) -> &mut ContactReport {
         self.report.insert(ContactReport::default())
     }
 
-    /// Forgets what the step did.
+    /// Discards the report of the step.
     pub(crate) fn clear(&mut self) {
         self.report = None;
     }
 
-    /// Adds the impacts of a step of `h` \[s\] that ends at `time`. Returns a landing that is complete.
+    /// Adds the impacts of a step of `h` \[s\] that ends at `time`. Returns the landing if it is complete.
     fn land(
         &mut self,
         entity: Entity,
@@ -61,7 +61,7 @@ impl ReportedContacts {
     ) -> Option<Landed> {
         if let Some(report) = report.filter(|r| r.approach_speed > slowest) {
             let at = time - h + report.impact_time;
-            // Not after a clock that was set back.
+            // The lower bound rejects a clock that was set back.
             let goes_on = self
                 .last_impact
                 .is_some_and(|last| (-h..LANDING_PAUSE).contains(&(at - last)));
@@ -90,8 +90,8 @@ impl ReportedContacts {
     }
 }
 
-/// Emits what the step found. A contact that there was before [`ReportContacts`] was inserted begins now; one whose
-/// [`ContactState`] was reset ends.
+/// Emits the contacts of the step. A contact that existed before [`ReportContacts`] was inserted begins now; a contact
+/// whose [`ContactState`] was reset ends.
 pub(crate) fn report_contacts(
     mut bodies: Query<
         (
@@ -122,7 +122,7 @@ pub(crate) fn report_contacts(
             landings.write(landed);
             commands.trigger(landed);
         }
-        let report = report.unwrap_or_else(|| held(contact.touching(), body, state));
+        let report = report.unwrap_or_else(|| touching_report(contact.touching(), body, state));
         let mut write = |phase| {
             messages.write(FloorContact {
                 entity,
@@ -143,13 +143,13 @@ pub(crate) fn report_contacts(
     }
 }
 
-/// These corners touch.
-fn held(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
+/// A report in which these corners touch, without impulses.
+fn touching_report(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
     let points = aabb::corners(body.half_extents()).map(|c| state.point(c));
     ContactReport::touching(corners, points)
 }
 
-/// Ends the contacts of a body, with a message if they were reported and an event if it rested.
+/// Ends the contacts of a body: emits a message if they were reported, and an event if the body was at rest.
 pub(crate) fn end_contacts(world: &mut DeferredWorld, entity: Entity) {
     if forget_contacts(world, entity) {
         let time = world.get_resource::<Step>().map_or(0.0, |step| step.time);
@@ -157,7 +157,7 @@ pub(crate) fn end_contacts(world: &mut DeferredWorld, entity: Entity) {
     }
 }
 
-/// Returns whether the body rested.
+/// Clears the contacts of a body. Returns `true` if it was at rest.
 fn forget_contacts(world: &mut DeferredWorld, entity: Entity) -> bool {
     end_reports(world, entity);
     let Ok(mut found) = world.get_entity_mut(entity) else {
@@ -190,17 +190,17 @@ fn end_reports(world: &mut DeferredWorld, entity: Entity) {
             entity,
             phase: ContactPhase::Ended,
             time,
-            report: held(0, body, state),
+            report: touching_report(0, body, state),
         };
         world.write_message(ended);
     }
 }
 
-/// There is contact with a floor: its plugin was added.
+/// Marker: [`FloorPlugin`](super::FloorPlugin) was added.
 #[derive(Resource)]
 pub(crate) struct ContactEnabled;
 
-/// The floor is gone: what touched it no longer does.
+/// Ends all contacts after the floor was removed.
 pub(crate) fn end_all_contacts(world: &mut World) {
     let mut bodies = world.query_filtered::<(Entity, &NearFloor), Allow<Disabled>>();
     let touching = |(entity, near): (Entity, &NearFloor)| near.touched.then_some(entity);
@@ -210,7 +210,7 @@ pub(crate) fn end_all_contacts(world: &mut World) {
     }
 }
 
-/// The last static plane is gone, and there is no floor.
+/// Run condition: the last static plane was removed, and there is no floor.
 pub(crate) fn last_plane_removed(
     mut removed: RemovedComponents<StaticPlane>,
     left: Query<(), With<StaticPlane>>,
@@ -219,10 +219,10 @@ pub(crate) fn last_plane_removed(
     removed.read().count() > 0 && left.is_empty() && floor.is_none()
 }
 
-/// Adds the observers of what ends the contacts of a body.
+/// Adds the observers that end the contacts of a body.
 pub(crate) fn build(app: &mut App) {
     app.insert_resource(ContactEnabled)
-        // Of a body that is despawned as well.
+        // Also runs when the body is despawned.
         .add_observer(|end: On<Remove, RigidBox>, mut world: DeferredWorld| {
             forget_contacts(&mut world, end.entity);
         })

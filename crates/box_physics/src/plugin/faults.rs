@@ -1,4 +1,4 @@
-//! Validation of the world around the bodies. Each fault is logged once, and nothing panics.
+//! Validation of settings and components. Each fault is logged once, and nothing panics.
 
 use core::time::Duration;
 
@@ -30,7 +30,7 @@ use crate::body::RigidBox;
 use crate::error::InvalidValue;
 use crate::floor::{ContactSettings, Floor, StaticPlane};
 
-/// Says at startup what would keep everything still.
+/// Warns at startup if there is no `Time`.
 pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
     if time.is_none() {
         warn!(
@@ -40,7 +40,7 @@ pub(crate) fn warn_without_time(time: Option<Res<Time>>) {
     }
 }
 
-/// Restores the settings that a step needs, with their defaults, where they were removed.
+/// Restores settings that were removed, with their default values.
 pub(crate) fn restore_resources(world: &mut World) {
     fn restore<R: Resource + Default>(world: &mut World, name: &str) {
         if !world.contains_resource::<R>() {
@@ -57,7 +57,7 @@ pub(crate) fn restore_resources(world: &mut World) {
     }
 }
 
-/// Whether a step can be taken: every setting of the world is in its range. Tells of each change.
+/// Returns `true` if all world settings are valid. Logs each change.
 pub(crate) fn settings_are_valid(world: &mut World) -> bool {
     let found = validate_settings(world).err();
     let mut clock = world.resource_mut::<PhysicsClock>();
@@ -104,7 +104,7 @@ fn validate_settings(world: &World) -> Result<(), InvalidValue> {
     Ok(())
 }
 
-/// The same error with the name of the resource that has the field.
+/// Qualifies the field name with the name of its resource.
 fn named(error: InvalidValue) -> InvalidValue {
     let field = match error.field {
         "height" => "Floor.height",
@@ -123,10 +123,10 @@ fn named(error: InvalidValue) -> InvalidValue {
     InvalidValue { field, ..error }
 }
 
-/// More would freeze any game.
+/// Maximum number of substeps per tick; more would freeze any game.
 const MAX_SUBSTEPS: u32 = 1024;
 
-/// Counts the simulated time that `Time<Virtual>` cuts off after a hitch.
+/// Counts the simulated time that `Time<Virtual>` drops after a hitch.
 pub(crate) fn count_dropped_time(
     real: Option<Res<Time<Real>>>,
     time: Option<Res<Time<Virtual>>>,
@@ -140,13 +140,13 @@ pub(crate) fn count_dropped_time(
         return;
     }
     let lost = lost.as_secs_f64() * time.relative_speed_f64();
-    // A Duration may be too small for it.
+    // The value may exceed the range of a `Duration`.
     let lost = Duration::try_from_secs_f64(lost).unwrap_or(Duration::MAX);
     clock.dropped = clock.dropped.saturating_add(lost);
 }
 
-/// Inserts a `B` into bodies without a `C`, which their [`RigidBox`] requires: it was removed, or the body was spawned
-/// before the plugin was added.
+/// Inserts a `B` into bodies without the required component `C`. It was removed, or the body was spawned before the
+/// plugin was added.
 fn restore_component<C: Component, B: Bundle + Default>(
     bodies: Query<Entity, (With<RigidBox>, Without<C>)>,
     mut commands: Commands,
@@ -156,17 +156,17 @@ fn restore_component<C: Component, B: Bundle + Default>(
         commands.entity(entity).try_insert(B::default());
         if !core::mem::replace(&mut *warned, true) {
             warn!(
-                "box_physics: {entity} has a RigidBox, but no {}; it is restored. To make it no body, remove the \
-                 RigidBox (said once)",
+                "box_physics: {entity} has a RigidBox, but no {}; it is restored. If it should not be a body, remove the \
+                 RigidBox (logged once)",
                 ShortName::of::<C>()
             );
         }
     }
 }
 
-/// Gives every body a `C`, and as part of `B` where it is lost.
+/// Makes `C` a required component of every body. Where it is missing, it is restored as part of `B`.
 pub(crate) fn require<C: Component + Default, B: Bundle + Default>(app: &mut App) {
-    // An error means that bodies were spawned before the plugin was added: they are completed like others.
+    // An error means that bodies were spawned before the plugin was added. The system below completes them.
     let _ = app.try_register_required_components::<RigidBox, C>();
     app.add_systems(
         BeforeSteps,
@@ -174,7 +174,7 @@ pub(crate) fn require<C: Component + Default, B: Bundle + Default>(app: &mut App
     );
 }
 
-/// Logs values out of their range that came past the constructors: of each entity once, until they are valid again.
+/// Logs invalid values that bypassed the constructors: once per entity, until they are valid again.
 pub(crate) fn report_invalid<C: Checked>(
     components: Query<Ref<C>>,
     entities: Query<(Entity, Ref<C>), Or<(With<RigidBox>, With<StaticPlane>)>>,
@@ -182,7 +182,7 @@ pub(crate) fn report_invalid<C: Checked>(
     ticks: SystemChangeTick,
 ) {
     let (last, now) = (ticks.last_run(), ticks.this_run());
-    // Whole columns first: usually there is nothing.
+    // Scans whole columns first, because usually nothing has changed.
     let any = components.contiguous_iter().is_ok_and(|mut tables| {
         tables.any(|column| any_newer(column.changed_ticks_slice(), last, now))
     });
@@ -192,10 +192,10 @@ pub(crate) fn report_invalid<C: Checked>(
     for (entity, component) in entities.iter().filter(|(_, c)| c.is_changed()) {
         match component.check() {
             Ok(()) => known.retain(|&e| e != entity),
-            Err(error) if *lines < MOST_INVALID_LINES && !known.contains(&entity) => {
+            Err(error) if *lines < MAX_INVALID_LINES && !known.contains(&entity) => {
                 known.push(entity);
                 *lines += 1;
-                let end = if *lines == MOST_INVALID_LINES {
+                let end = if *lines == MAX_INVALID_LINES {
                     " (further ones are not logged)"
                 } else {
                     ""
@@ -208,7 +208,7 @@ pub(crate) fn report_invalid<C: Checked>(
     }
 }
 
-/// Logs planes that are not valid, where they are new. Their surfaces are checked as those of bodies.
+/// Logs invalid planes when they are added or changed. `report_invalid` checks their surface components.
 pub(crate) fn report_invalid_planes(planes: Query<(Entity, &StaticPlane), Changed<StaticPlane>>) {
     for (entity, plane) in &planes {
         if let Err(error) = plane.validate() {
@@ -217,12 +217,13 @@ pub(crate) fn report_invalid_planes(planes: Query<(Entity, &StaticPlane), Change
     }
 }
 
-/// Maximum number of lines about the invalid values of one component.
-const MOST_INVALID_LINES: u32 = 10;
+/// Maximum number of log lines about invalid values of one component.
+const MAX_INVALID_LINES: u32 = 10;
 
-/// `Transform` is written in world coordinates: a body below a parent that is not at the origin would be
-/// shown elsewhere than it is. Looked at when a body comes below a parent, or when anything that has children has
-/// moved or has another parent.
+/// Warns about bodies below a parent that is not at the origin. `Transform` is written in world coordinates, so such a
+/// body would be displayed in the wrong place.
+///
+/// Checked when a body gets a parent, and when an entity with children moves or gets another parent.
 pub(crate) fn report_parents(
     bodies: Query<(Entity, Ref<RigidBox>, Ref<ChildOf>)>,
     moved: Query<
@@ -258,7 +259,7 @@ pub(crate) fn report_parents(
             "box_physics: {body} is a body below {parent}, whose Transform is not the identity (or which \
              is a body itself). Bodies are simulated in world coordinates and their Transform is \
              published so: it will be shown elsewhere than it is. Keep bodies at the top of the hierarchy \
-             (said once)"
+             (logged once)"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Bodies in free flight: those that stay clear of the floor in this step.
+//! Bodies in free flight: those that cannot touch the floor in this step.
 
 use core::ops::Range;
 
@@ -17,10 +17,10 @@ use crate::integrators::{
 };
 use crate::state::BodyState;
 
-/// Steps a chunk of bodies in free flight; those that may meet the floor are marked and left alone.
+/// Steps a chunk of bodies in free flight. Bodies that may touch the floor are marked and skipped.
 pub(crate) struct FreeFlight<'a, 'w, 's> {
     pub(crate) step: &'a Step,
-    /// Of the whole table.
+    /// Forces of the whole table.
     pub(crate) forces: &'a ForceColumnsContiguousItem<'w, 's>,
     /// Row of the first body.
     pub(crate) first: usize,
@@ -28,7 +28,7 @@ pub(crate) struct FreeFlight<'a, 'w, 's> {
     pub(crate) states: &'a mut [BodyState],
     pub(crate) memories: &'a mut [IntegratorMemory],
     pub(crate) near: &'a mut [NearFloor],
-    /// The floor, where the loop over many bodies tests whether they may meet it.
+    /// The floor, if the loop over many bodies also tests whether they may touch it.
     pub(crate) below: Option<FloorBelow>,
 }
 
@@ -42,7 +42,7 @@ impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
             return self.each::<S, _>(|i| forces.forces(first + i, &bodies[i], step));
         }
         let mut tally = Tally::default();
-        // Without branches, whether a body may meet the floor is found in the loop that steps it.
+        // An integrator without branches tests for the floor in the same loop that steps the bodies.
         let floor = step.floor.as_ref();
         let floor = floor.filter(|_| !S::BRANCHES && step.planes.is_empty());
         self.below = floor.map(|floor| FloorBelow::new(floor, &step.settings, step.h));
@@ -63,14 +63,14 @@ impl IntegratorVisitor for FreeFlight<'_, '_, '_> {
     }
 }
 
-/// Bodies that are copied together into one group, where the floor parts a chunk into short runs.
+/// Maximum number of bodies copied into one group when bodies at the floor split a chunk into short runs.
 const GATHERED: usize = 64;
 
-/// A run shorter than this is copied together with others: that costs a body less than a step of its own.
+/// A run shorter than this is copied together with others, which costs less per body than stepping it alone.
 const SHORT: usize = 16;
 
 impl FreeFlight<'_, '_, '_> {
-    /// Marks the bodies that touched floor or planes, or may. How many there are.
+    /// Marks the bodies that touched the floor or a plane, or may touch one. Returns their number.
     fn leave_to_contact<F: ForceModel>(
         &mut self,
         model: impl Fn(usize) -> F,
@@ -90,8 +90,7 @@ impl FreeFlight<'_, '_, '_> {
         self.forces.gravity(self.first + i, self.step.gravity)
     }
 
-    /// The bodies between those that are left to *Contact*: long runs of them where they are, short ones
-    /// copied together.
+    /// Steps the runs of bodies between those left to *Contact*: long runs in place, short runs copied together.
     fn runs<S: Integrate>(&mut self, tally: &mut Tally) {
         let (mut chosen, mut count) = ([0; GATHERED], 0);
         let mut next = 0;
@@ -115,13 +114,13 @@ impl FreeFlight<'_, '_, '_> {
         }
     }
 
-    /// The next bodies in a row that are not left to *Contact*.
+    /// The next run of bodies that are not left to *Contact*.
     fn next_run(&self, from: usize) -> Option<Range<usize>> {
         let range = runs_of(self.near.len() - from, |i| !self.near[from + i].pending).next()?;
         Some(from + range.start..from + range.end)
     }
 
-    /// Neighbors, where they are.
+    /// Steps a run of consecutive bodies in place.
     fn run<S: Integrate>(&mut self, range: Range<usize>, tally: &mut Tally) {
         if !self.forces.scales_gravity() {
             let gravity = GravityField::Uniform(self.step.gravity);
@@ -161,11 +160,11 @@ impl FreeFlight<'_, '_, '_> {
         }
     }
 
-    /// Scattered bodies: at least one, at most [`GATHERED`].
+    /// Steps scattered bodies as one group: at least one, at most [`GATHERED`].
     #[inline(never)]
     fn gathered<S: Integrate>(&mut self, chosen: &[usize], tally: &mut Tally) {
         let known = tally.faults.len();
-        // What is beyond the last is not looked at.
+        // Entries beyond the last body are padding.
         let place = |k: usize| chosen[k.min(chosen.len() - 1)];
         let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.bodies[place(k)]);
         let mut states: [BodyState; GATHERED] = core::array::from_fn(|k| self.states[place(k)]);
@@ -196,7 +195,7 @@ impl FreeFlight<'_, '_, '_> {
         }
     }
 
-    /// The bodies that are not left to *Contact*, each under its own forces.
+    /// Steps the bodies that are not left to *Contact*, each under its own forces.
     fn each<S: Integrate, F: ForceModel>(&mut self, model: impl Fn(usize) -> F) -> Tally {
         let mut tally = Tally::default();
         if !self.step.has_contact() {

@@ -1,4 +1,4 @@
-//! The plugin of floor and planes.
+//! The plugin for contact with floor and planes.
 
 use bevy::app::{App, Plugin};
 use bevy::ecs::schedule::{IntoScheduleConfigs, SystemCondition, common_conditions};
@@ -11,7 +11,8 @@ use crate::floor::{
     ContactReport, ContactSettings, ContactState, Floor, Friction, Restitution, StaticPlane,
 };
 
-/// Contact with a [`Floor`] and with [`StaticPlane`]s. Without it they do nothing, and bodies carry no contact memory.
+/// Adds contact with a [`Floor`] and with [`StaticPlane`]s. Without this plugin they have no effect, and bodies carry
+/// no contact memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FloorPlugin;
 

@@ -1,5 +1,5 @@
-//! *Forces*: what acts on the bodies in a step, gathered before it. What depends on the state is evaluated by the
-//! integrators.
+//! *Forces*: gathers everything that acts on the bodies during a step. The integrators evaluate the state-dependent
+//! forces.
 
 use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::entity::Entity;
@@ -20,21 +20,21 @@ use crate::force::{Dissipation, ForceModel, Forces};
 use crate::integrators::Integrator;
 use crate::state::BodyState;
 
-/// What is the same for every body of a step.
+/// Data of a step that all bodies share.
 #[derive(Resource, Default)]
 pub(crate) struct Step {
-    /// Size \[s\].
+    /// Step size \[s\].
     pub(crate) h: f64,
-    /// Simulated time at its end \[s\].
+    /// Simulated time at the end of the step \[s\].
     pub(crate) time: f64,
-    /// [m/s²]
+    /// Gravity [m/s²].
     pub(crate) gravity: DVec3,
-    /// [m/s]
+    /// Velocity of the air [m/s].
     pub(crate) wind: DVec3,
-    /// Of bodies without one of their own.
+    /// The integrator of bodies without their own.
     pub(crate) integrator: Integrator,
     pub(crate) floor: Option<Floor>,
-    /// The floor and the static planes; empty without static planes.
+    /// The floor and all static planes. Empty if there are no static planes.
     pub(crate) planes: Vec<Plane>,
     pub(crate) settings: ContactSettings,
 }
@@ -48,12 +48,12 @@ type PlaneEntity = (
 );
 
 impl Step {
-    /// Whether there is anything to touch.
+    /// Returns `true` if there is a floor or a plane.
     pub(crate) fn has_contact(&self) -> bool {
         self.floor.is_some() || !self.planes.is_empty()
     }
 
-    /// Whether a body may touch the floor or another plane in this step.
+    /// Returns `true` if a body may touch the floor or a plane in this step.
     #[inline]
     pub(crate) fn may_touch(
         &self,
@@ -70,7 +70,7 @@ impl Step {
     }
 }
 
-/// Gathers what is the same for every body.
+/// Gathers the data of a step that all bodies share.
 pub(crate) fn gather_forces(
     mut step: ResMut<Step>,
     clock: Res<PhysicsClock>,
@@ -80,13 +80,13 @@ pub(crate) fn gather_forces(
     (settings, contact): (Option<Res<ContactSettings>>, Option<Res<ContactEnabled>>),
     statics: Query<PlaneEntity, Without<RigidBox>>,
 ) {
-    // Without its plugin a floor is nothing.
+    // Without its plugin, a floor has no effect.
     let floor = floor.filter(|_| contact.is_some()).map(|floor| *floor);
     let mut planes = core::mem::take(&mut step.planes);
     planes.clear();
     if contact.is_some() && !statics.is_empty() {
         let mut shapes: Vec<_> = statics.iter().collect();
-        // In the order in which they were spawned, as a rule: not in one that depends on which components they have.
+        // Usually the order of spawning. Query order would depend on which components the planes have.
         shapes.sort_unstable_by_key(|(entity, ..)| entity.index_u32());
         let shapes = shapes
             .iter()
@@ -107,7 +107,7 @@ pub(crate) fn gather_forces(
     };
 }
 
-/// What may act on a body besides gravity, as the slices that Bevy hands over.
+/// Columns of all forces that may act on a body.
 #[derive(QueryData)]
 #[query_data(contiguous(all))]
 pub(crate) struct ForceColumns {
@@ -125,12 +125,12 @@ pub(crate) struct ForceColumns {
 }
 
 impl ForceColumnsContiguousItem<'_, '_> {
-    /// Whether nothing but the same gravity acts on every body of this table.
+    /// Returns `true` if every body of this table is subject only to the same gravity.
     pub(crate) fn only_uniform_gravity(&self) -> bool {
         self.only_gravity() && !self.scales_gravity()
     }
 
-    /// Whether no body of this table has anything but gravity acting on it.
+    /// Returns `true` if no force other than gravity acts on any body of this table.
     pub(crate) fn only_gravity(&self) -> bool {
         self.linear_drag.is_none()
             && self.quadratic_drag.is_none()
@@ -143,7 +143,7 @@ impl ForceColumnsContiguousItem<'_, '_> {
             && self.springs.is_none()
     }
 
-    /// Gravity of body `i` [m/s²].
+    /// Acceleration due to gravity of body `i` [m/s²].
     #[inline(always)]
     pub(crate) fn gravity(&self, i: usize, world: DVec3) -> DVec3 {
         match self.gravity_scale {
@@ -152,12 +152,12 @@ impl ForceColumnsContiguousItem<'_, '_> {
         }
     }
 
-    /// Whether gravity is not the same for all bodies of this table.
+    /// Returns `true` if gravity differs between bodies of this table.
     pub(crate) fn scales_gravity(&self) -> bool {
         self.gravity_scale.is_some()
     }
 
-    /// The whole force model of body `i`.
+    /// The complete force model of body `i`.
     #[inline]
     pub(crate) fn forces(&self, i: usize, body: &RigidBox, step: &Step) -> Forces<'_> {
         let (world, wind) = (step.gravity, step.wind);
@@ -186,7 +186,7 @@ impl ForceColumnsContiguousItem<'_, '_> {
     }
 }
 
-/// Component `i` of a column, unless its values are invalid.
+/// Component `i` of a column, if its values are valid.
 #[inline(always)]
 fn valid<C: Checked>(column: Option<&[C]>, i: usize) -> Option<&C> {
     column
@@ -194,7 +194,7 @@ fn valid<C: Checked>(column: Option<&[C]>, i: usize) -> Option<&C> {
         .filter(|c| c.check().is_ok())
 }
 
-/// Clears what was meant for this tick alone, after the last step of it.
+/// Clears one-shot forces after the last step of the tick.
 pub(crate) fn clear_one_shots(clock: Res<PhysicsClock>, mut forces: Query<&mut OneShotForce>) {
     if clock.is_tick_over() {
         for mut force in &mut forces {

@@ -1,4 +1,4 @@
-//! Bounding boxes, axes, velocities and contacts of bodies as lines: the feature `gizmos`.
+//! Draws bounding boxes, axes, velocities and contacts of bodies (feature `gizmos`).
 
 use bevy::app::{App, Plugin, Update};
 use bevy::color::Color;
@@ -14,13 +14,13 @@ use super::{ContactPhase, FloorContact, WorldAabb};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
-/// The largest number of boxes that are drawn: more would be a gray cloud, and slow.
-const MOST: usize = 2000;
-/// How long a contact is shown \[s\]: a bounce lasts one step.
+/// Maximum number of boxes drawn. More would be slow and hard to read.
+const MAX_DRAWN: usize = 2000;
+/// How long a contact is displayed \[s\]; a bounce lasts only one step.
 const SHOWN_FOR: f32 = 0.25;
 
 const AABB: Color = Color::srgb_u8(240, 228, 66);
-/// Of the body's x, y and z axis; as the faces of the game's boxes.
+/// Body axes x, y and z, in the colors of the faces of the game's boxes.
 const AXES: [(Vec3, Color); 3] = [
     (Vec3::X, Color::srgb_u8(0, 114, 178)),
     (Vec3::Y, Color::srgb_u8(230, 159, 0)),
@@ -28,8 +28,8 @@ const AXES: [(Vec3, Color); 3] = [
 ];
 const CONTACT: Color = Color::srgb_u8(213, 94, 0);
 
-/// Draws what [`BodyGizmos`] says. It needs Bevy's `GizmoPlugin` (in `DefaultPlugins`); a part of the
-/// physics that was left out is not drawn.
+/// Draws what [`BodyGizmos`] selects. Requires Bevy's `GizmoPlugin` (included in `DefaultPlugins`). Parts of the
+/// physics that were left out are not drawn.
 ///
 /// ```ignore
 /// App::new()
@@ -42,28 +42,27 @@ const CONTACT: Color = Color::srgb_u8(213, 94, 0);
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BodyGizmosPlugin;
 
-/// Where the lines are drawn, in `Update`: what changes [`BodyGizmos`] goes before.
+/// The set of the drawing systems in `Update`. Order systems that change [`BodyGizmos`] before it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BodyGizmosSystems;
 
-/// What is drawn: a gizmo group of its own, so that line width, depth and render layers are set where
-/// Bevy has them, in `GizmoConfigStore`.
+/// What is drawn. As its own gizmo group it takes line width, depth and render layers from Bevy's `GizmoConfigStore`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, GizmoConfigGroup)]
 #[reflect(Default)]
 pub struct BodyGizmos {
     /// The [`WorldAabb`] of every body.
     pub aabbs: bool,
-    /// The axes of bodies, and their velocity: a quarter of a second of it.
+    /// The axes of bodies, and their velocity as the distance covered in 0.25 s.
     pub axes: bool,
-    /// Where bodies with [`ReportContacts`](super::ReportContacts) touch the floor: a
-    /// cross, and an arrow that grows with the root of the impulse over the body's weight in a step.
+    /// Contact points of bodies with [`ReportContacts`](super::ReportContacts): a cross, and an arrow whose length
+    /// grows with the square root of the impulse relative to that of the body's weight in one step.
     pub contacts: bool,
-    /// Axes and contacts of this body alone; `None`: of every body.
+    /// Draws axes and contacts of this body only; `None` draws those of all bodies.
     pub only: Option<Entity>,
 }
 
 impl Default for BodyGizmos {
-    /// Everything of every body.
+    /// Draws everything for every body.
     fn default() -> Self {
         Self {
             aabbs: true,
@@ -96,7 +95,7 @@ impl Plugin for BodyGizmosPlugin {
 
 fn draw_aabbs(boxes: Query<&WorldAabb>, mut gizmos: Gizmos<BodyGizmos>) {
     if gizmos.config_ext.aabbs {
-        for aabb in boxes.iter().take(MOST) {
+        for aabb in boxes.iter().take(MAX_DRAWN) {
             gizmos.aabb_3d(aabb.0, Transform::IDENTITY, AABB);
         }
     }
@@ -111,7 +110,7 @@ fn draw_axes(
         return;
     }
     let wanted = bodies.iter().filter(|b| what.details(b.0));
-    for (_, body, state, transform) in wanted.take(MOST) {
+    for (_, body, state, transform) in wanted.take(MAX_DRAWN) {
         let at = transform.translation;
         let length = 1.4 * body.radius() as f32;
         for (axis, color) in AXES {
@@ -121,15 +120,15 @@ fn draw_axes(
     }
 }
 
-/// A contact that is drawn.
+/// A displayed contact.
 struct Shown {
     entity: Entity,
     corner: usize,
     at: Vec3,
     normal: Vec3,
-    /// Along the normal \[N s\].
+    /// Impulse along the normal \[N s\].
     impulse: f64,
-    /// \[s\]
+    /// Time since the contact was reported \[s\].
     age: f32,
 }
 
@@ -147,7 +146,7 @@ fn draw_contacts(
     shown.retain(|contact| contact.age < SHOWN_FOR);
     let what = *gizmos.config_ext;
     for contact in contacts.read().filter(|c| what.details(c.entity)) {
-        // Its end is no reason to stop showing it: a bounce begins and ends in a step.
+        // The end of a contact does not hide it: a bounce begins and ends in one step.
         if contact.phase == ContactPhase::Ended {
             continue;
         }
@@ -168,15 +167,15 @@ fn draw_contacts(
     }
     let step = fixed.map_or(1.0 / 60.0, |fixed| fixed.timestep().as_secs_f64());
     let wanted = shown.iter().filter(|c| what.details(c.entity));
-    for contact in wanted.take(MOST) {
-        // Its body may be gone by now.
+    for contact in wanted.take(MAX_DRAWN) {
+        // The body may have been despawned.
         let Ok(body) = bodies.get(contact.entity) else {
             continue;
         };
         let at = contact.at;
         let size = 0.15 * body.radius() as f32;
         gizmos.cross(Isometry3d::from_translation(at), size, CONTACT);
-        // The root of it: an impact is a hundred times what holds a resting box.
+        // The square root compresses the range: an impact has a hundred times the impulse that supports a resting box.
         let weight = body.mass() * 9.81 * step;
         let length = (contact.impulse / weight).sqrt().min(12.0) as f32 * 2.0 * size;
         gizmos.arrow(at, at + contact.normal * length.max(size), CONTACT);
@@ -216,7 +215,7 @@ mod tests {
             .iter()
             .copied()
             .zip(view.strip_colors.iter().copied());
-        // A strip ends with a point that is none.
+        // Line strips are separated by NaN points.
         lists.chain(strips).filter(|(p, _)| p.is_finite()).collect()
     }
 
@@ -228,7 +227,7 @@ mod tests {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, AssetPlugin::default()))
             .add_plugins(physics)
-            // Of `GizmoPlugin` this is all that a group needs; the rest looks for meshes.
+            // The only part of `GizmoPlugin` that a group needs. The rest requires meshes.
             .init_asset::<GizmoAsset>()
             .add_plugins(BodyGizmosPlugin)
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
@@ -262,7 +261,7 @@ mod tests {
             let left = all.iter().filter(near).filter(|p| p.1 == color.to_linear());
             assert!(left.count() * 2 == count(&all, color) && count(&all, color) > 0);
         }
-        // The corners of the drawn box are those of the body.
+        // The corners of the drawn box coincide with those of the body.
         let aabb: Vec<_> = all.iter().filter(|p| p.1 == AABB.to_linear()).collect();
         let corner = |p: &Vec3| {
             (p.y.abs() < 1e-5 || (p.y - 1.0).abs() < 1e-5) && (p.z.abs() - 0.5).abs() < 1e-5

@@ -1,4 +1,4 @@
-//! Impulses: collected while the clock runs or stands, applied at the start of a step.
+//! Impulses: collected at any time, applied at the start of a step.
 
 use bevy::ecs::message::{MessageCursor, Messages};
 use bevy::ecs::query::Has;
@@ -14,7 +14,7 @@ use super::resources::PhysicsClock;
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
-/// Impulses that wait for the next step, in order of arrival.
+/// Impulses waiting for the next step, in order of arrival.
 #[derive(Resource, Default)]
 pub(crate) struct PendingImpulses {
     cursor: MessageCursor<ApplyImpulse>,
@@ -22,14 +22,14 @@ pub(crate) struct PendingImpulses {
 }
 
 impl PendingImpulses {
-    /// Those that wait for the next step, sent just now included.
+    /// The waiting impulses, including those just sent.
     pub(crate) fn snapshot(world: &mut World) -> Vec<ApplyImpulse> {
         let _ = world.run_system_cached(collect_impulses);
         let pending = world.get_resource::<Self>();
         pending.map_or(Vec::new(), |pending| pending.queue.clone())
     }
 
-    /// Replaces what waits, and drops what was sent since.
+    /// Replaces the waiting impulses, and drops those sent since.
     pub(crate) fn restore(world: &mut World, queue: &[ApplyImpulse]) {
         let _ = world.run_system_cached(collect_impulses);
         if let Some(mut pending) = world.get_resource_mut::<Self>() {
@@ -38,23 +38,23 @@ impl PendingImpulses {
     }
 }
 
-/// Takes impulses out of the message buffer, every tick and every frame: those that were sent while the physics
-/// stood still are kept or dropped, as their sender chose.
+/// Moves impulses from the message buffer to the queue, every tick and every frame. Impulses sent while the physics is
+/// paused are kept or dropped, as [`WhilePaused`] requests.
 pub(crate) fn collect_impulses(
     messages: Res<Messages<ApplyImpulse>>,
     mut pending: ResMut<PendingImpulses>,
     clock: Option<Res<PhysicsClock>>,
     time: Option<Res<Time<Virtual>>>,
 ) {
-    let stands = clock.is_some_and(|clock| clock.paused)
+    let paused = clock.is_some_and(|clock| clock.paused)
         || time.is_some_and(|time| time.is_paused() || time.relative_speed_f64() == 0.0);
     let PendingImpulses { cursor, queue } = &mut *pending;
-    let kept = |impulse: &&ApplyImpulse| !stands || impulse.while_paused == WhilePaused::Keep;
+    let kept = |impulse: &&ApplyImpulse| !paused || impulse.while_paused == WhilePaused::Keep;
     queue.extend(cursor.read(&messages).filter(kept));
 }
 
-/// Applies the collected impulses in order of arrival. One that cannot be applied is dropped: its body is
-/// gone or quarantined, or it would leave a state that is not finite.
+/// Applies the collected impulses in order of arrival. An impulse is dropped if its body no longer exists or is
+/// quarantined, or if the resulting state would be invalid.
 pub(crate) fn apply_impulses(
     mut pending: ResMut<PendingImpulses>,
     mut bodies: Query<(&RigidBox, &mut BodyState, Has<Quarantined>)>,
@@ -72,12 +72,12 @@ pub(crate) fn apply_impulses(
                 "is not finite"
             }
             Ok((.., true)) => "is for a quarantined body",
-            Err(_) => "is for an entity that is no body (any more)",
+            Err(_) => "is for an entity that is not a body",
         };
         if !warned.contains(&reason) {
             warned.push(reason);
             let entity = impulse.entity;
-            warn!("box_physics: an impulse on {entity} {reason}; dropped (said once)");
+            warn!("box_physics: an impulse on {entity} {reason}; dropped (logged once)");
         }
     }
 }

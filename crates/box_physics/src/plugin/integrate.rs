@@ -1,4 +1,4 @@
-//! *Integrate*: steps every body that stays clear of the floor.
+//! *Integrate*: steps every body that cannot touch the floor.
 
 use bevy::ecs::change_detection::Ref;
 use bevy::ecs::entity::Entity;
@@ -19,7 +19,7 @@ use crate::floor::FloorOutcome;
 use crate::integrators::{IntegratorMemory, StepOutcome};
 use crate::state::BodyState;
 
-/// What a step needs of a body.
+/// Columns of a body that a step reads and writes.
 #[derive(QueryData)]
 #[query_data(mutable, contiguous(mutable))]
 pub(crate) struct BodyColumns {
@@ -33,13 +33,13 @@ pub(crate) struct BodyColumns {
     pub(crate) own: Option<&'static BodyIntegrator>,
 }
 
-/// What came of a chunk.
+/// Result of stepping a chunk.
 #[derive(Default)]
 pub(crate) struct Tally {
     pub(crate) bodies: u64,
     pub(crate) outcome: StepOutcome,
     pub(crate) floor: FloorOutcome,
-    /// Rows of bodies whose new state was invalid. They are where they were.
+    /// Rows of bodies whose new state was invalid. They keep their previous state.
     pub(crate) faults: Vec<usize>,
     /// Rows of bodies that came to rest on the floor, and of those that no longer rest.
     pub(crate) settled: Vec<usize>,
@@ -57,10 +57,10 @@ impl core::ops::AddAssign for Tally {
     }
 }
 
-/// A step under forces costs as much as this many in free flight, or more (`docs/performance.md`).
-const FORCED: usize = 4;
+/// Minimum cost of a step under forces, in steps in free flight (`docs/performance.md`).
+const FORCED_STEP_COST: usize = 4;
 
-/// *Integrate*: steps every body that stays clear of the floor. The others are left to *Contact*.
+/// *Integrate*: steps every body that cannot touch the floor. The others are left to *Contact*.
 pub(crate) fn integrate(
     step: Res<Step>,
     mut bodies: Query<BodyColumns, Without<Quarantined>>,
@@ -76,7 +76,11 @@ pub(crate) fn integrate(
         let near = table.near.bypass_change_detection();
         for (integrator, range) in integrator_runs(step.integrator, table.own, bodies.len()) {
             let columns = (bodies, &mut *states, &mut *memories, &mut *near);
-            let each = if forces.only_gravity() { 1 } else { FORCED };
+            let each = if forces.only_gravity() {
+                1
+            } else {
+                FORCED_STEP_COST
+            };
             let mut tally = threads.share_out(
                 range.len() * each,
                 columns.chunks(range, CHUNK),
@@ -98,7 +102,7 @@ pub(crate) fn integrate(
                 timings.record_stage(Stage::Integrate, time);
                 timings.record_integrator(integrator, tally.bodies, time, tally.outcome);
             }
-            // In the order of rows, whatever thread found them.
+            // Sorted by row, so that the result does not depend on the threads.
             tally.faults.sort_unstable();
             for i in tally.faults {
                 quarantine.take(

@@ -1,4 +1,4 @@
-//! Messages: requests to the physics, and what happened in it.
+//! Messages: requests to the physics, and reports of what happened.
 
 use bevy::ecs::entity::Entity;
 use bevy::ecs::event::EntityEvent;
@@ -13,10 +13,11 @@ use crate::floor::ContactReport;
 use crate::integrators::Integrator;
 use crate::state::BodyState;
 
-/// Asks for an impulse on a body at the start of the next step. Several are applied in their order of
-/// arrival. One sent while the physics is paused waits for the next step; one that is
-/// [`dropped_while_paused`](Self::dropped_while_paused) does not, so that a key held down in a pause does not
-/// launch the body at its end. [`BodyMut`](super::BodyMut) applies impulses at once.
+/// Requests an impulse on a body at the start of the next step. Several impulses are applied in order of arrival.
+///
+/// An impulse sent while the physics is paused waits for the next step. With
+/// [`dropped_while_paused`](Self::dropped_while_paused) it is discarded instead, so that a key held down during a pause
+/// does not launch the body afterward. [`BodyMut`](super::BodyMut) applies impulses immediately.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -39,16 +40,16 @@ pub struct ApplyImpulse {
     pub entity: Entity,
     /// Impulse J \[N s\], world axes.
     pub impulse: DVec3,
-    /// Where it acts.
+    /// Point of application.
     pub at: ImpulsePoint,
-    /// Angular impulse \[N m s\] about the center of mass besides, world axes.
+    /// Additional angular impulse about the center of mass \[N m s\], world axes.
     pub angular_impulse: DVec3,
-    /// What becomes of it if it is sent while the physics is paused.
+    /// Whether the impulse is kept or dropped if it is sent while the physics is paused.
     pub while_paused: WhilePaused,
 }
 
-/// An explosion, for [`ApplyImpulse::radial`]. It pushes a body at the point of its box that is closest, away from the
-/// center: boxes that it hits off-center spin.
+/// An explosion, for [`ApplyImpulse::radial`]. It pushes a body at the closest point of its box, away from the center
+/// of the explosion. Boxes that are hit off-center start to spin.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -66,38 +67,38 @@ pub struct ApplyImpulse {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct Explosion {
-    /// Where, in the world \[m\].
+    /// Center, world coordinates \[m\].
     pub center: DVec3,
-    /// Distance from which on it does nothing \[m\].
+    /// Distance beyond which it has no effect \[m\].
     pub radius: f64,
     /// Impulse at the center \[N s\].
     pub impulse: f64,
-    /// Exponent p of the impulse J (1 − d/R)ᵖ at the distance d: 0 is constant up to the radius R, 1 linear.
+    /// Exponent p of the impulse J (1 − d/R)ᵖ at distance d: 0 is constant within the radius R, 1 is linear.
     pub falloff: f64,
 }
 
-/// What becomes of an impulse that is sent while the physics is paused: by
-/// [`PhysicsClock::paused`](super::PhysicsClock::paused), by Bevy's `Time<Virtual>`, or by a relative speed of 0.
+/// What happens to an impulse sent while the physics is paused. The pause may come from
+/// [`PhysicsClock::paused`](super::PhysicsClock::paused), from Bevy's `Time<Virtual>`, or from a relative speed of 0.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum WhilePaused {
-    /// It acts at the next step.
+    /// The impulse acts at the next step.
     #[default]
     Keep,
-    /// It is dropped.
+    /// The impulse is dropped.
     Drop,
 }
 
-/// Where an impulse acts.
+/// Point of application of an impulse.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub enum ImpulsePoint {
-    /// At the center of mass: no spin.
+    /// The center of mass; causes no spin.
     #[default]
     Center,
-    /// At this point of the world \[m\].
+    /// A point in world coordinates \[m\].
     World(DVec3),
-    /// At this point in body axes from the center \[m\].
+    /// A point in body axes from the center \[m\].
     Body(DVec3),
 }
 
@@ -112,12 +113,12 @@ impl ApplyImpulse {
         }
     }
 
-    /// At the center of mass.
+    /// Creates an impulse \[N s\] at the center of mass.
     pub fn center(entity: Entity, impulse: impl Into<DVec3>) -> Self {
         Self::new(entity, impulse, ImpulsePoint::Center)
     }
 
-    /// At a point of the world \[m\].
+    /// Creates an impulse \[N s\] at a point in world coordinates \[m\].
     pub fn at_world_point(
         entity: Entity,
         impulse: impl Into<DVec3>,
@@ -126,7 +127,7 @@ impl ApplyImpulse {
         Self::new(entity, impulse, ImpulsePoint::World(point.into()))
     }
 
-    /// At a point in body axes from the center \[m\].
+    /// Creates an impulse \[N s\] at a point in body axes from the center \[m\].
     pub fn at_body_point(
         entity: Entity,
         impulse: impl Into<DVec3>,
@@ -135,7 +136,7 @@ impl ApplyImpulse {
         Self::new(entity, impulse, ImpulsePoint::Body(point.into()))
     }
 
-    /// A torque impulse \[N m s\], world axes: it changes the spin alone.
+    /// Creates an angular impulse \[N m s\], world axes. It changes only the spin.
     pub fn angular(entity: Entity, angular_impulse: impl Into<DVec3>) -> Self {
         Self {
             angular_impulse: angular_impulse.into(),
@@ -143,7 +144,8 @@ impl ApplyImpulse {
         }
     }
 
-    /// The push of an explosion; `None` beyond its radius. A body around the center is pushed away by its own center.
+    /// Creates the impulse of an explosion on a body; `None` beyond its radius. If the explosion's center is inside the
+    /// box, the body is pushed at its center of mass.
     pub fn radial(body: &BodyRefItem<'_, '_>, explosion: &Explosion) -> Option<Self> {
         let (half, to_body) = (body.body.half_extents(), body.rotation.inverse());
         let center = to_body * (explosion.center - body.position);
@@ -163,14 +165,14 @@ impl ApplyImpulse {
         Some(Self::at_body_point(body.entity, impulse, point))
     }
 
-    /// The same, dropped if it is sent while the physics is paused.
+    /// Returns the same impulse, to be dropped if it is sent while the physics is paused.
     #[must_use]
     pub fn dropped_while_paused(mut self) -> Self {
         self.while_paused = WhilePaused::Drop;
         self
     }
 
-    /// Applies it to `state`.
+    /// Applies the impulse to `state`.
     pub fn apply(&self, body: &RigidBox, state: &mut BodyState) {
         match self.at {
             ImpulsePoint::Center => state.velocity += self.impulse * body.inverse_mass(),
@@ -185,40 +187,44 @@ impl ApplyImpulse {
     }
 }
 
-/// A body with [`ReportContacts`](super::ReportContacts) met or left the floor, or touches it: the whole body, however
-/// many of its corners do. One that bounces within a step begins and ends. For sounds use [`Landed`].
+/// A body with [`ReportContacts`](super::ReportContacts) began, continued or stopped touching the floor.
+///
+/// There is one contact for the whole body, regardless of the number of corners. A body that bounces within a step
+/// emits both `Began` and `Ended`. For sounds use [`Landed`].
 #[derive(Message, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Message, Clone, PartialEq)]
 pub struct FloorContact {
     /// The body.
     pub entity: Entity,
-    /// Where in its life the contact is.
+    /// Phase of the contact.
     pub phase: ContactPhase,
     /// Simulated time at the end of the step \[s\].
     pub time: f64,
-    /// What the floor did in the step, corner by corner.
+    /// Points and impulses of the step, corner by corner.
     pub report: ContactReport,
 }
 
-/// Where in its life a contact between a body and the floor is.
+/// Phase of a contact between a body and the floor.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub enum ContactPhase {
-    /// The body did not touch the floor before this step.
+    /// The body touches now and did not before this step.
     Began,
-    /// It touched before and touches now. Only sent with [`ReportPersisting`](super::ReportPersisting).
+    /// The body touched before and still does. Emitted only with [`ReportPersisting`](super::ReportPersisting).
     Persists,
-    /// It touched, and no longer does.
+    /// The body no longer touches.
     Ended,
 }
 
-/// A body with [`ReportContacts`](super::ReportContacts) landed: one message, and one event on the entity, for all
-/// impacts that follow each other within 0.1 s. A box that drops on an edge strikes with one corner after the other and
-/// rattles: that is one landing. A bounce that takes longer ends in another.
+/// A body with [`ReportContacts`](super::ReportContacts) landed. Emitted as a message and as an event on the entity.
 ///
-/// It comes when the impulses of the first 0.03 s are known (a sound that is late by 0.125 s still seems to be in time,
-/// ITU-R BT.1359). Impacts slower than [`ContactSettings::restitution_threshold`](crate::floor::ContactSettings) are
-/// none, so that a body that is spawned on the floor does not land.
+/// One landing covers all impacts that follow each other within 0.1 s: a box that drops on an edge hits with one corner
+/// after the other and rattles. A bounce that lasts longer leads to another landing.
+///
+/// It is emitted when the impulses of the first 0.03 s are known. (A sound that is late by up to 0.125 s still seems
+/// simultaneous, ITU-R BT.1359.) Impacts slower than
+/// [`ContactSettings::restitution_threshold`](crate::floor::ContactSettings) do not count, so a body spawned on the
+/// floor does not land.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -245,20 +251,22 @@ pub struct Landed {
     pub entity: Entity,
     /// Simulated time of the first impact \[s\].
     pub time: f64,
-    /// Where, in the world \[m\]: the mean of the points, weighted by their impulses.
+    /// Point of impact in the world \[m\]: the mean of the contact points, weighted by their impulses.
     pub point: DVec3,
-    /// The unit normal of what it struck: +y for the floor.
+    /// Unit normal of the surface: +y for the floor.
     pub normal: DVec3,
-    /// Impulse along the normal \[N s\], > 0.
+    /// Total impulse along the normal \[N s\], > 0.
     pub normal_impulse: f64,
-    /// Impulse of friction on the body \[N s\], world axes.
+    /// Total friction impulse on the body \[N s\], world axes.
     pub tangential_impulse: DVec3,
-    /// Largest speed along the normal with which a corner struck [m/s], > 0.
+    /// Highest normal speed at which a corner hit the surface [m/s], > 0.
     pub approach_speed: f64,
 }
 
-/// A body came to rest on the floor: an event on the entity, for every body. From the next step on it sleeps, if nothing
-/// but gravity acts on it. [`RestingSince`](super::RestingSince) tells since when.
+/// A body came to rest on the floor. Triggered on the entity, for every body.
+///
+/// From the next step on the body sleeps, if only gravity acts on it. [`RestingSince`](super::RestingSince) stores the
+/// time.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -282,8 +290,10 @@ pub struct Settled {
     pub time: f64,
 }
 
-/// A body that rested on the floor no longer does: an event on the entity, for every body that [`Settled`]. Also sent when
-/// the body is teleported, disabled or quarantined and when the floor is removed, but not when the body is despawned.
+/// A body that rested on the floor no longer does. Triggered on the entity, for every body that [`Settled`].
+///
+/// It is also sent if the body is teleported, disabled or quarantined and if the floor is removed, but not if the body
+/// is despawned.
 #[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Clone, PartialEq)]
 pub struct Woken {
@@ -309,11 +319,11 @@ pub struct Woken {
 pub struct BodyQuarantined {
     /// The body.
     pub entity: Entity,
-    /// The integrator that was to step it.
+    /// The integrator of the body.
     pub integrator: Integrator,
     /// Simulated time \[s\].
     pub time: f64,
-    /// What was wrong.
+    /// The cause.
     pub cause: QuarantineCause,
 }
 
@@ -321,11 +331,11 @@ pub struct BodyQuarantined {
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub enum QuarantineCause {
-    /// A [`BodyState`] was written that is not finite or beyond 1e38, or whose attitude is not a unit quaternion.
-    /// The body stands at its last written pose, at rest.
+    /// The written [`BodyState`] is not finite or exceeds 1e38, or its attitude is not a unit quaternion. The body is
+    /// at rest at its last displayed pose.
     State,
-    /// The step from a valid state led to one that is not finite or beyond 1e38: its forces are, or the integrator
-    /// left its stable range. The body stands as it was before that step.
+    /// A step from a valid state led to values that are not finite or exceed 1e38, because of the forces or because the
+    /// integrator left its stable range. The body keeps its state from before that step.
     Step,
 }
 

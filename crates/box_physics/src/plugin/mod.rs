@@ -5,20 +5,20 @@
 //! | | |
 //! |---|---|
 //! | gravity | [`WorldGravity`], [`GravityScale`] |
-//! | a push | the message [`ApplyImpulse`]: at the center, at a point, a torque, an explosion; at once by [`BodyMut`] |
+//! | an impulse | the message [`ApplyImpulse`]: at the center, at a point, angular, an explosion; immediately with [`BodyMut`] |
 //! | a force or torque for one tick | [`OneShotForce`] |
 //! | a force or torque, constant over a step | [`ExternalForce`], [`BodyTorque`] |
-//! | at points of the body, evaluated at every stage of the integrator | [`PointForces`], [`Springs`] |
+//! | forces at points of the body, evaluated at every stage of the integrator | [`PointForces`], [`Springs`] |
 //! | drag and damping, relative to the [`Wind`] | [`LinearDrag`], [`QuadraticDrag`], [`AngularDamping`], [`AngularDrag`] |
-//! | anything else that depends on the state | the core, with a [`ForceModel`](crate::force::ForceModel) of your own |
-//! | the floor, walls and ramps | the resource [`Floor`](crate::floor::Floor), entities with [`StaticPlane`](crate::floor::StaticPlane); [`ReportContacts`] for [`Landed`] and other messages about it; the events [`Settled`] and [`Woken`] |
+//! | any other state-dependent force | the core, with your own [`ForceModel`](crate::force::ForceModel) |
+//! | the floor, walls and ramps | the resource [`Floor`](crate::floor::Floor), entities with [`StaticPlane`](crate::floor::StaticPlane); [`ReportContacts`] enables [`Landed`] and other messages; the events [`Settled`] and [`Woken`] |
 //!
-//! A force that no body has costs nothing.
+//! A kind of force that no body uses costs nothing.
 //!
 //! # One step
 //!
-//! [`PhysicsSchedule`] runs once a tick (once a substep) of [`FixedPhysics`], which follows `FixedPostUpdate`, or of the
-//! schedule that you name. Its sets are chained; three are yours:
+//! [`PhysicsSchedule`] runs once per tick (once per substep) of [`FixedPhysics`], which follows `FixedPostUpdate`, or
+//! of the schedule of your choice. Its sets are chained; three of them are empty, for your systems:
 //!
 //! ```text
 //! FixedPhysics ─ run_physics ─┬─ paused? nothing
@@ -33,27 +33,27 @@
 //!   Last       (yours): the state is that of PhysicsClock::time
 //! ```
 //!
-//! Order your systems against [`RunPhysics`] outside of the step. Inside it, two systems in one set that write the same must
-//! be ordered, or Bevy refuses the schedule. [`PhysicsClock`] pauses and counts; slow motion is
-//! `Time<Virtual>::set_relative_speed`. Each part is a plugin and can be left out: [`FloorPlugin`], [`AabbPlugin`],
-//! [`PhysicsDiagnosticsPlugin`].
+//! Outside of the step, order your systems against [`RunPhysics`]. Inside it, two systems in one set with conflicting
+//! access must be ordered, or the schedule fails to build. [`PhysicsClock`] pauses the physics and counts the steps;
+//! for slow motion use `Time<Virtual>::set_relative_speed`. These parts are plugins and can be disabled:
+//! [`FloorPlugin`], [`AabbPlugin`], [`PhysicsDiagnosticsPlugin`].
 //!
 //! # State and `Transform`
 //!
-//! A `Transform` given at the start says where the body starts, unless there is a `BodyState`. New bodies and states that
-//! you write are shown in the same frame, paused or not. `Changed<Transform>` says that a body moved; the physics does not
-//! mark `BodyState` as changed. When you write to it, do not bypass change detection: it wakes a box at rest.
+//! A new body starts at its `Transform`, unless it has a `BodyState`. New bodies and states that you write are
+//! displayed in the same frame, even when paused. `Changed<Transform>` detects that a body moved; the physics does not
+//! mark `BodyState` as changed. When you write to it, do not bypass change detection, which wakes a sleeping box.
 //!
-//! To move a body, queue the command [`Teleport`]. A `Transform` that you change teleports the body at its next step,
-//! unless smoothing between steps (`bevy_transform_interpolation`) restores it first.
+//! To move a body, queue the command [`Teleport`]. Changing its `Transform` teleports the body at its next step, unless
+//! smoothing between steps (`bevy_transform_interpolation`) restores the `Transform` first.
 //!
-//! # When something is wrong
+//! # Error handling
 //!
-//! Constructors refuse invalid values. At run time nothing panics, and each fault is logged once. A body that is not finite,
-//! or beyond 1e38, is [`Quarantined`] where it last was. An invalid coefficient of a body, and an invalid plane, do not act.
-//! A setting out of its range stops the clock until it is corrected ([`PhysicsClock::fault`]); one that was removed is
-//! restored. A hitch costs at most `Time<Virtual>::max_delta` of simulation, and what is lost is counted
-//! ([`PhysicsClock::dropped`]).
+//! Constructors reject invalid values. At run time nothing panics, and each fault is logged once. A body with values
+//! that are not finite or exceed 1e38 is [`Quarantined`] at its last valid pose. Invalid coefficients and invalid
+//! planes have no effect. A setting out of its range stops the clock until it is corrected ([`PhysicsClock::fault`]); a
+//! setting that was removed is restored. After a hitch at most `Time<Virtual>::max_delta` is simulated, and the dropped
+//! time is counted ([`PhysicsClock::dropped`]).
 
 mod chunks;
 mod components;
@@ -127,7 +127,7 @@ use crate::force::{Dissipation, Gravity, Wrench};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
-/// Everything a game wants: one line.
+/// All plugins of the library.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -142,9 +142,9 @@ use crate::state::BodyState;
 /// app.update();
 /// ```
 ///
-/// To leave a part out: `PhysicsPlugins::default().build().disable::<AabbPlugin>()`; the same for
-/// [`FloorPlugin`] and [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`](crate::floor::Floor)
-/// resource there is no contact work.
+/// To omit a part: `PhysicsPlugins::default().build().disable::<AabbPlugin>()`; likewise [`FloorPlugin`] and
+/// [`PhysicsDiagnosticsPlugin`]. Without a [`Floor`](crate::floor::Floor) or a
+/// [`StaticPlane`](crate::floor::StaticPlane) there is no contact work.
 #[derive(Clone, Debug, Default)]
 pub struct PhysicsPlugins {
     physics: PhysicsPlugin,
@@ -169,12 +169,12 @@ impl PluginGroup for PhysicsPlugins {
     }
 }
 
-/// The physics itself: the schedule, the clock, bodies and forces.
+/// The core plugin: the schedule, the clock, bodies and forces.
 ///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
-/// // Nothing but the physics, in a schedule of one's choice: no floor, no boxes, no timings.
+/// // Only the core, in another schedule: no floor, no bounding boxes, no timings.
 /// let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, PhysicsPlugin::in_schedule(FixedUpdate)));
 /// let body = app.world_mut().spawn(RigidBox::default()).id();
@@ -183,15 +183,16 @@ impl PluginGroup for PhysicsPlugins {
 /// assert!(app.world().get::<WorldAabb>(body).is_none());
 /// ```
 ///
-/// Where it is there already, in another plugin of yours say, a second one is ignored, and so are those of its parts.
+/// If this plugin was already added, for example by another plugin, a second one is ignored. The same holds for the
+/// other plugins of the library.
 #[derive(Clone, Debug, Default)]
 pub struct PhysicsPlugin {
-    /// Instead of [`FixedPhysics`].
+    /// The schedule that replaces [`FixedPhysics`].
     schedule: Option<Interned<dyn ScheduleLabel>>,
 }
 
 impl PhysicsPlugin {
-    /// Runs in `schedule`, with the time step that `Time` shows there.
+    /// Runs the physics in `schedule`, with the time step of `Time` there.
     pub fn in_schedule(schedule: impl ScheduleLabel) -> Self {
         Self {
             schedule: Some(schedule.intern()),
@@ -199,7 +200,7 @@ impl PhysicsPlugin {
     }
 }
 
-/// Makes [`FixedPhysics`] a part of the tick.
+/// Inserts [`FixedPhysics`] into the fixed main loop.
 fn add_own_schedule(app: &mut App) {
     app.init_schedule(FixedPhysics)
         .edit_schedule(FixedPhysics, |schedule| {
@@ -214,7 +215,7 @@ fn add_own_schedule(app: &mut App) {
 }
 
 impl Plugin for PhysicsPlugin {
-    // Bevy refuses a second unique plugin by a panic.
+    // Bevy panics if a unique plugin is added twice.
     fn is_unique(&self) -> bool {
         false
     }
@@ -237,7 +238,7 @@ impl Plugin for PhysicsPlugin {
             .add_message::<BodyQuarantined>();
         register_types(app);
         placement::build(app);
-        // A state that is lost begins again where the body is shown.
+        // A missing state is restored from the pose at which the body is displayed.
         faults::require::<BodyState, (BodyState, PublishedPose)>(app);
         faults::require::<IntegratorMemory, IntegratorMemory>(app);
         faults::require::<Transform, Transform>(app);
@@ -246,10 +247,11 @@ impl Plugin for PhysicsPlugin {
         faults::require::<Sleep, Sleep>(app);
 
         let schedule = self.schedule.unwrap_or_else(|| FixedPhysics.intern());
-        // Not `add_schedule`: systems that users gave it before the plugin stay.
+        // Unlike `add_schedule`, this keeps systems that were added before this plugin.
         app.init_schedule(PhysicsSchedule)
             .edit_schedule(PhysicsSchedule, |schedule| {
-                // The systems of a step wait for each other anyway; threads share the bodies of each.
+                // The systems of a step run one after the other anyway; within each, the bodies are distributed over
+                // threads.
                 schedule.set_executor(SingleThreadedExecutor::new());
                 schedule.set_build_settings(ScheduleBuildSettings {
                     ambiguity_detection: LogLevel::Error,
@@ -322,7 +324,7 @@ impl Plugin for PhysicsPlugin {
     }
 }
 
-/// What inspectors, remote tools and scene files see.
+/// Registers the types for inspectors, remote tools and scene files.
 fn register_types(app: &mut App) {
     app.register_type::<RigidBox>()
         .register_type::<BodyState>()

@@ -1,4 +1,4 @@
-//! Sharing out bodies over threads: chunks of the columns, not entities.
+//! Distributes chunks of the columns over threads.
 
 use core::ops::AddAssign;
 use std::sync::{Mutex, PoisonError};
@@ -8,8 +8,9 @@ use bevy::ecs::resource::Resource;
 use bevy::reflect::{Reflect, std_traits::ReflectDefault};
 use bevy::tasks::ComputeTaskPool;
 
-/// How many threads the physics may use. Results do not depend on it, to the last bit: bodies do not
-/// act on each other.
+/// Number of threads that the physics may use.
+///
+/// Results do not depend on it, to the last bit, because bodies do not interact.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -17,7 +18,7 @@ use bevy::tasks::ComputeTaskPool;
 /// use box_physics::prelude::*;
 /// let mut app = App::new();
 /// app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-///     .insert_resource(PhysicsThreads { most: 1, ..default() }); // leaves the cores to others
+///     .insert_resource(PhysicsThreads { max_threads: 1, ..default() }); // single-threaded
 /// app.update();
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,39 +26,44 @@ use bevy::tasks::ComputeTaskPool;
 pub struct PhysicsThreads {
     /// Maximum number of threads, including the caller; 0 counts as 1. Default: all of Bevy's
     /// `ComputeTaskPool`.
-    pub most: usize,
-    /// Bodies in free flight that make another thread worth waking. One that moves at the floor counts for 16 of them, one
-    /// under forces for 4. Default 2048: some 100 µs, which waking a thread may take.
-    pub bodies_each: usize,
+    pub max_threads: usize,
+    /// Number of bodies in free flight per additional thread. A body moving at the floor counts as 16 of them, a body
+    /// under forces as 4. The default of 2048 amounts to about 100 µs, which waking a thread may take.
+    pub bodies_per_thread: usize,
 }
 
 impl Default for PhysicsThreads {
     fn default() -> Self {
         Self {
-            most: usize::MAX,
-            bodies_each: 2048,
+            max_threads: usize::MAX,
+            bodies_per_thread: 2048,
         }
     }
 }
 
-/// Bodies in a chunk: its columns fit into a core's L2 cache, and there are enough chunks to even out
-/// what the bodies at the floor cost.
+/// Bodies per chunk. The columns of a chunk fit into the L2 cache of a core, and there are enough chunks to balance the
+/// uneven cost of bodies at the floor.
 pub(crate) const CHUNK: usize = 512;
 
 impl PhysicsThreads {
-    /// Number of threads for the work of this number of bodies in free flight.
+    /// Number of threads for work equivalent to stepping `bodies` bodies in free flight.
     fn count(&self, bodies: usize) -> usize {
         let Some(pool) = ComputeTaskPool::try_get() else {
             return 1;
         };
-        let wanted = bodies / self.bodies_each.max(1);
-        // The caller works as well.
-        wanted.min(pool.thread_num() + 1).min(self.most).max(1)
+        let wanted = bodies / self.bodies_per_thread.max(1);
+        // The calling thread also works.
+        wanted
+            .min(pool.thread_num() + 1)
+            .min(self.max_threads)
+            .max(1)
     }
 
-    /// Does `work` on every chunk, in any order and on any thread, and adds up the results. All of it costs as much as
-    /// `bodies` bodies in free flight. The threads take chunk after chunk, half of them from the end, so that none waits for
-    /// another's slow ones, and two read on in memory where they left off.
+    /// Applies `work` to every chunk, in any order and on any thread, and adds up the results. The total work costs as
+    /// much as stepping `bodies` bodies in free flight.
+    ///
+    /// Each thread takes the next chunk when it has finished one, so that none waits for another's slow chunks. Half of
+    /// the threads take chunks from the end, so that two threads read memory sequentially.
     pub(crate) fn share_out<C: Send, T: Default + AddAssign + Send + 'static>(
         &self,
         bodies: usize,
@@ -74,7 +80,7 @@ impl PhysicsThreads {
         }
         let chunks = Mutex::new(chunks);
         let next = |from_the_end: bool| {
-            // A poisoned lock means that another thread panics; its panic is what is reported.
+            // A poisoned lock means that another thread panicked. That panic is the one that is reported.
             let mut chunks = chunks.lock().unwrap_or_else(PoisonError::into_inner);
             if from_the_end {
                 chunks.next_back()
@@ -93,7 +99,7 @@ impl PhysicsThreads {
             for k in 1..threads {
                 scope.spawn(async move { worker(k % 2 == 1) });
             }
-            // The caller does not wait for the others to wake up.
+            // The calling thread starts without waiting for the others to wake up.
             total += worker(false);
         });
         for part in parts {
@@ -103,7 +109,7 @@ impl PhysicsThreads {
     }
 }
 
-/// Nothing to add up.
+/// The result of work that returns nothing.
 #[derive(Default)]
 pub(crate) struct Done;
 
@@ -121,15 +127,15 @@ mod tests {
     use bevy::tasks::{TaskPool, TaskPoolBuilder};
     use bevy::transform::components::Transform;
 
-    /// Boxes that fly, fall, bounce, slide, roll and rest, some with a scale on gravity, a drag or an integrator
-    /// of their own, after 90 steps.
-    fn storm(most: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
+    /// States after 90 steps of boxes that fly, fall, bounce, slide, roll and rest, some with their own gravity scale,
+    /// drag or integrator.
+    fn storm(max_threads: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
             .insert_resource(Floor::default())
             .insert_resource(PhysicsThreads {
-                most,
-                bodies_each: 100,
+                max_threads,
+                bodies_per_thread: 100,
             });
         let bodies: Vec<_> = (0..1500)
             .map(|i| {
@@ -165,18 +171,18 @@ mod tests {
     fn results_do_not_depend_on_the_number_of_threads() {
         ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(3).build());
         let alone = storm(1);
-        for most in [2, 4] {
-            assert!(storm(most) == alone, "{most} threads");
+        for max_threads in [2, 4] {
+            assert!(storm(max_threads) == alone, "{max_threads} threads");
         }
     }
 
     #[test]
     fn every_chunk_is_done_once_by_any_number_of_threads() {
         ComputeTaskPool::get_or_init(TaskPool::default);
-        for most in [0, 1, 2, 7] {
+        for max_threads in [0, 1, 2, 7] {
             let threads = PhysicsThreads {
-                most,
-                bodies_each: 10,
+                max_threads,
+                bodies_per_thread: 10,
             };
             let mut numbers: Vec<u64> = (0..1000).collect();
             let sum: u64 = threads.share_out(1000, numbers.chunks_mut(7), |chunk| {

@@ -1,5 +1,5 @@
-//! New bodies, and bodies whose [`BodyState`] was written by others: `Transform` and [`WorldAabb`] show them in
-//! the same frame, whether or not a step comes.
+//! Displays new bodies, and bodies whose [`BodyState`] was written by other code. `Transform` and [`WorldAabb`] follow
+//! in the same frame, even without a step.
 
 use bevy::app::{App, MainScheduleOrder, PostUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
 use bevy::ecs::change_detection::{DetectChanges, DetectChangesMut, Mut, Ref, Tick};
@@ -24,7 +24,7 @@ use crate::body::RigidBox;
 use crate::floor::ContactState;
 use crate::state::BodyState;
 
-/// A body and all that shows where it is.
+/// A body with everything that displays its pose.
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct ShownBody {
@@ -41,7 +41,7 @@ pub(crate) struct ShownBody {
 }
 
 impl ShownBodyItem<'_, '_> {
-    /// Shows the state. Returns the pose that was shown before.
+    /// Writes the state to the display components. Returns the previously displayed pose.
     pub(crate) fn show(&mut self) -> PublishedPose {
         let before = *self.published;
         *self.published = PublishedPose::of(&self.state);
@@ -61,12 +61,12 @@ impl ShownBodyItem<'_, '_> {
         }
     }
 
-    /// Starts the body where its `Transform` says, or else its state.
+    /// Starts the body at its `Transform` if that was set, otherwise at its state.
     fn place(&mut self) {
-        // A loaded body may bring its contacts along.
+        // A loaded body may already have contacts.
         self.near.touched = self.contact.is_some_and(|c| c.touching() != 0);
         if !self.state.is_valid() {
-            // The first step quarantines it, where its Transform is.
+            // The first step quarantines the body and keeps the pose of its `Transform`.
             *self.published = PublishedPose::shown_by(&self.transform).unwrap_or_default();
         } else if self
             .published
@@ -77,8 +77,8 @@ impl ShownBodyItem<'_, '_> {
         }
     }
 
-    /// Shows a written state. Returns the pose before, if it is another. A `Transform` that was changed
-    /// later is a teleport of the next step, and stays.
+    /// Displays a state that other code wrote. Returns the previous pose if it differs. A `Transform` that was changed
+    /// later than the state is kept: it is a teleport for the next step.
     fn show_written(&mut self, now: Tick) -> Option<PublishedPose> {
         if self.quarantined || !self.state.is_valid() {
             return None;
@@ -95,8 +95,8 @@ impl ShownBodyItem<'_, '_> {
     }
 }
 
-/// A new body is shown at once, also where no system of ours runs any more in this frame. What is inserted or
-/// changed later in the frame still counts: it is not yet marked as placed.
+/// Displays a new body immediately, since no other system of the plugin may run in this frame. The body is not marked
+/// as placed, so components inserted or changed later in the frame still count.
 pub(crate) fn place_new_body(new: On<Add, RigidBox>, mut world: DeferredWorld) {
     if let Ok(mut entity) = world.get_entity_mut(new.entity)
         && let Ok(mut body) = entity.get_components_mut::<ShownBody>()
@@ -106,8 +106,8 @@ pub(crate) fn place_new_body(new: On<Add, RigidBox>, mut world: DeferredWorld) {
     }
 }
 
-/// Places new bodies and shows written states. Outside of a tick such a body jumped: what smooths
-/// between steps must not draw a flight.
+/// Places new bodies and displays written states. Outside of a tick, such a body has jumped, and smoothing between
+/// steps must not draw it in between.
 pub(crate) fn show_changes<const IN_TICK: bool>(
     mut bodies: ParamSet<(
         Query<(Ref<RigidBox>, Ref<BodyState>)>,
@@ -117,7 +117,7 @@ pub(crate) fn show_changes<const IN_TICK: bool>(
     ticks: SystemChangeTick,
 ) {
     let (last, now) = (ticks.last_run(), ticks.this_run());
-    // Whole columns first: usually there is nothing.
+    // Scans whole columns first, because usually nothing has changed.
     let any = bodies.p0().contiguous_iter().is_ok_and(|mut tables| {
         tables.any(|(boxes, states)| {
             any_newer(boxes.changed_ticks_slice(), last, now)
@@ -138,11 +138,11 @@ pub(crate) fn show_changes<const IN_TICK: bool>(
     }
 }
 
-/// Bodies that jumped outside of a tick, until whatever smooths between steps starts from where they are now: their
-/// pose is shown as it is.
+/// Bodies that jumped outside of a tick. They are displayed unsmoothed until smoothing uses poses from after the jump.
 ///
-/// (Smoothing draws between the poses before and after the last tick, and writes `Transform` once a frame after the
-/// ticks; before each tick it restores the pose after the last one. Both are wrong until a second tick begins.)
+/// Smoothing draws a pose between those before and after the last tick, and writes it to `Transform` once per frame
+/// after the ticks. Before each tick it restores the pose after the last one. Both are wrong until a second tick
+/// begins.
 #[derive(Resource, Default)]
 pub(crate) struct Unsmoothed {
     bodies: EntityHashMap<Jump>,
@@ -150,9 +150,9 @@ pub(crate) struct Unsmoothed {
 }
 
 struct Jump {
-    /// Ticks that are still to begin.
+    /// Number of ticks that must begin before smoothing is correct again.
     ticks: u8,
-    /// The pose after the last tick.
+    /// The displayed pose after the last tick.
     before: PublishedPose,
 }
 
@@ -167,7 +167,7 @@ impl Unsmoothed {
         }
     }
 
-    /// Undoes what smoothing restored before a tick.
+    /// Undoes the restoration by smoothing before a tick.
     pub(crate) fn begin_tick(world: &mut World) {
         if world.resource::<Self>().bodies.is_empty() {
             return;
@@ -193,12 +193,12 @@ impl Unsmoothed {
     }
 }
 
-/// Before and after the ticks of this frame, and what smooths between them.
+/// Change ticks before and after the ticks of this frame and the smoothing between them.
 #[derive(Clone, Copy, Default)]
 struct SmoothingWindow(Option<(Tick, Tick)>);
 
 impl SmoothingWindow {
-    /// Whether a `Transform` that does not show what was published was written by smoothing and not by a user.
+    /// Returns `true` if a `Transform` that differs from the published pose was written by smoothing, not by a user.
     fn contains(self, changed: Tick, now: Tick) -> bool {
         self.0.is_some_and(|(before, after)| {
             changed.is_newer_than(before, now) && !changed.is_newer_than(after, now)
@@ -229,7 +229,7 @@ fn show_unsmoothed(
     }
 }
 
-/// A body that is disabled keeps the pose of its last step, not one that smoothing showed on the way to it.
+/// Restores the pose of the last step when a body is disabled, instead of the interpolated pose.
 pub(crate) fn disable_body(disabled: On<Add, Disabled>, mut world: DeferredWorld) {
     let now = world.read_change_tick();
     let Some(window) = world.get_resource::<Unsmoothed>().map(|u| u.window) else {
@@ -244,7 +244,7 @@ pub(crate) fn disable_body(disabled: On<Add, Disabled>, mut world: DeferredWorld
     }
 }
 
-/// A body that is enabled is placed like a new one: its changes were not seen while it was disabled.
+/// Marks an enabled body to be placed like a new one, because changes to it went unseen while it was disabled.
 pub(crate) fn enable_body(enabled: On<Remove, Disabled>, mut world: DeferredWorld) {
     if let Ok(mut entity) = world.get_entity_mut(enabled.entity)
         && let Ok(mut body) = entity.get_components_mut::<ShownBody>()
@@ -254,14 +254,14 @@ pub(crate) fn enable_body(enabled: On<Remove, Disabled>, mut world: DeferredWorl
     }
 }
 
-/// Runs once a frame after the ticks of the fixed clock and what smooths between them.
+/// Runs once per frame, after the ticks of the fixed clock and the smoothing between them.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct AfterTicks;
 
-/// Adds all of this to an app.
+/// Adds the systems and observers of this module.
 pub(crate) fn build(app: &mut App) {
     let world = app.world_mut();
-    // What a query for a single entity asks of has to be known, though no body may ever have it.
+    // Queries for a single entity require registered components, even if no body has them.
     world.register_component::<GlobalTransform>();
     world.register_component::<ChildOf>();
     world.register_component::<WorldAabb>();

@@ -1,4 +1,4 @@
-//! Quarantine: bodies whose state is invalid stand still where they last were, and the others do not notice.
+//! Quarantine: bodies with an invalid state are frozen at their last valid pose. Other bodies are not affected.
 
 use bevy::ecs::change_detection::DetectChangesMut;
 use bevy::ecs::entity::Entity;
@@ -15,7 +15,7 @@ use crate::body::RigidBox;
 use crate::integrators::Integrator;
 use crate::state::BodyState;
 
-/// Quarantines bodies.
+/// System parameter for quarantining bodies.
 #[derive(SystemParam)]
 pub(crate) struct Quarantine<'w, 's> {
     clock: Res<'w, PhysicsClock>,
@@ -24,7 +24,7 @@ pub(crate) struct Quarantine<'w, 's> {
 }
 
 impl Quarantine<'_, '_> {
-    /// Takes a body whose step led to an invalid state and that is where it was before.
+    /// Quarantines a body whose step led to an invalid state. `state` must be the state before that step.
     pub(crate) fn take(
         &mut self,
         entity: Entity,
@@ -35,7 +35,7 @@ impl Quarantine<'_, '_> {
         let cause = if state.is_valid() {
             QuarantineCause::Step
         } else {
-            // It was invalid before the step: the pose that was last shown is the last valid one.
+            // The state was invalid before the step. The last displayed pose is the last valid one.
             *state = published.state_at_rest();
             QuarantineCause::State
         };
@@ -52,7 +52,7 @@ impl Quarantine<'_, '_> {
     }
 }
 
-/// Restores the state of a quarantined body where an invalid one was written.
+/// Restores the state of a quarantined body if an invalid one was written.
 pub(crate) fn guard_quarantined(
     mut bodies: Query<(&mut BodyState, &PublishedPose), (With<Quarantined>, With<RigidBox>)>,
 ) {
@@ -63,10 +63,10 @@ pub(crate) fn guard_quarantined(
     }
 }
 
-/// Maximum number of lines about quarantines: a spawner of nonsense must not flood the log.
-const MOST_QUARANTINE_LINES: u32 = 10;
+/// Maximum number of log lines about quarantines, so that many invalid bodies cannot flood the log.
+const MAX_QUARANTINE_LINES: u32 = 10;
 
-/// Logs the bodies that were quarantined since the last tick, in one line.
+/// Logs the bodies quarantined since the last tick, in one line.
 pub(crate) fn report_quarantined(
     mut quarantined: MessageReader<BodyQuarantined>,
     mut lines: Local<u32>,
@@ -85,11 +85,11 @@ pub(crate) fn report_quarantined(
         0 => String::new(),
         n => format!("; {n} more with it"),
     };
-    if *lines == MOST_QUARANTINE_LINES {
+    if *lines == MAX_QUARANTINE_LINES {
         return;
     }
     *lines += 1;
-    let end = if *lines == MOST_QUARANTINE_LINES {
+    let end = if *lines == MAX_QUARANTINE_LINES {
         " (further quarantines are only reported as BodyQuarantined messages)"
     } else {
         ""

@@ -1,4 +1,4 @@
-//! Bodies as queries hand them over: the box and its state together.
+//! Query types that combine a body's box and its state.
 
 use core::ops::{Deref, DerefMut};
 
@@ -9,7 +9,8 @@ use glam::DVec3;
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
-/// A body to look at, as `Query<BodyRef>`: the fields of its [`BodyState`], and what takes the [`RigidBox`] as well.
+/// Read access to a body, as `Query<BodyRef>`. It dereferences to the [`BodyState`] and adds methods that also need the
+/// [`RigidBox`].
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -23,14 +24,14 @@ use crate::state::BodyState;
 pub struct BodyRef {
     /// The entity.
     pub entity: Entity,
-    /// Its size, mass and inertia.
+    /// Size, mass and inertia.
     pub body: &'static RigidBox,
-    /// Its motion.
+    /// Motion state.
     pub state: &'static BodyState,
 }
 
-/// A body to look at and to push, as `Query<BodyMut>`. What is written acts from the next step on and wakes a body that
-/// sleeps; [`ApplyImpulse`](super::ApplyImpulse) is the same as a message.
+/// Write access to a body, as `Query<BodyMut>`. Changes take effect in the next step and wake a sleeping body.
+/// [`ApplyImpulse`](super::ApplyImpulse) does the same as a message.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -50,9 +51,9 @@ pub struct BodyRef {
 pub struct BodyMut {
     /// The entity.
     pub entity: Entity,
-    /// Its size, mass and inertia.
+    /// Size, mass and inertia.
     pub body: &'static RigidBox,
-    /// Its motion.
+    /// Motion state.
     pub state: &'static mut BodyState,
 }
 
@@ -72,7 +73,7 @@ macro_rules! read {
                 self.state.angular_velocity(self.body)
             }
 
-            /// Velocity of the material point that is at `point` \[m\], both in world axes [m/s].
+            /// Velocity of the material point at `point` \[m\], both in world axes [m/s].
             pub fn velocity_at(&self, point: impl Into<DVec3>) -> DVec3 {
                 let lever = point.into() - self.state.position;
                 self.state.velocity + self.angular_velocity().cross(lever)
@@ -100,18 +101,18 @@ impl BodyMutItem<'_, '_> {
         self.state.set_angular_velocity(self.body, world.into());
     }
 
-    /// An impulse \[N s\] at the center of mass, world axes: Δv = J/m.
+    /// Applies an impulse \[N s\] at the center of mass, world axes: Δv = J/m.
     pub fn apply_impulse(&mut self, impulse: impl Into<DVec3>) {
         self.state.velocity += impulse.into() * self.body.inverse_mass();
     }
 
-    /// An impulse \[N s\] at a point \[m\], both in world axes.
+    /// Applies an impulse \[N s\] at a point \[m\], both in world axes.
     pub fn apply_impulse_at(&mut self, impulse: impl Into<DVec3>, point: impl Into<DVec3>) {
         self.state
             .apply_impulse(self.body, impulse.into(), point.into());
     }
 
-    /// An impulse \[N s\] in world axes at a point in body axes from the center \[m\].
+    /// Applies an impulse \[N s\] in world axes at a point in body axes from the center \[m\].
     pub fn apply_impulse_at_body_point(
         &mut self,
         impulse: impl Into<DVec3>,
@@ -121,7 +122,7 @@ impl BodyMutItem<'_, '_> {
             .apply_impulse_at_body_point(self.body, impulse.into(), point.into());
     }
 
-    /// A torque impulse \[N m s\], world axes.
+    /// Applies an angular impulse \[N m s\], world axes.
     pub fn apply_angular_impulse(&mut self, angular_impulse: impl Into<DVec3>) {
         self.state.apply_angular_impulse(angular_impulse.into());
     }

@@ -1,4 +1,4 @@
-//! The bounding boxes of all bodies, fitted at once.
+//! Refits the bounding boxes of all bodies.
 
 use bevy::app::{App, Plugin};
 use bevy::ecs::change_detection::Ref;
@@ -13,15 +13,15 @@ use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sets::{PhysicsSchedule, PhysicsSystems};
 use super::sleeping::{Changes, Sleep, SleepClock};
 use super::timing::{PhysicsTimings, Stage, Stopwatch};
-use super::transforms::LIGHT;
+use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
 use crate::math::{VectorLoop, vectorized};
 use crate::state::BodyState;
 
 impl WorldAabb {
-    /// Fits many at once: [`WorldAabb::of`] each body, the same bits, four at a time where the processor
-    /// has AVX2. The three slices are of equal length (what is beyond the shortest is left alone).
+    /// Fits many boxes at once, with the same bits as [`WorldAabb::of`] for each. Processes four bodies at a time where
+    /// the processor has AVX2. The slices must have equal lengths; entries beyond the shortest are not processed.
     pub fn fit_all(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [Self]) {
         vectorized(Fit {
             bodies,
@@ -44,7 +44,7 @@ impl VectorLoop for Fit<'_> {
     }
 }
 
-/// The corners are written number by number: whole vectors would keep the loop from being vectorized.
+/// Writes the corners component by component. Assigning whole vectors would prevent vectorization.
 #[inline(always)]
 fn fit_each(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [WorldAabb]) {
     for ((body, state), WorldAabb(fitted)) in bodies.iter().zip(states).zip(fitted) {
@@ -59,7 +59,7 @@ fn fit_each(bodies: &[RigidBox], states: &[BodyState], fitted: &mut [WorldAabb])
     }
 }
 
-/// *Refit*: fits the bounding boxes, |R|·h, rounded outward. Sleeping bodies are skipped.
+/// *Refit*: fits the bounding boxes of all awake bodies: |R|·h, rounded outward.
 pub(crate) fn refit_aabbs(
     mut bodies: Query<(Ref<RigidBox>, Ref<BodyState>, &Sleep, &mut WorldAabb)>,
     clock: Res<SleepClock>,
@@ -78,7 +78,7 @@ pub(crate) fn refit_aabbs(
             fitted.bypass_change_detection(),
         );
         threads.share_out(
-            boxes.len() / LIGHT,
+            boxes.len() / LIGHT_PASS_DIVISOR,
             columns.chunks(0..boxes.len(), CHUNK),
             |(_, (boxes, replaced, states, written, sleep, fitted))| {
                 let columns = [replaced, written];
@@ -96,7 +96,7 @@ pub(crate) fn refit_aabbs(
     Ok(())
 }
 
-/// Re-fits a [`WorldAabb`] on every body after each step. Leave it out and bodies have none.
+/// Adds a [`WorldAabb`] to every body and refits it after each step. Without this plugin, bodies have none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AabbPlugin;
 
@@ -128,7 +128,7 @@ mod tests {
     }
 
     proptest! {
-        /// Any number of bodies, any attitude, far away and near: bit for bit what one by one gives.
+        /// For any number of bodies, any attitude, near and far, the result has the bits of fitting them one by one.
         #[test]
         fn all_at_once_is_one_by_one(
             set in prop::collection::vec(

@@ -1,4 +1,4 @@
-//! Resources: one concept each.
+//! Resources: settings of the world and the clock.
 
 use core::time::Duration;
 
@@ -10,7 +10,7 @@ use glam::DVec3;
 use crate::error::InvalidValue;
 use crate::integrators::Integrator;
 
-/// Gravity of the world [m/s²]. By default 9.81 downwards (−Y).
+/// Gravitational acceleration of the world [m/s²], world axes. Default: 9.81 downward (−Y).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -31,9 +31,11 @@ impl Default for WorldGravity {
     }
 }
 
-/// Velocity of the air [m/s], world axes; without the resource the air is still. [`LinearDrag`](super::LinearDrag) and
-/// [`QuadraticDrag`](super::QuadraticDrag) act on the velocity relative to it, by the same exact flows as in still air. A
-/// body with a [`BodyWind`](super::BodyWind) has its own. It may change between steps: gusts.
+/// Velocity of the air [m/s], world axes. Without this resource the air is still.
+///
+/// [`LinearDrag`](super::LinearDrag) and [`QuadraticDrag`](super::QuadraticDrag) act on the velocity relative to the
+/// air, by the same exact flows as in still air. [`BodyWind`](super::BodyWind) overrides it for one body. It may change
+/// between steps, for example to model gusts.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -49,8 +51,8 @@ impl Default for WorldGravity {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wind(pub DVec3);
 
-/// The integrator of every body without a [`BodyIntegrator`](super::BodyIntegrator). May be changed at
-/// any time; the state is carried over exactly, because every integrator advances the same one.
+/// The integrator of every body without a [`BodyIntegrator`](super::BodyIntegrator). It may be changed at any time. The
+/// state carries over exactly, because all integrators advance the same variables.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -66,16 +68,16 @@ pub struct Wind(pub DVec3);
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GlobalIntegrator(pub Integrator);
 
-/// The clock of the physics: pause, substeps, and how far it is.
+/// The clock of the physics: pause, substeps, step count and simulated time.
 ///
-/// The step size is that of the schedule it runs in: `Time<Fixed>` by default. Pause means that the
-/// schedule is not run; for a single step while paused queue [`StepPhysics`](super::StepPhysics).
-/// Slow motion is running it less often: `Time<Virtual>::set_relative_speed`.
+/// The step size is that of the schedule in which the physics runs: `Time<Fixed>` by default. While paused, the
+/// schedule does not run; queue [`StepPhysics`](super::StepPhysics) for a single step. For slow motion, run the
+/// schedule less often with `Time<Virtual>::set_relative_speed`.
 ///
-/// (It is a resource with a field `paused` and not a `Time<Physics>`: a clock of Bevy has a speed, but a physics that
-/// ran at a speed other than its schedule's would need steps of another size, and its results would depend on it. What
-/// has a speed is the clock of the schedule. Its time is counted in ticks and in f64, so that a replay hits the same
-/// bits; `Time` counts nanoseconds.)
+/// (This is a resource with a field `paused`, not a `Time<Physics>`. A Bevy clock has a relative speed; physics at a
+/// relative speed other than its schedule's would need steps of another size, which would change its results. Only the
+/// clock of the schedule has a speed. Time is counted in ticks and in f64, so that a replay reproduces the same bits;
+/// `Time` counts nanoseconds.)
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -90,9 +92,9 @@ pub struct GlobalIntegrator(pub Integrator);
 #[reflect(Resource, Default, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhysicsClock {
-    /// Whether the physics stands still.
+    /// Pauses the physics.
     pub paused: bool,
-    /// Into how many equal steps each tick of the clock is divided, 1 to 1024; 0 counts as 1.
+    /// Number of equal steps into which each tick of the clock is divided, 1 to 1024; 0 counts as 1.
     pub substeps: u32,
     step: f64,
     steps: u64,
@@ -122,49 +124,48 @@ impl Default for PhysicsClock {
 }
 
 impl PhysicsClock {
-    /// Size of the present or last (sub)step \[s\].
+    /// Size of the current or last (sub)step \[s\].
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// (Sub)steps taken, the present one included.
+    /// Number of (sub)steps taken, including the current one.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Simulated time at the end of the present or last (sub)step \[s\]: what a system in
-    /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) calls now. A copy of the clock and of the bodies made there
-    /// continues bit for bit.
+    /// Simulated time at the end of the current or last (sub)step \[s\]. It is the current time for systems in
+    /// [`PhysicsSystems::Last`](super::PhysicsSystems::Last). A copy of the clock and the bodies made there continues
+    /// bit for bit.
     pub fn time(&self) -> f64 {
         self.elapsed.as_secs_f64() + f64::from(self.into_tick) * self.step
     }
 
-    /// Simulated time of the ticks, their exact sum: those of which the last step is taken or is the present one.
+    /// Exact sum of all ticks that are complete or whose last step is the current one.
     pub fn elapsed(&self) -> Duration {
         self.elapsed
     }
 
-    /// Simulated time that was never simulated, because a frame took longer than
-    /// `Time<Virtual>::max_delta` (by default 250 ms, so that a hitch never costs more than 16 ticks of
-    /// 1/64 s): the simulation fell behind the wall clock by this much.
+    /// Time that was not simulated because frames took longer than `Time<Virtual>::max_delta`. The simulation fell
+    /// behind the wall clock by this much. With the default of 250 ms, a hitch never costs more than 16 ticks of 1/64
+    /// s.
     pub fn dropped(&self) -> Duration {
         self.dropped
     }
 
-    /// Why nothing moves although it is not paused: a setting of the world is out of its range
-    /// ([`WorldGravity`], [`Floor`](crate::floor::Floor),
-    /// [`ContactSettings`](crate::floor::ContactSettings), [`PhysicsClock::substeps`]). Put it right
-    /// and the physics goes on.
+    /// The reason why the physics is stopped although it is not paused: an invalid setting in [`WorldGravity`],
+    /// [`Wind`], [`Floor`](crate::floor::Floor), [`ContactSettings`](crate::floor::ContactSettings) or
+    /// [`PhysicsClock::substeps`]. The physics resumes when it is corrected.
     pub fn fault(&self) -> Option<InvalidValue> {
         self.fault
     }
 
-    /// Moves on by one of the `substeps` of a tick of `delta`, at the beginning of that step: all that it says is of
-    /// the step's end.
+    /// Advances by one of the `substeps` of a tick of `delta`. Called at the beginning of the step; all values refer to
+    /// its end.
     pub(crate) fn begin_step(&mut self, delta: Duration, substeps: u32) {
         let step = delta.as_secs_f64() / f64::from(substeps);
         if self.into_tick > 0 && (step != self.step || self.into_tick >= substeps) {
-            // Restored from within a tick, and then divided otherwise.
+            // The clock was restored from within a tick, and the number of substeps or the tick has changed since.
             let into = f64::from(self.into_tick) * self.step;
             self.elapsed += Duration::try_from_secs_f64(into).unwrap_or_default();
             self.into_tick = 0;
@@ -179,17 +180,17 @@ impl PhysicsClock {
         }
     }
 
-    /// Whether the present step is the last one of its tick.
+    /// Returns `true` if the current step is the last one of its tick.
     pub(crate) fn is_tick_over(&self) -> bool {
         self.into_tick == 0
     }
 
-    /// Size of the last tick; zero before the first.
+    /// Length of the last tick; zero before the first.
     pub(crate) fn tick(&self) -> Duration {
         self.tick
     }
 
-    /// Goes on from the time of `other`; what users set stays.
+    /// Continues from the time of `other`, and keeps the settings.
     pub(crate) fn continue_from(&mut self, other: &Self) {
         *self = Self {
             paused: self.paused,
@@ -199,7 +200,7 @@ impl PhysicsClock {
         };
     }
 
-    /// Back to time zero, for a restarted scene. Does not touch bodies.
+    /// Resets the time to zero, to restart a scene. Does not change bodies.
     pub fn reset(&mut self) {
         self.steps = 0;
         self.into_tick = 0;

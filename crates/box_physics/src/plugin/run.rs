@@ -1,4 +1,4 @@
-//! The clock's ticks: when the schedule runs, and the single step.
+//! Ticks of the clock: when the schedule runs, and single steps.
 
 use std::sync::Once;
 
@@ -19,7 +19,7 @@ use super::quarantine::report_quarantined;
 use super::resources::PhysicsClock;
 use super::sets::{BeforeSteps, PhysicsSchedule};
 
-/// One tick of the clock of this schedule. Paused, nothing moves.
+/// Runs one tick of the schedule's clock. While paused, nothing moves.
 pub(crate) fn run_physics(world: &mut World) {
     restore_resources(world);
     Unsmoothed::begin_tick(world);
@@ -38,7 +38,7 @@ fn advance(world: &mut World) {
     if world.resource::<PhysicsClock>().paused {
         return;
     }
-    // Without one nothing can move: said at startup.
+    // There is no `Time`, which was logged at startup.
     let Some(time) = world.get_resource::<Time>() else {
         return;
     };
@@ -63,10 +63,12 @@ fn tick(world: &mut World, delta: core::time::Duration) {
 #[derive(Resource)]
 pub(crate) struct RunsIn(pub(crate) Interned<dyn ScheduleLabel>);
 
-/// Command: takes this many ticks at once, paused or not: the single step. By default they are those of `Time<Fixed>`, and
-/// round each of them `FixedFirst` and `FixedLast` run, but not `FixedUpdate`. Where the physics runs in a schedule
-/// outside of the fixed loop ([`PhysicsPlugins::in_schedule`](super::PhysicsPlugins::in_schedule) with `Update`, say),
-/// each is as long as the last tick that ran there; before the first one, as long as the present frame.
+/// Command: runs this number of ticks immediately, even when paused.
+///
+/// By default the ticks have the length of `Time<Fixed>`. `FixedFirst` and `FixedLast` run around each of them, but
+/// `FixedUpdate` does not. If the physics runs outside of the fixed loop (for example
+/// [`PhysicsPlugins::in_schedule`](super::PhysicsPlugins::in_schedule) with `Update`), each tick has the length of the
+/// last tick there, or of the current frame if there was none.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -78,7 +80,7 @@ pub(crate) struct RunsIn(pub(crate) Interned<dyn ScheduleLabel>);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StepPhysics(pub u32);
 
-/// Logs once why [`StepPhysics`] does nothing.
+/// Logs once why [`StepPhysics`] has no effect.
 fn cannot_step(what: &str) {
     static SAID: Once = Once::new();
     SAID.call_once(|| warn!("box_physics: StepPhysics needs {what}"));
@@ -105,15 +107,15 @@ impl Command for StepPhysics {
             return cannot_step("`Time<Fixed>` (TimePlugin)");
         };
         restore_resources(world);
-        // New bodies, states that were written and impulses that were sent in this frame belong to this step.
+        // Includes new bodies, written states and impulses sent in this frame.
         if let Err(error) = world.run_system_cached(show_changes::<false>) {
             warn!("box_physics: changes could not be shown: {error}");
         }
         world.run_schedule(BeforeSteps);
         for _ in 0..self.0 {
-            // As around a tick of the fixed loop, so that smoothing between steps takes part: it first
-            // shows the pose of the last step, which would else look like a teleport. An app without
-            // these schedules needs none of it.
+            // The same as around a tick of the fixed loop, so that smoothing between steps takes part: it first
+            // restores the pose of the last step, which would otherwise look like a teleport. An app without these
+            // schedules needs neither.
             if fixed {
                 let _ = world.try_run_schedule(FixedFirst);
             }

@@ -2,14 +2,16 @@
 
 use bevy::ecs::schedule::{ScheduleLabel, SystemSet};
 
-/// Where the physics runs by default: a schedule of its own, once a tick of the fixed clock, after
-/// `FixedPostUpdate` and before `FixedLast`, on one thread (to wake more for its one system would take several
-/// times what a step of a hundred boxes does; the bodies are shared out within it).
+/// The default schedule of the physics, run once per tick of the fixed clock, after `FixedPostUpdate` and before
+/// `FixedLast`.
+///
+/// It is single-threaded: waking threads for its only system would take several times as long as a step of a hundred
+/// boxes. The bodies are distributed over threads within that system.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FixedPhysics;
 
-/// The set of the one system that makes a tick, in [`FixedPhysics`] or in whatever schedule you named: what belongs
-/// before or after a whole tick there is ordered against it.
+/// The set of the system that runs a tick, in [`FixedPhysics`] or in the schedule of your choice. Order systems that
+/// must run before or after a whole tick against it.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -23,29 +25,29 @@ pub struct FixedPhysics;
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RunPhysics;
 
-/// The schedule of one step. Systems of your own that belong to a step go here, into
-/// [`PhysicsSystems::First`], [`Forces`](PhysicsSystems::Forces) or [`Last`](PhysicsSystems::Last).
+/// The schedule of one step. Add your own systems to [`PhysicsSystems::First`], [`Forces`](PhysicsSystems::Forces) or
+/// [`Last`](PhysicsSystems::Last).
 ///
-/// Two systems here that may not run in either order are an error when the schedule is built, so that results
-/// cannot depend on chance: two that write [`ExternalForce`](super::ExternalForce), say, or one outside of the sets
-/// that reads what the physics writes. Order them (`.before`, `.after`, `.chain`, `.in_set`), or say `.ambiguous_with`
-/// where it does not matter.
+/// Two systems here with an ambiguous order are an error when the schedule is built, so that results cannot depend on
+/// chance. Examples are two systems that write [`ExternalForce`](super::ExternalForce), or one outside of the sets that
+/// reads what the physics writes. Order them (`.before`, `.after`, `.chain`, `.in_set`), or use `.ambiguous_with` if
+/// the order does not matter.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PhysicsSchedule;
 
-/// What is done once a tick, paused or not, before its steps. On one thread: an executor of many would take
-/// longer to wake them than these systems need.
+/// Runs once per tick before its steps, even when paused. Single-threaded: waking threads would take longer than these
+/// systems.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct BeforeSteps;
 
 /// The sets of [`PhysicsSchedule`], chained in this order.
 ///
-/// A system between two of them finds what they promise.
+/// A system between two sets can rely on the results of the first.
 ///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
-/// /// A system of a step: it runs once a step, and the state is that of `PhysicsClock::time`.
+/// /// Runs once per step; the state belongs to `PhysicsClock::time`.
 /// fn highest(clock: Res<PhysicsClock>, bodies: Query<&BodyState>, mut record: Local<f64>) {
 ///     for state in &bodies {
 ///         *record = record.max(state.position.y);
@@ -59,20 +61,20 @@ pub(crate) struct BeforeSteps;
 /// ```
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PhysicsSystems {
-    /// Empty, for users.
+    /// Empty; for your systems.
     First,
-    /// Teleports by `Transform` and impulses are applied.
+    /// Applies teleports (changed `Transform`s) and impulses.
     Impulses,
-    /// Empty, for users' systems that set forces for this step; what is the same for every body is gathered after it.
+    /// Empty; for your systems that set forces for this step. The data that all bodies share is gathered after it.
     Forces,
-    /// Bodies in free flight are stepped.
+    /// Steps bodies in free flight.
     Integrate,
-    /// Bodies at the floor are stepped.
+    /// Steps bodies at the floor.
     Contact,
-    /// Bounding boxes are re-fitted.
+    /// Refits bounding boxes.
     Refit,
-    /// `Transform` is written.
+    /// Writes `Transform`s.
     Writeback,
-    /// Empty, for users.
+    /// Empty; for your systems.
     Last,
 }

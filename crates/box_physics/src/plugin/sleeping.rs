@@ -1,19 +1,19 @@
-//! Sleep: a box at rest on the floor is left alone until something could move it.
+//! Sleep: a box at rest on the floor is skipped until something could move it.
 //!
-//! A box falls asleep in the second step that finds it at rest, if nothing but gravity acts on it and it has no
-//! `Friction` or `Restitution`. From then on it is not stepped, its bounding box is not re-fitted and its `Transform`
-//! not written. It wakes when
+//! A box falls asleep in the second consecutive step at rest, if only gravity acts on it and it has no `Friction` or
+//! `Restitution`. From then on it is not stepped, its bounding box is not refitted and its `Transform` is not written.
+//! It wakes when:
 //!
-//! | | seen by |
+//! | event | detected by |
 //! |---|---|
-//! | its `BodyState` is written: by hand, an impulse, a teleport | change detection |
+//! | its `BodyState` is written: by your systems, an impulse or a teleport | change detection |
 //! | its `RigidBox` or `ContactState` is written | change detection |
-//! | it gets a force component, `GravityScale`, `Friction`, `Restitution` or `ReportPersisting` | its table |
+//! | it gets a force component, `GravityScale`, `Friction`, `Restitution` or `ReportPersisting` | its new table |
 //! | `WorldGravity`, the `Floor` or a `StaticPlane` changes, or the floor moves | comparison with the last step |
-//! | a step passes without it: `Disabled`, `Quarantined`, no floor | the number of the step |
+//! | a step runs without it: `Disabled`, `Quarantined`, no floor | the number of the step |
 //!
-//! The physics itself moves bodies without marking them as changed. A `Transform` that is overwritten by others is
-//! written again without waking the box.
+//! The physics itself moves bodies without marking them as changed. A `Transform` overwritten by other code is written
+//! again without waking the box.
 
 use core::ops::Range;
 
@@ -26,11 +26,11 @@ use super::chunks::runs_of;
 use super::forces::Step;
 use crate::floor::{Floor, Plane};
 
-/// The last run of *Contact* through which the body slept; 0 if it is awake.
+/// The last run of *Contact* in which the body slept; 0 if it is awake.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Sleep(u32);
 
-/// The runs of *Contact*, and the world in them.
+/// Number of the current run of *Contact*, and the surroundings in the last run.
 #[derive(Resource)]
 pub(crate) struct SleepClock {
     run: u32,
@@ -51,7 +51,7 @@ impl Default for SleepClock {
 }
 
 impl SleepClock {
-    /// Begins a run of *Contact*. Runs without a floor count: whoever slept before them may have moved.
+    /// Begins a run of *Contact*. Runs without a floor count too, because bodies that slept before them may have moved.
     pub(crate) fn begin_run(&mut self, step: &Step) {
         self.run = self.run.checked_add(1).unwrap_or(2);
         let now = step.has_contact().then_some((step.gravity, step.floor));
@@ -62,15 +62,15 @@ impl SleepClock {
         self.planes.clone_from(&step.planes);
     }
 
-    /// Does `work` on the rows of a chunk that a pass after *Contact* must not skip: those that are awake, and sleeping
-    /// ones in which one of the columns changed.
+    /// Calls `work` for the rows of a chunk that a pass after *Contact* must process: awake bodies, and sleeping bodies
+    /// with a change in one of the columns.
     pub(crate) fn on_awake<const N: usize>(
         &self,
         sleep: &[Sleep],
         changes: &Changes<'_, N>,
         mut work: impl FnMut(Range<usize>),
     ) {
-        // The whole chunk first, without a branch on each.
+        // Tests the whole chunk first, without a branch per row.
         if !sleep.iter().fold(false, |any, s| any | (s.0 == self.run)) {
             return work(0..sleep.len());
         }
@@ -80,25 +80,25 @@ impl SleepClock {
     }
 }
 
-/// Columns of change ticks, and the time since which a change counts.
+/// Columns of change ticks, and the interval in which a change counts.
 #[derive(Clone, Copy)]
 pub(crate) struct Changes<'a, const N: usize> {
     pub(crate) columns: [&'a [Tick]; N],
-    /// Of the system's last run, and of this one.
+    /// Tick of the system's last run.
     pub(crate) last: Tick,
     pub(crate) now: Tick,
 }
 
 impl<const N: usize> Changes<'_, N> {
-    /// Whether anything changed in these rows.
+    /// Returns `true` if anything changed in these rows.
     pub(crate) fn any(&self, rows: Range<usize>) -> bool {
         let mut columns = self.columns.iter();
         columns.any(|ticks| any_newer(&ticks[rows.clone()], self.last, self.now))
     }
 }
 
-/// Whether any of these ticks is newer than `last`, seen from `now`. Without a branch on each, so that the
-/// compiler can look at several at once.
+/// Returns `true` if any of these ticks is newer than `last`, relative to `now`. There is no branch per tick, so the
+/// compiler can vectorize the loop.
 pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
     ticks.chunks(64).any(|some| {
         let newer = |found, tick: &Tick| found | tick.is_newer_than(last, now);
@@ -106,13 +106,13 @@ pub(crate) fn any_newer(ticks: &[Tick], last: Tick, now: Tick) -> bool {
     })
 }
 
-/// The sleepers of a table in one run of *Contact*.
+/// Sleep data of a table for one run of *Contact*.
 pub(crate) struct Sleepers<'a> {
     run: u32,
-    /// Only gravity acts on them, they have no surface of their own, and contacts that persist are not reported.
+    /// Only gravity acts on these bodies, they have no surface of their own, and persisting contacts are not reported.
     may_sleep: bool,
     unchanged: bool,
-    /// Of everything whose change wakes a body.
+    /// Change ticks of everything that can wake a body.
     changes: Changes<'a, 3>,
 }
 
@@ -126,18 +126,18 @@ impl<'a> Sleepers<'a> {
         }
     }
 
-    /// Whether nothing that could wake them changed in any of these rows.
+    /// Returns `true` if nothing that could wake a body changed in these rows.
     pub(crate) fn untouched(&self, rows: Range<usize>) -> bool {
         self.may_sleep && self.unchanged && !self.changes.any(rows)
     }
 
-    /// Whether the body slept in the last run.
+    /// Returns `true` if the body slept in the last run.
     pub(crate) fn slept(&self, sleep: &Sleep) -> bool {
         sleep.0 == self.run - 1
     }
 
-    /// Lets the body of a row sleep on, if it slept in the last run and nothing woke it. `untouched` says that nothing did
-    /// of all bodies around it.
+    /// Keeps the body of a row asleep if it slept in the last run and nothing woke it. Returns `true` if it sleeps.
+    /// `untouched` states that no row of the chunk changed.
     pub(crate) fn sleeps_on(&self, row: usize, sleep: &mut Sleep, untouched: bool) -> bool {
         let sleeps = self.slept(sleep) && (untouched || self.untouched(row..row + 1));
         if sleeps {
@@ -146,7 +146,7 @@ impl<'a> Sleepers<'a> {
         sleeps
     }
 
-    /// After a step: falls asleep if it lay `still` in it.
+    /// The sleep value after a step. The body falls asleep if it did not move.
     pub(crate) fn after_step(&self, still: bool) -> Sleep {
         Sleep(if still && self.may_sleep { self.run } else { 0 })
     }

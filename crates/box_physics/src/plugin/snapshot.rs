@@ -1,4 +1,4 @@
-//! Snapshots: everything that the physics remembers of a moment.
+//! Snapshots of the complete state of the physics.
 
 use bevy::ecs::bundle::Bundle;
 use bevy::ecs::entity::Entity;
@@ -17,16 +17,16 @@ use crate::floor::{ContactState, Floor, StaticPlane};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
-/// A moment of the physics, to come back to: for rewind, rollback and replays. From the same snapshot, with the same
-/// settings and the same inputs, the same future follows bit for bit, under every integrator and with every contact.
+/// A snapshot of the physics, for rewind, rollback and replays. With the same settings and inputs, the simulation
+/// continues from it bit for bit, with every integrator and every contact.
 ///
-/// It holds what the physics writes: the clock, where the [`Floor`] and each [`StaticPlane`] are, impulses that wait for the
-/// next step, and of each body its [`BodySnapshot`], what is left of its [`OneShotForce`], its quarantine and how far its
-/// contacts were reported. What only you write is yours to keep: [`RigidBox`], forces, gravity, the rest of floor and planes,
-/// the integrator, pause and substeps.
+/// It contains what the physics writes: the clock, the positions of the [`Floor`] and of each [`StaticPlane`], and the
+/// impulses waiting for the next step. For each body it contains its [`BodySnapshot`], the rest of its
+/// [`OneShotForce`], its quarantine and the progress of its contact reports. It does not contain what only you write:
+/// [`RigidBox`], forces, gravity, the other fields of floor and planes, the integrator, pause and substeps.
 ///
-/// Take and restore it between ticks (in `Update`, say, or in a command), or in
-/// [`PhysicsSystems::Last`](super::PhysicsSystems::Last) by an exclusive system.
+/// Take and restore it between ticks (for example in `Update` or in a command), or with an exclusive system in
+/// [`PhysicsSystems::Last`](super::PhysicsSystems::Last).
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -54,22 +54,22 @@ pub struct PhysicsSnapshot {
     bodies: Vec<(Entity, BodySnapshot, Marks)>,
 }
 
-/// What the physics remembers of a body: a bundle, to spawn a saved body together with its [`RigidBox`] and its forces.
-/// With the feature `serde` it is written and read; a body that is loaded continues bit for bit.
+/// The state of one body that the physics maintains. It is a bundle: spawn a saved body with it, its [`RigidBox`] and
+/// its forces. With the feature `serde` it is serializable; a loaded body continues bit for bit.
 #[derive(Bundle, Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodySnapshot {
-    /// The motion.
+    /// The motion state.
     pub state: BodyState,
-    /// What the integrator remembers.
+    /// The memory of the integrator.
     pub memory: IntegratorMemory,
-    /// What the floor remembers.
+    /// The memory of the contact with the floor.
     pub contact: ContactState,
-    /// Since when it rests.
+    /// The time at which it came to rest.
     pub resting: RestingSince,
 }
 
-/// What else there may be of a body.
+/// Optional components of a body.
 #[derive(Clone, Debug)]
 struct Marks {
     one_shot: Option<OneShotForce>,
@@ -78,7 +78,7 @@ struct Marks {
 }
 
 impl PhysicsSnapshot {
-    /// The present moment: all bodies that are not disabled.
+    /// Takes a snapshot of the current state, with all bodies that are not disabled.
     pub fn take(world: &mut World) -> Self {
         let mut bodies = world.query_filtered::<(
             Entity,
@@ -121,8 +121,9 @@ impl PhysicsSnapshot {
         }
     }
 
-    /// Returns to this moment. Bodies are shown where they were in this frame, and are not drawn on the way. No events
-    /// are sent. Bodies that were spawned since stay as they are. Returns those of the snapshot that no longer exist.
+    /// Restores this snapshot. Bodies are displayed at the restored pose in this frame, without smoothing. No events
+    /// are sent. Bodies spawned since the snapshot are unchanged. Returns the bodies of the snapshot that no longer
+    /// exist.
     pub fn restore(&self, world: &mut World) -> Vec<Entity> {
         if let Some(mut clock) = world.get_resource_mut::<PhysicsClock>() {
             clock.continue_from(&self.clock);
@@ -151,7 +152,7 @@ impl PhysicsSnapshot {
                 missing.push(*entity);
                 continue;
             }
-            // First of all: the end of a quarantine ends contacts.
+            // Must be first, because inserting `Quarantined` ends contacts.
             if let Some(quarantined) = marks.quarantined {
                 found.insert(quarantined);
             } else {
@@ -180,12 +181,12 @@ impl PhysicsSnapshot {
         missing
     }
 
-    /// Simulated time of the moment \[s\].
+    /// Simulated time of the snapshot \[s\].
     pub fn time(&self) -> f64 {
         self.clock.time()
     }
 
-    /// The bodies of the moment.
+    /// The bodies of the snapshot.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = (Entity, &BodySnapshot)> {
         self.bodies.iter().map(|(entity, body, _)| (*entity, body))
     }

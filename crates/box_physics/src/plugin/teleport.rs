@@ -1,4 +1,4 @@
-//! The command that puts a body elsewhere.
+//! Commands that teleport a body.
 
 use bevy::ecs::entity::Entity;
 use bevy::ecs::system::Command;
@@ -12,14 +12,15 @@ use super::placement::{ShownBody, Unsmoothed};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 
-/// Command: puts a body elsewhere, now. Its velocity stays, its contacts end, and it is shown there in this frame and
-/// not drawn on the way, with or without smoothing between the steps, paused or not.
+/// Command: moves a body to another pose immediately. Its velocity is kept and its contacts end. It is displayed there
+/// in this frame without smoothing, even when paused.
 ///
-/// Velocity and spin both keep their world axes: a body that flies north and spins about the vertical still does, however
-/// it is turned. [`with_body_spin`](Self::with_body_spin) turns the spin along with the body, and [`PassPortal`] all of it.
+/// Velocity and spin keep their world axes: a body that flies north and spins about the vertical still does, whatever
+/// its new attitude. [`with_body_spin`](Self::with_body_spin) turns the spin with the body, and [`PassPortal`] turns
+/// both spin and velocity.
 ///
-/// (A change of `Transform` teleports as well, at the next step, and keeps velocity and spin in world axes. With `bevy_transform_interpolation` it can be lost:
-/// smoothing restores `Transform` before each step.)
+/// (Changing `Transform` also teleports the body, at the next step, and keeps velocity and spin in world axes. With
+/// `bevy_transform_interpolation` the change can be lost, because smoothing restores `Transform` before each step.)
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -34,16 +35,16 @@ use crate::state::{BodyState, Frame};
 pub struct Teleport {
     /// The body.
     pub entity: Entity,
-    /// Where its center comes to be \[m\].
+    /// New position of the center \[m\].
     pub position: DVec3,
-    /// Its new attitude; `None` keeps the one that it has.
+    /// New attitude; `None` keeps the current one.
     pub rotation: Option<DQuat>,
-    /// The axes in which its angular velocity stays the same where the attitude changes.
+    /// The axes in which the angular velocity is kept when the attitude changes.
     pub spin: Frame,
 }
 
 impl Teleport {
-    /// To a position \[m\]; attitude, velocity and spin stay.
+    /// Teleports to a position \[m\]; attitude, velocity and spin are kept.
     pub fn to(entity: Entity, position: impl Into<DVec3>) -> Self {
         Self {
             entity,
@@ -53,14 +54,14 @@ impl Teleport {
         }
     }
 
-    /// With another attitude. The angular velocity stays the same in world axes.
+    /// Also sets the attitude. The angular velocity is kept in world axes.
     #[must_use]
     pub fn turned(mut self, rotation: DQuat) -> Self {
         self.rotation = Some(rotation);
         self
     }
 
-    /// With the angular velocity the same in body axes: the spin turns along.
+    /// Keeps the angular velocity in body axes, so that the spin turns with the body.
     #[must_use]
     pub fn with_body_spin(mut self) -> Self {
         self.spin = Frame::Body;
@@ -83,13 +84,13 @@ impl Command for Teleport {
     }
 }
 
-/// Command: carries a body through a portal, now. Where it is, how it lies, how it moves and how it spins with respect to
-/// `entrance` it then does with respect to `exit`: position, attitude, velocity and spin turn together.
+/// Command: moves a body through a portal immediately. Position, attitude, velocity and spin relative to `entrance`
+/// become those relative to `exit`.
 ///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::prelude::*;
-/// /// A body that crosses the entrance against its +z comes out of the exit along that one's −z.
+/// /// A body that crosses the entrance toward its −z leaves the exit toward the exit's −z.
 /// fn pass(bodies: Query<BodyRef>, portals: Query<&Transform, Without<RigidBox>>, mut commands: Commands) {
 ///     let Some((entrance, exit)) = portals.iter().zip(portals.iter().skip(1)).next() else {
 ///         return;
@@ -106,9 +107,9 @@ impl Command for Teleport {
 pub struct PassPortal {
     /// The body.
     pub entity: Entity,
-    /// Where it goes in. The scale does not count.
+    /// Pose of the entrance. Its scale is ignored.
     pub entrance: Transform,
-    /// Where it comes out.
+    /// Pose of the exit. Its scale is ignored.
     pub exit: Transform,
 }
 
@@ -121,7 +122,7 @@ impl Command for PassPortal {
         let (entrance, exit) = (pose(self.entrance), pose(self.exit));
         let turn = exit.rotation * entrance.rotation.inverse();
         teleport(world, self.entity, |_, state| {
-            // The momentum is stored in body axes, and so it turns along.
+            // The angular momentum is stored in body axes, so it turns with the body.
             *state = BodyState {
                 velocity: turn * state.velocity,
                 angular_momentum: state.angular_momentum,
@@ -142,7 +143,7 @@ fn teleport(world: &mut World, entity: Entity, change: impl FnOnce(&RigidBox, &m
         Some(state)
     });
     let Some(state) = found else {
-        warn!("box_physics: {entity} cannot be teleported: it is no body (any more)");
+        warn!("box_physics: {entity} cannot be teleported: it is not a body, or no longer one");
         return;
     };
     if !state.is_valid() {
@@ -153,7 +154,7 @@ fn teleport(world: &mut World, entity: Entity, change: impl FnOnce(&RigidBox, &m
     show_jump(world, entity, state);
 }
 
-/// Puts a body into `state` and shows it there in this frame.
+/// Sets the state of a body and displays it in this frame without smoothing.
 pub(crate) fn show_jump(world: &mut World, entity: Entity, state: BodyState) {
     if let Ok(mut found) = world.get_entity_mut(entity)
         && let Ok(mut body) = found.get_components_mut::<ShownBody>()

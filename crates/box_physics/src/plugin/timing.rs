@@ -1,4 +1,4 @@
-//! Time of each stage and integrator: taken around loops, never per body, kept in one typed resource and published
+//! Timing of stages and integrators. Measured around loops, never per body, stored in one resource and published
 //! through Bevy's `DiagnosticsStore` under `box_physics/…`.
 
 use std::sync::LazyLock;
@@ -34,7 +34,7 @@ impl Stage {
     /// Every stage, in the order of a step.
     pub const ALL: [Self; 4] = [Self::Integrate, Self::Contact, Self::Refit, Self::Writeback];
 
-    /// As shown.
+    /// Name of the stage in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Integrate => "integrate",
@@ -44,7 +44,7 @@ impl Stage {
         }
     }
 
-    /// Its diagnostic: `box_physics/integrate`, … in microseconds.
+    /// Path of its diagnostic: `box_physics/integrate`, …, in microseconds.
     pub fn path(self) -> DiagnosticPath {
         DiagnosticPath::new(match self {
             Self::Integrate => "box_physics/integrate",
@@ -55,26 +55,26 @@ impl Stage {
     }
 }
 
-/// What one integrator did in the last step.
+/// Timing of one integrator in the last step.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Default, Clone, PartialEq)]
 pub struct IntegratorTiming {
-    /// Bodies it stepped in free flight.
+    /// Number of bodies stepped in free flight.
     pub bodies: u64,
-    /// Time of those loops \[ns\].
+    /// Time of these steps \[ns\].
     pub nanoseconds: u64,
     /// Force evaluations, fallbacks and unconverged iterations, in flight and at the floor.
     pub outcome: StepOutcome,
 }
 
 impl IntegratorTiming {
-    /// ns per body-step, if it stepped any.
+    /// Time per body-step \[ns\]; `None` if no body was stepped.
     pub fn per_body(&self) -> Option<f64> {
         (self.bodies > 0).then(|| self.nanoseconds as f64 / self.bodies as f64)
     }
 }
 
-/// Figures of the last step. Present with [`PhysicsDiagnosticsPlugin`]; without it nothing is timed.
+/// Timings of the last step. Present with [`PhysicsDiagnosticsPlugin`]; without it nothing is timed.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -96,9 +96,9 @@ impl IntegratorTiming {
 pub struct PhysicsTimings {
     stages: [u64; 4],
     integrators: Vec<IntegratorTiming>,
-    /// Impacts, caps and repairs at the floor in the last step.
+    /// Impacts, reached limits and recoveries at the floor in the last step.
     pub floor: FloorOutcome,
-    /// Bodies that *Contact* stepped.
+    /// Number of bodies that *Contact* stepped.
     pub bodies_at_floor: u64,
 }
 
@@ -124,7 +124,7 @@ impl PhysicsTimings {
         self.stages.iter().sum()
     }
 
-    /// What an integrator did in the last step.
+    /// Timing of an integrator in the last step.
     pub fn integrator(&self, integrator: Integrator) -> IntegratorTiming {
         self.integrators[integrator.index()]
     }
@@ -155,7 +155,7 @@ impl PhysicsTimings {
     }
 }
 
-/// Takes the time of one piece of work after another, if it is wanted.
+/// Times consecutive pieces of work, if enabled.
 pub(crate) struct Stopwatch(Option<Instant>);
 
 impl Stopwatch {
@@ -174,10 +174,9 @@ impl Stopwatch {
     }
 }
 
-/// An integrator's diagnostic: `box_physics/integrator/split`, … in ns per body-step.
+/// Path of an integrator's diagnostic: `box_physics/integrator/split`, …, in ns per body-step.
 pub fn integrator_path(integrator: Integrator) -> DiagnosticPath {
-    // Made once, and never freed: a path of static text is passed on without an allocation, and one is
-    // passed on in every step.
+    // Created once and leaked: a path of static text is cloned without an allocation, and one is cloned in every step.
     static PATHS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
         let path = |i: &Integrator| format!("box_physics/integrator/{i}").leak() as &str;
         Integrator::ALL.iter().map(path).collect()
@@ -185,7 +184,7 @@ pub fn integrator_path(integrator: Integrator) -> DiagnosticPath {
     DiagnosticPath::new(PATHS[integrator.index()])
 }
 
-/// Times every stage and integrator, and publishes the figures. Leave it out and nothing is timed.
+/// Times every stage and integrator, and publishes the results. Without this plugin nothing is timed.
 ///
 /// ```
 /// use bevy::diagnostic::DiagnosticsStore;
@@ -202,7 +201,7 @@ pub fn integrator_path(integrator: Integrator) -> DiagnosticPath {
 pub struct PhysicsDiagnosticsPlugin;
 
 impl PhysicsDiagnosticsPlugin {
-    /// The whole step \[µs\].
+    /// Path of the diagnostic of the whole step \[µs\].
     pub const STEP: DiagnosticPath = DiagnosticPath::const_new("box_physics/step");
 }
 
@@ -236,14 +235,7 @@ impl Plugin for PhysicsDiagnosticsPlugin {
     }
 }
 
-fn publish(
-    timings: Res<PhysicsTimings>,
-    mut diagnostics: Diagnostics,
-    mut paths: bevy::ecs::system::Local<Vec<(Integrator, DiagnosticPath)>>,
-) {
-    if paths.is_empty() {
-        paths.extend(Integrator::ALL.iter().map(|&i| (i, integrator_path(i))));
-    }
+fn publish(timings: Res<PhysicsTimings>, mut diagnostics: Diagnostics) {
     let microseconds = |ns: u64| ns as f64 * 1e-3;
     diagnostics.add_measurement(&PhysicsDiagnosticsPlugin::STEP, || {
         microseconds(timings.total())
@@ -251,14 +243,14 @@ fn publish(
     for stage in Stage::ALL {
         diagnostics.add_measurement(&stage.path(), || microseconds(timings.stage(stage)));
     }
-    for (integrator, path) in paths.iter() {
-        if let Some(ns) = timings.integrator(*integrator).per_body() {
-            diagnostics.add_measurement(path, || ns);
+    for &integrator in Integrator::ALL {
+        if let Some(ns) = timings.integrator(integrator).per_body() {
+            diagnostics.add_measurement(&integrator_path(integrator), || ns);
         }
     }
 }
 
-/// Resets the figures at the start of a step.
+/// Resets the timings at the start of a step.
 pub(crate) fn begin_step(timings: Option<ResMut<PhysicsTimings>>) {
     if let Some(mut timings) = timings {
         timings.begin_step();

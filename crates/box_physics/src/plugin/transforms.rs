@@ -1,4 +1,4 @@
-//! `Transform`: written once a step, and taken as a teleport where others changed it.
+//! `Transform`: written once per step, and read as a teleport if other code changed it.
 
 use core::ops::Range;
 
@@ -21,20 +21,20 @@ use super::timing::{PhysicsTimings, Stage, Stopwatch};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 
-/// The pose last written to `Transform`, in its f32 bits. A `Transform` that changed since and differs from
-/// it was changed by others: a teleport. (Change detection alone would not do: smoothing between
-/// steps writes `Transform` every frame.)
+/// The pose last written to `Transform`, in its f32 bits. A `Transform` that has changed since and differs from it was
+/// changed by other code: a teleport. (Change detection alone does not suffice, because smoothing between steps writes
+/// `Transform` every frame.)
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PublishedPose {
     pub(crate) translation: Vec3,
     pub(crate) rotation: Quat,
-    /// Whether the body was placed. Until then its `Transform` says where it starts, whatever wrote it.
+    /// `false` until the body is placed. Until then its `Transform` determines where it starts, whatever wrote it.
     pub(crate) placed: bool,
 }
 
 impl Default for PublishedPose {
-    /// The default `Transform`: so a body that is spawned with a `Transform` starts there, and one
-    /// spawned with a `BodyState` alone starts as that says.
+    /// The pose of the default `Transform`. A body spawned with a `Transform` therefore starts there, and a body
+    /// spawned with only a `BodyState` starts at that state.
     fn default() -> Self {
         Self {
             translation: Vec3::ZERO,
@@ -45,7 +45,7 @@ impl Default for PublishedPose {
 }
 
 impl PublishedPose {
-    /// `state`'s pose in f32.
+    /// The pose of `state` in f32.
     #[inline(always)]
     pub(crate) fn of(state: &BodyState) -> Self {
         Self {
@@ -55,7 +55,7 @@ impl PublishedPose {
         }
     }
 
-    /// The pose of `transform`, if it is one.
+    /// The pose of `transform`, or `None` if it is not finite or its rotation is nearly zero.
     pub(crate) fn shown_by(transform: &Transform) -> Option<Self> {
         let norm = transform.rotation.as_dquat().length();
         let usable = transform.translation.is_finite() && norm.is_finite() && norm > 1e-6;
@@ -75,13 +75,13 @@ impl PublishedPose {
         transform.rotation = self.rotation;
     }
 
-    /// At this pose, at rest: what is left of a body whose state is lost.
+    /// A state at rest at this pose, for a body whose state is lost.
     pub(crate) fn state_at_rest(&self) -> BodyState {
         BodyState::at_pose(self.translation.as_dvec3(), self.rotation.as_dquat())
     }
 
-    /// Takes into `state` what others changed in `transform` since we wrote it. Returns whether
-    /// there was anything, or an error if it is not usable (then nothing is taken).
+    /// Applies changes that other code made to `transform` to `state`. Returns `true` if there were any, or an error if
+    /// `transform` is invalid; `state` is then unchanged.
     pub(crate) fn take_teleport(
         &self,
         body: &RigidBox,
@@ -91,7 +91,7 @@ impl PublishedPose {
         let now = Self::of(state);
         let moved =
             transform.translation != self.translation && transform.translation != now.translation;
-        // Smoothing between two equal rotations may change their last bits: that is no teleport.
+        // Smoothing between two equal rotations may change their last bits, which is not a teleport.
         let turned = !same_rotation(transform.rotation, self.rotation)
             && !same_rotation(transform.rotation, now.rotation);
         if !moved && !turned {
@@ -110,23 +110,23 @@ impl PublishedPose {
     }
 }
 
-/// Whether two f32 rotations are the same but for rounding (four units in the last place of 1).
+/// Returns `true` if two f32 rotations are equal up to rounding (four units in the last place of 1).
 #[inline(always)]
 fn same_rotation(a: Quat, b: Quat) -> bool {
     const ROUNDING: f32 = 4.0 * f32::EPSILON;
     a == b || (a - b).length_squared() < ROUNDING * ROUNDING
 }
 
-/// A `Transform` that names no place.
+/// The error for a `Transform` that is not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotFinite;
 
-/// When *Writeback* last ran: a `Transform` that changed later was changed by others.
+/// Tick of the last *Writeback*. A `Transform` that changed later was changed by other code.
 #[derive(Resource, Default)]
 pub(crate) struct LastWriteback(Option<Tick>);
 
 impl LastWriteback {
-    /// Keeps it from growing so old that ticks start again from the beginning.
+    /// Keeps the stored tick from becoming so old that tick comparison wraps around.
     pub(crate) fn age(check: On<CheckChangeTicks>, mut last: ResMut<Self>) {
         if let Some(tick) = &mut last.0 {
             tick.check_tick(*check);
@@ -134,7 +134,7 @@ impl LastWriteback {
     }
 }
 
-/// Teleports the bodies whose `Transform` others changed.
+/// Teleports the bodies whose `Transform` was changed by other code.
 pub(crate) fn take_teleports(
     mut bodies: Query<(
         Entity,
@@ -164,7 +164,7 @@ pub(crate) fn take_teleports(
             ticks.changed_mut(),
         );
         let Refused(refused) = threads.share_out(
-            entities.len() / LIGHT,
+            entities.len() / LIGHT_PASS_DIVISOR,
             columns.chunks(0..entities.len(), CHUNK),
             |(_, (entities, boxes, transforms, changed, published, states, stamps))| {
                 let mut refused = Refused(None);
@@ -172,7 +172,7 @@ pub(crate) fn take_teleports(
                     return refused;
                 }
                 for (i, (transform, published)) in transforms.iter().zip(published).enumerate() {
-                    // The state is not even looked at unless the pose is another than was written.
+                    // Reads the state only if the displayed pose differs from the published one.
                     if published.is_shown_by(transform) {
                         continue;
                     }
@@ -189,15 +189,15 @@ pub(crate) fn take_teleports(
             && !core::mem::replace(&mut *warned, true)
         {
             warn!(
-                "box_physics: the Transform of {entity} is not finite; it is ignored (said once)"
+                "box_physics: the Transform of {entity} is not finite; it is ignored (logged once)"
             );
         }
     }
     Ok(())
 }
 
-/// In a pass that takes a fraction of a step for each body, this number of bodies counts as one when threads are woken.
-pub(crate) const LIGHT: usize = 8;
+/// Number of bodies that count as one in a pass that takes a small fraction of a step per body.
+pub(crate) const LIGHT_PASS_DIVISOR: usize = 8;
 
 /// The first body, in the order of entities, whose `Transform` is invalid.
 #[derive(Default)]
@@ -209,7 +209,7 @@ impl core::ops::AddAssign for Refused {
     }
 }
 
-/// *Writeback*: writes `Transform` where the pose in f32 is another than it shows. Sleeping bodies are skipped.
+/// *Writeback*: writes `Transform` if the pose in f32 has changed. Sleeping bodies are skipped.
 pub(crate) fn write_transforms(
     mut bodies: Query<(Ref<BodyState>, &Sleep, &mut PublishedPose, &mut Transform), With<RigidBox>>,
     clock: Res<SleepClock>,
@@ -231,7 +231,7 @@ pub(crate) fn write_transforms(
             ticks.changed_mut(),
         );
         threads.share_out(
-            states.len() / LIGHT,
+            states.len() / LIGHT_PASS_DIVISOR,
             columns.chunks(0..states.len(), CHUNK),
             |(_, (states, written, sleep, published, transforms, changed))| {
                 let overwritten = any_newer(changed, last, now);

@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-/// The axes of a splitting: outer, inner and third. The third is reversed if necessary, so that they are
-/// right-handed. Body **and** world use this frame: it only permutes the components of vectors and of the
-/// attitude's vector part, and the flows need no branch on the axis.
+/// The axes of a splitting: outer, inner and third. The third is reversed if necessary to make the frame right-handed.
 ///
-/// Stored as selector bits, so that entering and leaving the frame needs no branch and no index. Bit 0: the
-/// outer axis is x. Bit 1: it is y. Bits 2 and 3: the same for the inner axis. Bit 63: the third axis is
-/// reversed.
+/// Vectors of the body **and** of the world are expressed in this frame. The change of frame only permutes their
+/// components and those of the attitude's vector part, so the flows need no branch on the axis.
+///
+/// The frame is stored as selector bits, so that the conversions need no branch and no index. Bit 0: the outer axis is
+/// x. Bit 1: it is y. Bits 2 and 3: the same for the inner axis. Bit 63: the third axis is reversed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SplitFrame(u64);
 
@@ -28,7 +28,7 @@ impl SplitFrame {
         )
     }
 
-    /// The body axis that is turned about twice, by half steps.
+    /// The body axis of the two rotations by half steps.
     #[inline(always)]
     pub(crate) fn outer(self) -> usize {
         let [x, y, ..] = self.bits();
@@ -41,7 +41,7 @@ impl SplitFrame {
         }
     }
 
-    /// The component of a vector along the third axis, that of the reference moment.
+    /// The component of a vector along the third axis, which has the reference moment.
     #[inline(always)]
     pub(crate) fn third_of(self, v: DVec3) -> f64 {
         let [outer_x, outer_y, inner_x, inner_y] = self.bits();
@@ -59,7 +59,7 @@ impl SplitFrame {
         [0, 1, 2, 3].map(|place: u32| self.0 & (1 << place) != 0)
     }
 
-    /// The third component, negated if the third axis is reversed.
+    /// Returns `x`, negated if the third axis is reversed.
     #[inline(always)]
     fn turned(self, x: f64) -> f64 {
         f64::from_bits(x.to_bits() ^ (self.0 & SIGN))

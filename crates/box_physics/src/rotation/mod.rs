@@ -37,8 +37,8 @@ pub fn compose(q: DQuat, p: DQuat) -> DQuat {
     )
 }
 
-/// One Newton step toward unit length: q (3 − |q|²)/2. In group methods the quaternion is off by rounding
-/// alone; there the step is exact to rounding and cheaper than a square root.
+/// One Newton step toward unit length: q (3 − |q|²)/2. In group methods the quaternion deviates from unit length only
+/// by rounding errors; the step is then exact to rounding and cheaper than a square root.
 #[inline(always)]
 pub(crate) fn renormalize(q: DQuat) -> DQuat {
     q * (1.5 - 0.5 * q.length_squared())
@@ -53,8 +53,8 @@ pub fn quaternion_rate(q: DQuat, omega: DVec3) -> DQuat {
     )
 }
 
-/// The Cayley map of the rotation vector u = hω: the unit quaternion along (u/2, 1), a turn of 2 atan(|u|/2)
-/// about u.
+/// The Cayley map of the rotation vector u = hω: the unit quaternion along (u/2, 1), a rotation by 2 atan(|u|/2) about
+/// u.
 #[inline(always)]
 pub fn cayley_map(u: DVec3) -> DQuat {
     let c = 0.5 * u;

@@ -64,10 +64,12 @@ fn reference_turn(
     compose(DQuat::from_array(q), turn).to_array()
 }
 
-/// Free rotation over `h` \[s\] by the symmetric-top splitting, order 2: exact rotation with the middle
-/// moment, then a half, c whole, a half. Source: Fassò, J. Comput. Phys. 189 (2003) 527; `Splitting` selects
-/// the axes. Symplectic and reversible. The world angular momentum is constant to rounding and the energy is
-/// bounded, at any step. Exact for symmetric bodies and cubes.
+/// Free rotation over `h` \[s\] by the symmetric-top splitting, order 2: the exact rotation with the middle moment,
+/// then half a step about the outer axis, a whole step about the inner axis and half a step about the outer axis.
+///
+/// Source: Fassò, J. Comput. Phys. 189 (2003) 527; `Splitting` selects the axes. Symplectic and reversible. The world
+/// angular momentum is constant to rounding and the energy error is bounded, at any step size. Exact for symmetric
+/// bodies and cubes.
 #[inline(always)]
 pub(crate) fn free_rotation_strang(
     body: &RigidBox,
@@ -85,8 +87,8 @@ pub(crate) fn free_rotation_strang(
         .leave(state, l, renormalize(DQuat::from_array(q)).to_array());
 }
 
-/// The seven outer and six inner fractions of the order-4 composition S6 of Blanes and Moan (J. Comput. Appl.
-/// Math. 142 (2002) 313): first halves. The rest is symmetric.
+/// First halves of the seven outer and six inner fractions of the order-4 composition S6 of Blanes and Moan (J. Comput.
+/// Appl. Math. 142 (2002) 313). The second halves are symmetric.
 mod blanes_moan {
     /// Fractions of the outer flow: A₁ A₂ A₃, then 1 − 2(A₁+A₂+A₃) in the middle.
     pub(super) const A: [f64; 3] = [0.0792036964311957, 0.353172906049774, -0.0420650803577195];
@@ -98,9 +100,8 @@ mod blanes_moan {
     pub(super) const B_THIRD: f64 = 0.5 - (B[0] + B[1]);
 }
 
-/// Free rotation over `h` \[s\] by the same two planar flows in the composition of Blanes and Moan, order 4:
-/// A B A B A B A B A B A B A, thirteen planar rotations. Conserves the same quantities as
-/// [`free_rotation_strang`].
+/// Free rotation over `h` \[s\] by the same two planar flows in the composition of Blanes and Moan, order 4: (A B)⁶ A,
+/// thirteen planar rotations. Conserves the same quantities as [`free_rotation_strang`].
 #[inline(always)]
 pub(crate) fn free_rotation_order4(
     body: &RigidBox,

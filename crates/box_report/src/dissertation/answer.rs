@@ -1,5 +1,5 @@
-//! Its question, answered: which integrator for simple rigid bodies in a game, at 30, 60 and 120 Hz, and by
-//! how much.
+//! An answer to the dissertation's question: which integrator to choose for simple rigid bodies in a game, at 30, 60
+//! and 120 Hz, and how much it gains.
 
 use box_physics::integrators::Integrator;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use crate::summary::Results;
 use crate::visible::{MINUTE, RATES, THROW};
 use crate::{files, text};
 
-/// Its two integrators: under its own rule for the position, and as a textbook has it.
+/// The two integrators of the dissertation: Heun with its position rule, and the textbook form of RK4.
 const ITS: [Integrator; 2] = [Integrator::Heun2012, Integrator::Rk4];
 
 #[derive(Serialize)]
@@ -23,7 +23,7 @@ struct Row {
     median_error_over_the_best: f64,
 }
 
-/// The table and its sentences, if what they are made of was measured.
+/// The table and its conclusions; `None` if the measurements that they need are missing.
 pub(super) fn table(
     ctx: &Context,
     results: &Results,
@@ -67,7 +67,7 @@ pub(super) fn table(
         };
         let compared: Vec<String> = ITS.iter().copied().filter_map(against).collect();
         verdicts.push(format!(
-            "At {rate} Hz the answer is `{best}`: for ten seconds nothing shows in {} of {} scenes, at {} µs per box and simulated second. Against it {}.",
+            "At {rate} Hz, the answer is `{best}`: no visible error for ten seconds in {} of {} scenes, at {} µs per box and simulated second. By comparison, {}.",
             visible.invisible(best, rate, THROW),
             work.families.len(),
             text::significant(work.cost(best, rate).unwrap_or(f64::NAN), 2),
@@ -93,16 +93,16 @@ pub(super) fn table(
         })
         .collect();
     let table = Table {
-        title: "Its question, answered: which integrator for simple rigid bodies in a game".to_owned(),
-        note: "First at each rate, among the integrators that survive every hard case: the one with most scenes in which nothing shows for ten seconds, then for a minute (1° or 1 % of the size), \
-               the cheapest of equals; then its two. Cost: geometric mean over the scenes of the time per box and simulated second."
+        title: "The answer to its question: the integrator for simple rigid bodies in a game".to_owned(),
+        note: "First row at each rate: of the integrators that survive every hard case, the one with the most scenes without a visible error (1° or 1 % of the size) in ten seconds, then in a minute; \
+               of equals, the cheapest. Below it, the dissertation's two. Cost: geometric mean over the scenes of the time per box and simulated second."
             .to_owned(),
         columns: [
             "rate",
             "integrator",
             "scenes without a visible error in 10 s · 60 s",
             "cost [µs/s]",
-            "error over the first's, median scene",
+            "error relative to the first, median scene",
         ]
         .map(str::to_owned)
         .to_vec(),

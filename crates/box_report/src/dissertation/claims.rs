@@ -1,4 +1,4 @@
-//! What the text of 2012 says, measured.
+//! Measurements of the claims of the text of 2012.
 
 use box_physics::body::RigidBox;
 use box_physics::force::Dissipation;
@@ -33,13 +33,13 @@ pub(super) fn amplification(integrator: Integrator, z: f64) -> f64 {
     state.velocity.x.abs()
 }
 
-/// The same of its own stepper.
+/// The amplification of a stepper of the dissertation, as in [`amplification`].
 pub(super) fn amplification_2012(stepper: Stepper, z: f64) -> f64 {
     let (v, _) = stepper.advance(DVec3::X, 1.0, |v| -z * v);
     v.x.abs()
 }
 
-/// How far `integrator` is from ½·g·t² after a second of free fall in steps of `h` \[m\].
+/// Distance from ½·g·t² after one second of free fall with `integrator` and steps of `h` \[m\].
 pub(super) fn fall_error(integrator: Integrator, h: f64) -> f64 {
     let model = Model::without_floor(RigidBox::default(), ForceSet::gravity(G));
     let mut driver = Driver::new(BodyState::default(), integrator);
@@ -48,7 +48,7 @@ pub(super) fn fall_error(integrator: Integrator, h: f64) -> f64 {
     (driver.state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
 }
 
-/// The same of its own stepper under the acceleration g: with its position rule, without its other faults.
+/// The same for a stepper of the dissertation: with its position rule, without its other errors.
 pub(super) fn fall_error_2012(stepper: Stepper, h: f64) -> f64 {
     let n = (1.0 / h).round() as u64;
     let (mut x, mut v) = (0.0, DVec3::ZERO);
@@ -60,7 +60,7 @@ pub(super) fn fall_error_2012(stepper: Stepper, h: f64) -> f64 {
     (x + 0.5 * G * (n as f64 * h).powi(2)).abs()
 }
 
-/// How far its whole demo is from ½·g·t² after a second: gravity is added to the position \[m\].
+/// The same for the complete demo of the dissertation, which adds gravity to the position \[m\].
 pub(super) fn demo_fall_error(h: f64) -> f64 {
     let demo = Demo {
         floor: None,
@@ -75,13 +75,13 @@ pub(super) fn demo_fall_error(h: f64) -> f64 {
     (state.position.y + 0.5 * G * (n as f64 * h).powi(2)).abs()
 }
 
-/// Attitude error \[rad\] and energy over its start of a freely tumbling box, by time.
+/// Attitude error \[rad\] and relative energy of a freely tumbling box, over time.
 pub(super) struct Tumble {
-    /// Time, attitude error, relative energy.
+    /// Time, attitude error and energy divided by the initial energy.
     pub(super) points: Vec<(f64, f64, f64)>,
 }
 
-/// The free tumble at steps of `h` by `integrator`.
+/// The free tumble with `integrator` in steps of `h`.
 pub(super) fn tumble(integrator: Integrator, h: f64) -> Result<Tumble, String> {
     let family = &Family::all()[0];
     let model = Model::of(&family.setup);
@@ -92,7 +92,8 @@ pub(super) fn tumble(integrator: Integrator, h: f64) -> Result<Tumble, String> {
     })
 }
 
-/// The same by its demo, three turns a cycle and no gyroscopic term; with or without its damping.
+/// The free tumble in the dissertation's demo: three rotations per cycle and no gyroscopic term, with or without its
+/// damping.
 pub(super) fn tumble_2012(h: f64, damped: bool) -> Result<Tumble, String> {
     let family = &Family::all()[0];
     let body = family.setup.body;
@@ -108,7 +109,7 @@ pub(super) fn tumble_2012(h: f64, damped: bool) -> Result<Tumble, String> {
     })
 }
 
-/// Follows the free tumble for its ten seconds.
+/// Compares the states from `next` with the reference over the ten seconds of the free tumble.
 fn follow(h: f64, mut next: impl FnMut(u64) -> BodyState) -> Result<Tumble, String> {
     let family = &Family::all()[0];
     let body = &family.setup.body;
@@ -131,7 +132,7 @@ impl Tumble {
         self.points.iter().map(|p| p.1).fold(0.0, f64::max)
     }
 
-    /// Energy at the end over that at the start, less one.
+    /// Relative change of energy from start to end.
     pub(super) fn energy_change(&self) -> f64 {
         self.points.last().map_or(0.0, |p| p.2 - 1.0)
     }

@@ -1,4 +1,5 @@
-//! Its experiment: the time of each integration cycle over a run of one box, and the share of the processor.
+//! The experiment of the dissertation: the time of each integration cycle over a run of one box, and the share of the
+//! processor time.
 
 use std::time::Instant;
 
@@ -13,28 +14,28 @@ use box_scenarios::{Driver, ForceSet, Model};
 use glam::DVec3;
 use serde::Serialize;
 
-/// Its steps \[s\], from its smallest to its largest.
+/// The steps of the dissertation \[s\], from smallest to largest.
 pub(super) const STEPS: [f64; 3] = [0.005, 0.0075, 0.01];
-/// How long a run is \[s\], and with `--quick`.
+/// Duration of a run \[s\]: in full, and with `--quick`.
 const RUN: (f64, f64) = (30.0, 3.0);
-/// A push every so often \[s\], in turn along each axis.
+/// Time between pushes \[s\]; they go along each axis in turn.
 const PUSH_EVERY: f64 = 2.0;
-/// The push: this impulse on 1 kg \[N s\].
+/// Impulse of a push on the mass of 1 kg \[N s\].
 const PUSH: f64 = 3.0;
 
-/// What takes part, in the order of [`Cycles::times`].
+/// The contenders, in the order of [`Cycles::times`].
 pub(super) const CONTENDERS: [&str; 5] = [
-    "reading the clock alone",
-    "2012-heun, its implicit Euler",
+    "reading the clock only",
+    "2012-heun, called implicit Euler",
     "2012-rk4",
     "split, with exact contact",
     "rk4, with exact contact",
 ];
 
-/// The times of every cycle of a run.
+/// The times of all cycles of a run.
 pub(super) struct Cycles {
     pub(super) h: f64,
-    /// ns per cycle, a list for each contender.
+    /// Time of each cycle \[ns\], one list per contender.
     pub(super) times: Vec<Vec<f64>>,
 }
 
@@ -47,24 +48,24 @@ pub(super) struct Row {
     ns_min: f64,
     ns_median: f64,
     ns_p95: f64,
-    /// Without reading the clock.
+    /// Median without the time for reading the clock.
     ns_net: f64,
-    /// The same over the step.
+    /// `ns_net` divided by the step.
     processor_share: f64,
 }
 
 impl Cycles {
-    /// Median and so on of one contender.
+    /// Minimum, median and other statistics of one contender.
     pub(super) fn cost(&self, contender: usize) -> Cost {
         Cost::of(&self.times[contender])
     }
 
-    /// A cycle without reading the clock \[ns\].
+    /// Time of a cycle without reading the clock \[ns\].
     pub(super) fn net(&self, contender: usize) -> f64 {
         (self.middle(contender) - self.middle(0)).max(0.0)
     }
 
-    /// A clock that ticks in tens of nanoseconds has no finer median.
+    /// The interquartile mean, because a clock with a resolution of tens of nanoseconds gives no finer median.
     fn middle(&self, contender: usize) -> f64 {
         Quantiles::of(self.times[contender].iter().copied()).middle()
     }
@@ -87,7 +88,7 @@ impl Cycles {
     }
 }
 
-/// Runs everything side by side, cycle by cycle, and times each cycle by itself, as it did.
+/// Runs all contenders side by side, cycle by cycle, and times each cycle separately, as the dissertation did.
 pub(super) fn run(h: f64, quick: bool) -> Cycles {
     let body = RigidBox::default();
     let start = BodyState::at(DVec3::Y * 4.5);

@@ -1,4 +1,4 @@
-//! The figures that go with its claims.
+//! Figures of the dissertation's claims.
 
 use box_physics::integrators::Integrator;
 use box_scenarios::dissertation::Stepper;
@@ -17,7 +17,7 @@ pub(super) const FALL: &str = "dissertation-fall";
 pub(super) const ATTITUDE: &str = "dissertation-attitude";
 pub(super) const ENERGY: &str = "dissertation-energy";
 
-/// Points of a long line: a bucket's median each.
+/// Number of points of a long line; each is the median of a bucket.
 const BUCKETS: usize = 120;
 
 fn finish(id: &str, caption: &str, plot: &Plot) -> Result<Figure, Stop> {
@@ -29,7 +29,7 @@ fn finish(id: &str, caption: &str, plot: &Plot) -> Result<Figure, Stop> {
     })
 }
 
-/// Its own steppers, in gray and black: they are no integrators of the list.
+/// A line of a stepper of the dissertation, in gray or black because it is not in the list of integrators.
 fn theirs(label: &str, dash: Dash, marker: Marker, points: Vec<Option<Point>>) -> Line {
     Line {
         label: label.to_owned(),
@@ -68,12 +68,12 @@ pub(super) fn cycles(run: &Cycles) -> Result<Figure, Stop> {
     };
     finish(
         CYCLES,
-        "Its figure, redone: the time of each integration cycle of one box over a run, the clock's own reading included (medians of neighboring cycles). Ours includes contact located in time; bounces show as peaks.",
+        "The figure of 2012, repeated: the time of each integration cycle of one box over a run, including reading the clock (medians of neighboring cycles). The times of this library include contact located in time; bounces appear as peaks.",
         &plot,
     )
 }
 
-/// What a step makes of a velocity under drag.
+/// Factor by which one step under drag multiplies the velocity.
 pub(super) fn amplification() -> Result<Figure, Stop> {
     let numbers: Vec<f64> = (0..=60).map(|k| f64::from(k) * 0.1).collect();
     let ours = |s: Integrator| {
@@ -96,7 +96,7 @@ pub(super) fn amplification() -> Result<Figure, Stop> {
     .map(ours)
     .into();
     lines.push(theirs(
-        "2012-heun, its implicit Euler",
+        "2012-heun, called implicit Euler",
         Dash::Dotted,
         Marker::Circle,
         own.collect(),
@@ -104,19 +104,19 @@ pub(super) fn amplification() -> Result<Figure, Stop> {
     let limit = vec![Some(Point::new(0.0, 1.0)), Some(Point::new(6.0, 1.0))];
     lines.push(theirs("stable below this", Dash::Dashed, Marker::Plus, limit).unmarked());
     let plot = Plot {
-        title: "What one step makes of a velocity under drag".to_owned(),
+        title: "Velocity after one step under drag".to_owned(),
         x: Axis::linear("c·dt/m"),
         y: Axis::log("|v after / v before|").within(1e-3, 60.0),
         lines,
     };
     finish(
         AMPLIFICATION,
-        "Above the dashed line a velocity grows under drag, which is impossible. What it calls implicit Euler leaves at c·dt/m = 2 with explicit Euler; RK4 at 2.785; backward Euler and implicit midpoint never; split follows the exact exponential.",
+        "Above the dashed line, drag increases the velocity, which is impossible. What the dissertation calls implicit Euler crosses it at c·dt/m = 2, like explicit Euler; RK4 crosses it at 2.785, backward Euler and implicit midpoint never. split follows the exact exponential.",
         &plot,
     )
 }
 
-/// Free fall: error after a second, against the step.
+/// Free fall: error after one second against the step.
 pub(super) fn fall() -> Result<Figure, Stop> {
     let steps: Vec<f64> = [25, 50, 100, 200, 400, 800, 1600]
         .map(|n| 1.0 / f64::from(n))
@@ -148,32 +148,32 @@ pub(super) fn fall() -> Result<Figure, Stop> {
         .iter()
         .map(|&h| Some(Point::new(h, claims::demo_fall_error(h))));
     lines.push(theirs(
-        "its demo: g added to x",
+        "2012 demo: g added to x",
         Dash::Dashed,
         Marker::Cross,
         whole.collect(),
     ));
     let plot = Plot {
-        title: "A second of free fall: position error against the step".to_owned(),
+        title: "One second of free fall: position error against step size".to_owned(),
         x: Axis::log("dt [s]"),
         y: Axis::log("position error after 1 s [m]").within(1e-16, 100.0),
         lines,
     };
     finish(
         FALL,
-        "x += dt·v_new makes any integrator first order, ½·g·dt·t: its Heun and its RK4 lie on one line with semi-implicit Euler. A proper RK4 and split are exact to rounding. The demo itself adds g to the position and is 4.9 m off at any step.",
+        "x += dt·v_new reduces any integrator to order 1, with an error of ½·g·dt·t: the Heun and RK4 of 2012 coincide with semi-implicit Euler. A correct RK4 and split are exact to rounding. The demo itself adds g to the position and is off by 4.9 m at any step size.",
         &plot,
     )
 }
 
-/// The free tumble by several integrators at 60 Hz, and by the demo.
+/// The free tumble with several integrators at 60 Hz, and in the demo.
 pub(super) struct Tumbles {
     integrators: Vec<(Integrator, Tumble)>,
     pub(super) demo: Tumble,
     pub(super) undamped: Tumble,
 }
 
-/// The step of the tumbles \[s\].
+/// Step of the tumbles \[s\].
 const H: f64 = 1.0 / 60.0;
 
 impl Tumbles {
@@ -201,7 +201,7 @@ impl Tumbles {
     }
 
     fn lines(&self, y: fn(&(f64, f64, f64)) -> f64) -> Vec<Line> {
-        // Every third step: twenty a second.
+        // Every third step: 20 per second.
         let points = |t: &Tumble| -> Vec<_> {
             let thinned = t.points.iter().step_by(3);
             thinned.map(|p| Some(Point::new(p.0, y(p)))).collect()
@@ -212,8 +212,8 @@ impl Tumbles {
             .map(|(s, t)| Line::of(*s, s.to_string(), points(t)));
         let mut lines: Vec<Line> = ours.collect();
         for (label, dash, t) in [
-            ("its demo", Dash::Solid, &self.demo),
-            ("its demo, damping left out", Dash::Dotted, &self.undamped),
+            ("2012 demo", Dash::Solid, &self.demo),
+            ("2012 demo without damping", Dash::Dotted, &self.undamped),
         ] {
             lines.push(theirs(label, dash, Marker::Plus, points(t)));
         }
@@ -229,7 +229,7 @@ impl Tumbles {
         };
         finish(
             ATTITUDE,
-            "An ordinary box tumbles freely. The demo of 2012 has no gyroscopic term and turns about three axes in succession: wrong within the first second.",
+            "An ordinary box tumbles freely. The demo of 2012 has no gyroscopic term and rotates about three axes in succession: its attitude is wrong within the first second.",
             &plot,
         )
     }
@@ -238,12 +238,12 @@ impl Tumbles {
         let plot = Plot {
             title: "Free tumble at 60 Hz: energy over time".to_owned(),
             x: Axis::linear("time [s]"),
-            y: Axis::linear("energy over that at the start").within(0.0, 1.5),
+            y: Axis::linear("energy over initial energy").within(0.0, 1.5),
             lines: self.lines(|p| p.2),
         };
         finish(
             ENERGY,
-            "The energy of a free tumble is constant. Explicit Euler gains, backward Euler loses a quarter in ten seconds; implicit midpoint, RK4 and split keep it (their lines lie on one another at 1).",
+            "The energy of a free tumble is constant. Explicit Euler gains energy; backward Euler loses a quarter of it in ten seconds. Implicit midpoint, RK4 and split conserve it (their lines coincide at 1).",
             &plot,
         )
     }

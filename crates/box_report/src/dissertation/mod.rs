@@ -1,4 +1,4 @@
-//! `dissertation`: the comparison of 2012 redone, its question answered, and where its text was wrong.
+//! `dissertation`: the comparison of 2012, repeated, with an answer to its question and the errors of its text.
 
 mod answer;
 mod claims;
@@ -14,21 +14,21 @@ use crate::document::{Section, Table};
 use crate::summary::Results;
 use crate::{files, text};
 
-/// Ticks of the progress that [`section`] takes.
+/// Progress ticks of [`section`].
 pub(crate) fn ticks() -> u64 {
     cycle::STEPS.len() as u64 + 1
 }
 
-/// Measures and writes everything; the answer is made of `results`.
+/// Measures everything and writes the files; the answer is computed from `results`.
 pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop> {
     let mut section = Section::new(
         "dissertation",
-        "The dissertation, redone",
+        "The 2012 dissertation, repeated",
         "V. Stojanovic, “Evaluation of Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion \
-         Within a Game Environment” (2012), asked which integrator is the most efficient for simple rigid bodies in a game. Its two \
-         integrators (what it calls implicit Euler, and RK4), its steps of 0.005 to 0.01 s, one cube over a floor, pushed along each axis in turn, \
-         the time of each integration cycle over the run and the share of the processor: here once more, next to ours. \
-         `2012-…` are its own steppers with its own contact, line by line.",
+         Within a Game Environment” (2012), asked which integrator is the most efficient for simple rigid bodies in a game. This section repeats its measurement \
+         and adds this library: its two integrators (RK4, and what it calls implicit Euler), steps of 0.005 to 0.01 s, one cube over a floor, \
+         pushed along each axis in turn, the time of each integration cycle over the run, and the CPU share. \
+         `2012-…` are the dissertation's own integrators with its own contact, reproduced line by line.",
     );
     let mut runs = Vec::new();
     for h in cycle::STEPS {
@@ -78,8 +78,8 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
         }
     }
     Table {
-        title: "Its comparison: one integration cycle of one box".to_owned(),
-        note: "Every cycle is timed by itself, so reading the clock is part of each time; the last two columns leave it out (means of the middle half of the cycles)."
+        title: "The 2012 comparison: one integration cycle of one box".to_owned(),
+        note: "Every cycle is timed individually, so each time includes reading the clock; the last two columns exclude it (means of the middle half of the cycles)."
             .to_owned(),
         columns: ["dt [s]", "integrator", "median [ns]", "95th percentile [ns]", "without the clock [ns]", "share of one core"]
             .map(str::to_owned)
@@ -89,7 +89,7 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
     }
 }
 
-/// A claim of the text, what holds, and by how much.
+/// A claim of the text, what is true, and the measured values.
 #[derive(Serialize)]
 struct ClaimRow {
     says: &'static str,
@@ -98,7 +98,7 @@ struct ClaimRow {
     figure: String,
 }
 
-/// Each claim, what holds, and by how much, with its figure.
+/// The table of claims: what is true, the measured values and the figure.
 fn claim_table(
     ctx: &Context,
     runs: &[cycle::Cycles],
@@ -118,7 +118,7 @@ fn claim_table(
         let change = tumbles
             .of(s)
             .map_or(f64::NAN, claims::Tumble::energy_change);
-        // What rounds to nothing has no sign.
+        // A value that rounds to zero is shown without a sign.
         format!("{:+.1} %", 100.0 * change)
             .replace("-0.0 %", "0.0 %")
             .replace("+0.0 %", "0.0 %")
@@ -126,7 +126,7 @@ fn claim_table(
     let rows = [
         (
             "Its integrator is the implicit Euler method",
-            "It is Heun's explicit method, stable up to c·dt/m = 2 like explicit Euler; the implicit method never grows",
+            "It is Heun's explicit method, stable up to c·dt/m = 2 like explicit Euler; the implicit method is always stable",
             format!(
                 "At c·dt/m = 3 a step multiplies the speed by {} (2012-heun: {}), explicit Euler's by {}, backward Euler's by {}",
                 grows(Heun2012, 3.0),
@@ -147,10 +147,10 @@ fn claim_table(
             figures::AMPLIFICATION,
         ),
         (
-            "An integrator of second order, and one of fourth",
-            "Both move the position by the new velocity, which makes every integrator first order: ½·g·dt·t",
+            "One integrator has order 2, the other order 4",
+            "Both update the position with the new velocity, which reduces any integrator to order 1, with an error of ½·g·dt·t",
             format!(
-                "After a second of fall at dt = 0.005 and 0.01: 2012-heun {} and {}, 2012-rk4 {} and {}; split {}",
+                "Error after a second of fall at dt = 0.005 and 0.01: 2012-heun {} and {}, 2012-rk4 {} and {}; split {}",
                 cm(claims::fall_error_2012(Stepper::Heun, 0.005)),
                 cm(claims::fall_error_2012(Stepper::Heun, 0.01)),
                 cm(claims::fall_error_2012(Stepper::Rk4, 0.005)),
@@ -163,16 +163,16 @@ fn claim_table(
             "The demo integrates gravity",
             "It adds g to the position: the box sinks at 9.81 m/s and never accelerates",
             format!(
-                "After a second its box is {} from where it should be, whatever the step",
+                "After a second, its box is off by {} at any step size",
                 cm(claims::demo_fall_error(0.005))
             ),
             figures::FALL,
         ),
         (
             "The demo integrates the rotation of a rigid body",
-            "ω grows by α/60 whatever the step, without the gyroscopic term; the attitude is turned about three axes in succession",
+            "ω grows by α/60 per step at any step size, without the gyroscopic term; the attitude is rotated about three axes in succession",
             format!(
-                "Free tumble, 60 Hz, 10 s: attitude wrong by up to {} rad, without its damping {} rad; rk4 {}, split {} rad",
+                "Free tumble, 60 Hz, 10 s: attitude error up to {} rad, without its damping {} rad; rk4 {}, split {} rad",
                 text::error(tumbles.demo.worst()),
                 text::error(tumbles.undamped.worst()),
                 worst(Rk4),
@@ -181,8 +181,8 @@ fn claim_table(
             figures::ATTITUDE,
         ),
         (
-            "Rigid-body motion is stiff, so implicit methods are the better ones",
-            "Free rotation is not stiff: its fastest time scale is the spin itself; implicit Euler damps it away",
+            "Rigid-body motion is stiff, so implicit methods are better",
+            "Free rotation is not stiff: its fastest time scale is the spin itself; implicit Euler damps it",
             format!(
                 "Energy after 10 s at 60 Hz: backward Euler {}, explicit Euler {}, implicit midpoint {}, split {}",
                 energy(BackwardEuler),
@@ -214,9 +214,9 @@ fn claim_table(
         ),
         (
             "RK4 costs fractions of a millisecond more",
-            "It timed four vector additions and a context switch; both integrators are lost in the clock's own reading",
+            "It timed four vector additions and a context switch; both integrators cost less than reading the clock",
             format!(
-                "dt = 0.005, clock left out: 2012-heun {}, 2012-rk4 {}; proper rk4 with contact {}, split {}",
+                "dt = 0.005, without the clock: 2012-heun {}, 2012-rk4 {}; correct rk4 with contact {}, split {}",
                 text::time(run.net(1)),
                 text::time(run.net(2)),
                 text::time(run.net(4)),
@@ -236,9 +236,9 @@ fn claim_table(
         .collect();
     files::write_csv(&ctx.file("dissertation-claims.csv"), &claims)?;
     Ok(Table {
-        title: "Where its text was wrong".to_owned(),
-        note: "Each with what was measured in this run, and the figure that shows it.".to_owned(),
-        columns: ["it says or assumes", "what holds", "measured", "figure"]
+        title: "Incorrect claims".to_owned(),
+        note: "Each claim with a measurement of this run and the figure that shows it.".to_owned(),
+        columns: ["claim or assumption", "correct", "measured", "figure"]
             .map(str::to_owned)
             .to_vec(),
         rows: claims

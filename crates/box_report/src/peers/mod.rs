@@ -1,4 +1,4 @@
-//! `peers`: the same boxes in other engines, measured by a program outside the workspace; its last result is
+//! `peers`: the same boxes in other engines. A program outside the workspace measures them, and its last result is
 //! committed.
 
 mod section;
@@ -14,7 +14,7 @@ use box_bench::machine::Machine;
 
 pub(crate) use section::section;
 
-/// What `box_peers` measures.
+/// The measurements of `box_peers`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Measured {
     engines: Vec<Engine>,
@@ -29,15 +29,15 @@ struct Engine {
     id: String,
     name: String,
     version: String,
-    /// Threads that it may use.
+    /// Number of threads that it may use.
     #[serde(default)]
     threads: Option<usize>,
-    /// How it was driven.
+    /// How the engine was driven.
     driven: String,
 }
 
 impl Engine {
-    /// With the number of threads, where that is known.
+    /// Name of the engine, with the number of threads where it is known.
     fn full_name(&self) -> String {
         match self.threads {
             None => self.name.clone(),
@@ -52,7 +52,7 @@ struct Accuracy {
     engine: String,
     case: String,
     rate_hz: u32,
-    /// Time \[s\], attitude error \[rad\], relative energy error, signed.
+    /// Time \[s\], attitude error \[rad\] and signed relative energy error.
     points: Vec<(f64, f64, f64)>,
 }
 
@@ -65,14 +65,14 @@ struct CostRow {
     ns_per_body_step_min: f64,
     ns_per_body_step_median: f64,
     ns_per_body_step_p95: f64,
-    /// Of the physics alone, of engines that are part of an app.
+    /// Cost of the physics alone, for engines that are part of an app.
     #[serde(default)]
     physics_ns_per_body_step_min: Option<f64>,
     #[serde(default)]
     physics_ns_per_body_step_median: Option<f64>,
 }
 
-/// A result with its circumstances, as committed.
+/// A result and the conditions of its measurement, as committed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Stored {
     machine: Machine,
@@ -83,22 +83,22 @@ fn manifest() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../box_peers/Cargo.toml")
 }
 
-/// Where the last result is committed.
+/// Path of the committed result.
 fn committed() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results/peers.json")
 }
 
-/// Runs `box_peers` through cargo and keeps what it measured in the folder of the report and, if asked for,
+/// Runs `box_peers` through cargo and saves its result in the output folder. With `docs`, it also saves the result
 /// where it is committed.
 pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
     let manifest = manifest();
     if !manifest.is_file() {
         return Err(Stop::Failed(format!(
-            "{} is not there: the other engines are measured from a checkout of the sources",
+            "{} not found: measuring the other engines requires a source checkout",
             manifest.display()
         )));
     }
-    let notice = "building and running box_peers (the first build takes a quarter of an hour) …";
+    let notice = "building and running box_peers (the first build takes about 15 minutes) …";
     ctx.progress.suspend(|| eprintln!("{notice}"));
     let mut command = Command::new("cargo");
     command
@@ -110,7 +110,8 @@ pub(crate) fn measure(ctx: &Context, docs: Option<&Path>) -> Result<(), Stop> {
     if ctx.quick {
         command.arg("--quick");
     }
-    // Its packages are others: in the workspace's folder they would be built over and over.
+    // It depends on other packages. In the workspace's target folder, each of the two builds would invalidate the
+    // other.
     if let Some(target) = std::env::var_os("CARGO_TARGET_DIR") {
         command.env("CARGO_TARGET_DIR", Path::new(&target).join("peers"));
     }

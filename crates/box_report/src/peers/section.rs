@@ -1,4 +1,4 @@
-//! The section of the report: tables, diagrams and a sentence for each engine.
+//! The section of the report on other engines: tables, diagrams and a conclusion for each engine.
 
 use serde::Serialize;
 
@@ -14,7 +14,7 @@ const ID: &str = "peers";
 const OURS: &str = "box_physics";
 const TITLE: &str = "Other engines";
 
-/// The section: of a result in the folder, if `fresh`, else of the committed one.
+/// Makes the section: from the result in the output folder if `fresh`, else from the committed one.
 pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let path = if fresh {
         ctx.file("peers.json")
@@ -25,7 +25,7 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
         return Ok(Section::new(
             ID,
             TITLE,
-            "No result is committed; measure one with `cargo box-report peers`.",
+            "There is no stored result; measure one with `cargo box-report peers`.",
         ));
     }
     let stored: Stored = serde_json::from_str(&files::read(&path)?)
@@ -36,7 +36,7 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
         TITLE,
         format!(
             "The same boxes in other engines with their default settings; box–box collisions are off. {} on {m}. \
-             Repeat it with `cargo box-report peers`.",
+             To repeat: `cargo box-report peers`.",
             if fresh {
                 "Measured in this run"
             } else {
@@ -99,7 +99,7 @@ fn accuracy_table(measured: &Measured) -> Table {
     };
     Table {
         title: "Largest attitude error, and energy error at the end, 60 Hz".to_owned(),
-        note: "Against the reference trajectories of free motion (`tests/oracle`). π ≈ 3.1 rad is as wrong as an attitude can be."
+        note: "Against the reference trajectories of free motion (`tests/oracle`). An attitude error is at most π ≈ 3.1 rad."
             .to_owned(),
         columns,
         rows: measured
@@ -112,7 +112,7 @@ fn accuracy_table(measured: &Measured) -> Table {
     }
 }
 
-/// `pub04_thin_plate` is `thin plate`.
+/// Converts `pub04_thin_plate` to `thin plate`.
 fn case_name(case: &str) -> String {
     let name = case.split_once('_').map_or(case, |(_, name)| name);
     name.replace('_', " ")
@@ -130,7 +130,7 @@ impl Situation<'_> {
         self.rows.iter().copied().find(|c| c.engine == engine)
     }
 
-    /// Of the engine as a multiple of ours, both without the app \[ns, 1\].
+    /// Cost of the physics of `engine` without the app \[ns\], and its ratio to ours.
     fn alone(&self, engine: &str) -> Option<(f64, f64)> {
         let (theirs, ours) = (self.of(engine)?.alone(), self.of(OURS)?.alone());
         Some((theirs, theirs / ours))
@@ -138,7 +138,7 @@ impl Situation<'_> {
 }
 
 impl CostRow {
-    /// Of the physics alone \[ns\]. An engine that runs without an app has nothing else.
+    /// Cost of the physics without the app \[ns\]. For an engine that runs without an app, it is the whole cost.
     fn alone(&self) -> f64 {
         self.physics_ns_per_body_step_min
             .unwrap_or(self.ns_per_body_step_min)
@@ -196,7 +196,7 @@ fn cost_table(measured: &Measured) -> Table {
     });
     Table {
         title: "Cost of the physics per box and step [ns]".to_owned(),
-        note: "By situation and number of boxes; in brackets the multiple of ours. Fastest sample. At the end the whole \
+        note: "By situation and number of boxes; in parentheses, the ratio to box_physics. Fastest sample. Last rows: the whole \
                `App::update` of the engines in Bevy."
             .to_owned(),
         rows: alone.chain(whole).collect(),
@@ -258,7 +258,7 @@ fn figure(measured: &Measured, case: &str, energy: bool) -> Result<Figure, Stop>
     })
 }
 
-/// How near each engine is, and where it costs less than ours.
+/// Conclusions: how small the error of each engine is, and where the engine is cheaper than ours.
 fn verdicts(measured: &Measured) -> Vec<String> {
     let worst = |e: &Engine| {
         let of = measured.accuracy.iter();
@@ -283,7 +283,7 @@ fn verdicts(measured: &Measured) -> Vec<String> {
         .collect();
     vec![
         format!("Largest attitude error: {}.", text::list(&worst)),
-        format!("Cheaper than ours: {}.", text::list(&cheaper)),
+        format!("Cheaper than box_physics: {}.", text::list(&cheaper)),
     ]
 }
 

@@ -5,18 +5,18 @@ use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 /// How an axis maps values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Scale {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By decades.
+    /// Logarithmic, with decades.
     Log,
 }
 
-/// An axis with its title, unit included.
+/// An axis with its title, which includes the unit.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     pub(crate) title: String,
     pub(crate) scale: Scale,
-    /// Smallest and largest value shown; a logarithmic axis draws what lies below at its lower end.
+    /// Smallest and largest value shown. On a logarithmic axis, smaller values are drawn at the lower end.
     pub(crate) limits: (f64, f64),
 }
 
@@ -37,14 +37,14 @@ impl Axis {
         }
     }
 
-    /// The same, showing nothing outside `low` to `high`.
+    /// Returns this axis limited to values from `low` to `high`.
     #[must_use]
     pub(crate) fn within(mut self, low: f64, high: f64) -> Self {
         self.limits = (low, high);
         self
     }
 
-    /// What to show for these values.
+    /// The range that shows `values`.
     pub(super) fn range(&self, values: &[f64]) -> Range {
         match self.scale {
             Scale::Log => self.decades(values),
@@ -59,7 +59,7 @@ impl Axis {
             .filter(|v| v.is_finite() && **v <= high)
             .map(|v| v.max(low).log10());
         let (mut from, mut to) = extent(logs).unwrap_or((0.0, 1.0));
-        // A margin of a twentieth, and at least one whole decade.
+        // A margin of 5 %, and at least one whole decade.
         let margin = 0.05 * (to - from).max(0.5);
         (from, to) = (from - margin, to + margin);
         if from.ceil() >= to.floor() {
@@ -96,10 +96,10 @@ impl Axis {
         let (from, to) = extent(inside).unwrap_or((0.0, 1.0));
         let span = (to - from).max(1e-12);
         let (from, to) = (from - 0.03 * span, to + 0.03 * span);
-        // A step of 1, 2 or 5 times a power of ten that gives five to ten lines.
+        // A step of 1, 2 or 5 times a power of ten that gives five to ten grid lines.
         let rough = (to - from) / 8.0;
         let power = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0]
+        let step = [1.0, 2.0, 5.0]
             .into_iter()
             .map(|m| m * power)
             .find(|s| *s >= rough)
@@ -118,7 +118,7 @@ impl Axis {
     }
 }
 
-/// What an axis shows, in the units of the drawing: logarithms where it is logarithmic.
+/// The range of an axis in drawing coordinates: logarithms on a logarithmic axis.
 #[derive(Clone)]
 pub(super) struct Range {
     pub(super) low: f64,
@@ -131,7 +131,7 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// Where `value` is drawn, if it can be.
+    /// The drawing coordinate of `value`; `None` if the axis cannot show it.
     pub(super) fn place(&self, value: f64) -> Option<f64> {
         let (low, high) = self.limits;
         match self.scale {
@@ -150,7 +150,7 @@ impl Range {
                 n => format!("10{}", superscript(n)),
             },
             Scale::Linear => {
-                // −0 is 0.
+                // Label −0 as 0.
                 let at = if at.abs() < 1e-12 { 0.0 } else { at };
                 format!("{at:.*}", self.digits)
             }
@@ -187,7 +187,7 @@ fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
-/// An integer in raised digits.
+/// An integer in superscript digits.
 pub(crate) fn superscript(n: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let sign = if n < 0 { "⁻" } else { "" };

@@ -1,4 +1,4 @@
-//! Markers, by shape: drawn in pixels around a point.
+//! Markers, drawn in pixels around a point.
 
 use box_scenarios::style::{Marker, Style};
 use plotters::element::{DynElement, IntoDynElement};
@@ -11,7 +11,7 @@ const R: i32 = 5;
 
 type Shape<'a> = DynElement<'static, SVGBackend<'a>, (i32, i32)>;
 
-/// The strokes and surfaces of a marker around (0, 0).
+/// The elements of a marker around (0, 0).
 fn shapes<'a>(style: Style) -> Vec<Shape<'a>> {
     let filled = |corners: &[(i32, i32)]| {
         vec![Polygon::new(corners.to_vec(), color(style).filled()).into_dyn()]
@@ -36,7 +36,7 @@ fn shapes<'a>(style: Style) -> Vec<Shape<'a>> {
     }
 }
 
-/// Marks `at` in the chart.
+/// Draws a marker at the coordinates `at` of the chart.
 pub(super) fn draw(chart: &mut Chart, at: (f64, f64), style: Style) -> DrawResult {
     let area = chart.plotting_area();
     let pixel = area.map_coordinate(&at);
@@ -45,7 +45,7 @@ pub(super) fn draw(chart: &mut Chart, at: (f64, f64), style: Style) -> DrawResul
     draw_in(&area, (pixel.0 - left, pixel.1 - top), style)
 }
 
-/// Marks the pixel `at` of `area`.
+/// Draws a marker at the pixel `at` of `area`.
 pub(super) fn draw_in(area: &Area, at: (i32, i32), style: Style) -> DrawResult {
     for shape in shapes(style) {
         area.draw(&(EmptyElement::at(at) + shape))?;

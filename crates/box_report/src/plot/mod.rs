@@ -1,5 +1,5 @@
-//! Figures as SVG: axes with decades and units, lines and markers from the one table of styles, the legend
-//! outside on the right, a gap where a run failed.
+//! Figures as SVG: axes with decades and units, lines and markers in the common styles of the integrators, the legend
+//! to the right of the chart, and gaps where runs failed.
 
 mod axis;
 mod marker;
@@ -16,13 +16,13 @@ use axis::Range;
 const SIZE: (u32, u32) = (960, 540);
 /// Width of the legend \[px\].
 const LEGEND: i32 = 270;
-/// What surrounds the plotting area \[px\].
+/// Margin around the plotting area \[px\].
 const MARGIN: u32 = 14;
 const X_LABELS: u32 = 46;
 const Y_LABELS: u32 = 66;
 const FONT: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
 
-/// A point of a line: x, y, and between which y the measurement scattered.
+/// A point of a line: x, y, and the lowest and highest y of the measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
     pub(crate) x: f64,
@@ -45,14 +45,14 @@ impl Point {
 pub(crate) struct Line {
     pub(crate) label: String,
     pub(crate) style: Style,
-    /// `None` is a gap: the run failed.
+    /// The points; `None` is a gap where the run failed.
     pub(crate) points: Vec<Option<Point>>,
-    /// Whether each point is marked; a long line is not.
+    /// Whether each point has a marker; long lines have none.
     pub(crate) markers: bool,
 }
 
 impl Line {
-    /// A line in the colors of `integrator`, called `label`.
+    /// A line in the style of `integrator`, with the label `label`.
     pub(crate) fn of(integrator: Integrator, label: String, points: Vec<Option<Point>>) -> Self {
         Self {
             label,
@@ -62,7 +62,7 @@ impl Line {
         }
     }
 
-    /// The same without a mark at each point.
+    /// Returns this line without markers at its points.
     pub(crate) fn unmarked(self) -> Self {
         Self {
             markers: false,
@@ -80,16 +80,16 @@ pub(crate) struct Plot {
     pub(crate) lines: Vec<Line>,
 }
 
-/// What plotters draws on.
+/// The drawing area of plotters.
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type DrawResult = Result<(), Box<dyn core::error::Error>>;
 
 impl Plot {
-    /// The figure as SVG text. Points that an axis cannot show (not finite, or not positive on a
-    /// logarithmic one) are gaps.
+    /// Draws the figure as SVG. Points that an axis cannot show (not finite, or not positive on a logarithmic axis)
+    /// become gaps. A figure without any point has empty axes; that is not an error.
     ///
     /// # Errors
-    /// What plotters says; a figure without a single point is one with empty axes, no error.
+    /// The error message of plotters.
     pub(crate) fn svg(&self) -> Result<String, String> {
         let mut text = String::new();
         self.draw(&mut text)
@@ -168,7 +168,7 @@ fn color(style: Style) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-/// Length of a dash and of the gap after it \[px\].
+/// Length of a dash and of the gap after it \[px\]; `None` for a solid line.
 fn dashes(dash: Dash) -> Option<(i32, i32)> {
     match dash {
         Dash::Solid => None,
@@ -211,7 +211,7 @@ fn legend(area: &Area, lines: &[Line]) -> DrawResult {
     Ok(())
 }
 
-/// The look of something that is not an integrator of the list: black.
+/// The style of a line that is not an integrator of the list: black.
 pub(crate) const fn plain(dash: Dash, marker: Marker) -> Style {
     Style {
         color: [0, 0, 0],
@@ -262,7 +262,7 @@ mod tests {
                 .count()
         };
         assert_eq!(lines(&broken), lines(&whole) + 1, "{broken}");
-        // A point that is infinite is a gap as well.
+        // An infinite value is a gap too.
         let infinite = plot(vec![
             at(1e-2, 1.0),
             at(1e-3, 2.0),

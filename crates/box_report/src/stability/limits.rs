@@ -1,5 +1,5 @@
-//! The largest stable step of each integrator, measured, and what theory says: of linear problems from the
-//! matrix of a step, of spinning bodies by runs.
+//! The largest stable step of each integrator, measured and compared with theory. Linear problems are measured with the
+//! matrix of a step, spinning bodies with runs.
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use box_scenarios::random::Random;
 use box_scenarios::{Driver, Family, ForceSet, Model};
 use glam::DVec3;
 
-/// A dimensionless step.
+/// A dimensionless step size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Number {
     /// |ω|·dt of a free tumbling box.
@@ -26,7 +26,7 @@ pub(crate) enum Number {
 impl Number {
     pub(crate) const ALL: [Self; 4] = [Self::Spin, Self::Drag, Self::Damper, Self::Spring];
 
-    /// As a heading.
+    /// The heading of a table column.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Spin => "|ω|·dt",
@@ -36,7 +36,7 @@ impl Number {
         }
     }
 
-    /// What the integrator claims.
+    /// The limit that the integrator claims.
     pub(crate) fn theory(self, integrator: Integrator) -> Limit {
         let s = &integrator.info().stability;
         match self {
@@ -48,20 +48,21 @@ impl Number {
     }
 }
 
-/// The smallest step tried, and the largest, beyond any use.
+/// The smallest and the largest step tried; no application uses larger ones.
 const TRIED: (f64, f64) = (0.1, 1e3);
-/// Ratio between the steps tried of a spinning body, each a run; and of a linear problem, each a matrix:
-/// instability may begin in a narrow band (of 0.16 % for `split4` on a spring).
+/// Ratio between successive steps tried: for a spinning body, where each is a run, and for a linear problem, where each
+/// is a matrix. The second must be fine because instability may begin in a narrow band (0.16 % wide for `split4` on a
+/// spring).
 const RATIO: f64 = 1.02;
 const FINE_RATIO: f64 = 1.0005;
-/// Steps of a run, and of the run for slow growth at the smallest step.
+/// Number of steps of a run, and of the run that detects slow growth at the smallest step.
 const TRIAL: u64 = 1000;
 const LONG_TRIAL: u64 = 100_000;
-/// Growth per step that rounding may show in the matrix of a stable step.
+/// Growth per step in the matrix of a stable step that may be due to rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// The largest stable step, as a [`Limit`]: `None` if even the largest tried is stable. For the spin, that
-/// of the worst of the bodies tried.
+/// The largest stable step, as a [`Limit`]; `None` if even the largest step tried is stable. For spin, the limit of the
+/// worst body tried.
 pub(crate) fn measured(integrator: Integrator, number: Number) -> Limit {
     if number == Number::Spin {
         let spinning = spinning();
@@ -77,8 +78,8 @@ pub(crate) fn measured(integrator: Integrator, number: Number) -> Limit {
     })
 }
 
-/// The largest step from which on all smaller ones tried are `stable`; its second argument says whether the step
-/// is the smallest.
+/// The largest step for which it and all smaller steps tried are `stable`. The second argument of `stable` says whether
+/// the step is the smallest one.
 fn search(ratio: f64, stable: impl Fn(f64, bool) -> bool) -> Limit {
     if !stable(TRIED.0, true) {
         return Limit::AlwaysGrows;
@@ -109,16 +110,16 @@ fn search(ratio: f64, stable: impl Fn(f64, bool) -> bool) -> Limit {
     Limit::Below(good)
 }
 
-/// A body whose spin must stay bounded, from each of several starts.
+/// A body whose spin must stay bounded, with several initial spins.
 struct Spinning {
     body: RigidBox,
     starts: Vec<BodyState>,
-    /// Steps of a run.
+    /// Number of steps of a run.
     steps: u64,
 }
 
-/// Box, plate and needle of the families, and a blade spun near its middle axis: there a single Newton step
-/// is singular from |ω|·dt = 1.004 on, for some directions of the spin.
+/// Box, plate and needle of the families, and a blade that spins near its middle axis. For the blade, a single Newton
+/// step is singular from |ω|·dt = 1.004 on, for some directions of the spin.
 fn spinning() -> Vec<Spinning> {
     let tumbling = ["free-tumble", "thin-plate", "needle"];
     let of_family = |f: &Family| Spinning {
@@ -148,7 +149,8 @@ fn spinning() -> Vec<Spinning> {
 }
 
 impl Spinning {
-    /// Whether |L| does not grow at |ω|·dt = `x`: by 1 % over a long run, to double in a short one.
+    /// Whether |L| stays bounded at |ω|·dt = `x`: it grows by less than 1 % in a long run, and less than doubles in a
+    /// short one.
     fn stable(&self, integrator: Integrator, x: f64, long: bool) -> bool {
         let model = Model::without_floor(self.body, ForceSet::none());
         let (steps, growth) = match (long, self.starts.len()) {
@@ -164,7 +166,7 @@ impl Spinning {
     }
 }
 
-/// The linear problem of `number` at the dimensionless step `x`, its step being 1 s.
+/// The linear problem of `number` with the dimensionless step `x`; its time step is 1 s.
 fn linear(number: Number, x: f64) -> Model {
     let body = RigidBox::default();
     let m = body.mass();
@@ -191,8 +193,8 @@ fn at([x, v]: [f64; 2]) -> BodyState {
     BodyState::at(DVec3::X * x).with_velocity(DVec3::X * v)
 }
 
-/// By what a step multiplies the motion in the long run: the larger magnitude of the eigenvalues of its
-/// matrix, from trace and determinant. `None` for an integrator whose step depends on the step before.
+/// The asymptotic growth factor per step: the largest eigenvalue magnitude of the step's matrix, from its trace and
+/// determinant. `None` for an integrator whose step depends on the previous step.
 fn spectral_radius(integrator: Integrator, number: Number, x: f64) -> Option<f64> {
     let model = linear(number, x);
     let step = |start| {
@@ -201,7 +203,7 @@ fn spectral_radius(integrator: Integrator, number: Number, x: f64) -> Option<f64
         driver.state
     };
     if number != Number::Spring {
-        // A step with memory shows in its second step.
+        // If a step depends on the previous one, the second step shows it.
         let mut driver = Driver::new(at([0.0, 1.0]), integrator);
         driver.run(&model, 1.0, 2, u64::MAX);
         let once = step(at([0.0, 1.0]));
@@ -224,7 +226,7 @@ fn spectral_radius(integrator: Integrator, number: Number, x: f64) -> Option<f64
     })
 }
 
-/// Whether a run of the linear problem stays bounded: for integrators that have no matrix of one step.
+/// Whether a run of the linear problem stays bounded. For integrators whose step has no matrix.
 fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
     let model = linear(number, x);
     let start = at(if number == Number::Spring {
@@ -233,24 +235,20 @@ fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
         [0.0, 1.0]
     });
     let mut driver = Driver::new(start, integrator);
-    // Growth by 1e-4 a step, or by 1e-5 in the long run, is growth.
-    let (steps, growth) = if long {
-        (LONG_TRIAL, 2.7)
-    } else {
-        (10_000, 2.7)
-    };
+    // Detects growth by 1e-4 per step, or by 1e-5 in the long run.
+    let steps = if long { LONG_TRIAL } else { 10_000 };
     let size = |s: &BodyState| match number {
         Number::Spring => s.velocity.length().hypot(x * s.position.length()),
         _ => s.velocity.length(),
     };
-    // The first steps, without memory, may do anything.
+    // Ignore growth in the first steps of a multistep method.
     let settled = driver.run(&model, 1.0, 100, u64::MAX);
     let before = size(&driver.state);
-    settled && driver.run(&model, 1.0, steps, u64::MAX) && size(&driver.state) <= growth * before
+    settled && driver.run(&model, 1.0, steps, u64::MAX) && size(&driver.state) <= 2.7 * before
 }
 
-/// Whether measurement and theory agree, to 3 %. For the spin, theory promises a range for every body;
-/// the bodies tried may bear more.
+/// Whether measurement and theory agree to 3 %. For spin, the theoretical limit holds for every body; the bodies tried
+/// may remain stable beyond it.
 pub(crate) fn agree(number: Number, measured: Limit, theory: Limit) -> bool {
     let promise = number == Number::Spin;
     match (measured, theory) {
@@ -305,7 +303,7 @@ mod tests {
         assert!((1.0..1.1).contains(&found), "{found}");
     }
 
-    /// 1 − x²/2 is half the trace of leapfrog's step, and its determinant is 1.
+    /// For leapfrog, half the trace of the step's matrix is 1 − x²/2 and the determinant is 1.
     #[test]
     fn the_matrix_of_a_step_is_that_of_the_formula() {
         let radius = |x| spectral_radius(Integrator::SemiImplicitEuler, Number::Spring, x);

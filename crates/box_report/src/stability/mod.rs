@@ -1,4 +1,4 @@
-//! `stability`: every hard case under every integrator, and the largest stable steps against theory.
+//! `stability`: the results of all integrators in every hard case, and the largest stable steps compared with theory.
 
 pub(crate) mod limits;
 
@@ -12,7 +12,7 @@ use crate::document::{Section, Table};
 use crate::{files, text};
 use limits::Number;
 
-/// A hard case of free motion or of contact.
+/// A hard case, of free motion or of contact.
 struct Case {
     number: u8,
     id: String,
@@ -20,7 +20,7 @@ struct Case {
     examine: Box<dyn Fn(Integrator) -> Vec<Finding>>,
 }
 
-/// The whole measurement.
+/// All measurements of this part.
 pub(crate) struct StabilityData {
     cases: Vec<(Case, Vec<(Integrator, Vec<Finding>)>)>,
     limits: Vec<(Integrator, [Limit; 4])>,
@@ -33,7 +33,7 @@ impl StabilityData {
         found.map(|(_, l)| l)
     }
 
-    /// How many cases `integrator` does, does badly, and does not survive.
+    /// Number of cases in which the worst verdict on `integrator` is ok, degraded and diverged.
     pub(crate) fn score(&self, integrator: Integrator) -> [usize; 3] {
         let mut score = [0; 3];
         for (_, findings) in &self.cases {
@@ -66,12 +66,12 @@ struct LimitRow {
     agrees: bool,
 }
 
-/// Ticks of the progress that [`measure`] takes.
+/// Progress ticks of [`measure`].
 pub(crate) fn ticks(quick: bool) -> u64 {
     cases(quick).len() as u64 + 1
 }
 
-/// Every case; in a hurry without the million steps and the thousands of drops.
+/// All cases; if `quick`, without those of a million steps and of thousands of drops.
 fn cases(quick: bool) -> Vec<Case> {
     let free = hard_cases()
         .into_iter()
@@ -95,7 +95,7 @@ fn cases(quick: bool) -> Vec<Case> {
     free.chain(contact).collect()
 }
 
-/// Examines every case and finds every limit.
+/// Runs every case and finds every limit.
 pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     let mut examined = Vec::new();
     for case in cases(ctx.quick) {
@@ -116,7 +116,7 @@ pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     })
 }
 
-/// The worst verdict over the steps, and the finding it comes from.
+/// The worst verdict over the steps, and the finding that it is from.
 fn worst(findings: &[Finding]) -> (Verdict, &Finding) {
     findings
         .iter()
@@ -128,15 +128,15 @@ fn worst(findings: &[Finding]) -> (Verdict, &Finding) {
         .expect("every case has at least one step: a test of the list says so")
 }
 
-/// Writes the CSVs and makes the tables.
+/// Writes the CSV files and makes the tables.
 pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, Stop> {
     let mut section = Section::new(
         "stability",
         "Stability",
-        "Every motion that is known to break integrators, under every integrator, at 60, 120 and 240 Hz or the \
-         steps that the case is about. The worst step counts. **ok**: within the bound that a good second-order \
+        "Motions that are known to break integrators, under every integrator, at 60, 120 and 240 Hz or at the \
+         step sizes that the case tests. The worst step size counts. **ok**: within the bound that a good second-order \
          integrator reaches, or rounding where exactness is possible; **degraded**: wrong but bounded; **diverged**: not finite or \
-         beyond every sane range.",
+         outside any plausible range.",
     );
     section.tables.push(limit_table(ctx, data)?);
     section.tables.push(case_table(ctx, data)?);
@@ -171,7 +171,8 @@ pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, St
         ),
         format!("Ok/degraded/diverged: {}.", scores.join(", ")),
         if disagree.is_empty() {
-            "Every measured limit is that of theory, to 3 % (for the spin: no smaller than promised).".to_owned()
+            "Every measured limit agrees with theory to 3 % (spin: at least the guaranteed limit)."
+                .to_owned()
         } else {
             format!("Limits that differ from theory: {}.", disagree.join("; "))
         },
@@ -205,9 +206,9 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     files::write_csv(&ctx.file("limits.csv"), &rows)?;
     Ok(Table {
         title: "Largest stable steps".to_owned(),
-        note: "Tried from 0.1 to 1000. Spin: |L| of a tumbling box, plate and needle in 1000 steps, and of a blade spun near its \
-               middle axis, does not grow; the worst counts, and theory promises a range for every body. Drag, damper and undamped \
-               spring: no eigenvalue of the matrix of a step lies outside the unit circle (in steps of 0.05 %). Where theory differs, it is added."
+        note: "Tried from 0.1 to 1000. Spin: |L| of a tumbling box, plate and needle, and of a blade spun near its intermediate axis, \
+               does not grow in 1000 steps; the worst body counts, and theory guarantees a limit for every body. Drag, damper and undamped \
+               spring: no eigenvalue of the step matrix lies outside the unit circle (resolution 0.05 %). If theory differs, its limit is added."
             .to_owned(),
         columns: [
             "integrator",
@@ -223,7 +224,7 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
     })
 }
 
-/// A limit as measured, in three digits.
+/// A measured limit with three digits.
 pub(crate) fn shown(limit: Limit) -> String {
     match limit {
         Limit::Below(x) => format!("≤ {}", text::significant(x, 3)),
@@ -261,11 +262,11 @@ fn case_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
         cells.push(line);
     }
     files::write_csv(&ctx.file("stability.csv"), &rows)?;
-    let mut columns = vec!["case: what is measured".to_owned()];
+    let mut columns = vec!["case: measured quantity".to_owned()];
     columns.extend(ctx.integrators.iter().map(text::code));
     Ok(Table {
         title: "Hard cases".to_owned(),
-        note: "The worst of the steps; all of them, with their bounds, are in the file.".to_owned(),
+        note: "The worst step size; the file lists all of them with their bounds.".to_owned(),
         columns,
         rows: cells,
         csv: "stability.csv".to_owned(),

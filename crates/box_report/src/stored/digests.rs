@@ -1,4 +1,4 @@
-//! The digest of every integrator's bits, which `tests/determinism.rs` asserts.
+//! The digests of the exact results of all integrators, which `tests/determinism.rs` asserts.
 
 use box_physics::digest::fingerprint;
 use box_physics::integrators::Integrator;

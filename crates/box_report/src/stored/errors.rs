@@ -1,4 +1,4 @@
-//! The errors of a short deterministic run of every integrator over every family of motion.
+//! The errors of a short deterministic run of every integrator in every family of motion.
 
 use box_physics::integrators::Integrator;
 use box_scenarios::{Family, Metric};
@@ -8,19 +8,19 @@ use crate::context::Stop;
 use crate::files;
 use crate::work_precision::INTERVAL;
 
-/// Divisors of 1/15 s: 30, 60 and 240 Hz.
+/// Divisors of 1/15 s, for 30, 60 and 240 Hz.
 const DIVISORS: [u64; 3] = [2, 4, 16];
-/// Relative difference within which two errors are the same: mathematical libraries round the formulas of
-/// the references differently.
+/// Relative difference up to which two errors count as equal: math libraries round the formulas of the references
+/// differently.
 const SAME: f64 = 1e-4;
-/// Errors up to this are rounding, amplified by the motion: their digits mean nothing, their size does.
+/// Errors up to this value are amplified rounding errors. Only their magnitude is meaningful, not their digits.
 const ROUNDING: f64 = 1e-10;
-/// Rounding errors are the same within this factor, and this \[m, rad or relative\].
+/// Rounding errors count as equal up to this factor, or up to this difference \[m, rad or relative\].
 const SAME_ROUNDING: (f64, f64) = (4.0, 1e-14);
-/// Errors beyond this are lost runs: that they are lost is compared, not where they ended up.
+/// Errors beyond this value mean that the run is lost. Only that is compared, not the final value.
 const LOST: f64 = 0.5;
 
-/// The errors of one run; empty where it failed, or where the energy is not constant.
+/// The errors of one run. They are empty where the run failed or the energy is not constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Row {
     family: String,
@@ -82,7 +82,7 @@ fn measure() -> Result<Vec<Row>, Stop> {
     Ok(rows)
 }
 
-/// Every difference, in words.
+/// Descriptions of all differences.
 fn compare(stored: &[Row], now: &[Row]) -> Vec<String> {
     let mut differences = Vec::new();
     for new in now {
@@ -103,7 +103,7 @@ fn compare(stored: &[Row], now: &[Row]) -> Vec<String> {
                 ));
             }
         }
-        // A failed run ends early.
+        // A failed run ends early, so its number of evaluations means nothing.
         let failed = new.position_error_m.is_none();
         if old.evaluations != new.evaluations && !failed {
             differences.push(format!(
@@ -123,8 +123,8 @@ fn compare(stored: &[Row], now: &[Row]) -> Vec<String> {
     differences
 }
 
-/// Whether an error is what it was, measured by its own size: an integrator that is exact to 1e-14 may not
-/// become one that is exact to 1e-12.
+/// Whether two errors are equal relative to their own magnitude: an integrator that is exact to 1e-14 must not degrade
+/// to 1e-12.
 fn same(before: Option<f64>, after: Option<f64>) -> bool {
     let (Some(a), Some(b)) = (before, after) else {
         return before == after;
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn errors_are_compared_at_their_own_size() {
         let both = |a, b| same(Some(a), Some(b)) && same(Some(b), Some(a));
-        // Rounding may differ by a factor, not by orders of magnitude.
+        // Rounding errors may differ by a factor, but not by orders of magnitude.
         assert!(both(2e-14, 7e-14) && both(0.0, 9e-15) && both(2e-12, 7e-12));
         assert!(!both(2e-14, 2e-13) && !both(1e-14, 1e-8) && !both(2e-12, 1e-11));
         assert!(!both(1e-9, 1.01e-9) && both(1e-9, 1.00001e-9));

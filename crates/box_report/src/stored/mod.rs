@@ -1,7 +1,7 @@
-//! `check` and `bless`: numbers and tables that are stored in the repository and made by the program.
+//! `check` and `bless`: values and tables that the program generates and the repository stores.
 //!
-//! [`ITEMS`] lists them. `check` makes each again and compares; `bless` stores what it made and prints what
-//! changed. Times are never compared.
+//! [`ITEMS`] lists them. `check` generates each item again and compares it; `bless` stores what it generates and prints
+//! what changed. Times are never compared.
 
 mod digests;
 mod errors;
@@ -15,7 +15,7 @@ use clap::Args;
 use crate::context::Stop;
 use crate::files;
 
-/// Which repository.
+/// The repository to check.
 #[derive(Args)]
 pub(crate) struct Repository {
     /// The folder of the repository
@@ -23,12 +23,12 @@ pub(crate) struct Repository {
     root: PathBuf,
 }
 
-/// What to store.
+/// Options of the command bless.
 #[derive(Args)]
 pub(crate) struct BlessOptions {
     #[command(flatten)]
     repository: Repository,
-    /// Leave the table of keys, which needs a build of the game
+    /// Skip the table of keys, which needs a build of the game
     #[arg(long)]
     without_game: bool,
 }
@@ -39,12 +39,12 @@ fn own() -> PathBuf {
 
 /// A stored file, or a section of one.
 struct Item {
-    /// From the root of the repository.
+    /// Path relative to the root of the repository.
     file: &'static str,
     /// The name of the section between `<!-- name -->` and `<!-- /name -->`; `None` is the whole file.
     section: Option<&'static str>,
     make: fn() -> Result<String, Stop>,
-    /// Every difference in words, from the stored text and the new one.
+    /// Describes every difference between the stored text and the new one.
     differences: fn(&str, &str) -> Result<Vec<String>, String>,
 }
 
@@ -81,7 +81,7 @@ const ITEMS: [Item; 5] = [
     },
 ];
 
-/// The text of `file` between `<!-- name -->` and `<!-- /name -->`.
+/// The range of `text` between `<!-- name -->` and `<!-- /name -->`.
 pub(crate) fn section(file: &str, text: &str, name: &str) -> Result<core::ops::Range<usize>, Stop> {
     let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
     let place = text.find(&open).and_then(|at| {
@@ -96,7 +96,7 @@ pub(crate) fn section(file: &str, text: &str, name: &str) -> Result<core::ops::R
     })
 }
 
-/// Differences shown at most, of an item.
+/// Maximum number of differences shown per item.
 const SHOWN: usize = 40;
 
 impl Item {
@@ -104,7 +104,7 @@ impl Item {
         root.join(self.file)
     }
 
-    /// Where the item is in the text of its file.
+    /// The range of the item in the text of its file.
     fn place(&self, text: &str) -> Result<core::ops::Range<usize>, Stop> {
         match self.section {
             None => Ok(0..text.len()),
@@ -112,28 +112,30 @@ impl Item {
         }
     }
 
-    /// What differs between `stored` and `new`, with the name of the item as heading; empty if nothing does.
+    /// Describes what differs between `stored` and `new`, under the item's name; empty if they are equal.
     fn compare(&self, stored: &str, new: &str) -> Result<String, Stop> {
         let unreadable = |e| Stop::Usage(format!("{}: {e}", self.file));
         let differences = (self.differences)(stored, new).map_err(unreadable)?;
         if differences.is_empty() {
             return Ok(String::new());
         }
-        let mut text = format!("{}: {} differences", self.file, differences.len());
+        let count = differences.len();
+        let plural = if count == 1 { "" } else { "s" };
+        let mut text = format!("{}: {count} difference{plural}", self.file);
         for d in differences.iter().take(SHOWN) {
             text += &format!("\n  {d}");
         }
-        if differences.len() > SHOWN {
-            text += &format!("\n  … and {} more", differences.len() - SHOWN);
+        if count > SHOWN {
+            text += &format!("\n  … and {} more", count - SHOWN);
         }
         Ok(text)
     }
 }
 
-/// Makes every item again and compares it with the stored one.
+/// Generates every item again and compares it with the stored one.
 ///
 /// # Errors
-/// The differences; a stored file that cannot be read.
+/// There are differences, or a stored file cannot be read.
 pub(crate) fn check(repository: &Repository) -> Result<(), Stop> {
     let mut changed = Vec::new();
     for item in &ITEMS {
@@ -155,10 +157,10 @@ pub(crate) fn check(repository: &Repository) -> Result<(), Stop> {
     )))
 }
 
-/// Makes every item again, stores it, and prints what changed.
+/// Generates every item again, stores it, and prints what changed.
 ///
 /// # Errors
-/// A file that cannot be written; an item that cannot be made.
+/// A file cannot be written, or an item cannot be generated.
 pub(crate) fn bless(options: &BlessOptions) -> Result<(), Stop> {
     let root = &options.repository.root;
     for item in &ITEMS {

@@ -1,4 +1,4 @@
-//! The tables of `docs/integrators.md` and of `docs/contact.md`.
+//! Tables of `docs/integrators.md` and `docs/contact.md`.
 
 use box_physics::integrators::Integrator;
 use box_scenarios::contact_cases;
@@ -6,25 +6,25 @@ use box_scenarios::contact_cases;
 use crate::context::Stop;
 use crate::text;
 
-/// What each integrator says of itself.
+/// The properties that each integrator claims.
 pub(super) fn integrators() -> Result<String, Stop> {
     let heading = [
         "id",
         "order: rotation · gravity · drag · torque",
-        "evaluations a step: free · forced",
+        "evaluations per step: free · forced",
         "energy of a tumbling box",
-        "keeps L",
+        "conserves L",
         "|ω|dt",
         "c·dt/m",
         "√(k/m)·dt",
-        "in a sentence",
+        "summary",
     ];
     let rows = Integrator::ALL.iter().map(|i| {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
         let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
             (true, _) => "yes",
-            (false, true) => "its length",
+            (false, true) => "magnitude",
             _ => "no",
         };
         vec![
@@ -45,7 +45,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
     Ok(markdown(&heading.map(str::to_owned), rows))
 }
 
-/// Where each integrator is from.
+/// The source of each integrator.
 pub(super) fn sources() -> Result<String, Stop> {
     let line = |i: &Integrator| {
         let info = i.info();
@@ -59,7 +59,7 @@ pub(super) fn sources() -> Result<String, Stop> {
     Ok(Integrator::ALL.iter().map(line).collect())
 }
 
-/// Integrators of the table of contact: those that a game would choose.
+/// Integrators in the contact table: those that games would choose.
 const CHOSEN: [Integrator; 4] = [
     Integrator::Split,
     Integrator::Exact,
@@ -67,7 +67,7 @@ const CHOSEN: [Integrator; 4] = [
     Integrator::Rk4,
 ];
 
-/// The hard cases of contact, measured.
+/// The measured results of the hard cases of contact.
 pub(super) fn contact() -> Result<String, Stop> {
     let mut heading = ["case", "what happens", "measured", "bound"]
         .map(str::to_owned)
@@ -86,7 +86,7 @@ pub(super) fn contact() -> Result<String, Stop> {
     Ok(markdown(&heading, rows))
 }
 
-/// A table in Markdown; a bar in a cell is escaped.
+/// A Markdown table; `|` is escaped in its cells.
 pub(crate) fn markdown(heading: &[String], rows: impl Iterator<Item = Vec<String>>) -> String {
     let line = |cells: &[String]| {
         let cells: Vec<String> = cells.iter().map(|c| c.replace('|', "\\|")).collect();
@@ -97,7 +97,7 @@ pub(crate) fn markdown(heading: &[String], rows: impl Iterator<Item = Vec<String
     line(heading) + &rule + &rows
 }
 
-/// Below this a figure is rounding, and its digits mean nothing.
+/// Values below this are rounding errors, so their digits mean nothing.
 const ROUNDING: f64 = 1e-12;
 
 fn figure(value: f64) -> String {
@@ -109,7 +109,7 @@ fn figure(value: f64) -> String {
     }
 }
 
-/// The lines that are new, and those that are gone.
+/// The lines that were added and removed.
 pub(super) fn differences(stored: &str, new: &str) -> Result<Vec<String>, String> {
     let missing = |from: &str, of: &str| -> Vec<String> {
         let known: std::collections::HashSet<&str> = of.lines().collect();

@@ -1,4 +1,4 @@
-//! The summary: which integrator to take, its cost, its error, and when it breaks.
+//! The summary: which integrator to choose, its cost and its error, and the step at which it becomes unstable.
 
 mod verdicts;
 
@@ -14,7 +14,7 @@ use crate::visible::{MINUTE, RATES, THROW, Visible};
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
-/// The measurements so far.
+/// The measurements that are finished.
 #[derive(Default)]
 pub(crate) struct Results {
     pub(crate) work_precision: Option<WorkPrecision>,
@@ -49,12 +49,12 @@ struct Row {
     hard_cases_diverged: Option<usize>,
 }
 
-/// The first section.
+/// Makes the first section of the report.
 pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop> {
     let mut section = Section::new(
         "summary",
-        "In a minute",
-        "Which integrator to take for a game: its cost, its error, and when it breaks.",
+        "Summary",
+        "Which integrator to choose for a game: error, cost and stability limits.",
     );
     let scenes = Family::all().len();
     let row = |&s: &Integrator| {
@@ -104,19 +104,19 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
     section.tables.push(Table {
         title: "Every integrator".to_owned(),
         note: format!(
-            "Nothing shows: scenes of {scenes} in which neither 1° nor 1 % of the box's size is passed in 10 s and in 60 s, at 30, 60 and 120 Hz. \
+            "No visible error: scenes, out of {scenes}, whose errors stay below 1° and 1 % of the box's size for 10 s and for 60 s, at 30, 60 and 120 Hz. \
              Cost: geometric mean over the scenes at 60 Hz per box and simulated second, 100 boxes; a step in free flight of 100 boxes \
-             (SIMD lanes) and of one (plain step). Breaks beyond: largest stable step. \
+             (SIMD lanes) and of one (plain step). Stable up to: largest stable step. \
              Hard cases: ok, degraded, diverged."
         ),
         columns: [
             "integrator",
-            "nothing shows for 10 s, 30 · 60 · 120 Hz",
-            "for 60 s",
+            "no visible error in 10 s, 30 · 60 · 120 Hz",
+            "in 60 s",
             "cost [µs/s]",
             "free step, 100 boxes [ns]",
             "one box [ns]",
-            "breaks beyond spin |ω|·dt",
+            "stable up to spin |ω|·dt",
             "drag c·dt/m",
             "damper d·dt/m",
             "spring √(k/m)·dt",
@@ -131,19 +131,19 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
     Ok(section)
 }
 
-/// The rows of the first table: integrators and what they are.
+/// The rows of the first table: a description and the integrators to which it applies.
 const ROWS: [(&str, &[Integrator]); 5] = [
     ("the default", &[Integrator::Split]),
     ("closed form", &[Integrator::Exact]),
-    ("the yardstick", &[Integrator::Rk4]),
+    ("the baseline", &[Integrator::Rk4]),
     (
-        "what engines do: Jolt, Avian, Rapier / Bullet, Box3D",
+        "as in Jolt, Avian, Rapier / Bullet, Box3D",
         &[Integrator::EngineRescaled, Integrator::EngineNewton],
     ),
-    ("the dissertation's, 2012", &[Integrator::Heun2012]),
+    ("2012 dissertation", &[Integrator::Heun2012]),
 ];
 
-/// What most people ask: five rows, at 60 Hz.
+/// The short table for most readers: five rows, at 60 Hz.
 fn at_60_hz(results: &Results) -> Table {
     const RATE: u32 = 60;
     let unknown = || "–".to_owned();
@@ -192,8 +192,8 @@ fn at_60_hz(results: &Results) -> Table {
     Table {
         title: "At 60 Hz".to_owned(),
         note: format!(
-            "Largest attitude error over the run (π ≈ 3.1 rad is as wrong as can be), scenes of {} in which no error shows for a minute, \
-             nanoseconds per box and step, and the spin, drag, damping and stiffness from which on it is unstable.",
+            "Largest attitude error over the run (at most π ≈ 3.1 rad), scenes out of {} without a visible error for a minute, \
+             nanoseconds per box and step, and the spin, drag, damping and stiffness above which the integrator is unstable.",
             Family::all().len()
         ),
         columns: [
@@ -201,11 +201,11 @@ fn at_60_hz(results: &Results) -> Table {
             "tumbling box, 10 s [rad]",
             "flip, 10 s [rad]",
             "heavy top, 5 s [rad]",
-            "nothing shows",
+            "no visible error",
             "100 boxes in flight [ns]",
             "one box [ns]",
             "under a torque [ns]",
-            "breaks at",
+            "unstable for",
         ]
         .map(str::to_owned)
         .to_vec(),
@@ -214,7 +214,7 @@ fn at_60_hz(results: &Results) -> Table {
     }
 }
 
-/// The same integrators at every rate against the default; whether any integrator beats it.
+/// The same integrators compared with the default at each rate, and whether any integrator beats it.
 fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     let default = Integrator::Split;
     let beats = |rate| {
@@ -226,12 +226,12 @@ fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     let better: Vec<String> = RATES.into_iter().flat_map(beats).collect();
     let verdict = if better.is_empty() {
         format!(
-            "Of {} integrators none has both a smaller error and a clearly smaller cost than `{default}`, at any of these rates.",
+            "None of the {} integrators has both a smaller error and a clearly smaller cost than `{default}` at any of these rates.",
             ctx.integrators.len()
         )
     } else {
         format!(
-            "Both a smaller error and a clearly smaller cost than `{default}`: {}.",
+            "Smaller error and clearly smaller cost than `{default}`: {}.",
             text::list(&better)
         )
     };
@@ -263,11 +263,11 @@ fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     Table {
         title: "At 30, 60 and 120 Hz".to_owned(),
         note: format!(
-            "At 30 · 60 · 120 Hz: scenes of {} in which no error shows for a minute; the error as a multiple of `{default}`'s, in the median \
+            "At 30 · 60 · 120 Hz: scenes out of {} without a visible error for a minute; the error relative to that of `{default}`, in the median \
              scene; µs per box and simulated second, geometric mean over the scenes (100 boxes by the plugin's path). {verdict}",
             Family::all().len()
         ),
-        columns: ["integrator", "nothing shows", "error", "cost [µs/s]"]
+        columns: ["integrator", "no visible error", "error", "cost [µs/s]"]
             .map(str::to_owned)
             .to_vec(),
         rows: rows.iter().filter(shown).map(row).collect(),
@@ -275,12 +275,12 @@ fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     }
 }
 
-/// The limits of spin, drag, damper and spring at a rate [1/s], in words.
+/// A sentence on the limits of spin, drag, damper and spring at a rate [1/s].
 fn breaks_at(limits: [Limit; 4], rate: f64) -> String {
     let [spin, drag, damper, spring] = limits;
     let of = |limit, what: &str, value: fn(f64, f64) -> f64, unit: &str| match limit {
         Limit::None => None,
-        Limit::AlwaysGrows => Some(format!("every {what}")),
+        Limit::AlwaysGrows => Some(format!("any {what}")),
         Limit::Below(x) => Some(format!(
             "{what} above {} {unit}",
             text::significant(value(x, rate), 2)
@@ -294,7 +294,7 @@ fn breaks_at(limits: [Limit; 4], rate: f64) -> String {
     ];
     let found: Vec<String> = found.into_iter().flatten().collect();
     if found.is_empty() {
-        "nothing".to_owned()
+        "–".to_owned()
     } else {
         found.join(", ")
     }
@@ -308,7 +308,7 @@ fn number(x: Option<f64>, digits: usize) -> String {
     x.map_or_else(|| "–".to_owned(), |x| text::significant(x, digits))
 }
 
-/// Scenes in which nothing shows for a minute, at every rate.
+/// The number of scenes without a visible error for a minute, at each rate.
 fn for_a_minute(r: &Row) -> String {
     format!(
         "{} · {} · {}",

@@ -1,4 +1,4 @@
-//! What the measurements say, in sentences.
+//! Conclusions from the measurements, as sentences.
 
 use super::Results;
 use crate::context::Context;
@@ -9,9 +9,9 @@ use box_physics::integrators::{Integrator, Limit};
 use box_scenarios::Family;
 
 impl Results {
-    /// The integrator for a game at `rate`: among those that survive every hard case (where these were
-    /// measured) the one that shows nothing for a throw's time in most scenes, of equals for a minute, and of
-    /// equals the cheapest.
+    /// The recommended integrator for a game at `rate`. Candidates are the integrators that survive every hard case, if
+    /// these were measured. The best one has no visible error for the time of a throw in the largest number of scenes.
+    /// Ties are decided by the number for a minute, then by the cost.
     pub(crate) fn recommended(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
         let (work, visible) = (self.work_precision.as_ref()?, self.visible.as_ref()?);
         let survives = |s: &Integrator| {
@@ -28,7 +28,7 @@ impl Results {
                 scenes_a.cmp(&scenes_b).then(cost_b.total_cmp(&cost_a))
             })
         };
-        // Where none of the integrators compared survives everything, the best of them.
+        // If none of the integrators survives every case, take the best of all.
         best(&mut ctx.integrators.iter().copied().filter(survives))
             .or_else(|| best(&mut ctx.integrators.iter().copied()))
     }
@@ -51,7 +51,7 @@ impl Results {
         ctx.integrators.iter().copied().filter(beats).collect()
     }
 
-    /// The cheapest integrator of all at `rate`.
+    /// The cheapest integrator at `rate`.
     fn cheapest(&self, ctx: &Context, rate: u32) -> Option<Integrator> {
         let work = self.work_precision.as_ref()?;
         let cost = |s: Integrator| work.cost(s, rate).unwrap_or(f64::INFINITY);
@@ -60,7 +60,7 @@ impl Results {
     }
 }
 
-/// Where `rk4` is the better choice than `split` at 60 Hz: as accurate to the eye, and cheaper.
+/// Describes where `rk4` is the better choice than `split` at 60 Hz: without a visible error, and cheaper.
 fn rk4_wins(results: &Results) -> Option<String> {
     let (work, visible) = (results.work_precision.as_ref()?, results.visible.as_ref()?);
     let (ours, theirs) = (Integrator::Split, Integrator::Rk4);
@@ -75,7 +75,7 @@ fn rk4_wins(results: &Results) -> Option<String> {
         .filter_map(|f| {
             let error = |i| f.at(i, 60)?.run.error(f.family.metrics[0]);
             let (own, other) = (error(ours)?, error(theirs)?);
-            // Rounding is no victory.
+            // Ignore differences between rounding errors.
             (other < own && own > 1e-9).then(|| {
                 format!(
                     "{} ({} against {} {})",
@@ -88,8 +88,8 @@ fn rk4_wins(results: &Results) -> Option<String> {
         })
         .collect();
     Some(format!(
-        "**Where `rk4` wins**: its error does not show for a minute in {unseen} of {} scenes, and there it is the cheaper choice where its cost is \
-         below `split`'s: {} of it in flight, {} under a torque. Its error is the smaller one in: {}.",
+        "**Where `rk4` wins**: in {unseen} of {} scenes, its error is not visible for a minute. There it is the better choice if it \
+         costs less than `split`: {} of its cost in flight, {} under a torque. Its error is smaller than `split`'s in: {}.",
         work.families.len(),
         ratio("free-many")?,
         ratio("torque")?,
@@ -97,10 +97,10 @@ fn rk4_wins(results: &Results) -> Option<String> {
     ))
 }
 
-/// How many hard cases `integrator` survives, in words.
+/// Describes how many hard cases `integrator` survives.
 fn survived(results: &Results, integrator: Integrator) -> String {
     results.stability.as_ref().map_or_else(
-        || "hard cases that were not measured".to_owned(),
+        || "an unknown number of hard cases (not measured)".to_owned(),
         |d| {
             let [ok, degraded, diverged] = d.score(integrator);
             let all = ok + degraded + diverged;
@@ -109,7 +109,7 @@ fn survived(results: &Results, integrator: Integrator) -> String {
     )
 }
 
-/// The integrator to take at `rate`, against the cheapest.
+/// Recommends an integrator at `rate` and compares it with the cheapest.
 fn recommendation(ctx: &Context, results: &Results, rate: u32) -> Option<String> {
     let (work, visible) = (results.work_precision.as_ref()?, results.visible.as_ref()?);
     let (best, cheapest) = (
@@ -119,13 +119,13 @@ fn recommendation(ctx: &Context, results: &Results, rate: u32) -> Option<String>
     let price = |s| text::significant(work.cost(s, rate).unwrap_or(f64::NAN), 2);
     let scenes = Family::all().len();
     let first = visible.first(best, rate).map_or_else(
-        || "never in a minute".to_owned(),
-        |t| format!("{} s at the earliest", text::significant(t, 2)),
+        || "not within a minute".to_owned(),
+        |t| format!("after {} s at the earliest", text::significant(t, 2)),
     );
     Some(format!(
-        "**At {rate} Hz take `{best}`**: nothing shows for a minute in {} of {scenes} scenes (first visible: {first}), at {} µs per box and \
-         simulated second, and it survives {}. The cheapest of all, `{cheapest}`, costs {} µs; with it nothing shows for ten seconds \
-         in {}. {}",
+        "**At {rate} Hz, use `{best}`**: no error is visible for a minute in {} of {scenes} scenes (first visible error: {first}), at {} µs per \
+         box and simulated second. It survives {}. The cheapest integrator, `{cheapest}`, costs {} µs; with it, no error is visible for ten \
+         seconds in {} of {scenes} scenes. {}",
         visible.invisible(best, rate, MINUTE),
         price(best),
         survived(results, best),
@@ -142,7 +142,7 @@ fn recommendation(ctx: &Context, results: &Results, rate: u32) -> Option<String>
     ))
 }
 
-/// All sentences. The first two are those of the page of one minute.
+/// All conclusions. The first two also appear in the digest.
 pub(super) fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
     let mut said = Vec::new();
     for rate in [60, 30, 120] {
@@ -160,11 +160,11 @@ pub(super) fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
             text::list(&free.map(text::code).collect::<Vec<_>>())
         };
         said.push(format!(
-            "**Springs too stiff for the step**: stable at every step tried are {}.",
+            "**Springs too stiff for the step**: stable at every step size tried: {}.",
             unlimited(3)
         ));
         said.push(format!(
-            "**Drag too stiff for the step**: stable at every step tried are {}.",
+            "**Drag too stiff for the step**: stable at every step size tried: {}.",
             unlimited(1)
         ));
         let growing: Vec<String> = ctx
@@ -177,7 +177,7 @@ pub(super) fn verdicts(ctx: &Context, results: &Results) -> Vec<String> {
             .map(text::code)
             .collect();
         said.push(format!(
-            "**Not for spinning boxes or undamped springs**, whose energy they raise at every step: {}.",
+            "**Not for spinning boxes or undamped springs**, because they add energy at any step size: {}.",
             text::list(&growing)
         ));
     }

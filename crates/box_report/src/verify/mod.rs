@@ -1,4 +1,4 @@
-//! `verify`: every reference trajectory of a folder under every requested integrator and step.
+//! `verify`: compares every integrator with every reference trajectory of a folder, at every requested step.
 
 mod options;
 mod table;
@@ -23,24 +23,24 @@ struct Row<'a> {
     ns_per_step: Option<f64>,
 }
 
-/// Why nothing could be verified.
+/// Reasons why nothing was verified.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum VerifyError {
     /// The folder cannot be listed.
     #[error(transparent)]
     Folder(#[from] OracleError),
-    /// There is no file to read.
+    /// The folder contains no reference trajectory.
     #[error("{folder}: no *.json file in this folder")]
     Empty {
-        /// Which.
+        /// The folder.
         folder: String,
     },
     /// `--case` excludes everything.
-    #[error("no case matches '{glob}'; there are: {names}")]
+    #[error("no case matches '{glob}'; allowed: {names}")]
     NoMatch {
         /// The pattern.
         glob: String,
-        /// The names that there are.
+        /// The names of all cases.
         names: String,
     },
     /// The output cannot be written.
@@ -54,7 +54,7 @@ impl From<csv::Error> for VerifyError {
     }
 }
 
-/// Verifies and prints. Returns the files that could not be used; the others are in the result.
+/// Runs the comparison and prints the result. Returns the files that could not be used; the result contains the others.
 pub(crate) fn run(
     options: &Options,
     out: &mut impl Write,
@@ -89,8 +89,8 @@ pub(crate) fn run(
     Ok(bad)
 }
 
-/// The rows in order: by case, then integrator, then step. A case is measured when its first row is asked
-/// for: its integrators and steps are timed in turns.
+/// The rows, ordered by case, then integrator, then step. A case is measured when its first row is requested, because
+/// its integrators and steps are timed in turns.
 fn rows<'a>(cases: &'a [Case], options: &'a Options) -> impl Iterator<Item = Row<'a>> {
     cases.iter().flat_map(move |case| {
         let mut rows: Vec<Row> = options
@@ -123,7 +123,7 @@ fn rows<'a>(cases: &'a [Case], options: &'a Options) -> impl Iterator<Item = Row
     })
 }
 
-/// The whole run of a row, from start to last sample; its units are steps.
+/// A contender for the run of a row from start to last sample; its unit is a step.
 fn whole_run<'a>(row: &Row<'a>) -> Contender<'a> {
     let (case, integrator, plan) = (row.case, row.integrator, row.case.plan(row.dt));
     Contender::new(row.measured.totals.steps as f64, move || {

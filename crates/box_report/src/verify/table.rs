@@ -1,4 +1,4 @@
-//! The result as aligned columns or as comma-separated values.
+//! The result as a table or as comma-separated values.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use box_scenarios::oracle::{LOST, Status};
 
 use super::Row;
 
-/// The columns of the CSV, which others read: names and order are fixed.
+/// The columns of the CSV. Other programs read them, so names and order must not change.
 const COLUMNS: [&str; 14] = [
     "case",
     "kind",
@@ -24,7 +24,7 @@ const COLUMNS: [&str; 14] = [
     "status",
 ];
 
-/// One record a row; a value that there is not is empty, an error of a diverged run is `inf`.
+/// Writes one record per row. Missing values are empty, and errors of a diverged run are `inf`.
 pub(super) fn write_csv<'a>(
     rows: impl Iterator<Item = Row<'a>>,
     out: &mut impl Write,
@@ -59,7 +59,7 @@ pub(super) fn write_csv<'a>(
     Ok(())
 }
 
-/// A block a case, a line a row, the units in the heading.
+/// Writes one block per case and one line per row; the headings contain the units.
 pub(super) fn write_table<'a>(
     rows: impl Iterator<Item = Row<'a>>,
     out: &mut impl Write,
@@ -132,12 +132,12 @@ pub(super) fn write_table<'a>(
         )?;
         writeln!(
             out,
-            "lost: x beyond {} of the reference's reach, attitude beyond {} rad, L beyond {} or E beyond {}, relative",
+            "lost: error of x above {} of the reference's extent, attitude above {} rad, L above {} or E above {}, relative",
             LOST.position, LOST.attitude, LOST.angular_momentum, LOST.energy
         )?;
         writeln!(
             out,
-            "steps whose iteration ended at its cap instead of its tolerance: {unconverged}"
+            "steps whose iteration reached its limit before its tolerance: {unconverged}"
         )?;
     }
     Ok(())

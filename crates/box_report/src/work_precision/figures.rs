@@ -1,4 +1,4 @@
-//! The diagrams of a family: each error against time, and the first against evaluations.
+//! Diagrams of a family: each error against time, and the first error against evaluations.
 
 use box_scenarios::Metric;
 
@@ -7,12 +7,12 @@ use crate::context::{Context, Stop};
 use crate::document::Figure;
 use crate::plot::{self, Axis, Line, Plot};
 
-/// Errors above this are off the picture: everything is wrong there.
+/// Errors above this value are not drawn, because the result is entirely wrong.
 const WRONG: f64 = 1e4;
-/// Errors below this are drawn at this: rounding.
+/// Errors below this value are drawn at it, because they are rounding errors.
 const FLOOR: f64 = 1e-16;
 
-/// The families whose first diagram the digest shows.
+/// Families whose first diagram appears in the digest.
 const IN_DIGEST: [&str; 6] = [
     "free-tumble",
     "flip",
@@ -22,7 +22,7 @@ const IN_DIGEST: [&str; 6] = [
     "corner-drop",
 ];
 
-/// What is on the vertical axis.
+/// The quantity on the vertical axis.
 #[derive(Clone, Copy, PartialEq)]
 enum Work {
     Time,
@@ -53,7 +53,9 @@ fn figure(
         Some(match work {
             Work::Evaluations => plot::Point::new(x, p.evaluations()),
             Work::Time => plot::Point {
-                scatter: p.per_second(p.cost?.min).zip(p.per_second(p.cost?.p95)),
+                scatter: p
+                    .cost
+                    .map(|cost| (p.per_second(cost.min), p.per_second(cost.p95))),
                 ..plot::Point::new(x, p.microseconds()?)
             },
         })

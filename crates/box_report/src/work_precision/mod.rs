@@ -1,5 +1,4 @@
-//! `work-precision`: error against time and against force evaluations, over every family of motion, every
-//! integrator and every step.
+//! `work-precision`: error against time and against force evaluations, for every family of motion, integrator and step.
 
 mod figures;
 
@@ -18,43 +17,43 @@ use crate::context::{Context, SAMPLES_IN_WORDS, Stop};
 use crate::document::{Section, Table};
 use crate::{files, text};
 
-/// The coarsest step, between two looks at the error \[s\].
+/// The coarsest step, which is also the interval at which errors are sampled \[s\].
 pub(crate) const INTERVAL: f64 = 1.0 / 15.0;
-/// Into how many steps it is divided: 1/15 to 1/1920 s.
+/// Divisors of the interval: steps from 1/15 to 1/1920 s.
 const DIVISORS: [u64; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
-/// With `--quick`.
+/// Divisors with `--quick`.
 const QUICK_DIVISORS: [u64; 4] = [2, 4, 8, 16];
-/// Time for the measurements of a family.
+/// Time for measuring a family.
 const SHARE: Duration = Duration::from_secs(7);
-/// Boxes that are stepped together.
+/// Number of boxes that are stepped together.
 const BOXES: usize = 100;
-/// The same over a floor, where each does the whole scene.
+/// The number over a floor, where each box does the whole scene.
 const FLOOR_BOXES: usize = 8;
 
-/// Errors below this count as this: rounding is no ratio.
+/// Errors below this value are replaced by it in ratios, because they are rounding errors.
 const ROUNDING: f64 = 1e-12;
-/// An error that says nothing any more; what failed counts as this: as wrong as an attitude can be.
+/// The largest possible attitude error. Failed runs count with this error.
 const LOST: f64 = core::f64::consts::PI;
 
-/// One integrator in one family at one step.
+/// Result of one integrator in one family at one step.
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
     pub(crate) integrator: Integrator,
     pub(crate) dt: f64,
     pub(crate) run: FamilyRun,
-    /// ns per step; `None` if the run failed.
+    /// Cost per step \[ns\]; `None` if the run failed.
     pub(crate) cost: Option<Cost>,
 }
 
 impl Point {
-    /// Time per simulated second \[µs\], at the fastest sample.
+    /// Time per simulated second of the fastest sample \[µs\].
     pub(crate) fn microseconds(&self) -> Option<f64> {
-        self.per_second(self.cost?.min)
+        Some(self.per_second(self.cost?.min))
     }
 
-    /// ns per step as µs per simulated second.
-    pub(crate) fn per_second(&self, ns: f64) -> Option<f64> {
-        Some(ns * 1e-3 / self.dt)
+    /// Converts ns per step to µs per simulated second.
+    pub(crate) fn per_second(&self, ns: f64) -> f64 {
+        ns * 1e-3 / self.dt
     }
 
     /// Force evaluations per simulated second.
@@ -72,7 +71,7 @@ pub(crate) struct FamilyPoints {
 }
 
 impl FamilyPoints {
-    /// Those of one integrator.
+    /// The points of one integrator.
     pub(crate) fn of(&self, integrator: Integrator) -> impl Iterator<Item = &Point> {
         self.points
             .iter()
@@ -85,7 +84,7 @@ impl FamilyPoints {
         self.of(integrator).find(at)
     }
 
-    /// The first error of one integrator at `rate` [1/s].
+    /// The first error of one integrator at `rate` [1/s], as text.
     pub(crate) fn error_in_words(&self, integrator: Integrator, rate: u32) -> String {
         let point = self.at(integrator, rate);
         match point.map(|p| p.run.error(self.family.metrics[0])) {
@@ -105,7 +104,7 @@ impl FamilyPoints {
     }
 }
 
-/// The whole measurement.
+/// The results of all families.
 pub(crate) struct WorkPrecision {
     pub(crate) families: Vec<FamilyPoints>,
 }
@@ -116,8 +115,7 @@ impl WorkPrecision {
         self.families.iter().find(|f| f.family.id == id)
     }
 
-    /// Geometric mean over the families of the time per simulated second \[µs\] at `rate`; failed runs are left
-    /// out.
+    /// Geometric mean over the families of the time per simulated second \[µs\] at `rate`, without failed runs.
     pub(crate) fn cost(&self, integrator: Integrator, rate: u32) -> Option<f64> {
         let costs: Vec<f64> = self
             .families
@@ -131,7 +129,8 @@ impl WorkPrecision {
         Some((logs / costs.len() as f64).exp())
     }
 
-    /// The median over all families and errors of the error of `integrator` over that of `best`.
+    /// The median over all families and metrics of the ratio between the errors of `integrator` and `best`. Energy
+    /// errors are not included.
     pub(crate) fn median_ratio(&self, integrator: Integrator, best: Integrator, rate: u32) -> f64 {
         let mut ratios = Vec::new();
         for f in &self.families {
@@ -165,7 +164,7 @@ struct Row {
     status: &'static str,
 }
 
-/// Ticks of the progress that [`measure`] takes.
+/// Progress ticks of [`measure`].
 pub(crate) fn ticks() -> u64 {
     Family::all().len() as u64
 }
@@ -185,7 +184,7 @@ pub(crate) fn measure(ctx: &Context) -> Result<WorkPrecision, Stop> {
     Ok(WorkPrecision { families })
 }
 
-/// The runs of one family, not timed, and its reference.
+/// The runs of one family, without times, and the reference.
 fn runs(
     family: &'static Family,
     integrators: &[Integrator],
@@ -210,7 +209,7 @@ fn runs(
 
 fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints, Stop> {
     let (reference, mut points) = runs(family, &ctx.integrators, divisors(ctx.quick))?;
-    // Bodies spread over the motion, so that the cost in flight is that of all its phases.
+    // Spread the bodies over the motion, so that the cost covers all phases of the flight.
     let every = (reference.states().len() / 8).max(1);
     let starts: Vec<BodyState> = reference.states().iter().copied().step_by(every).collect();
     let ran: Vec<usize> = (0..points.len())
@@ -232,7 +231,8 @@ fn measure_family(ctx: &Context, family: &'static Family) -> Result<FamilyPoints
     })
 }
 
-/// Many boxes by the plugin's path: over a floor through the whole scene, else a few steps from `starts`.
+/// A contender with many boxes in the plugin's code path: the whole scene over a floor, otherwise a few steps from
+/// `starts`.
 fn contender(
     family: &'static Family,
     starts: &[BodyState],
@@ -256,12 +256,12 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
         "work-precision",
         "Work–precision diagrams",
         format!(
-            "Each line is an integrator, each marker a step size. Down and left is better. The error is the largest \
-             over the run, looked at every 1/15 s, against the reference named below each figure, at the time \
-             actually simulated. Time is that of a step of one box of {BOXES} by the plugin's path on one core, in SIMD lanes \
-             under gravity alone (over a floor: of the whole scene with its impacts): {SAMPLES_IN_WORDS}; thin bars reach to the \
+            "Each line is an integrator, each marker a step size; lower left is better. The error is the largest \
+             over the run, sampled every 1/15 s, relative to the reference named below each figure, at the time \
+             actually simulated. Time is that of a step of one of {BOXES} boxes by the plugin's path on one core, in SIMD lanes \
+             under gravity alone (over a floor: over the whole scene with its impacts): {SAMPLES_IN_WORDS}; thin bars extend to the \
              95th percentile. The order in the legend is fitted to the errors between lost and rounding. A run that diverged or \
-             left the range of valid states is a gap."
+             left the range of valid states appears as a gap."
         ),
     );
     let mut rows = Vec::new();
@@ -296,7 +296,7 @@ pub(crate) fn section(ctx: &Context, data: &WorkPrecision) -> Result<Section, St
     Ok(section)
 }
 
-/// How quiet the machine was.
+/// Describes how much the measured times varied.
 fn spread(data: &WorkPrecision) -> String {
     let costs = data
         .families
@@ -306,14 +306,14 @@ fn spread(data: &WorkPrecision) -> String {
     let count = spreads.len();
     let spreads = Quantiles::of(spreads);
     format!(
-        "How quiet the machine was: the median sample lies {:.0} % above the fastest for half of the {} measurements, {:.0} % for one in twenty.",
+        "Timing noise: the median sample is at most {:.0} % above the fastest for half of the {} measurements, and at most {:.0} % for 95 % of them.",
         spreads.median(),
         count,
         spreads.at(0.95)
     )
 }
 
-/// Errors and cost at 60 Hz: what most games will see.
+/// Table of errors and costs at 60 Hz, the rate of most games.
 fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
     let mut columns = vec!["integrator".to_owned()];
     columns.extend(data.families.iter().map(|f| {
@@ -337,8 +337,8 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
     Table {
         title: "Largest error and time per step at 60 Hz".to_owned(),
         note: format!(
-            "Error over the whole run; time of a step of one box of {BOXES} by the plugin's path. π ≈ 3.1 rad is as wrong as an \
-             attitude can be."
+            "Error over the whole run; time of a step of one of {BOXES} boxes by the plugin's path. An attitude error is at most \
+             π ≈ 3.1 rad."
         ),
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
@@ -346,7 +346,7 @@ fn at_60_hz(ctx: &Context, data: &WorkPrecision) -> Table {
     }
 }
 
-/// Fitted orders.
+/// Table of the fitted orders.
 fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
     let short = |f: Fitted| match f {
         Fitted::Order(p) => format!("{p:.1}"),
@@ -370,7 +370,7 @@ fn orders(ctx: &Context, data: &WorkPrecision) -> Table {
     };
     Table {
         title: "Fitted order".to_owned(),
-        note: "p in error ∝ dt^p; “rounding”: nothing but rounding errors at any step; –: lost at too many steps to tell.".to_owned(),
+        note: "p in error ∝ dt^p; “rounding”: only rounding errors at every step size; –: lost at too many step sizes for a fit.".to_owned(),
         columns,
         rows: ctx.integrators.iter().map(row).collect(),
         csv: "work-precision.csv".to_owned(),

@@ -1,8 +1,8 @@
 use super::*;
 use crate::visible::RATES;
 
-/// That nothing beats the default follows from the errors alone, whatever the costs are: at no rate has any
-/// integrator a smaller one in the median scene.
+/// At every rate, the default has the smallest error in the median scene. Therefore nothing beats it, whatever the
+/// costs are.
 #[test]
 fn no_integrator_has_a_smaller_error_than_the_default_in_the_median_scene() {
     let families = Family::all().iter().map(|family| {
@@ -22,7 +22,7 @@ fn no_integrator_has_a_smaller_error_than_the_default_in_the_median_scene() {
             let ratio = data.median_ratio(integrator, Integrator::Split, rate);
             assert!(ratio >= 1.0, "{integrator} at {rate} Hz: {ratio:e}");
         }
-        // The measure tells integrators apart.
+        // The measure distinguishes integrators.
         let yardstick = data.median_ratio(Integrator::Rk4, Integrator::Split, rate);
         assert!(yardstick > 1e4, "{rate} Hz: {yardstick:e}");
     }

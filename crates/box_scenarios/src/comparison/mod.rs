@@ -1,5 +1,5 @@
-//! A setup under several integrators at once, step by step, against one reference: what the table without a window
-//! shows. Needs the same memory however long it runs.
+//! Steps a setup with several integrators at once and compares them with one reference, for the headless table. Memory
+//! use does not grow with the duration.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::runner::{DUE, Runner, local_error};
 use crate::setup::Setup;
 use crate::status::Status;
 
-/// What to compare.
+/// A comparison to run.
 #[derive(Clone, Debug)]
 pub struct IntegratorComparison {
     /// The scene.
@@ -30,29 +30,29 @@ pub struct IntegratorComparison {
 /// One integrator at the end of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
-    /// Steps so far.
+    /// Number of steps so far.
     pub step: u64,
     /// Simulated time \[s\].
     pub t: f64,
-    /// Place in the list of integrators.
+    /// Index in the list of integrators.
     pub number: usize,
     /// The integrator.
     pub integrator: Integrator,
-    /// Its state.
+    /// The state.
     pub state: &'a BodyState,
-    /// Against the reference, up to its horizon.
+    /// Error against the reference, up to its horizon.
     pub error: Option<StateError>,
-    /// Of this step alone; not known where an impulse falls into it, nor with substeps.
+    /// Error of this step alone; unknown if an impulse acts during the step, and with substeps.
     pub local: Option<StateError>,
     /// Kinetic and potential energy \[J\].
     pub energy: f64,
-    /// Energy and angular momentum that nothing accounts for.
+    /// Residual of energy and angular momentum.
     pub residual: Residual,
     /// Force evaluations in this step.
     pub evaluations: u64,
-    /// Corners at the floor.
+    /// Number of corners at the floor.
     pub contacts: u32,
-    /// What can be said of it.
+    /// Status of the trajectory.
     pub status: Status,
 }
 
@@ -65,36 +65,36 @@ pub struct IntegratorResult {
     pub position: Option<f64>,
     /// Largest angle to the reference \[rad\], up to its horizon; `None` if it diverged.
     pub attitude: Option<f64>,
-    /// Largest energy that nothing accounts for, over its scale; `None` if it diverged.
+    /// Largest energy residual, divided by its scale; `None` if it diverged.
     pub energy: Option<f64>,
-    /// Largest angular momentum (vector) that nothing accounts for, over its scale; `None` if it diverged.
+    /// Largest residual of the angular momentum (vector), divided by its scale; `None` if it diverged.
     pub momentum: Option<f64>,
     /// Steps and cost.
     pub totals: Totals,
-    /// At the end.
+    /// Status at the end.
     pub status: Status,
 }
 
 /// The table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparisonResult {
-    /// In the order of the integrators.
+    /// The results, in the order of the integrators.
     pub integrators: Vec<IntegratorResult>,
-    /// Where the reference comes from, in words.
+    /// Source of the reference, in words.
     pub reference: String,
-    /// Up to when \[s\] there are errors, if the reference ended before the scene.
+    /// Time up to which errors are known \[s\], if the reference ended before the scene.
     pub horizon: Option<f64>,
-    /// Smaller errors say nothing.
+    /// Uncertainty of the reference; smaller errors are not significant.
     pub uncertainty: Uncertainty,
 }
 
 impl IntegratorComparison {
-    /// Steps in the setup's duration, at least one.
+    /// Number of steps in the setup's duration, at least one.
     pub fn steps(&self) -> u64 {
         (self.setup.duration / self.dt).round().max(1.0) as u64
     }
 
-    /// Runs to the end of the setup and shows every integrator at the start and after each of its steps to `look`.
+    /// Runs to the end of the setup and passes every integrator to `look` at the start and after each of its steps.
     ///
     /// # Errors
     /// The first error of `look`, which ends the run.
@@ -118,7 +118,7 @@ impl IntegratorComparison {
             })
             .collect();
         for n in 0..=self.steps() {
-            // Time is n·dt, not a sum.
+            // Computed as n·dt, not as a sum.
             let t = n as f64 * self.dt;
             let now = reference.at(t);
             let alone = n > 0 && substeps == 1 && setup.impulses.is_empty();
@@ -173,7 +173,7 @@ impl IntegratorComparison {
 
 struct Trial {
     runner: Runner,
-    /// Position \[m\] and attitude \[rad\]; known once the reference lasts for a step.
+    /// Largest errors of position \[m\] and attitude \[rad\]; known after the first step with a reference.
     worst: Option<(f64, f64)>,
     residual: Residual,
 }
@@ -189,7 +189,7 @@ impl Trial {
         worst.vector = worst.vector.max(residual.vector);
     }
 
-    /// What a diverged run reached says nothing.
+    /// The result; errors of a diverged run are meaningless and omitted.
     fn result(&self) -> IntegratorResult {
         let alive = self.runner.diverged.is_none();
         let worst = self.worst.filter(|_| alive);

@@ -4,10 +4,10 @@ use crate::scene_file;
 use box_physics::integrators::{EnergyBehavior, Limit, Order};
 
 const H: f64 = 1.0 / 60.0;
-/// Long enough for several impacts, or for the motion that a scene is about.
+/// Long enough for several impacts, or for the motion that the scene demonstrates.
 const SECONDS: f64 = 6.0;
 
-/// Every scene of the list and every file that is shipped.
+/// Every built-in scene and every shipped scene file.
 fn scenes() -> Vec<(String, Setup)> {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/scenes");
     let files = std::fs::read_dir(folder).expect("shipped").map(|entry| {
@@ -50,8 +50,8 @@ fn steps(setup: &Setup, dt: f64) -> [f64; 3] {
     ]
 }
 
-/// Whether what the integrator says of itself lets it diverge in a scene: a step beyond its stable range, or an
-/// energy that grows.
+/// Returns `true` if the integrator's stated properties allow it to diverge in a scene: a step beyond its stable range,
+/// or growing energy.
 fn may_diverge(integrator: Integrator, setup: &Setup, dt: f64) -> bool {
     let stable = integrator.info().stability;
     let limits = [stable.rotation, stable.drag, stable.oscillator];
@@ -60,12 +60,11 @@ fn may_diverge(integrator: Integrator, setup: &Setup, dt: f64) -> bool {
         Limit::Below(most) => step >= most,
         Limit::AlwaysGrows => step > 0.0,
     })
-    // A bounce under explicit Euler gains energy in every flight.
+    // With explicit Euler a bouncing box gains energy in every flight.
     || (setup.floor.is_some() && integrator.info().orders.gravity == Order::Of(1))
 }
 
-/// Every scene under every integrator: the state is the one that the integrator's own limits allow, and there is a
-/// figure in every column.
+/// For every scene and integrator, the status agrees with the integrator's stated limits, and every column has a value.
 #[test]
 fn nothing_is_called_diverged_that_is_not() {
     for (id, setup) in scenes() {
@@ -98,7 +97,7 @@ fn nothing_is_called_diverged_that_is_not() {
     }
 }
 
-/// Without the balance, by the motion alone: at the moment at which it was given up the box is faster than the
+/// Asserts divergence without the balance, by the motion alone: when the run was stopped, the box was faster than the
 /// reference ever was.
 fn assert_diverges(integrator: Integrator, setup: &Setup, t: f64, name: &str) {
     let model = Model::of(setup);
@@ -122,7 +121,7 @@ fn assert_diverges(integrator: Integrator, setup: &Setup, t: f64, name: &str) {
     assert!(now > 1.3 * most, "{name}: {now:e} J against {most:e} J");
 }
 
-/// What an integrator keeps and what it does exactly, in the columns of the scenes where that is all there is.
+/// Conserved quantities and exact motions, checked in the scenes that test only them.
 #[test]
 fn errors_are_those_that_the_integrator_claims() {
     for (id, setup) in scenes() {
@@ -138,13 +137,13 @@ fn errors_are_those_that_the_integrator_claims() {
             let name = format!("{} on {id}: {r:?}", r.integrator);
             let [position, attitude, energy, momentum] =
                 [r.position, r.attitude, r.energy, r.momentum].map(|x| x.expect("known"));
-            // Gravity alone, in flight: a parabola, exact from the second order on, and wrong by g h t / 2 in the
-            // first.
+            // For gravity alone in flight the motion is a parabola: exact from second order on, with an error of g h t
+            // / 2 for first order.
             if free && setup.forces.quadratic_drag == 0.0 {
                 let g = setup.forces.acceleration(&setup.body).length();
                 match info.orders.gravity {
                     Order::Exact => assert!(position < 1e-11 * (1.0 + g * 36.0), "{name}"),
-                    // A method that remembers begins with a step of Euler's, which is g h²/2 behind.
+                    // A multistep method starts with an Euler step, which lags by g h²/2.
                     Order::Of(p) => {
                         let time = if p == 1 { setup.duration } else { H };
                         let expected = 0.5 * g * H * time;
@@ -155,7 +154,7 @@ fn errors_are_those_that_the_integrator_claims() {
                     }
                 }
                 if info.orders.rotation == Order::Exact {
-                    // Near the separatrix a motion multiplies every rounding (by 6e3 on pub02).
+                    // Near the separatrix every rounding error is amplified (by 6e3 for pub02).
                     let amplified = matches!(id.as_str(), "dzhanibekov" | "separatrix");
                     assert!(attitude < if amplified { 1e-8 } else { 1e-11 }, "{name}");
                 }
@@ -171,7 +170,7 @@ fn errors_are_those_that_the_integrator_claims() {
                     assert!(energy > 1e-6, "{name}");
                 }
             }
-            // At the floor: whoever is right about the fall is right about the energy.
+            // At the floor, an integrator with an accurate fall has an accurate energy.
             if setup.floor.is_some()
                 && info.orders.gravity == Order::Exact
                 && matches!(info.orders.rotation, Order::Exact | Order::Of(4..))
@@ -182,7 +181,7 @@ fn errors_are_those_that_the_integrator_claims() {
     }
 }
 
-/// In the scenes that end at rest every integrator ends there.
+/// In the scenes that end at rest, every integrator comes to rest.
 #[test]
 fn what_lies_is_called_resting() {
     for id in [
@@ -195,7 +194,7 @@ fn what_lies_is_called_resting() {
         let mut setup = Scenario::find(id).expect("a scene").setup;
         setup.duration = setup.duration.min(12.0);
         for r in table(&setup, H).integrators {
-            // Explicit Euler gains in each bounce what restitution takes.
+            // With explicit Euler each bounce gains what restitution removes.
             let bounces = r.integrator == Integrator::ExplicitEuler
                 && matches!(id, "drop" | "dissertation-2012");
             assert_eq!(
@@ -209,7 +208,7 @@ fn what_lies_is_called_resting() {
     }
 }
 
-/// Half the step, half the error to the power of the order, in what a scene is about: read from the table's columns.
+/// Halving the step reduces the error by the power of the order, measured in the table's columns.
 #[test]
 fn errors_fall_with_the_order() {
     for id in ["dzhanibekov", "thin-plate", "throw"] {

@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use super::{G, STEP, Trial};
 
 const DROP: f64 = 2.0;
-/// The eighth bounce with e = 0.5 from 2 m: √(2h/g)(1 + 2Σeⁿ, n = 1 … 7) \[s\].
+/// Time of the eighth bounce with e = 0.5 from 2 m: √(2h/g)(1 + 2Σeⁿ, n = 1 … 7) \[s\].
 const EIGHTH: f64 = 1.9056;
 
 fn drop_flat(integrator: Integrator, e: f64) -> Trial {
@@ -15,7 +15,7 @@ fn drop_flat(integrator: Integrator, e: f64) -> Trial {
     trial
 }
 
-/// Height over rest \[m\] after `t` \[s\]: parabolas between the impacts.
+/// Height above the rest position \[m\] after `t` \[s\]: parabolas between the impacts.
 fn height(e: f64, t: f64) -> f64 {
     let mut speed = (2.0 * G * DROP).sqrt();
     let mut at = speed / G;
@@ -33,7 +33,7 @@ fn height(e: f64, t: f64) -> f64 {
     0.0
 }
 
-/// Largest error up to and after the eighth bounce \[m\], and when it came to rest \[s\].
+/// Largest error before the eighth bounce and over the run \[m\], and the settling time \[s\].
 fn settle(integrator: Integrator) -> (f64, f64, f64) {
     let mut trial = drop_flat(integrator, 0.5);
     let (mut early, mut all, mut settled) = (0.0_f64, 0.0_f64, f64::INFINITY);
@@ -75,7 +75,7 @@ pub(super) fn apexes(integrator: Integrator) -> f64 {
             let impacts = trial.run(STEP, 1).impacts;
             if impacts > 0 {
                 n += impacts as i32;
-                // The apex that the present flight has: y + v²/2g.
+                // The apex of the current flight: y + v²/2g.
                 let v = trial.state.velocity.y;
                 let apex = trial.state.position.y - 0.25 + v * v / (2.0 * G);
                 worst = worst.max((apex - DROP * e.powi(2 * n)).abs());
@@ -88,11 +88,11 @@ pub(super) fn apexes(integrator: Integrator) -> f64 {
     worst
 }
 
-/// Time of the impact of pub18 \[s\], and what it leaves.
+/// Time of the impact of pub18 \[s\], and the velocities after it.
 const IMPACT: f64 = 0.4407012274769385;
 const VELOCITY_AFTER: DVec3 = DVec3::new(1.0, -1.9195478803605666, 0.0);
 const SPIN_AFTER: DVec3 = DVec3::new(-8.16491612612218, -0.7425554530552235, -6.810797764281198);
-/// Its last sample \[s\] and position \[m\].
+/// Time of its last sample \[s\] and the position there \[m\].
 const END: f64 = 0.513_745_715_825_506_2;
 const POSITION_AT_END: DVec3 = DVec3::new(0.5137457158255062, 0.38097980290145256, 0.0);
 
@@ -109,7 +109,7 @@ fn corner_drop(integrator: Integrator) -> Trial {
     trial
 }
 
-/// 26 steps of 60 Hz would end 7 ms before the impact: a step that ends a nanosecond after it.
+/// 26 steps at 60 Hz end 7 ms before the impact. A further step ends a nanosecond after it.
 fn after_impact(integrator: Integrator) -> Trial {
     let mut trial = corner_drop(integrator);
     trial.run(STEP, 26);

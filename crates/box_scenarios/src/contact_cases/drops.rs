@@ -1,4 +1,4 @@
-//! Random drops: what energy does (case 30), and how deep a corner gets (case 32). The seed is fixed.
+//! Random drops with a fixed seed: energy gains (case 30) and penetration depth (case 32).
 
 use box_physics::floor::RestitutionLaw;
 use box_physics::integrators::Integrator;
@@ -8,22 +8,23 @@ use glam::{DQuat, DVec3};
 use super::Trial;
 use crate::random::Random;
 
-/// Largest gain of energy in a step, relative to it.
+/// Largest relative energy gain in a step.
 pub(super) fn gain(integrator: Integrator) -> f64 {
     cubes(integrator).gain
 }
 
-/// Largest part of the energy that an impact returns beyond e² of what a plastic one takes, under the default law.
+/// Largest part of the energy that an impact returns in excess of e² times the loss of a plastic impact, under the
+/// default restitution law.
 pub(super) fn energetic_excess(integrator: Integrator) -> f64 {
     excess(integrator, RestitutionLaw::Energetic)
 }
 
-/// The same under Newton's law.
+/// The same as [`energetic_excess`] under Newton's law.
 pub(super) fn newton_excess(integrator: Integrator) -> f64 {
     excess(integrator, RestitutionLaw::Newton)
 }
 
-/// Of a thousand single impacts of boxes without gravity, each also with e = 0.
+/// The excess over a thousand single impacts of boxes without gravity, each repeated with e = 0.
 fn excess(integrator: Integrator, law: RestitutionLaw) -> f64 {
     let mut random = Random::new(4);
     let mut worst = 0.0_f64;
@@ -47,20 +48,20 @@ fn excess(integrator: Integrator, law: RestitutionLaw) -> f64 {
     worst
 }
 
-/// What the errors of integrator and projection had gained, and was taken back, in a step without impacts,
-/// relative to the energy before.
+/// Largest energy gain by integration and projection errors that was removed in a step without impacts, relative to the
+/// energy before it.
 pub(super) fn repaired_segments(integrator: Integrator) -> f64 {
     cubes(integrator).repaired_segments
 }
 
-/// The worst of the drops.
+/// Largest values over all drops.
 struct Worst {
     gain: f64,
     repaired_segments: f64,
 }
 
-/// Cubes, whose free rotation every integrator but the Euler methods does exactly, so that what the energy
-/// does is the contact's doing.
+/// Drops cubes. Every integrator except the Euler methods rotates them exactly, so that energy changes are due to
+/// contact.
 fn cubes(integrator: Integrator) -> Worst {
     let mut random = Random::new(1);
     let mut worst = Worst {
@@ -89,7 +90,7 @@ fn cubes(integrator: Integrator) -> Worst {
     worst
 }
 
-/// Thin plates.
+/// Largest penetration depth of a corner for thin plates, divided by the circumradius.
 pub(super) fn depth(integrator: Integrator) -> f64 {
     let mut random = Random::new(2);
     let mut worst = 0.0_f64;
@@ -105,7 +106,7 @@ pub(super) fn depth(integrator: Integrator) -> f64 {
     worst
 }
 
-/// A box above the floor, at any attitude, falling and spinning, on any floor.
+/// A box above the floor with random attitude, velocity and spin, on a floor with random surface properties.
 fn drop(random: &mut Random, integrator: Integrator, half: DVec3, speed: f64) -> Trial {
     let e = random.range(0.0, 1.0);
     let mu = random.magnitude(0.01, 5.0);

@@ -1,6 +1,6 @@
-//! The hard cases of contact, numbers 25 to 32: bounces, rest, balance, sliding, tipping, corner
-//! impacts, spin-down, and impacts that a step jumps over. Like [`mod@crate::hard_cases`] each has a
-//! measured quantity and the bound up to which it is ok.
+//! The hard cases of contact, numbers 25 to 32: bounces, rest, balance, sliding, tipping, corner impacts, spin-down,
+//! and impacts within long steps. Like the [`mod@crate::hard_cases`], each has a measured quantity and a bound up to
+//! which the result is ok.
 
 mod bounce;
 mod drops;
@@ -14,32 +14,32 @@ use crate::hard_cases::Finding;
 
 pub use trial::Trial;
 
-/// The step of all cases but those that say otherwise \[s\].
+/// Step of all cases, unless stated otherwise \[s\].
 pub const STEP: f64 = 1.0 / 60.0;
 /// Gravity of all cases [m/s²].
 const G: f64 = crate::scenes::GRAVITY;
 
-/// One examination.
+/// One measurement of a case.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactCase {
-    /// Its number, 25 to 32; some measure several quantities.
+    /// Number of the case, 25 to 32; some cases measure several quantities.
     pub number: u8,
-    /// What happens.
+    /// Description of the motion.
     pub title: &'static str,
-    /// What is measured, with its unit.
+    /// The measured quantity, with its unit.
     pub quantity: &'static str,
-    /// Ok up to.
+    /// Largest value that is ok.
     pub bound: f64,
     measure: fn(Integrator) -> f64,
 }
 
 impl ContactCase {
-    /// The measured quantity; not a number or infinite where the motion fell apart.
+    /// Measures the quantity; NaN or infinite if the motion diverged.
     pub fn measure(&self, integrator: Integrator) -> f64 {
         (self.measure)(integrator)
     }
 
-    /// The same with its verdict: diverged where there is no finite figure.
+    /// Measures the quantity and returns it as a finding; a value that is not finite counts as diverged.
     pub fn examine(&self, integrator: Integrator) -> Finding {
         let value = self.measure(integrator);
         Finding {
@@ -52,7 +52,7 @@ impl ContactCase {
     }
 }
 
-/// All of them, in the order of their numbers.
+/// All cases, in the order of their numbers.
 pub fn contact_cases() -> Vec<ContactCase> {
     let case = |number, title, quantity, bound, measure: fn(Integrator) -> f64| ContactCase {
         number,

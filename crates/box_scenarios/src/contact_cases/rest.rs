@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::trial::about;
 use super::{G, STEP, Trial};
+use crate::metrics::differing_numbers;
 
 pub(super) fn changed_components(integrator: Integrator) -> f64 {
     let mut changed = 0;
@@ -23,23 +24,14 @@ pub(super) fn changed_components(integrator: Integrator) -> f64 {
             .turned(about(DVec3::Y, 0.7) * about(axis, turns * FRAC_PI_2));
         trial.state.position.y += 0.5;
         trial.run(STEP, 300);
-        let pose = numbers(&trial.state);
+        let before = trial.state;
         trial.run(STEP, 100_000);
-        let now = numbers(&trial.state);
-        changed += pose.iter().zip(&now).filter(|(a, b)| a != b).count();
+        changed += differing_numbers(&before, &trial.state);
     }
     changed as f64
 }
 
-fn numbers(s: &BodyState) -> [u64; 13] {
-    let (x, v, l, q) = (s.position, s.velocity, s.angular_momentum, s.rotation);
-    [
-        x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w,
-    ]
-    .map(f64::to_bits)
-}
-
-/// Where the fall is timed \[rad\].
+/// Tilt at which the fall is timed \[rad\].
 const FALLEN: f64 = 0.7;
 
 pub(super) fn edge_fall_sticking(integrator: Integrator) -> f64 {
@@ -55,7 +47,7 @@ pub(super) fn edge_fall_frictionless(integrator: Integrator) -> f64 {
     })
 }
 
-/// Worst relative error of the time that a cube takes from its tilt off balance to [`FALLEN`].
+/// Largest relative error of the time in which a cube falls from its initial tilt to [`FALLEN`].
 fn edge_falls(integrator: Integrator, mu: f64, rate: impl Fn(f64, f64, f64) -> f64) -> f64 {
     let half = DVec3::splat(0.5);
     let d = 0.5_f64.sqrt();
@@ -80,8 +72,8 @@ fn edge_falls(integrator: Integrator, mu: f64, rate: impl Fn(f64, f64, f64) -> f
     worst
 }
 
-/// ∫ dθ/θ̇ from `tilt` to [`FALLEN`], midpoint rule with θ = tilt + s², which makes the square-root
-/// singularity at the start smooth.
+/// ∫ dθ/θ̇ from `tilt` to [`FALLEN`] by the midpoint rule, with θ = tilt + s² to remove the square-root singularity at
+/// the start.
 fn time_to_fall(rate: impl Fn(f64) -> f64, tilt: f64) -> f64 {
     let n = 20_000;
     let ds = (FALLEN - tilt).sqrt() / f64::from(n);
@@ -93,17 +85,17 @@ fn time_to_fall(rate: impl Fn(f64) -> f64, tilt: f64) -> f64 {
         .sum()
 }
 
-/// A cube of 1 m on an edge and on a corner, balanced as well as f64 can write it down.
+/// A cube of 1 m balanced on an edge and on a corner, as accurately as f64 allows.
 fn balanced(integrator: Integrator) -> [Trial; 2] {
-    // The diagonal upright: a turn about (−1, 0, 1)/√2 by the angle whose cosine is 1/√3.
+    // The diagonal upright: a rotation about (−1, 0, 1)/√2 by the angle whose cosine is 1/√3.
     let axis = DVec3::new(-1.0, 0.0, 1.0) / 2.0_f64.sqrt();
     let corner = about(axis, libm::acos(1.0 / 3.0_f64.sqrt()));
     [about(DVec3::Z, FRAC_PI_4), corner]
         .map(|rotation| Trial::new(integrator, DVec3::splat(0.5), 0.0, 10.0).turned(rotation))
 }
 
-/// The longer of the times that a balanced cube stands \[s\]; infinite if it never falls, and if it fell before
-/// rounding could tell.
+/// The longer of the times for which the cubes stay balanced \[s\]. Infinite if a cube never falls, or if it falls
+/// earlier than rounding errors can explain.
 pub(super) fn balance(integrator: Integrator) -> f64 {
     let mut longest = 0.0_f64;
     for mut trial in balanced(integrator) {
@@ -116,7 +108,7 @@ pub(super) fn balance(integrator: Integrator) -> f64 {
                 return f64::INFINITY;
             }
         }
-        // Growth by e^{λt}, λ = 3.2/s, from 1e-16: no sooner than 3 s.
+        // Growth by e^{λt}, λ = 3.2/s, from 1e-16 takes at least 3 s.
         if seconds < 3.0 {
             return f64::INFINITY;
         }
@@ -125,8 +117,8 @@ pub(super) fn balance(integrator: Integrator) -> f64 {
     longest
 }
 
-/// The time in which the spin of a balanced cube grows from 1e-9 to 1e-3 rad/s against ln(1e6)/λ: the larger relative
-/// error.
+/// Larger relative error of the time in which the spin of a balanced cube grows from 1e-9 to 1e-3 rad/s, compared with
+/// ln(1e6)/λ.
 pub(super) fn balance_growth(integrator: Integrator) -> f64 {
     let mut worst = 0.0_f64;
     for mut trial in balanced(integrator) {

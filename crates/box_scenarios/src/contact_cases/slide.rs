@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::trial::heading;
 use super::{G, STEP, Trial};
 
-/// pub17: 4 m/s on µ = 0.5; it stops after v/µg = 0.8155 s.
+/// pub17: 4 m/s with µ = 0.5; the box stops after v/µg = 0.8155 s.
 const SPEED: f64 = 4.0;
 const MU: f64 = 0.5;
 
@@ -55,8 +55,8 @@ pub(super) fn diagonals(integrator: Integrator) -> f64 {
 
 const TALL: DVec3 = DVec3::new(0.3, 0.6, 0.4);
 
-/// The factor of the predicted threshold from which on `tips` is true, by bisection between 0.5 and 2,
-/// less one; infinite if there is no threshold between them.
+/// Relative deviation of the measured threshold from the predicted one, by bisection of its factor between 0.5 and 2;
+/// infinite if there is no threshold in that range.
 fn threshold(tips: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = (0.5, 2.0);
     if tips(low) || !tips(high) {
@@ -99,14 +99,15 @@ pub(super) fn tipping_by_push(integrator: Integrator) -> f64 {
     })
 }
 
-/// Spins a plate down: time against the law of its four loaded corners \[steps\], walk of its center \[m\].
+/// Spins a plate down. Returns the deviation of the stopping time from the closed form with four loaded corners
+/// \[steps\], and the displacement of the center \[m\].
 fn plate(integrator: Integrator, omega: f64) -> (f64, f64) {
     let half = DVec3::new(0.4, 0.02, 0.4);
     let mut trial = Trial::new(integrator, half, 0.0, MU);
     trial
         .state
         .set_angular_velocity(&trial.body, DVec3::Y * omega);
-    // The moment of inertia m r²/3 and the torque µ m g r of a load on the corners of a square.
+    // Moment of inertia m r²/3 and torque µ m g r of a load on the corners of a square.
     let radius = libm::hypot(half.x, half.z);
     let law = radius * omega / (3.0 * MU * G);
     let mut t = 0.0;

@@ -1,4 +1,4 @@
-//! A box over a floor under gravity and perhaps a push, stepped by any integrator.
+//! A box over a floor under gravity and an optional push, stepped by any integrator.
 
 use box_physics::body::RigidBox;
 use box_physics::floor::{ContactSettings, ContactState, Floor, FloorContext, FloorOutcome};
@@ -11,16 +11,16 @@ use glam::{DQuat, DVec3};
 
 use super::G;
 
-/// What an examination needs, outside any `App`.
+/// The simulation of a contact case, without an `App`.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The floor.
     pub floor: Floor,
-    /// How hard contact tries.
+    /// Settings of the contact solver.
     pub settings: ContactSettings,
     /// The box.
     pub body: RigidBox,
-    /// Its state.
+    /// State of the box.
     pub state: BodyState,
     /// Gravity [m/s²].
     pub gravity: DVec3,
@@ -28,14 +28,14 @@ pub struct Trial {
     pub push: Option<PointForce>,
     /// The integrator.
     pub integrator: Integrator,
-    /// What contact did so far.
+    /// Sum of all outcomes so far.
     pub total: FloorOutcome,
     memory: IntegratorMemory,
     contact: ContactState,
 }
 
 impl Trial {
-    /// A box of half-extents `half` \[m\] and 3 kg lying on a floor at y = 0 with restitution `e` and
+    /// Creates a box of half-extents `half` \[m\] and 3 kg at rest on a floor at y = 0 with restitution `e` and
     /// friction `mu`.
     pub fn new(integrator: Integrator, half: DVec3, e: f64, mu: f64) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl Trial {
         }
     }
 
-    /// The same, turned so, its lowest corner on the floor.
+    /// Sets the attitude, and places the lowest corner on the floor.
     #[must_use]
     pub fn turned(mut self, rotation: DQuat) -> Self {
         self.state.rotation = rotation;
@@ -65,7 +65,7 @@ impl Trial {
         self
     }
 
-    /// `n` steps of `h` \[s\].
+    /// Runs `n` steps of `h` \[s\].
     pub fn run(&mut self, h: f64, n: u32) -> FloorOutcome {
         let mut sum = FloorOutcome::default();
         for _ in 0..n {
@@ -92,31 +92,31 @@ impl Trial {
             .step_on_floor(&context, state, h, memory, contact, None)
     }
 
-    /// Height of the lowest corner over the floor \[m\].
+    /// Height of the lowest corner above the floor \[m\].
     pub fn lowest(&self) -> f64 {
         let reach =
             box_physics::aabb::world_half_extents(self.state.rotation, self.body.half_extents());
         self.state.position.y - self.floor.height - reach.y
     }
 
-    /// Kinetic energy and that of gravity over the floor \[J\].
+    /// Kinetic energy plus potential energy relative to the floor \[J\].
     pub fn energy(&self) -> f64 {
         let x = self.state.position - DVec3::Y * self.floor.height;
         self.state.kinetic_energy(&self.body) - self.body.mass() * self.gravity.dot(x)
     }
 
-    /// Whether the box stays at rest.
+    /// Returns `true` if the box is at rest on the floor.
     pub fn rests(&self) -> bool {
         self.contact.is_resting(&self.state)
     }
 }
 
-/// A turn by `angle` \[rad\] about `axis` (a unit vector).
+/// Rotation by `angle` \[rad\] about `axis` (a unit vector).
 pub(super) fn about(axis: DVec3, angle: f64) -> DQuat {
     exponential_map(axis * angle)
 }
 
-/// The unit vector at `angle` \[rad\] from x in the floor's plane.
+/// Unit vector at `angle` \[rad\] from x in the floor's plane.
 pub(super) fn heading(angle: f64) -> DVec3 {
     let (s, c) = sin_cos(angle);
     DVec3::new(c, 0.0, s)

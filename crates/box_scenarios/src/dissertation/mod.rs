@@ -1,31 +1,30 @@
-//! The dissertation's own demo of 2012, as it computed: its three steppers, its pushes, its contact.
+//! The dissertation's demo of 2012 as it computed: its three integrators, its pushes and its contact.
 //!
-//! This is reproduction, kept apart from the integrators of `box_physics`: nearly every line of it is wrong
-//! as physics, and the point of having it is to show by how much. Source: V. Stojanovic, *Evaluation of
-//! Numerical Integration Methods for Simulation of Simple 3D Rigid Body Motion Within a Game
-//! Environment*, 2012 (text and listing). One cycle of the demo, of length h \[s\]:
+//! This is a reproduction, separate from the integrators of `box_physics`. Nearly every line of it is physically wrong;
+//! its purpose is to show by how much. Source: V. Stojanovic, *Evaluation of Numerical Integration Methods for
+//! Simulation of Simple 3D Rigid Body Motion Within a Game Environment*, 2012 (text and listing). One cycle of the
+//! demo, of length h \[s\]:
 //!
 //! ```text
-//! v, x      by the stepper, with the acceleration a that the last push left behind
+//! v, x      by the integrator, with the acceleration a left by the last push
 //! x        += h · (0, −9.81, 0)           gravity is added to the position: a speed, not an acceleration
-//! ω        += α / 60                      whatever h is; no gyroscopic term
-//! q         ← q ∘ Rx(h ωx) ∘ Ry(h ωy) ∘ Rz(h ωz)          three turns, one after the other
+//! ω        += α / 60                      for any h; no gyroscopic term
+//! q         ← q ∘ Rx(h ωx) ∘ Ry(h ωy) ∘ Rz(h ωz)          three successive rotations
 //! v, ω     *= 1 − 0.005 · (1000 h)        damping per millisecond
 //! contact   bounding box against the plane: see [`contact`]
 //! ```
 //!
-//! Where the text is silent, the plainest reading is taken:
+//! Where the text is silent, the simplest interpretation is used:
 //!
-//! - The acceleration depends on nothing, so k₁ = k₂ = k₃ = k₄ and the three steppers give the same
-//!   velocity to rounding. [`Demo::drag`] (0 in the demo) adds the −c v of the text's analysis.
-//! - A push leaves its acceleration standing until the next push *replaces* it: if it ended by itself,
-//!   there would be nothing to replace. With the damping, the motion that was there before is gone
-//!   after a few tenths of a second.
-//! - Explicit Euler moves the position by the old velocity, as in textbooks; Heun and RK4 by the new.
-//! - The three turns are about the box's own axes, in the order x, y, z, by the angles h·ω.
-//! - The inertia is 0.83 m (a² + b²) with half-extents for a and b: the listing's sizes are not the
-//!   box's, and this is the commonest way to get them wrong.
-//! - The contact draws the box half of the way out of the floor a cycle ([`LERP`]).
+//! - The acceleration is constant, so k₁ = k₂ = k₃ = k₄ and the three integrators give the same velocity to
+//!   rounding. [`Demo::drag`] (0 in the demo) adds the −c v of the text's analysis.
+//! - The acceleration of a push persists until the next push *replaces* it: if it ended by itself, there would
+//!   be nothing to replace. Because of the damping, the earlier motion is gone after a few tenths of a second.
+//! - Explicit Euler moves the position by the old velocity, as in textbooks; Heun and RK4 by the new one.
+//! - The three rotations are about the box's own axes, in the order x, y, z, by the angles h·ω.
+//! - The inertia is 0.83 m (a² + b²) with half-extents for a and b: the listing's sizes are not those of the
+//!   box, and this is the most common mistake.
+//! - The contact moves the box half of the way out of the floor per cycle ([`LERP`]).
 
 use box_physics::aabb::world_half_extents;
 use box_physics::body::RigidBox;
@@ -33,28 +32,29 @@ use box_physics::math::sin_cos;
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
-/// What the demo adds to the position \[m/s\]: the number of an acceleration, used as a speed.
+/// Displacement per second that the demo adds to the position \[m/s\]: the value of an acceleration, used as a
+/// velocity.
 pub const FALL: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
-/// Stands for the 1/12 of a box, in I = factor · m (a² + b²).
+/// Factor in I = factor · m (a² + b²), used in place of 1/12 for a box.
 pub const INERTIA_FACTOR: f64 = 0.83;
 
-/// Share of the angular acceleration that a cycle adds to the angular velocity \[s\], whatever its length.
+/// Time by which a cycle multiplies the angular acceleration \[s\], whatever the length of the cycle.
 pub const SPIN_STEP: f64 = 1.0 / 60.0;
 
 /// Loss of velocity and spin per **millisecond** of the cycle \[1/ms\].
 pub const DAMPING_PER_MS: f64 = 0.005;
 
-/// The part of its depth by which the contact lifts the box in a cycle, 0 to 1.
+/// Fraction of the penetration depth by which the contact lifts the box per cycle, 0 to 1.
 pub const LERP: f64 = 0.5;
 
-/// Which of the demo's integrators.
+/// The integrators of the demo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stepper {
     /// x += h v, v += h f(v).
     ExplicitEuler,
-    /// What the text calls implicit Euler: k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂),
-    /// x += h v_new. It is Heun's explicit method.
+    /// The text's implicit Euler: k₁ = f(v), k₂ = f(v + h k₁), v += h/2 (k₁ + k₂), x += h v_new. It is actually Heun's
+    /// explicit method.
     #[default]
     Heun,
     /// The four classical stages for v; x += h v_new.
@@ -62,10 +62,10 @@ pub enum Stepper {
 }
 
 impl Stepper {
-    /// All three.
+    /// All three integrators.
     pub const ALL: [Self; 3] = [Self::ExplicitEuler, Self::Heun, Self::Rk4];
 
-    /// As typed.
+    /// Identifier on the command line.
     pub const fn id(self) -> &'static str {
         match self {
             Self::ExplicitEuler => "2012-explicit-euler",
@@ -74,7 +74,7 @@ impl Stepper {
         }
     }
 
-    /// As shown in a menu, under its true name.
+    /// Display name, with the correct name of the method.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ExplicitEuler => "Explicit Euler (2012)",
@@ -83,22 +83,22 @@ impl Stepper {
         }
     }
 
-    /// What is wrong with it, in a sentence.
+    /// Its error, in one sentence.
     pub const fn fault(self) -> &'static str {
         match self {
             Self::ExplicitEuler => {
-                "First order, and the spin is not integrated at all: ω grows by α/60 whatever the step."
+                "First order, and the spin is not integrated at all: ω grows by α/60 per step at any step size."
             }
             Self::Heun => {
-                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new makes two evaluations first order."
+                "Called implicit, but explicit: stable only for c·dt/m ≤ 2, like Euler; and x += h·v_new reduces its order from 2 to 1."
             }
             Self::Rk4 => {
-                "Four evaluations of an acceleration that depends on nothing; x += h·v_new makes them first order."
+                "Four evaluations of a constant acceleration; x += h·v_new reduces it to first order."
             }
         }
     }
 
-    /// Evaluations of f a cycle.
+    /// Evaluations of f per cycle.
     pub const fn evaluations(self) -> u32 {
         match self {
             Self::ExplicitEuler => 1,
@@ -137,14 +137,14 @@ pub struct Demo {
     pub mass: f64,
     /// Half-extents \[m\].
     pub half_extents: DVec3,
-    /// c/m in f(v) = a − (c/m) v [1/s]: 0 in the demo, whose text analyses the other case.
+    /// c/m in f(v) = a − (c/m) v [1/s]; 0 in the demo, although its text analyzes the other case.
     pub drag: f64,
-    /// Height of the floor \[m\], if there is one.
+    /// Height of the floor \[m\], or `None` for no floor.
     pub floor: Option<f64>,
 }
 
 impl Default for Demo {
-    /// The cube of the demo, edge 1 m and 10 kg, over the plane y = 0.
+    /// The cube of the demo: edge 1 m, 10 kg, over the plane y = 0.
     fn default() -> Self {
         Self {
             mass: 10.0,
@@ -156,7 +156,7 @@ impl Default for Demo {
 }
 
 impl Demo {
-    /// The demo's force model for a box of ours, over the floor at `floor` \[m\].
+    /// The demo's force model for a box of this library, with the floor at `floor` \[m\].
     pub fn of(body: &RigidBox, floor: Option<f64>) -> Self {
         Self {
             mass: body.mass(),
@@ -166,13 +166,13 @@ impl Demo {
         }
     }
 
-    /// The moments of inertia the demo divides a torque by [kg m²].
+    /// Moments of inertia by which the demo divides a torque [kg m²].
     pub fn inertia(&self) -> DVec3 {
         let s = self.half_extents * self.half_extents;
         INERTIA_FACTOR * self.mass * DVec3::new(s.y + s.z, s.z + s.x, s.x + s.y)
     }
 
-    /// One cycle of `h` \[s\] by `stepper`, contact included.
+    /// Runs one cycle of `h` \[s\] with `stepper`, including contact.
     pub fn cycle(&self, stepper: Stepper, state: &mut State, h: f64) {
         let (a, drag) = (state.acceleration, self.drag);
         let (velocity, displacement) = stepper.advance(state.velocity, h, |v| a - drag * v);
@@ -188,22 +188,22 @@ impl Demo {
         }
     }
 
-    /// A push: the accelerations that the last one left are **replaced** by those of `force` \[N\] (world
-    /// axes) at the body point `at` \[m\] (body axes).
+    /// Applies a push. The accelerations of the last push are **replaced** by those of `force` \[N\] (world axes) at
+    /// the body point `at` \[m\] (body axes).
     pub fn push(&self, state: &mut State, force: DVec3, at: DVec3) {
         state.acceleration = force / self.mass;
         let torque = at.cross(state.rotation.inverse() * force);
         state.angular_acceleration = torque / self.inertia();
     }
 
-    /// The force \[N\] whose push ends, damped, in the velocity that the impulse `impulse` \[N s\] gives
-    /// in ours: damping takes 5 1/s in the limit of short cycles.
+    /// The force \[N\] whose push ends, damped, in the velocity that the impulse `impulse` \[N s\] would give in this
+    /// library. In the limit of short cycles the damping rate is 5 1/s.
     pub fn force_for(impulse: DVec3) -> DVec3 {
         impulse * (DAMPING_PER_MS * 1000.0)
     }
 }
 
-/// What the demo keeps of its box.
+/// State of the demo's box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// Center \[m\].
@@ -214,14 +214,14 @@ pub struct State {
     pub velocity: DVec3,
     /// Angular velocity [rad/s], body axes.
     pub spin: DVec3,
-    /// What the last push left [m/s²], world axes.
+    /// Acceleration left by the last push [m/s²], world axes.
     pub acceleration: DVec3,
-    /// What the last push left [rad/s²], body axes.
+    /// Angular acceleration left by the last push [rad/s²], body axes.
     pub angular_acceleration: DVec3,
 }
 
 impl State {
-    /// From a state of ours, unpushed.
+    /// Converts a state of this library, without accelerations.
     pub fn new(body: &RigidBox, state: &BodyState) -> Self {
         Self {
             position: state.position,
@@ -233,7 +233,7 @@ impl State {
         }
     }
 
-    /// As a state of ours, for drawing and measuring.
+    /// Converts to a state of this library, for display and measurement.
     pub fn body_state(&self, body: &RigidBox) -> BodyState {
         BodyState::at_pose(self.position, self.rotation)
             .with_velocity(self.velocity)
@@ -241,18 +241,19 @@ impl State {
     }
 }
 
-/// What a cycle of `h` \[s\] leaves of velocity and spin: 1 − 0.005·(1000 h). Negative above 0.2 s, and
-/// beyond −1 above 0.4 s, where the motion grows without end.
+/// Factor by which a cycle of `h` \[s\] multiplies velocity and spin: 1 − 0.005·(1000 h). It is negative above 0.2 s
+/// and below −1 above 0.4 s, where the motion grows without limit.
 pub fn damping(h: f64) -> f64 {
     1.0 - DAMPING_PER_MS * (1000.0 * h)
 }
 
-/// The demo's contact, a function of its own because it knows neither velocity nor mass: the bounding box
-/// of the cube, re-fitted to its attitude (half-height |R|·h, exact), is compared with the plane
-/// y = `height` \[m\]. Where it dips in, the center is drawn by linear interpolation ([`LERP`]) to where the
-/// bounding box would stand on the plane, and a fall ends (v_y ≥ 0). No bounce, no friction, no torque: a
-/// tilted cube stands on its corner, and since gravity moves the position every cycle, a cube at rest
-/// stands 9.81 h (1 − LERP)/LERP deep in the floor.
+/// The demo's contact. It is a separate function because it uses neither velocity nor mass.
+///
+/// The bounding box of the cube, refitted to its attitude (half-height |R|·h, exact), is compared with the plane y =
+/// `height` \[m\]. If it penetrates, the center moves by linear interpolation ([`LERP`]) toward the position in which
+/// the bounding box stands on the plane, and a fall stops (v_y ≥ 0). There is no bounce, no friction and no torque: a
+/// tilted cube stands on its corner. Since gravity moves the position every cycle, a cube at rest stands 9.81 h (1 −
+/// LERP)/LERP deep in the floor.
 pub fn contact(state: &mut State, half_extents: DVec3, height: f64) {
     let half_height = world_half_extents(state.rotation, half_extents).y;
     let standing = height + half_height;
@@ -262,7 +263,7 @@ pub fn contact(state: &mut State, half_extents: DVec3, height: f64) {
     }
 }
 
-/// Turns about x, y and z, one after the other, by these angles \[rad\].
+/// Rotations about x, y and z, one after the other, by these angles \[rad\].
 fn three_turns(angles: DVec3) -> DQuat {
     let about = |axis: DVec3, angle: f64| {
         let (s, c) = sin_cos(0.5 * angle);

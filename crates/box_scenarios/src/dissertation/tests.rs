@@ -11,8 +11,8 @@ fn floorless() -> Demo {
     }
 }
 
-/// With r = 1 − 5h: v_n = v∞ (1 − rⁿ), v∞ = r h a/(1 − r); x_n = Σ h (v_k + h a) for the new-velocity
-/// steppers, Σ h v_k for explicit Euler; and −9.81 n h of fall, straight, whatever happens.
+/// With r = 1 − 5h: v_n = v∞ (1 − rⁿ), v∞ = r h a/(1 − r); x_n = Σ h (v_k + h a) for the new-velocity integrators, Σ h
+/// v_k for explicit Euler. The box always falls by exactly 9.81 n h.
 #[test]
 fn a_pushed_box_follows_the_discrete_closed_form() {
     let (h, n, demo) = (1.0 / 60.0, 90, floorless());
@@ -63,7 +63,7 @@ fn the_steppers_amplify_as_the_analysis_says() {
     }
 }
 
-/// ω grows by α/60 a cycle: at 240 Hz four times as fast as at 60 Hz.
+/// ω grows by α/60 per cycle: at 240 Hz four times as fast as at 60 Hz.
 #[test]
 fn the_spin_depends_on_the_number_of_cycles_not_on_time() {
     let demo = floorless();
@@ -89,7 +89,7 @@ fn a_push_replaces_the_one_before() {
     demo.push(&mut twice, DVec3::Z * 20.0, DVec3::ZERO);
     demo.push(&mut once, DVec3::Z * 20.0, DVec3::ZERO);
     assert_eq!(twice, once);
-    // Damped at short cycles, it ends in the velocity that an impulse of 4 N s would give 10 kg.
+    // With short cycles and damping, it ends in the velocity that an impulse of 4 N s would give to 10 kg.
     demo.push(&mut once, Demo::force_for(DVec3::Z * 4.0), DVec3::ZERO);
     for _ in 0..40_000 {
         demo.cycle(Stepper::Rk4, &mut once, 1e-4);

@@ -1,4 +1,4 @@
-//! The list of families: to add one, add a row.
+//! The list of families. To add one, add a row.
 
 use box_physics::body::RigidBox;
 use box_physics::state::BodyState;
@@ -56,7 +56,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "flip",
             "Near-separatrix flip",
-            "The same box spun at 8 rad/s about its middle axis turns over every few seconds.",
+            "The same box, spun at 8 rad/s about its intermediate axis, flips every few seconds.",
             scene(crate::scenes::free::dzhanibekov, 10.0),
             &[Attitude, Energy],
             60.0,
@@ -64,7 +64,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "thin-plate",
             "Thin plate",
-            "A plate of 64:1 tumbles: the largest moment is the sum of the others.",
+            "A 64:1 plate tumbles; its largest moment is the sum of the other two.",
             scene(crate::scenes::free::thin_plate, 10.0),
             &[Attitude, Energy],
             60.0,
@@ -72,7 +72,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "needle",
             "Needle",
-            "A rod with moments 800:1 spins at 20 rad/s about its length, slightly off.",
+            "A rod with moments 800:1 spins at 20 rad/s, slightly off its long axis.",
             scene(crate::scenes::free::needle, 5.0),
             &[Attitude, Energy],
             60.0,
@@ -88,7 +88,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "free-top",
             "Free top of van Zon and Schofield",
-            "Moments 10, 20, 26 kg m² at 15 rad/s near the middle axis, as in J. Comput. Phys. 225 (2007).",
+            "Moments 10, 20, 26 kg m² at 15 rad/s near the intermediate axis, as in J. Comput. Phys. 225 (2007).",
             Setup::new(top, top_start, ForceSet::none(), 4.0),
             &[Attitude, Energy],
             60.0,
@@ -96,7 +96,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "linear-drag",
             "Projectile, linear drag",
-            "A throw with drag in proportion to the speed, c/m = 0.5 1/s.",
+            "A throw with drag proportional to the speed, c/m = 0.5 1/s.",
             Setup::new(cube, thrown, drag, 10.0),
             &[Position],
             60.0,
@@ -104,7 +104,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "quadratic-drag",
             "Projectile, quadratic drag",
-            "Straight up at 45 m/s through air and down again.",
+            "A throw straight up at 45 m/s through air, and down again.",
             scene(crate::scenes::flight::quadratic_drag, 8.0),
             &[Position],
             60.0,
@@ -112,7 +112,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "heavy-top",
             "Heavy top",
-            "A spinning bar leans, precesses and nods under a torque.",
+            "A leaning, spinning bar precesses and nutates under a torque.",
             scene(crate::scenes::forced::heavy_top, 5.0),
             &[Attitude, Energy],
             60.0,
@@ -136,7 +136,7 @@ pub(super) fn families() -> Vec<Family> {
         family(
             "bounce",
             "Bounce",
-            "A flat drop from a meter with e = 1: ten seconds of bounces at one height.",
+            "A flat drop from a meter with e = 1: ten seconds of bounces to the same height.",
             scene(crate::scenes::floor::bounce, 10.0),
             &[Position, Energy],
             60.0,

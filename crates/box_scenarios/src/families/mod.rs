@@ -1,5 +1,5 @@
-//! The families of motion over which the report compares integrators: one setup each, with a reference
-//! and the errors that tell integrators apart there.
+//! The families of motion for which the report compares integrators. Each has a setup, a reference and the errors that
+//! distinguish integrators there.
 
 mod list;
 
@@ -9,7 +9,7 @@ use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 
 use crate::driver::Totals;
-use crate::metrics::{Errors, StateError, energy_scale};
+use crate::metrics::{Errors, StateError, error_scale};
 use crate::reference::ReferenceKind;
 use crate::run::{Plan, run_plan};
 use crate::setup::Setup;
@@ -22,12 +22,12 @@ pub enum Metric {
     Position,
     /// Angle between the attitude and that of the reference \[rad\].
     Attitude,
-    /// Change of a constant energy, relative to its start.
+    /// Deviation from a constant energy, relative to its initial value.
     Energy,
 }
 
 impl Metric {
-    /// As typed in a file: lower case.
+    /// Identifier in files, lower case.
     pub const fn id(self) -> &'static str {
         match self {
             Self::Position => "position",
@@ -36,7 +36,7 @@ impl Metric {
         }
     }
 
-    /// As the title of an axis, with its unit.
+    /// Title of an axis, with the unit.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Position => "largest position error [m]",
@@ -45,7 +45,7 @@ impl Metric {
         }
     }
 
-    /// The unit: m, rad, or nothing.
+    /// The unit: m, rad, or empty.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Position => "m",
@@ -58,36 +58,36 @@ impl Metric {
 /// A kind of motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
-    /// As typed: lower case, hyphens.
+    /// Identifier: lower case with hyphens.
     pub id: &'static str,
-    /// As a heading.
+    /// Title, used as a heading.
     pub title: &'static str,
-    /// What moves how, in a sentence.
+    /// Description of the motion, in one sentence.
     pub what: &'static str,
     /// Body, start, forces, floor, duration.
     pub setup: Setup,
-    /// The errors that differ here, the one to judge by first.
+    /// The errors that differ between integrators here; the first is the main one.
     pub metrics: &'static [Metric],
-    /// For how long a player might watch it \[s\]: until its end, at most a minute.
+    /// Time for which a player might watch it \[s\]: up to its end, at most one minute.
     pub watch: f64,
 }
 
-/// The reference states at a clock's ticks.
+/// The reference states at the ticks of a clock.
 #[derive(Clone, Debug)]
 pub struct ReferenceTable {
-    /// Between two states \[s\].
+    /// Time between two states \[s\].
     interval: f64,
-    /// After 1, 2, … intervals.
+    /// States after 1, 2, … intervals.
     states: Vec<BodyState>,
-    /// Where they come from, in words.
+    /// Source of the states, in words.
     pub source: String,
 }
 
 /// One run against its reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FamilyRun {
-    /// The largest errors over the ticks; energy relative. `None` if the run failed: diverged, not finite
-    /// or invalid.
+    /// Largest errors over the ticks; the energy error is relative. `None` if the run failed: diverged, not finite or
+    /// invalid.
     pub errors: Option<Errors>,
     /// Steps and evaluations.
     pub totals: Totals,
@@ -104,7 +104,7 @@ impl FamilyRun {
     }
 }
 
-/// Steps of the fine reference per interval, where there is no other answer.
+/// Steps of the fine reference per interval, for setups without another reference.
 const FINE: u64 = 128 * 64;
 
 impl Family {
@@ -146,8 +146,8 @@ impl Family {
         })
     }
 
-    /// The integrator that is exact between events, at a step 64 times smaller than the finest in use;
-    /// halving it again must not matter.
+    /// Computes a reference with the integrator that is exact between events, at a step 64 times smaller than the
+    /// finest in use. Halving the step must not change the result.
     fn fine(&self, interval: f64, samples: u64) -> Result<ReferenceTable, String> {
         let run = |stride: u64| {
             let mut states = Vec::new();
@@ -183,7 +183,7 @@ impl Family {
         })
     }
 
-    /// Runs `integrator` with `divisor` steps in each interval of `reference`, along all of it.
+    /// Runs `integrator` over the whole `reference`, with `divisor` steps per interval.
     pub fn run(
         &self,
         reference: &ReferenceTable,
@@ -193,7 +193,7 @@ impl Family {
         let (setup, start) = (&self.setup, &self.setup.initial);
         let run = self.compare(reference, integrator, divisor, |_| true);
         let mut errors = run.errors;
-        errors.energy /= energy_scale(setup.energy(start), start.kinetic_energy(&setup.body));
+        errors.energy /= error_scale(setup.energy(start), start.kinetic_energy(&setup.body));
         FamilyRun {
             errors: (run.diverged.is_none()).then_some(errors),
             totals: run.totals,
@@ -217,9 +217,8 @@ impl Family {
         compare(&self.setup, integrator, &plan, expected, look)
     }
 
-    /// When the error of `integrator` first passes `attitude` \[rad\] or `position` \[m\] \[s\], and
-    /// whether it was the attitude; `None` if neither happens before the reference ends. A failed run
-    /// passes both.
+    /// The first time \[s\] at which the error of `integrator` exceeds `attitude` \[rad\] or `position` \[m\], and
+    /// which of them it exceeds. `None` if neither happens before the reference ends. A failed run exceeds both.
     pub fn first_passing(
         &self,
         reference: &ReferenceTable,
@@ -229,7 +228,7 @@ impl Family {
         position: f64,
     ) -> Option<(f64, Metric)> {
         let mut found = None;
-        // Every step is looked at: the reference must be as fine as the run.
+        // Checks every step, so the reference must be as fine as the run.
         let run = self.compare(reference, integrator, divisor, |sample| {
             let e = sample.error.unwrap_or_default();
             if e.attitude > attitude {
@@ -249,7 +248,7 @@ impl ReferenceTable {
         Plan::clock(self.interval / divisor as f64, divisor, samples)
     }
 
-    /// Every `k`-th state alone, for a run with longer steps.
+    /// Returns only every `k`-th state, for a run with longer steps.
     #[must_use]
     pub fn every(&self, k: usize) -> Self {
         Self {

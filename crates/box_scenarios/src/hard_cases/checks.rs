@@ -1,11 +1,10 @@
-//! How each check measures.
+//! Measurements of the checks.
 
 use box_physics::integrators::Integrator;
-use box_physics::state::BodyState;
 
 use super::{Check, Finding, HardCase};
 use crate::driver::Driver;
-use crate::metrics::{SpeedLimits, energy_scale};
+use crate::metrics::{SpeedLimits, differing_numbers, error_scale};
 use crate::model::Model;
 use crate::reference::ReferenceSolution;
 use crate::setup::Setup;
@@ -30,7 +29,7 @@ pub(super) fn examine(
                 Check::Position(_) => ("position error [m]", bound, errors.position),
                 Check::Attitude(_) => ("attitude error [rad]", bound, errors.attitude),
                 _ => {
-                    let scale = energy_scale(setup.energy(start), start.kinetic_energy(body));
+                    let scale = error_scale(setup.energy(start), start.kinetic_energy(body));
                     ("energy error, relative", bound, errors.energy / scale)
                 }
             }
@@ -72,7 +71,7 @@ pub(super) fn examine(
             (
                 "changed components",
                 0.0,
-                changed(&run.driver.state, &setup.initial),
+                differing_numbers(&run.driver.state, &setup.initial) as f64,
             )
         }
         Check::Spikes(bound) => ("angular momentum error, relative", bound, run.spikes(h)),
@@ -91,7 +90,7 @@ pub(super) fn examine(
     }
 }
 
-/// A run under way.
+/// A run in progress.
 struct Run<'a> {
     setup: &'a Setup,
     model: Model,
@@ -111,7 +110,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Takes `steps` steps of `h`, then checks whether the motion is still sane.
+    /// Takes `steps` steps of `h`, then checks whether the motion is still within the sane range.
     fn go(&mut self, h: f64, steps: u64) {
         let valid = self.driver.run(&self.model, h, steps, u64::MAX);
         self.sane &= valid && self.limits.broken(&self.driver.state).is_none();
@@ -167,20 +166,4 @@ impl<'a> Run<'a> {
         let dl = (self.driver.state.angular_momentum - start.angular_momentum).length();
         dv.max(dl / start.angular_momentum.length())
     }
-}
-
-fn changed(a: &BodyState, b: &BodyState) -> f64 {
-    let numbers = |s: &BodyState| {
-        let (x, v, l) = (s.position, s.velocity, s.angular_momentum);
-        let q = s.rotation;
-        [
-            x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w,
-        ]
-    };
-    let differ = |(a, b): &(f64, f64)| a.to_bits() != b.to_bits();
-    numbers(a)
-        .into_iter()
-        .zip(numbers(b))
-        .filter(differ)
-        .count() as f64
 }

@@ -1,8 +1,8 @@
-//! Motions that break integrators: the 24 hard cases of free motion, as named setups with a check.
+//! The 24 hard cases of free motion on which integrators fail, as named setups with a check.
 //!
-//! Each case has a body, a start, forces and step sizes, and says of any integrator at each of its
-//! steps what was measured and whether that is **ok** (within the case's bound), **degraded** (wrong
-//! but bounded) or **diverged** (not finite, or beyond every sane range).
+//! Each case has a body, a start, forces and step sizes. For any integrator and each step size it measures a quantity
+//! and returns a verdict: **ok** (within the case's bound), **degraded** (inaccurate but bounded) or **diverged** (not
+//! finite, or beyond the sane range).
 
 mod checks;
 mod list;
@@ -14,24 +14,24 @@ use box_physics::integrators::Integrator;
 use crate::setup::Setup;
 pub use list::hard_cases;
 
-/// A motion that some integrators cannot do.
+/// A motion on which some integrators fail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HardCase {
-    /// Its number, 1 to 24; some come in several variants.
+    /// Number of the case, 1 to 24; some cases have several variants.
     pub number: u8,
-    /// As typed: lower case, hyphens.
+    /// Identifier: lower case with hyphens.
     pub id: &'static str,
-    /// What is hard about it.
+    /// The difficulty of the case.
     pub title: &'static str,
-    /// Body, start, forces, impulses; the duration counts where the check does not say otherwise.
+    /// Body, start, forces, impulses. The duration applies unless the check has its own number of steps.
     pub setup: Setup,
     /// Step sizes \[s\].
     pub steps: Vec<f64>,
-    /// What is measured.
+    /// The quantity to measure.
     pub check: Check,
 }
 
-/// What a case measures, and up to where that is ok.
+/// The measured quantity, and the bound up to which it is ok.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Check {
     /// Largest position error \[m\] against the reference.
@@ -40,57 +40,57 @@ pub enum Check {
     Attitude(f64),
     /// Largest relative energy error.
     Energy(f64),
-    /// Free rotation keeps |L|, and its energy stays in [L²/2I_max, L²/2I_min]: the largest relative
-    /// violation over this many steps.
+    /// Free rotation must conserve |L|, and its energy must stay in [L²/2I_max, L²/2I_min]: the largest relative
+    /// violation over this number of steps.
     Bounded {
-        /// Steps.
+        /// Number of steps.
         steps: u64,
-        /// Ok up to.
+        /// Largest value that is ok.
         bound: f64,
     },
-    /// Relative energy trend over this many steps.
+    /// Relative energy trend over this number of steps.
     Trend {
-        /// Steps.
+        /// Number of steps.
         steps: u64,
-        /// Ok up to.
+        /// Largest value that is ok.
         bound: f64,
     },
-    /// Attitude difference \[rad\] after this many steps forwards and as many backwards.
+    /// Attitude difference \[rad\] after this number of steps forward and backward.
     Return {
-        /// Steps.
+        /// Number of steps.
         steps: u64,
-        /// Ok up to.
+        /// Largest value that is ok.
         bound: f64,
     },
-    /// | |q|² − 1 | after this many steps.
+    /// | |q|² − 1 | after this number of steps.
     UnitLength {
-        /// Steps.
+        /// Number of steps.
         steps: u64,
-        /// Ok up to.
+        /// Largest value that is ok.
         bound: f64,
     },
-    /// Drag never reverses a velocity: the largest reversed part of v_x over the initial v_x.
+    /// Drag must never reverse a velocity: the largest reversed part of v_x, divided by the initial v_x.
     NoReversal(f64),
-    /// A step of length zero changes nothing: the number of components that changed.
+    /// A step of length zero must not change anything: the number of changed components.
     Unchanged,
-    /// Every hundredth step lasts 0.5 s: relative error of the world angular momentum after 1000.
+    /// Every hundredth step lasts 0.5 s: relative error of the world angular momentum after 1000 steps.
     Spikes(f64),
-    /// All impulses at one instant add up to nothing: relative change of velocity and L.
+    /// All impulses at one instant cancel: relative change of velocity and L.
     Restored(f64),
 }
 
-/// What a check found at one step size.
+/// Result of a check at one step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
     /// The step \[s\].
     pub h: f64,
-    /// What was measured, with its unit.
+    /// The measured quantity, with its unit.
     pub quantity: &'static str,
     /// The value.
     pub value: f64,
-    /// Ok up to.
+    /// Largest value that is ok.
     pub bound: f64,
-    /// Whether the motion stayed finite and within every sane range.
+    /// `true` if the motion stayed finite and within the sane range.
     pub sane: bool,
 }
 
@@ -99,14 +99,14 @@ pub struct Finding {
 pub enum Verdict {
     /// Within the bound.
     Ok,
-    /// Beyond it, but bounded.
+    /// Beyond the bound, but bounded.
     Degraded,
-    /// Not finite, or beyond every sane range.
+    /// Not finite, or outside the plausible range.
     Diverged,
 }
 
 impl Finding {
-    /// Ok, degraded or diverged.
+    /// Returns the verdict on the value.
     pub fn verdict(&self) -> Verdict {
         if !self.sane || !self.value.is_finite() {
             Verdict::Diverged
@@ -129,7 +129,7 @@ impl fmt::Display for Verdict {
 }
 
 impl HardCase {
-    /// One finding for each step size.
+    /// Examines `integrator` and returns one finding per step size.
     pub fn examine(&self, integrator: Integrator) -> Vec<Finding> {
         let reference = match self.check {
             Check::Position(_) | Check::Attitude(_) | Check::Energy(_) => self.setup.reference(),

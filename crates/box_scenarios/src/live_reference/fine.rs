@@ -1,4 +1,4 @@
-//! The fine simulation where there is no closed form.
+//! The fine simulation, used where there is no closed form.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::driver::Driver;
 use crate::model::Model;
 use crate::setup::TimedImpulse;
 
-/// The integrator that is closest to the reference under `model`, in fine steps.
+/// The most accurate integrator for `model` in fine steps.
 pub fn best_integrator(model: &Model) -> Integrator {
     let d = model.forces.dissipation();
     if d.quadratic_drag != 0.0 || d.angular_drag != 0.0 {
@@ -21,12 +21,12 @@ pub fn best_integrator(model: &Model) -> Integrator {
     }
 }
 
-/// A simulation that only goes forward.
+/// A simulation that can only advance.
 #[derive(Clone, Debug)]
 pub(super) struct Fine {
     pub(super) driver: Driver,
     model: Arc<Model>,
-    /// The scene's impulses that are still to come.
+    /// Impulses of the scene that have not acted yet.
     waiting: VecDeque<TimedImpulse>,
     lost: bool,
 }
@@ -58,7 +58,7 @@ impl Fine {
         (here && !self.lost).then_some(self.driver.state)
     }
 
-    /// On to exactly `t` in equal steps of at most `h`.
+    /// Advances to exactly `t` in equal steps of at most `h`.
     fn run(&mut self, t: f64, h: f64) {
         let way = t - self.driver.time;
         if way <= 1e-9 * h || self.lost {

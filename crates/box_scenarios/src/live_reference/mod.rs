@@ -1,12 +1,11 @@
-//! The trajectory that others are measured against, while inputs come: from a start, through the same inputs, each at
-//! its exact time.
+//! The reference trajectory for comparisons while inputs arrive. It has the same start and receives the same inputs,
+//! each at its exact time.
 //!
-//! While there is a closed form it is that; an impulse begins a new one from the state it leaves. Where there is none
+//! The reference is a closed form where there is one; an impulse starts a new one from the state after it. Otherwise
 //! (torques, tumbling contact) the motion is simulated in steps 64 times finer than the clock's, by the integrator that
-//! is best for the forces, and once more in steps of half that size. What the two differ by is the reference's
-//! [`uncertainty`](LiveReference::uncertainty): a smaller error says nothing. When they differ by more than
-//! [`AGREEMENT`] the motion is chaotic and the reference ends: that moment is its
-//! [`horizon`](LiveReference::horizon).
+//! is best for the forces, and again in steps of half that size. The difference between the two is the reference's
+//! [`uncertainty`](LiveReference::uncertainty): smaller errors are not significant. When it exceeds [`AGREEMENT`], the
+//! motion is chaotic and the reference ends at its [`horizon`](LiveReference::horizon).
 
 mod fine;
 
@@ -23,38 +22,38 @@ use crate::reference::{ReferenceKind, ReferenceSolution};
 use crate::setup::{Setup, TimedImpulse};
 use fine::Fine;
 
-/// How much finer the reference steps than the clock.
+/// Ratio of the clock's step to the reference's step.
 pub const FINER: f64 = 64.0;
-/// Largest difference between the reference and the same in half its steps: attitude \[rad\], and position over the
-/// radius of the box. Twenty times less than what can be seen.
+/// Largest difference between the reference and the same in half its steps: attitude \[rad\], and position divided by
+/// the radius of the box. It is a twentieth of a visible difference.
 pub const AGREEMENT: f64 = 1e-3;
-/// Its shortest step \[s\]: at the shortest steps of the clock 64 times finer would cost more than a
-/// frame has, and the integrators used are of fourth order or exact.
+/// Shortest step of the reference \[s\]. At the shortest steps of the clock, a step 64 times finer would cost more than
+/// a frame. The integrators used are of fourth order or exact.
 const SHORTEST: f64 = 1.0 / 30_720.0;
-/// Stretches kept, so that a comparison that is behind can still be measured.
-const PIECES: usize = 256;
-/// For how long a stored numerical reference is made at most \[s\].
+/// Number of segments kept, so that the errors of a lagging comparison can still be computed.
+const MAX_PIECES: usize = 256;
+/// Maximum duration of a stored numerical reference \[s\].
 const STORED: f64 = 120.0;
-/// For how long a closed form is asked \[s\].
-const LONG: f64 = 3600.0;
+/// Duration for which a closed form is requested \[s\].
+const CLOSED_FORM_DURATION: f64 = 3600.0;
 
-/// Something done to the box.
+/// A change to the box or its model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// The impulse J \[N s\], world axes, at a point in body axes from the center \[m\].
+    /// An impulse J \[N s\], world axes, at a point in body axes from the center \[m\].
     Impulse {
         /// J \[N s\], world axes.
         impulse: DVec3,
-        /// Where, body axes \[m\].
+        /// Point of application, body axes \[m\].
         body_point: DVec3,
     },
-    /// What acts is another from here on.
+    /// A different model from now on.
     Model(Arc<Model>),
-    /// The box was put there by hand.
+    /// A state set by the user.
     Place(BodyState),
 }
 
-/// See the module.
+/// The reference trajectory while inputs arrive; see the [module](self).
 #[derive(Clone, Debug)]
 pub struct LiveReference {
     pieces: VecDeque<Piece>,
@@ -62,18 +61,18 @@ pub struct LiveReference {
     impulses: Arc<[TimedImpulse]>,
     /// Step of the fine simulation \[s\].
     h: f64,
-    /// The latest answer.
+    /// Time and state of the last result.
     last: (f64, BodyState),
     horizon: Option<f64>,
     uncertainty: Uncertainty,
 }
 
-/// How far a reference may be from the motion that it stands for.
+/// Estimated error of a reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uncertainty {
-    /// \[m\]
+    /// Position \[m\].
     pub position: f64,
-    /// \[rad\]
+    /// Attitude \[rad\].
     pub attitude: f64,
 }
 
@@ -86,12 +85,13 @@ struct Piece {
 #[derive(Clone, Debug)]
 enum Source {
     Trusted(Arc<ReferenceSolution>),
-    /// The simulation, and the same in half its steps while they agree.
+    /// The simulation, and the same in half its steps as long as they agree.
     Fine(Box<Fine>, Option<Box<Fine>>),
 }
 
 impl LiveReference {
-    /// From `start` at time 0; `known` is the scene's reference, if it has one. `step` \[s\] is the clock's.
+    /// Creates a reference from `start` at time 0. `known` is the scene's reference, if it has one. `step` \[s\] is the
+    /// clock's step.
     pub fn new(
         model: &Arc<Model>,
         start: BodyState,
@@ -122,11 +122,11 @@ impl LiveReference {
         reference
     }
 
-    /// That of a setup, through all its impulses, for a clock of steps of `step` \[s\].
+    /// Creates the reference of a setup with all its impulses, for a clock with steps of `step` \[s\].
     pub fn of(setup: &Setup, step: f64) -> Self {
         let model = Arc::new(Model::of(setup));
         let known = ReferenceSolution::closed_form(setup).unwrap_or_else(|| {
-            // Its states are kept: of a longer scene the rest is simulated.
+            // A numerical reference stores its states. Beyond this duration, a longer scene is simulated.
             let mut beginning = setup.clone();
             beginning.duration = beginning.duration.min(STORED);
             beginning.reference()
@@ -134,7 +134,7 @@ impl LiveReference {
         Self::new(&model, setup.initial, &setup.impulses, Some(known), step)
     }
 
-    /// The clock's step \[s\] is another.
+    /// Sets the clock's step \[s\].
     pub fn set_clock_step(&mut self, step: f64) {
         if step > 0.0 && step.is_finite() {
             self.h = (step / FINER).max(SHORTEST);
@@ -157,8 +157,8 @@ impl LiveReference {
         u.attitude = u.attitude.max(attitude);
     }
 
-    /// The last time \[s\] at which the reference agreed with itself at half its step, once it no longer does: after
-    /// that the motion is chaotic, and no error has a meaning.
+    /// The last time \[s\] at which the reference agreed with itself at half its step; `None` while it agrees. After
+    /// this time the motion is chaotic, and errors have no meaning.
     pub fn horizon(&self) -> Option<f64> {
         self.horizon
     }
@@ -168,8 +168,8 @@ impl LiveReference {
         self.uncertainty
     }
 
-    /// The reference at `t` \[s\], after the inputs at that time. `None` where it cannot be had (any more): after the
-    /// horizon, before the stretches that are kept, or in the past of a fine simulation.
+    /// The reference at `t` \[s\], after the inputs at that time. `None` if it is not available: after the horizon,
+    /// before the stored segments, or in the past of a fine simulation.
     pub fn at(&mut self, t: f64) -> Option<BodyState> {
         let margin = 1e-9 * self.h;
         if self.horizon.is_some_and(|end| t > end + margin) {
@@ -179,7 +179,7 @@ impl LiveReference {
         state.filter(|_| self.horizon.is_none_or(|end| t <= end + margin))
     }
 
-    /// The same after the horizon as well: one of the motions that are possible.
+    /// Like [`at`](Self::at), but continues after the horizon with one of the possible motions.
     pub fn follow(&mut self, t: f64) -> Option<BodyState> {
         let margin = 1e-9 * self.h;
         let k = self.pieces.iter().rposition(|p| p.from <= t + margin)?;
@@ -193,14 +193,14 @@ impl LiveReference {
             }
         };
         if newest && state.is_none() && self.is_trusted() {
-            // A numerical answer ends with its scene: go on from the last state known.
+            // A numerical reference ends with its scene. Continue from the last known state.
             let (from, start) = self.last;
             let source = self.fine(from, start, Some(start));
             self.pieces.push_back(Piece { from, source });
             return self.follow(t);
         }
         if let (Some(state), Some(finer)) = (&state, &finer) {
-            // One that is lost is infinitely far away.
+            // An invalid check has an infinite difference.
             let e = finer.map_or(StateError::LOST, |finer| StateError::between(state, &finer));
             if e.position <= AGREEMENT * self.model.body.radius() && e.attitude <= AGREEMENT {
                 self.widen(e.position, e.attitude);
@@ -217,7 +217,7 @@ impl LiveReference {
         state
     }
 
-    /// Takes an input at `t` \[s\], at or after every earlier one.
+    /// Applies an input at `t` \[s\], which must not be earlier than any previous one.
     pub fn push(&mut self, t: f64, change: &Change) {
         let (known, finer) = match change {
             Change::Place(state) => {
@@ -246,9 +246,9 @@ impl LiveReference {
             Change::Model(model) => self.model = model.clone(),
             Change::Place(_) => {}
         }
-        // Asked for only where the answer is quick: springs change with every frame of a grab.
+        // Requested only if it is cheap, because springs change in every frame of a grab.
         let closed = (!self.model.forces.has_wrench()).then(|| {
-            let mut setup = self.model.setup(state, LONG);
+            let mut setup = self.model.setup(state, CLOSED_FORM_DURATION);
             setup.impulses = self.waiting(t).into();
             setup.impulses.iter_mut().for_each(|i| i.t -= t);
             ReferenceSolution::closed_form(&setup)
@@ -258,18 +258,18 @@ impl LiveReference {
             None => self.fine(t, state, check),
         };
         self.last = (t, state);
-        // Several inputs at one time make one stretch.
+        // Several inputs at the same time form one segment.
         self.pieces.retain(|p| p.from < t - 1e-9 * self.h);
-        // The past of a fine simulation cannot be asked any more.
+        // The past of a fine simulation is no longer available.
         self.pieces
             .retain(|p| matches!(p.source, Source::Trusted(_)));
         self.pieces.push_back(Piece { from: t, source });
-        if self.pieces.len() > PIECES {
+        if self.pieces.len() > MAX_PIECES {
             self.pieces.pop_front();
         }
     }
 
-    /// The present state in half the steps.
+    /// The current state of the simulation in half the steps.
     fn finer(&self) -> Option<BodyState> {
         match self.pieces.back().map(|p| &p.source) {
             Some(Source::Fine(_, Some(check))) => Some(check.driver.state),
@@ -277,7 +277,7 @@ impl LiveReference {
         }
     }
 
-    /// Where the present answer comes from, in words.
+    /// Source of the current reference, in words.
     pub fn description(&self) -> String {
         match self.pieces.back().map(|p| &p.source) {
             Some(Source::Trusted(solution)) => solution.description().to_owned(),
@@ -290,7 +290,7 @@ impl LiveReference {
         }
     }
 
-    /// Whether it is a formula or a trusted quadrature, not a fine simulation.
+    /// Returns `true` if the current reference is a closed form or a stored numerical solution, not a fine simulation.
     pub fn is_trusted(&self) -> bool {
         matches!(
             self.pieces.back().map(|p| &p.source),

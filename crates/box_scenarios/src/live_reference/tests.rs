@@ -12,8 +12,8 @@ fn of(id: &str) -> (LiveReference, Arc<Model>) {
     )
 }
 
-/// After pushes in flight the closed form goes on; the answer is that of a setup which knew of the
-/// pushes from the start.
+/// After pushes in flight the reference is still a closed form. It equals that of a setup that contains the pushes from
+/// the start.
 #[test]
 fn a_push_starts_a_new_closed_form() {
     let s = Scenario::find("throw").expect("a scene");
@@ -43,7 +43,7 @@ fn a_push_starts_a_new_closed_form() {
     }
 }
 
-/// Where there is no closed form: the simulation is as fine as it says, and close to a finer one.
+/// Without a closed form, the simulation has the stated step and agrees with a finer one.
 #[test]
 fn a_fine_simulation_where_there_is_no_formula() {
     let (mut reference, law) = of("heavy-top");

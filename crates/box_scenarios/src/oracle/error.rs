@@ -1,48 +1,48 @@
-//! What can be wrong with a file of reference states.
+//! Errors of a file of reference states.
 
 use std::path::PathBuf;
 
-/// A file that cannot be used; names the file, and the field and its value where there is one.
+/// An error in a reference file. It names the file, and the field and its value if applicable.
 #[derive(Debug, thiserror::Error)]
 pub enum OracleError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("{}: cannot be read: {source}", file.display())]
     Read {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// It is not JSON (so a number is NaN or beyond f64, for instance).
+    /// The file is not JSON; for example, a number is NaN or exceeds the range of f64.
     #[error("{}: not valid JSON: {source}", file.display())]
     Syntax {
-        /// Which.
+        /// The file.
         file: PathBuf,
-        /// Line, column, and what is wrong there.
+        /// Line, column and cause.
         source: serde_json::Error,
     },
     /// A field is missing.
     #[error("{}: {field} is missing", file.display())]
     Missing {
-        /// Which file.
+        /// The file.
         file: PathBuf,
-        /// Path to the field, as in `forces.zero_length_spring.k`.
+        /// Path to the field, for example `forces.zero_length_spring.k`.
         field: String,
     },
-    /// A key that the format does not have, where nothing may be ignored.
+    /// An unknown key in an object that must not contain any.
     #[error("{}: unknown key {field}; allowed here: {allowed}", file.display())]
     UnknownKey {
-        /// Which file.
+        /// The file.
         file: PathBuf,
         /// Path to the key.
         field: String,
-        /// The keys that there are.
+        /// The known keys.
         allowed: String,
     },
-    /// A value that cannot be.
+    /// A value out of its range.
     #[error("{}: {field} must be {allowed}, but is {value}", file.display())]
     Invalid {
-        /// Which file.
+        /// The file.
         file: PathBuf,
         /// Path to the field.
         field: String,

@@ -1,4 +1,4 @@
-//! A value of a JSON file with its place, which every error names.
+//! A value of a JSON file with its path, for error messages.
 
 use std::path::Path;
 
@@ -32,10 +32,10 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// An error about this value.
+    /// Creates an error about this value.
     pub(super) fn error(&self, allowed: impl Into<String>) -> OracleError {
         let text = self.value.to_string();
-        // A whole object would bury the message.
+        // Truncated, because a whole object would obscure the message.
         let value = match text.char_indices().nth(80) {
             Some((end, _)) => format!("{}…", &text[..end]),
             None => text,
@@ -53,7 +53,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// The error of a constructor of `box_physics` about something in here.
+    /// Converts an error of a constructor of `box_physics` about a field of this object.
     pub(super) fn invalid(&self, e: &InvalidValue) -> OracleError {
         OracleError::Invalid {
             file: self.file.to_owned(),
@@ -86,7 +86,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    /// Refuses every key that is not among `allowed`.
+    /// Rejects every key that is not among `allowed`.
     pub(super) fn only(&self, allowed: &[&str]) -> Result<(), OracleError> {
         match self
             .object()?
@@ -115,16 +115,16 @@ impl<'a> Field<'a> {
 
     pub(super) fn text(&self) -> Result<&'a str, OracleError> {
         let text = self.value.as_str().filter(|t| !t.trim().is_empty());
-        text.ok_or_else(|| self.error("a text that is not empty"))
+        text.ok_or_else(|| self.error("a nonempty string"))
     }
 
-    /// A finite number.
+    /// Reads a finite number.
     pub(super) fn number(&self) -> Result<f64, OracleError> {
         let number = self.value.as_f64().filter(|x| x.is_finite());
         number.ok_or_else(|| self.error("a finite number"))
     }
 
-    /// A finite number ≥ 0.
+    /// Reads a finite number ≥ 0.
     pub(super) fn coefficient(&self) -> Result<f64, OracleError> {
         let x = self.number()?;
         if x >= 0.0 {
@@ -134,7 +134,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// A list of exactly `N` finite numbers.
+    /// Reads a list of exactly `N` finite numbers.
     pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], OracleError> {
         let wrong = || self.error(format!("a list of {N} finite numbers"));
         let list = self

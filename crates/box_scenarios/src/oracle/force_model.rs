@@ -1,4 +1,4 @@
-//! `forces`, `contact` and `events`: what decides the motion, so nothing in them may be unknown.
+//! Reads `forces`, `contact` and `events`. They determine the motion, so unknown keys are rejected.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use super::field::Field;
 use crate::forces::ForceSet;
 use crate::setup::{FloorSpec, TimedImpulse};
 
-/// The force model; `None` is the empty one.
+/// Reads the force model; `None` yields an empty one.
 pub(super) fn read_forces(f: Option<Field>) -> Result<ForceSet, OracleError> {
     let Some(f) = f else {
         return Ok(ForceSet::none());
@@ -50,7 +50,7 @@ pub(super) fn read_forces(f: Option<Field>) -> Result<ForceSet, OracleError> {
     Ok(set)
 }
 
-/// The floor y = 0 of a contact case.
+/// Reads the floor y = 0 of a contact case.
 pub(super) fn read_contact(root: &Field, kind: &str) -> Result<Option<FloorSpec>, OracleError> {
     let contact = if kind == "contact" {
         Some(root.require("contact")?)
@@ -69,7 +69,7 @@ pub(super) fn read_contact(root: &Field, kind: &str) -> Result<Option<FloorSpec>
     }
 }
 
-/// Impulses, brought into order of time (those of one time stay in the order of the file).
+/// Reads impulses and sorts them by time; impulses at the same time keep the order of the file.
 pub(super) fn read_events(f: Option<Field>) -> Result<Vec<TimedImpulse>, OracleError> {
     let Some(f) = f else {
         return Ok(Vec::new());

@@ -1,23 +1,23 @@
-//! A case under one integrator and step.
+//! Runs a case with one integrator and step size.
 
 use box_physics::integrators::Integrator;
 
 use super::Case;
 use crate::driver::Totals;
-use crate::metrics::{energy_scale, momentum_scale};
+use crate::metrics::error_scale;
 use crate::run::{End, Plan};
 use crate::simulate::{Expected, compare};
 
-/// How a run ended.
+/// Status of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It reached the last sample within [`LOST`].
+    /// The run reached the last sample with errors within [`LOST`].
     Ok,
-    /// It reached the last sample, but with an error beyond [`LOST`] in this quantity.
+    /// The run reached the last sample, but with an error beyond [`LOST`] in this quantity.
     Lost(&'static str),
-    /// It left every sane range, or became non-finite; its errors are infinite.
+    /// The run left the sane range or became non-finite; its errors are infinite.
     Diverged,
-    /// It was not run, and why.
+    /// The case was not run, for this reason.
     Unsupported(&'static str),
 }
 
@@ -30,19 +30,19 @@ pub struct Measurement {
     pub velocity: f64,
     /// Attitude \[rad\].
     pub attitude: f64,
-    /// |ΔL| in world axes over the initial |L|, or the final one where the initial is 0 (absolute
-    /// [kg m²/s] where both are).
+    /// |ΔL| in world axes, divided by the initial |L| or, if that is 0, the final one. Absolute [kg m²/s] if both are
+    /// 0.
     pub angular_momentum: f64,
-    /// |ΔE| over the initial energy, or the initial kinetic energy where that is 0; `None` where the
-    /// case neither conserves nor prescribes the energy.
+    /// |ΔE| divided by the initial energy or, if that is 0, the initial kinetic energy. `None` if the case neither
+    /// conserves nor prescribes the energy.
     pub energy: Option<f64>,
-    /// Steps, evaluations, fallbacks.
+    /// Steps, evaluations and fallbacks.
     pub totals: Totals,
-    /// How it ended.
+    /// Status of the run.
     pub status: Status,
 }
 
-/// Errors beyond which a run is lost: its result says nothing about the motion.
+/// Errors beyond which a run is lost: its result has nothing to do with the motion.
 pub const LOST: Limits = Limits {
     position: 0.5,
     attitude: 0.5,
@@ -53,35 +53,36 @@ pub const LOST: Limits = Limits {
 /// Limits of errors; see [`LOST`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Position error over the largest distance of the reference from its start, or over the circumradius of
-    /// the box where that is larger.
+    /// Position error divided by the reference's largest distance from its start, or by the circumradius of the box if
+    /// that is larger.
     pub position: f64,
     /// Attitude error \[rad\].
     pub attitude: f64,
-    /// Angular-momentum error over the largest of the reference.
+    /// Angular momentum error divided by the largest |L| of the reference.
     pub angular_momentum: f64,
     /// Energy error, relative.
     pub energy: f64,
 }
 
-/// Longest run [steps], and its force evaluations: some ten seconds. (A step at the floor may take thousands.)
+/// Maximum number of steps and of force evaluations in a run, about ten seconds. (A step at the floor may need
+/// thousands of evaluations.)
 const MAX_STEPS: u64 = 100_000_000;
 const MAX_EVALUATIONS: u64 = 4 * MAX_STEPS;
 
 impl Case {
-    /// The steps of a run with at most `dt` \[s\]: every interval between samples and impulses in equal
+    /// Plans a run with steps of at most `dt` \[s\]. Every interval between samples and impulses is divided into equal
     /// steps.
     pub fn plan(&self, dt: f64) -> Plan {
         let times: Vec<f64> = self.samples.iter().map(|s| s.t).collect();
         Plan::new(&times, &self.setup.impulses, dt)
     }
 
-    /// The reason why this case cannot be run at `dt` \[s\], if there is one: it would take too long.
+    /// The reason why this case cannot be run at `dt` \[s\], or `None`. The only reason is too many steps.
     pub fn unsupported(&self, dt: f64) -> Option<&'static str> {
         (self.plan(dt).steps() > MAX_STEPS).then_some("more than 1e8 steps")
     }
 
-    /// Runs the case by `integrator` in steps of at most `dt` \[s\].
+    /// Runs the case with `integrator` in steps of at most `dt` \[s\].
     pub fn measure(&self, integrator: Integrator, dt: f64) -> Measurement {
         if let Some(reason) = self.unsupported(dt) {
             return Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
@@ -127,9 +128,9 @@ impl Case {
             .samples
             .last()
             .map_or(0.0, |s| s.state.angular_momentum.length());
-        let momentum = momentum_scale(setup.initial.angular_momentum.length(), last);
+        let momentum = error_scale(setup.initial.angular_momentum.length(), last);
         let kinetic = setup.initial.kinetic_energy(&setup.body);
-        let energy = energy_scale(self.initial_energy(), kinetic);
+        let energy = error_scale(self.initial_energy(), kinetic);
         let energy = self.knows_energy().then_some(errors.energy / energy);
         let lost = [
             ("position", errors.position > LOST.position * self.reach()),
@@ -152,7 +153,7 @@ impl Case {
         }
     }
 
-    /// The largest distance of the reference from its start, or the circumradius of the box \[m\].
+    /// The reference's largest distance from its start, or the circumradius of the box if that is larger \[m\].
     fn reach(&self) -> f64 {
         let start = self.setup.initial.position;
         let far = self
@@ -162,7 +163,7 @@ impl Case {
         far.fold(self.setup.body.radius(), f64::max)
     }
 
-    /// The largest |L| of the reference, or what one radian per second is for the box [kg m²/s].
+    /// The reference's largest |L|, or that of the box at 1 rad/s if that is larger [kg m²/s].
     fn largest_momentum(&self) -> f64 {
         let own = self.setup.body.inertia().max_element();
         let all = self
@@ -178,7 +179,7 @@ impl Case {
             .any(|s| self.expected_energy(s).is_some())
     }
 
-    /// As the file counts it, where it gives it.
+    /// Initial energy, with the zero level of the file if it prescribes one.
     fn initial_energy(&self) -> f64 {
         let own = || self.setup.energy(&self.setup.initial);
         let first = self.samples.first().filter(|s| s.t == 0.0);

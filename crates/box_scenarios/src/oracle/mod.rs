@@ -1,8 +1,8 @@
-//! Reference trajectories from files: the format of `tests/oracle/README.md`.
+//! Reference trajectories from files, in the format of `tests/oracle/README.md`.
 //!
-//! One JSON file is one case. Everything that decides the motion is checked and must be known: an
-//! unknown key under `forces`, `events` or `contact` is an error that names it, so that a case never
-//! runs under another force model. Keys elsewhere (`description`, `reference`, …) are free.
+//! One JSON file is one case. Everything that determines the motion is checked: an unknown key under `forces`, `events`
+//! or `contact` is an error that names it, so that a case never runs under a different force model. Other keys
+//! (`description`, `reference`, …) are ignored.
 
 mod error;
 mod field;
@@ -26,9 +26,9 @@ use crate::setup::Setup;
 /// A reference trajectory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Its name.
+    /// Name of the case.
     pub name: String,
-    /// What sort of motion, as the file says.
+    /// Kind of motion, as stated in the file.
     pub kind: String,
     /// The file.
     pub file: PathBuf,
@@ -45,11 +45,11 @@ pub struct Sample {
     pub t: f64,
     /// The state.
     pub state: BodyState,
-    /// Kinetic and potential energy \[J\], if the file prescribes it.
+    /// Kinetic plus potential energy \[J\], if the file prescribes it.
     pub energy: Option<f64>,
 }
 
-/// Larger files are refused: the longest of ours has a thousandth of this.
+/// Maximum file size. The largest of our files has a thousandth of it.
 const MAX_BYTES: u64 = 32 << 20;
 
 impl Case {
@@ -73,10 +73,10 @@ impl Case {
         Self::parse(file, &text)
     }
 
-    /// The case in `text`; `file` is only named in errors.
+    /// Parses the case in `text`; `file` is only used in errors.
     ///
     /// # Errors
-    /// As [`Case::load`].
+    /// The same as [`Case::load`].
     pub fn parse(file: &Path, text: &str) -> Result<Self, OracleError> {
         let json = serde_json::from_str(text).map_err(|source| OracleError::Syntax {
             file: file.to_owned(),
@@ -106,7 +106,7 @@ impl Case {
         })
     }
 
-    /// Every `*.json` of `folder`, by name of the file; each may be good or bad on its own.
+    /// Loads every `*.json` file of `folder`, sorted by file name. Each may fail separately.
     ///
     /// # Errors
     /// [`OracleError::Read`] if the folder cannot be listed.
@@ -130,13 +130,13 @@ impl Case {
         Ok(files.iter().map(|f| Self::load(f)).collect())
     }
 
-    /// The energy that each sample should have \[J\], in the zero of [`Setup::energy`]: as prescribed, or
-    /// the initial one where it is conserved; `None` where neither is known.
+    /// Expected energy of a sample \[J\], with the zero level of [`Setup::energy`]: the prescribed energy, or the
+    /// initial one if it is conserved. `None` if neither is known.
     pub fn expected_energy(&self, sample: &Sample) -> Option<f64> {
         let own = self.setup.energy(&self.setup.initial);
         match sample.energy {
-            // A file may count the potential from another height: its first value, if it is the
-            // initial one, tells.
+            // A file may use a different zero level for the potential. Its first value reveals it, if that is the
+            // initial energy.
             Some(energy) => Some(match self.samples.first() {
                 Some(Sample {
                     t: 0.0,
@@ -172,20 +172,20 @@ fn read_initial(f: &Field, body: &RigidBox) -> Result<BodyState, OracleError> {
     })
 }
 
-/// A quaternion x, y, z, w that has a direction.
+/// Reads a quaternion x, y, z, w whose length is not zero.
 fn rotation(f: &Field) -> Result<DQuat, OracleError> {
     let q = DQuat::from_array(f.numbers()?);
-    // Far from 1 it is no rounded rotation, and what it was meant to be cannot be known; the square
-    // of the length must neither vanish nor overflow.
+    // A quaternion far from unit length is not a rounded rotation, and its meaning is unknown. The square of the length
+    // must neither vanish nor overflow.
     let length = q.length();
     if length.is_finite() && length > 1e-6 {
         Ok(q)
     } else {
-        Err(f.error("a quaternion that is not of length zero"))
+        Err(f.error("a nonzero quaternion"))
     }
 }
 
-/// World vector to body axes.
+/// Converts a world vector to body axes.
 fn to_body(rotation: DQuat, world: DVec3) -> DVec3 {
     rotation.inverse() * world
 }

@@ -6,14 +6,14 @@ use box_physics::state::BodyState;
 use super::field::Field;
 use super::{OracleError, Sample, rotation, to_body};
 
-/// All samples; their times increase.
+/// Reads all samples; their times must increase.
 pub(super) fn read(f: &Field, body: &RigidBox) -> Result<Vec<Sample>, OracleError> {
     let mut samples: Vec<Sample> = Vec::new();
     for s in f.list()? {
         let time = s.require("t")?;
         let t = time.coefficient()?;
         if let Some(before) = samples.last().filter(|before| t <= before.t) {
-            return Err(time.error(format!("later than the sample before it ({})", before.t)));
+            return Err(time.error(format!("later than the previous sample ({})", before.t)));
         }
         samples.push(read_one(&s, body, t)?);
     }

@@ -7,7 +7,7 @@ use super::translation::phi;
 use super::turn;
 use crate::setup::Setup;
 
-/// ω' = τ/I − (γ + c_ω/I) ω about a body axis that stays where it is.
+/// ω' = τ/I − (γ + c_ω/I) ω about a fixed body axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisRotation {
     rotation: DQuat,
@@ -22,8 +22,8 @@ pub(super) struct AxisRotation {
 }
 
 impl AxisRotation {
-    /// `None` unless spin and torque share a principal axis (any axis of a sphere will do for a spin
-    /// without torque) and nothing else turns the body.
+    /// Returns `None` unless spin and torque share a principal axis and nothing else turns the body. Without a torque,
+    /// any axis of a body with equal moments qualifies.
     pub(super) fn of(setup: &Setup, start: &BodyState) -> Option<Self> {
         let f = &setup.forces;
         if f.world_torque != DVec3::ZERO || !f.point_forces.is_empty() || !f.springs.is_empty() {

@@ -1,8 +1,10 @@
 //! Carlson's symmetric elliptic integrals, by duplication (B. C. Carlson, Numer. Algorithms 10, 1995; DLMF 19.36).
 //!
-//! Ours, because a library takes the platform's power and arc tangent: `libm` has the same bits on every machine.
+//! Implemented here because available libraries use the platform's power and arc tangent functions; `libm` has the same
+//! bits on every machine.
 
-/// Where the series after the duplications end, their relative error: (ε/4)^(1/6) with ε = 2⁻⁵³.
+/// Spread of the arguments below which the series after the duplications have a negligible relative error: (ε/4)^(1/6)
+/// with ε = 2⁻⁵³.
 const SPREAD: f64 = 1.7e-3;
 
 /// R_F(x, y, z) for arguments ≥ 0, at most one of them 0. Relative error 1e-15.
@@ -23,8 +25,8 @@ pub(super) fn rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 / 44.0 * e2 * e3) / mean.sqrt()
 }
 
-/// R_J(x, y, z, p) for arguments ≥ 0, at most one of x, y, z 0, p > 0. Relative error 1e-15 but for cancellation of at
-/// most two digits.
+/// R_J(x, y, z, p) for arguments ≥ 0, at most one of x, y, z equal to 0, p > 0. The relative error is 1e-15, except for
+/// a cancellation of at most two digits.
 pub(super) fn rj(mut x: f64, mut y: f64, mut z: f64, mut p: f64) -> f64 {
     let mut mean = (x + y + z + 2.0 * p) / 5.0;
     let (dx, dy, dz) = (mean - x, mean - y, mean - z);

@@ -1,4 +1,4 @@
-//! A box that stays flat on the floor, or bounces flat on it, in closed form.
+//! Closed form of a box that stays flat on the floor or bounces flat on it.
 
 use box_physics::aabb::world_half_extents;
 use box_physics::state::BodyState;
@@ -7,13 +7,13 @@ use glam::DVec3;
 use super::free::FreeMotion;
 use crate::setup::{FloorSpec, Setup};
 
-/// Vertical: the Zeno sequence of flat bounces, apex n at e^{2n} times the first. Horizontal: uniform
-/// without friction; at rest on the floor, the parabola that stops at v²/(2µg).
+/// Vertically, the Zeno sequence of flat bounces, with apex n at e^{2n} times the first. Horizontally, uniform motion
+/// without friction, or on the floor the parabola that ends at v²/(2µg).
 #[derive(Clone, Debug)]
 pub(super) struct FlatContact {
     start: DVec3,
     velocity: DVec3,
-    /// Height of the center when the box lies on the floor \[m\].
+    /// Height of the center when the box is at rest on the floor \[m\].
     rest: f64,
     gravity: f64,
     restitution: f64,
@@ -21,15 +21,15 @@ pub(super) struct FlatContact {
     deceleration: f64,
 }
 
-/// Two heights closer than this times the box's size are the same: positions are given in decimals.
+/// Heights that differ by less than this times the box's size are equal, because positions are given in decimals.
 const TOUCHING: f64 = 1e-12;
 
-/// Rises shorter than this \[s\] are over: 1e-9 s lifts a box by 1e-18 m.
+/// Rises shorter than this \[s\] are neglected: in 1e-9 s a box rises by 1e-18 m.
 const SHORTEST_RISE: f64 = 1e-9;
 
 impl FlatContact {
-    /// `None` unless the motion is one of those: gravity straight down and nothing else, a face level,
-    /// no spin but about the vertical (and that without friction).
+    /// Returns `None` unless the motion is one of these: only vertical gravity acts, a face is level, and the box does
+    /// not spin, except about the vertical without friction.
     pub(super) fn of(
         setup: &Setup,
         floor: &FloorSpec,
@@ -56,8 +56,8 @@ impl FlatContact {
         let frictionless = floor.friction == 0.0;
         let still = w.y == 0.0 && level_velocity == DVec3::ZERO;
         let possible = if lies {
-            // Sliding does not tip it while µ times the height of the center is below the distance
-            // to the edge of the footprint, whatever the direction.
+            // Sliding does not tip the box if µ times the height of the center is below the distance to the edge of the
+            // footprint, in any direction.
             let extents = world_half_extents(start.rotation, half);
             let stands = floor.friction * extents.y < extents.x.min(extents.z);
             frictionless || (w.y == 0.0 && stands)
@@ -98,8 +98,8 @@ impl FlatContact {
         (v * (0.5 * t * (1.0 + left)), v * left)
     }
 
-    /// Passes over thousands of bounces at once: the first n rises take 2u/g (1 − eⁿ)/(1 − e). Stops
-    /// some short of where `since` lies, so that what follows decides as it would have.
+    /// Skips thousands of bounces at once: the first n rises take 2u/g (1 − eⁿ)/(1 − e). Stops some bounces before
+    /// `since`, so that the remaining ones are treated individually.
     fn skip_bounces(&self, since: f64, up: f64) -> (f64, f64) {
         let e = self.restitution;
         let first = 2.0 * up / self.gravity;
@@ -107,7 +107,7 @@ impl FlatContact {
             return (since, up);
         }
         let left = 1.0 - since * (1.0 - e) / first;
-        // How many rises there are before `since`, or before they are too short to count.
+        // The number of rises before `since`, or before they are too short to count.
         let end = left.max(SHORTEST_RISE / first).max(f64::MIN_POSITIVE);
         let n = (libm::log(end) / libm::log(e)).floor() - 100.0;
         if n < 1000.0 {
@@ -153,7 +153,7 @@ impl FlatContact {
 mod tests {
     use super::*;
 
-    /// Passing over bounces gives what counting them one by one gives.
+    /// Skipping bounces gives the same result as counting them one by one.
     #[test]
     fn thousands_of_bounces_are_passed_over() {
         let contact = FlatContact {

@@ -1,8 +1,8 @@
 //! Free rotation in closed form, also with the damping torque −γL, which only rescales time.
 //!
-//! The angular momentum follows Jacobi's functions (Landau, Lifshitz, *Mechanics*, §37), the attitude is
-//! a frame tied to it and turned about the constant world momentum by an elliptic integral of the third
-//! kind, in Carlson's form. (The integrator `exact` uses theta functions: another route to the same motion.)
+//! The angular momentum follows Jacobi's elliptic functions (Landau, Lifshitz, *Mechanics*, §37). The attitude is a
+//! frame attached to it, rotated about the constant world momentum by an elliptic integral of the third kind in
+//! Carlson's form. (The integrator `exact` uses theta functions, an independent method for the same motion.)
 
 use box_physics::body::RigidBox;
 use box_physics::rotation::exponential_map;
@@ -12,7 +12,7 @@ use glam::{DMat3, DQuat, DVec3};
 use super::jacobi::Elliptic;
 use super::turn;
 
-/// The rotation of a body from a start, for all times.
+/// The rotation of a body from a given start, for all times.
 #[derive(Clone, Debug)]
 pub struct FreeMotion {
     rotation: DQuat,
@@ -37,7 +37,7 @@ enum Branch {
 }
 
 impl FreeMotion {
-    /// From `start`, with torque −γL, `damping` = γ [1/s] ≥ 0.
+    /// The motion from `start` with the torque −γL, `damping` = γ [1/s] ≥ 0.
     pub fn new(body: &RigidBox, start: &BodyState, damping: f64) -> Self {
         Self {
             rotation: start.rotation,
@@ -49,8 +49,8 @@ impl FreeMotion {
 
     /// Attitude and body angular momentum [kg m²/s] after `t` \[s\].
     pub fn at(&self, t: f64) -> (DQuat, DVec3) {
-        // With L_w = e^{−γt} L_w(0), Euler's equations are those of the free motion in the time
-        // s = (1 − e^{−γt})/γ: they are quadratic in L.
+        // With L_w = e^{−γt} L_w(0), Euler's equations become those of the free motion in the time s = (1 − e^{−γt})/γ,
+        // because they are quadratic in L.
         let (s, decay) = if self.damping == 0.0 {
             (t, 1.0)
         } else {
@@ -100,7 +100,7 @@ impl Branch {
     }
 }
 
-/// Three different moments. Axes (a, b, c): c is the axis that L circulates about, b the middle one.
+/// Three different moments. Axes (a, b, c): L circulates about c, and b is the middle axis.
 #[derive(Clone, Debug)]
 struct General {
     /// Body to (a, b, c) axes.
@@ -115,7 +115,7 @@ struct General {
     u0: f64,
     /// `None` on the separatrix.
     elliptic: Option<Elliptic>,
-    /// The frame round L at the start, and the precession there.
+    /// The frame about L at the start, and the precession angle there.
     frame0: DMat3,
     phase0: f64,
 }
@@ -129,7 +129,7 @@ impl General {
         let d = l[low] * l[low] * (i[low] - i[mid]) / i[low]
             + l[high] * l[high] * (i[high] - i[mid]) / i[high];
         let (a, c) = if d > 0.0 { (low, high) } else { (high, low) };
-        // Right-handed (a, b, c): turn a round if need be.
+        // Makes (a, b, c) right-handed by reversing a if necessary.
         let mut rows = [DVec3::AXES[a], DVec3::AXES[mid], DVec3::AXES[c]];
         if rows[0].cross(rows[1]).dot(rows[2]) < 0.0 {
             rows[0] = -rows[0];
@@ -162,7 +162,7 @@ impl General {
             g.sign = DVec3::new(sa, handed * sa * sc, sc);
             g.u0 = libm::asinh(g.sign.y * lb / amplitude.y * (amplitude.x / la.abs()));
         } else {
-            // 1 − m, by the D that chose the branch: positive whenever D ≠ 0.
+            // 1 − m, from the D that selected the branch: positive whenever D ≠ 0.
             let m1 = d.abs() * ic / ((ic - ib).abs() * amplitude.z * amplitude.z);
             let e = Elliptic::new(m1.min(1.0));
             g.u0 = e.first_integral(g.sign.y * lb / amplitude.y, la / amplitude.x);
@@ -193,16 +193,15 @@ impl General {
         DMat3::from_cols(e1, e3.cross(e1), e3).transpose()
     }
 
-    /// The part of the precession angle that is not |L| t/I_b: with
-    /// φ' = |L| (L_a²/I_a + L_b²/I_b)/(L_a² + L_b²) = |L|/I_b + |L|(1/I_a − 1/I_b) L_a²/(L_a² + L_b²).
+    /// The precession angle without |L| t/I_b: with φ' = |L| (L_a²/I_a + L_b²/I_b)/(L_a² + L_b²) = |L|/I_b + |L|(1/I_a
+    /// − 1/I_b) L_a²/(L_a² + L_b²).
     fn precession(&self, u: f64) -> f64 {
         let DVec3 { x: ia, y: ib, .. } = self.inertia;
         let factor = self.magnitude * (ib - ia) / (ia * ib) / self.rate;
         let p = (self.amplitude.y / self.amplitude.x).powi(2);
         match &self.elliptic {
             Some(e) => factor * e.third_integral(u, p),
-            // ∫ du/(1 + p sinh²u) = atanh-free form on the separatrix, where p = A_b²/A_a² > 1:
-            // atan(√(p−1) tanh u)/√(p−1).
+            // ∫ du/(1 + p sinh²u) on the separatrix, where p = A_b²/A_a² > 1, is atan(√(p−1) tanh u)/√(p−1).
             None => {
                 let w = (p - 1.0).sqrt();
                 factor * libm::atan(w * libm::tanh(u)) / w
@@ -210,7 +209,7 @@ impl General {
         }
     }
 
-    /// The turn since the start, and L, in body axes.
+    /// The rotation since the start, and L, in body axes.
     fn at(&self, t: f64) -> (DQuat, DVec3) {
         let u = self.rate * t + self.u0;
         let l = self.momentum(u);

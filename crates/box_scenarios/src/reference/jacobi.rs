@@ -1,5 +1,5 @@
-//! Jacobi's elliptic functions and Legendre's integrals, in terms of the complementary parameter
-//! m₁ = 1 − m, so that nothing is lost as m → 1.
+//! Jacobi's elliptic functions and Legendre's integrals, in terms of the complementary parameter m₁ = 1 − m, so that no
+//! accuracy is lost as m → 1.
 
 use super::carlson;
 
@@ -22,14 +22,14 @@ pub struct Elliptic {
     pub quarter: f64,
 }
 
-/// Landen steps: the arithmetic–geometric mean converges quadratically; from m₁ = 1e-300 it takes 13.
-const MOST_STEPS: usize = 16;
+/// Maximum number of Landen steps. The arithmetic–geometric mean converges quadratically; from m₁ = 1e-300 it takes 13.
+const MAX_STEPS: usize = 16;
 
 impl Elliptic {
-    /// For the complementary parameter `m1` = 1 − m, 0 < m₁ ≤ 1.
+    /// Creates the functions for the complementary parameter `m1` = 1 − m, 0 < m₁ ≤ 1.
     pub fn new(m1: f64) -> Self {
         let (mut a, mut b) = (1.0_f64, m1.sqrt());
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             (a, b) = (0.5 * (a + b), (a * b).sqrt());
         }
         Self {
@@ -38,7 +38,7 @@ impl Elliptic {
         }
     }
 
-    /// sn, cn, dn at any real `u`, and the number of half periods 2K taken off to get there.
+    /// sn, cn, dn at any real `u`, and the number of half periods 2K that were subtracted.
     pub fn at(&self, u: f64) -> (Jacobi, f64) {
         let half_periods = (u / (2.0 * self.quarter)).round();
         let r = u - half_periods * (2.0 * self.quarter);
@@ -57,8 +57,8 @@ impl Elliptic {
         (j, half_periods)
     }
 
-    /// |r| ≤ K. Beyond K/2, by the distance to K, where cn and dn are small and would cancel:
-    /// sn(K−s) = cn s/dn s, cn(K−s) = k' sn s/dn s, dn(K−s) = k'/dn s.
+    /// The functions for |r| ≤ K. Above K/2 they are computed from the distance to K, because cn and dn would cancel
+    /// there: sn(K−s) = cn s/dn s, cn(K−s) = k' sn s/dn s, dn(K−s) = k'/dn s.
     fn quarter_range(&self, r: f64) -> Jacobi {
         if r.abs() <= 0.5 * self.quarter {
             return self.landen(r);
@@ -76,9 +76,9 @@ impl Elliptic {
     /// arithmetic–geometric mean, φ_N = 2ᴺ a_N u, sin(2φₙ₋₁ − φₙ) = (cₙ/aₙ) sin φₙ, sn = sin φ₀.
     fn landen(&self, u: f64) -> Jacobi {
         let (mut a, mut b) = (1.0_f64, self.m1.sqrt());
-        let mut ratios = [0.0; MOST_STEPS];
+        let mut ratios = [0.0; MAX_STEPS];
         let mut n = 0;
-        while n < MOST_STEPS {
+        while n < MAX_STEPS {
             let c = 0.5 * (a - b);
             (a, b) = (0.5 * (a + b), (a * b).sqrt());
             ratios[n] = c / a;

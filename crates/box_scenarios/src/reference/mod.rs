@@ -1,16 +1,16 @@
-//! The reference solution of a setup: a closed form where there is one, else a fine numerical reference.
+//! The reference solution of a setup: a closed form if there is one, otherwise a fine numerical reference.
 //!
-//! | motion | answer |
+//! | motion | reference |
 //! |---|---|
 //! | gravity, constant force, linear drag | exponentials |
 //! | quadratic drag on a straight line | tanh, tan, ln cosh |
 //! | springs at the center of mass | the harmonic oscillator |
 //! | free rotation, also with damping −γL | Jacobi's elliptic functions and Carlson's R_J |
 //! | rotation about one principal axis with angular drag and torque | exponentials |
-//! | flat bounces, sliding to rest | the Zeno sequence, the parabola that stops |
+//! | flat bounces, sliding to rest | the Zeno sequence, the parabola that ends at rest |
 //! | anything else without a floor | Dormand and Prince's method of order 8, two step sizes compared |
 //!
-//! The functions are those of `libm`, not of the platform: a reference has the same bits on every machine.
+//! All functions are those of `libm`, not of the platform, so a reference has the same bits on every machine.
 
 mod axis;
 mod carlson;
@@ -30,25 +30,25 @@ pub use free::FreeMotion;
 use numerical::Numerical;
 use translation::Translation;
 
-/// The turn by `angle` \[rad\] about a unit vector.
+/// The rotation by `angle` \[rad\] about a unit vector.
 pub(crate) fn turn(axis: DVec3, angle: f64) -> DQuat {
     let (s, c) = libm::sincos(0.5 * angle);
     let v = s * axis;
     DQuat::from_xyzw(v.x, v.y, v.z, c)
 }
 
-/// Where a reference solution comes from.
+/// Source of a reference solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReferenceKind {
-    /// Formulas, good to rounding.
+    /// Closed forms, accurate to rounding.
     ClosedForm,
-    /// An integrator of order 8; `agreement` is the largest difference (position \[m\], velocity [m/s],
-    /// attitude \[rad\], angular momentum relative) between two step sizes.
+    /// An integrator of order 8. `agreement` is the largest difference (position \[m\], velocity [m/s], attitude
+    /// \[rad\], relative angular momentum) between two step sizes.
     Numerical {
         /// Largest difference between the two runs.
         agreement: f64,
     },
-    /// There is none.
+    /// There is no reference.
     None,
 }
 
@@ -60,7 +60,7 @@ pub struct ReferenceSolution {
     description: &'static str,
 }
 
-/// The answer between two impulses, time counted from the first.
+/// The solution between two impulses, with time counted from the first.
 #[derive(Clone, Debug)]
 enum Segment {
     Separate(Translation, Rotation),
@@ -109,7 +109,7 @@ impl ReferenceSolution {
         Self::through(setup, true)
     }
 
-    /// The closed form of `setup`, if there is one: what can be had at once, without an integration.
+    /// The closed form of `setup`, if there is one. It needs no numerical integration.
     pub fn closed_form(setup: &Setup) -> Option<Self> {
         let reference = Self::through(setup, false);
         (reference.kind == ReferenceKind::ClosedForm).then_some(reference)
@@ -147,7 +147,7 @@ impl ReferenceSolution {
         Self {
             segments: Vec::new(),
             kind: ReferenceKind::None,
-            description: "none: contact with tumbling is chaotic, compare statistics and conserved quantities",
+            description: "none: tumbling contact is chaotic; compare statistics and conserved quantities",
         }
     }
 
@@ -180,8 +180,8 @@ impl ReferenceSolution {
         Some(Segment::Numerical(Box::new(reference)))
     }
 
-    /// The state at time `t` \[s\] ≥ 0: just before an impulse at that very time. `None` where there is
-    /// no reference: before 0, and for a numerical reference after the setup's duration.
+    /// The state at time `t` \[s\] ≥ 0; at the time of an impulse, the state just before it. `None` if there is no
+    /// reference: before 0, and for a numerical reference after the setup's duration.
     pub fn at(&self, t: f64) -> Option<BodyState> {
         if !(t >= 0.0 && t.is_finite()) {
             return None;
@@ -191,12 +191,12 @@ impl ReferenceSolution {
         segment.at(t - from)
     }
 
-    /// Where the answer comes from.
+    /// Source of the reference.
     pub fn kind(&self) -> ReferenceKind {
         self.kind
     }
 
-    /// The same in words.
+    /// Source of the reference, in words.
     pub fn description(&self) -> &'static str {
         self.description
     }
@@ -241,8 +241,7 @@ mod tests {
             let reference = s.reference();
             match reference.kind() {
                 ReferenceKind::Numerical { agreement } => {
-                    // It is the error of the coarser run. 240 rad of a stiff nonlinear oscillation
-                    // multiply it.
+                    // This is the error of the coarser run. A stiff nonlinear oscillation over 240 rad amplifies it.
                     let bound = if s.id == "stiff-spring" { 2e-10 } else { 1e-11 };
                     assert!(agreement < bound, "{}: {agreement:e}", s.id);
                 }
@@ -259,8 +258,8 @@ mod tests {
         }
     }
 
-    /// Formulas against quadrature: two routes to the same motion. The bound grows with what rounding
-    /// does to each: the separatrix multiplies a difference by e^{λt}, up to its first flip by 1e6.
+    /// Closed forms against numerical integration, two independent methods. The bound accounts for the growth of
+    /// rounding errors: the separatrix amplifies a difference by e^{λt}, up to its first flip by 1e6.
     #[test]
     fn closed_forms_agree_with_the_numerical_reference() {
         for s in Scenario::ALL.iter().map(|build| build()) {
@@ -288,8 +287,8 @@ mod tests {
         }
     }
 
-    /// The same bits on every machine, so far as one machine can guard it: all functions are those of `libm`.
-    /// `.ci/web` compares what a browser finds.
+    /// Guards the bits of the references as far as one machine can: all functions are those of `libm`. `.ci/web`
+    /// compares them with the results of a browser.
     #[test]
     fn references_have_the_same_bits_on_every_machine() {
         let digest = |closed: bool| {
@@ -336,11 +335,11 @@ mod tests {
         // 6 m/s against µg = 4.905 m/s²: stops after 36/9.81 m.
         assert!((at("slide", 3.0).position.x - (-4.0 + 36.0 / 9.81)).abs() < 1e-14);
         assert_eq!(at("slide", 3.0).velocity, DVec3::ZERO);
-        // Hundred and first apex: the period is 2√(2h/g).
+        // The apex after a hundred bounces equals the first; the period is 2√(2h/g).
         let period = 2.0 * (2.0_f64 / 9.81).sqrt();
         let apex = at("bounce", 100.0 * period);
         assert!((apex.position.y - 1.25).abs() < 1e-12 && apex.velocity.length() < 1e-11);
-        // Drop from 3 m, e = ½: over at √(2h/g)(1+e)/(1−e); the first apex at h/4.
+        // Drop from 3 m, e = ½: at rest after √(2h/g)(1+e)/(1−e); the first apex is at h/4.
         let fall = (6.0_f64 / 9.81).sqrt();
         assert!((at("drop", 1.5 * fall).position.y - (0.25 + 0.75)).abs() < 1e-14);
         assert_eq!(at("drop", 3.0 * fall + 1e-6).position.y, 0.25);

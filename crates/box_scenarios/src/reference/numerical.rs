@@ -1,8 +1,8 @@
-//! The numerical reference: Dormand and Prince's Runge–Kutta method of order 8(5,3) (Hairer, Nørsett,
-//! Wanner, *Solving ODEs I*, II.10) on (x, q, v, L), at two step sizes whose difference it reports.
+//! The numerical reference: Dormand and Prince's Runge–Kutta method of order 8(5,3) (Hairer, Nørsett, Wanner, *Solving
+//! ODEs I*, II.10) on (x, q, v, L), at two step sizes whose difference is reported.
 //!
-//! The steps are equal parts of an interval. The usual control of the step takes a power, which the platform's library
-//! computes with other bits on other machines.
+//! The steps are equal parts of an interval. The usual step size control uses a power function, which the platform's
+//! library computes with different bits on different machines.
 
 use box_physics::body::RigidBox;
 use box_physics::force::{Forces, rates};
@@ -14,27 +14,27 @@ use glam::{DQuat, DVec3};
 use crate::metrics::StateError;
 use crate::setup::Setup;
 
-/// Relative and absolute tolerance of each step of the coarser run. The finer one takes two steps for one.
+/// Relative and absolute tolerance of each step of the coarser run. The finer run takes two steps for each.
 const TOLERANCE: f64 = 1e-13;
-/// A tolerance that every step is within.
+/// A tolerance that every step satisfies.
 const ANY: f64 = 1.0;
-/// Distance of the stored states \[s\]. A time between two is reached by integrating from the earlier.
+/// Interval between stored states \[s\]. A time between two of them is reached by integrating from the earlier one.
 const SPACING: f64 = 1.0 / 32.0;
-/// The most steps of the coarser run between two stored states.
-const MOST_STEPS: usize = 1 << 20;
+/// Maximum number of steps of the coarser run between two stored states.
+const MAX_STEPS: usize = 1 << 20;
 
-/// Stored states and what is needed to go on from them.
+/// Stored states, and the data needed to continue from them.
 #[derive(Clone, Debug)]
 pub(crate) struct Numerical {
     setup: Setup,
-    /// Each with the number of steps to the next.
+    /// States, each with the number of steps to the next.
     nodes: Vec<(BodyState, usize)>,
     duration: f64,
     agreement: f64,
 }
 
 impl Numerical {
-    /// From `start` for `duration` \[s\]; `None` if no step is within the tolerance.
+    /// Integrates from `start` for `duration` \[s\]; `None` if no step size satisfies the tolerance.
     pub(crate) fn new(setup: &Setup, start: &BodyState, duration: f64) -> Option<Self> {
         let count = (duration / SPACING).ceil() as usize;
         let mut nodes = Vec::with_capacity(count + 1);
@@ -45,7 +45,7 @@ impl Numerical {
             coarse = loop {
                 match integrate(setup, &coarse, SPACING, steps, TOLERANCE) {
                     Some(next) => break next,
-                    None if steps < MOST_STEPS => steps *= 2,
+                    None if steps < MAX_STEPS => steps *= 2,
                     None => return None,
                 }
             };
@@ -103,7 +103,7 @@ impl ODE<f64, [f64; 13]> for Motion<'_> {
     }
 }
 
-/// After `t` \[s\] in equal steps, unless one of them has an estimated error above the tolerance.
+/// Integrates for `t` \[s\] in equal steps. Returns `None` if the estimated error of a step exceeds the tolerance.
 fn integrate(
     setup: &Setup,
     from: &BodyState,
@@ -124,7 +124,7 @@ fn integrate(
         .h0(t / steps as f64)
         .min_scale(1.0)
         .max_scale(1.0)
-        // A rejected step is tried again and again. Rounding may leave a last, tiny one.
+        // A rejected step would be repeated forever. Rounding may leave an additional, tiny last step.
         .max_steps(steps + 1);
     let solution = IVP::ode(&motion, 0.0, t, pack(from))
         .method(method)

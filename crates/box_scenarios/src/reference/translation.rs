@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::forces::ForceSet;
 use crate::setup::Setup;
 
-/// φ₁ = (1 − e^{−z})/z and φ₂ = (1 − φ₁)/z for z ≥ 0, also at 0.
+/// φ₁ = (1 − e^{−z})/z and φ₂ = (1 − φ₁)/z for z ≥ 0, including 0.
 pub(super) fn phi(z: f64) -> (f64, f64) {
     if z < 0.5 {
         // φ₂ = Σ (−z)ᵏ/(k+2)!, thirteen terms: 0.5¹³/15! < 1e-16.
@@ -22,7 +22,7 @@ pub(super) fn phi(z: f64) -> (f64, f64) {
     }
 }
 
-/// Whether the only wrench is undamped springs at the center of mass.
+/// Returns `true` if the wrench consists only of undamped springs at the center of mass.
 pub(super) fn springs_at_center(f: &ForceSet) -> bool {
     f.body_torque == DVec3::ZERO
         && f.world_torque == DVec3::ZERO
@@ -33,7 +33,7 @@ pub(super) fn springs_at_center(f: &ForceSet) -> bool {
             .all(|s| s.body_point == DVec3::ZERO && s.damping == 0.0)
 }
 
-/// A path with a formula.
+/// A path in closed form.
 #[derive(Clone, Debug)]
 pub(super) enum Translation {
     /// v' = a − c v
@@ -142,11 +142,10 @@ impl Translation {
     }
 }
 
-/// s'' = a − κ|s'|s' from s = 0, s' = `v`, with a ≥ 0: way \[m\] and speed [m/s] after `t`. Terminal speed
-/// u = √(a/κ), rate r = √(aκ):
-/// - backwards (v < 0), until it turns: s' = −u tan(θ₀ − rt), θ₀ = atan(−v/u), s = −(1/κ) ln of the ratio
-///   of cosines;
-/// - forwards below u: s' = u tanh(rt + atanh(v/u)); above: coth; in both, with T = tanh rt,
+/// Solves s'' = a − κ|s'|s' from s = 0, s' = `v`, with a ≥ 0. Returns distance \[m\] and speed [m/s] after `t`. With
+/// the terminal speed u = √(a/κ) and the rate r = √(aκ):
+/// - backward (v < 0), until it reverses: s' = −u tan(θ₀ − rt), θ₀ = atan(−v/u), s = −(1/κ) ln of the ratio of cosines;
+/// - forward below u: s' = u tanh(rt + atanh(v/u)); above: coth; in both, with T = tanh rt,
 ///   s' = u (v + uT)/(u + vT) and s = (1/κ) ln(cosh rt + (v/u) sinh rt).
 fn straight(t: f64, v: f64, a: f64, kappa: f64) -> (f64, f64) {
     if a == 0.0 {
@@ -189,7 +188,7 @@ mod tests {
         assert!((phi(1e-12).0 - (1.0 - 5e-13)).abs() < 1e-16);
     }
 
-    /// s' is the derivative of s, and s'' obeys the law, on every branch.
+    /// s' is the derivative of s, and s'' satisfies the equation of motion, on every branch.
     #[test]
     fn quadratic_drag_obeys_its_equation() {
         for (v, a) in [

@@ -1,4 +1,4 @@
-//! Limits of a scene file: wide enough for a person, narrow enough to be computed in seconds.
+//! Limits of a scene file: wide enough for users, narrow enough to be computed in seconds.
 
 use core::fmt::Display;
 
@@ -10,15 +10,15 @@ use serde::de::{Deserialize, Deserializer, Error};
 use crate::limits;
 use crate::setup::Setup;
 
-/// The longest scene \[s\].
+/// Maximum duration of a scene \[s\].
 pub const LONGEST: f64 = 600.0;
 
-/// The most radians that the fastest motion of a scene may take in its duration: a reference solution costs
-/// some microseconds a radian, and is computed when the scene starts.
+/// Maximum duration of a scene times the fastest rate of its motion \[rad\]. A reference solution costs some
+/// microseconds per radian, and is computed when the scene starts.
 pub const MOST_TURNS: f64 = 2e4;
 
-/// The longest text [characters].
-const LONG: usize = 400;
+/// Maximum length of a text [characters].
+const MAX_TEXT_LENGTH: usize = 400;
 
 fn refused<T, E: Error>(reason: impl Display) -> Result<T, E> {
     Err(E::custom(reason))
@@ -51,9 +51,9 @@ struct Line(String);
 impl<'de> Deserialize<'de> for Line {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let text = String::deserialize(from)?;
-        if text.chars().count() > LONG || text.chars().any(char::is_control) {
+        if text.chars().count() > MAX_TEXT_LENGTH || text.chars().any(char::is_control) {
             return refused(format_args!(
-                "must be one line of at most {LONG} characters"
+                "must be one line of at most {MAX_TEXT_LENGTH} characters"
             ));
         }
         Ok(Self(text))
@@ -65,7 +65,7 @@ pub(super) fn hints<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<String>, D
     Ok(hints.into_iter().map(|line| line.0).collect())
 }
 
-/// The id of an integrator.
+/// The id of an existing integrator.
 struct Known(String);
 
 impl<'de> Deserialize<'de> for Known {
@@ -107,7 +107,7 @@ pub(super) fn mass<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> 
     limits::number(from, 1e-6..=1e6, "between 1e-6 and 1e6 kg")
 }
 
-/// An attitude; a unit quaternion keeps its bits.
+/// Reads an attitude; a unit quaternion keeps its bits.
 pub(super) fn rotation<'de, D: Deserializer<'de>>(from: D) -> Result<DQuat, D::Error> {
     let rotation = DQuat::deserialize(from)?;
     let norm = rotation.length();
@@ -121,23 +121,23 @@ pub(super) fn rotation<'de, D: Deserializer<'de>>(from: D) -> Result<DQuat, D::E
     })
 }
 
-/// What the parts of a setup ask of each other.
+/// Checks the conditions between the parts of a setup.
 ///
 /// # Errors
-/// What is wrong, in words.
+/// A description of the violated condition.
 pub(super) fn setup(setup: &Setup) -> Result<(), String> {
     setup.validate().map_err(|e| e.to_string())?;
     let turns = fastest(setup) * setup.duration;
     if turns.is_nan() || turns > MOST_TURNS {
         return Err(format!(
-            "duration times the fastest rate of the motion is {turns:.3e} rad, and {MOST_TURNS:e} are allowed: shorten it, or make spin, springs and drag weaker"
+            "duration times the fastest rate of the motion is {turns:.3e} rad (allowed: up to {MOST_TURNS:e}); reduce the duration, spin, springs or drag"
         ));
     }
     Ok(())
 }
 
-/// A bound on the rates of the motion [rad/s]: spin, springs, drag, and what the forces and impulses can
-/// make of them in the scene's time.
+/// An upper bound on the rates of the motion [rad/s]: spin, springs and drag, and the changes by forces and impulses
+/// during the scene.
 fn fastest(setup: &Setup) -> f64 {
     let (body, f) = (&setup.body, &setup.forces);
     let (mass, least) = (body.mass(), body.inertia().min_element());
@@ -147,7 +147,7 @@ fn fastest(setup: &Setup) -> f64 {
         .iter()
         .map(|s| (s.stiffness * arm(s.body_point)).sqrt() + s.damping * arm(s.body_point))
         .sum::<f64>();
-    // A torque τ turns a body by at most √(τ/I) radians a second per radian; over the time T it adds τT/I.
+    // A torque τ turns a body at most at the rate √(τ/I); over the time T it adds τT/I to the spin.
     let torque = f.body_torque.length()
         + f.world_torque.length()
         + f.point_forces
@@ -170,7 +170,7 @@ fn fastest(setup: &Setup) -> f64 {
             .sum::<f64>()
             / mass
         + (f.acceleration(body).length() + pull / mass) * setup.duration;
-    // Linear drag and damping alone have closed forms; with anything else they count.
+    // Linear drag and damping alone have closed forms; they count only together with other forces.
     let drag = f.linear_drag / mass + f.angular_damping + f.angular_drag / least;
     let closed = !f.has_wrench() && f.quadratic_drag == 0.0 && f.angular_drag == 0.0;
     let drag = if closed { 0.0 } else { drag };
@@ -181,9 +181,8 @@ fn initial_spin(body: &RigidBox, setup: &Setup) -> f64 {
     (body.inverse_inertia() * setup.initial.angular_momentum).length()
 }
 
-/// What a constant torque can add to the spin in the scene's time, or, if it swings the body instead,
-/// its rate: the smaller of both would do; the larger is safe only where it is affordable, so the swing
-/// is counted in full and the growth up to the limit.
+/// Bound on the rate due to a constant torque: the rate √(τ/I) of a swing, or the spin that it adds within 1 s,
+/// whichever is larger. Counting the added spin over the whole duration would be safe but too strict.
 fn torque_spin(torque: f64, setup: &Setup) -> f64 {
     let per_inertia = torque / setup.body.inertia().min_element();
     per_inertia

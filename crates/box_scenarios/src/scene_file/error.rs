@@ -1,4 +1,4 @@
-//! What is wrong with a scene file, and where.
+//! Errors of a scene file with their location.
 
 use std::path::{Path, PathBuf};
 
@@ -10,13 +10,13 @@ use ron::error::{Error as RonError, SpannedError};
 pub struct SceneFileError {
     /// The file.
     pub file: PathBuf,
-    /// From 1; 0 if it is about the file as a whole.
+    /// Line, from 1; 0 for errors about the whole file.
     pub line: usize,
-    /// From 1, in characters; 0 if it is about the file as a whole.
+    /// Column in characters, from 1; 0 for errors about the whole file.
     pub column: usize,
-    /// The field, with those round it: `body.mass`. Empty where there is none.
+    /// Path to the field, for example `body.mass`; empty if there is none.
     pub field: String,
-    /// What is wrong with it.
+    /// Description of the error.
     pub message: String,
 }
 
@@ -29,7 +29,7 @@ fn of(field: &str) -> String {
 }
 
 impl SceneFileError {
-    /// About the file as a whole.
+    /// An error about the whole file.
     pub(super) fn whole(file: &Path, message: String) -> Self {
         Self {
             file: file.to_owned(),
@@ -40,7 +40,7 @@ impl SceneFileError {
         }
     }
 
-    /// After the text `before`.
+    /// An error located after the text `before`.
     pub(super) fn after(file: &Path, before: &str, message: String) -> Self {
         let line = before.rsplit('\n').next().unwrap_or_default();
         Self {
@@ -50,12 +50,12 @@ impl SceneFileError {
         }
     }
 
-    /// About the scene as a whole.
+    /// An error about the whole scene.
     pub(super) fn scene(file: &Path, message: String) -> Self {
         Self::after(file, "", message)
     }
 
-    /// What the parser or a check of a value says, and in which field.
+    /// An error of the parser or of a value check, with its field.
     pub(super) fn value(file: &Path, error: &SpannedError, path: &str) -> Self {
         let inside = path.trim_end_matches('?').trim_matches('.');
         let field = match &error.code {

@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
 
 use super::{check, intern};
-use crate::forces::{ForceSet, MANY};
+use crate::forces::{ForceSet, MAX_ITEMS};
 use crate::limits;
 use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup, TimedImpulse};
@@ -65,14 +65,14 @@ fn start<'de, D: Deserializer<'de>>(from: D) -> Result<StartForm, D::Error> {
     ];
     if spins.iter().flatten().count() > 1 {
         return Err(D::Error::custom(
-            "the spin is given twice: give one of body_angular_velocity, world_angular_velocity and angular_momentum",
+            "the spin is given twice; set only one of body_angular_velocity, world_angular_velocity and angular_momentum",
         ));
     }
     Ok(form)
 }
 
 fn impulses<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<TimedImpulse>, D::Error> {
-    limits::at_most(from, MANY)
+    limits::at_most(from, MAX_ITEMS)
 }
 
 /// The box.
@@ -91,7 +91,7 @@ pub(super) struct BodyForm {
     inertia: Option<DVec3>,
 }
 
-/// Its state at t = 0. The spin is given as one of three quantities.
+/// The state at t = 0. The spin is given as one of three quantities.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct StartForm {
@@ -101,7 +101,7 @@ pub(super) struct StartForm {
     rotation: DQuat,
     #[serde(deserialize_with = "limits::vector")]
     velocity: DVec3,
-    // The alias is the name of older files.
+    // The alias is the name used in older files.
     #[serde(
         alias = "angular_velocity",
         skip_serializing_if = "Option::is_none",
@@ -121,7 +121,7 @@ pub(super) struct StartForm {
 }
 
 impl SceneForm {
-    /// `scene`, so that it reads back bit for bit.
+    /// Converts `scene` so that it reads back bit for bit.
     pub(super) fn of(scene: &Scenario) -> Self {
         let (setup, body) = (&scene.setup, &scene.setup.body);
         let solid = RigidBox::new(body.half_extents(), body.mass());
@@ -154,10 +154,10 @@ impl SceneForm {
         }
     }
 
-    /// The scene.
+    /// Converts to a scene.
     ///
     /// # Errors
-    /// What is wrong with it as a whole, in words.
+    /// A description of the error, if the scene as a whole is invalid.
     pub(super) fn into_scenario(self) -> Result<Scenario, String> {
         let body = self.body.build().map_err(|e| e.to_string())?;
         let setup = Setup {

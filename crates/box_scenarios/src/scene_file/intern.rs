@@ -1,5 +1,5 @@
-//! Texts that live as long as the program, each kept once: scenes are built-in for the most part, and
-//! their texts `&'static`. Reading a text again (hot reload) allocates nothing.
+//! Interned texts that live as long as the program. Most scenes are built in, and their texts are `&'static`. Reading a
+//! text again (hot reload) leaks no further memory.
 
 use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 static TEXTS: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
 static LISTS: Mutex<Option<HashSet<&'static [&'static str]>>> = Mutex::new(None);
 
-/// The one copy of `text`.
+/// The interned copy of `text`.
 pub(super) fn text(text: String) -> &'static str {
     let mut known = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
     let known = known.get_or_insert_default();
@@ -19,7 +19,7 @@ pub(super) fn text(text: String) -> &'static str {
     kept
 }
 
-/// The one copy of a list of texts.
+/// The interned copy of a list of texts.
 pub(super) fn list(texts: Vec<String>) -> &'static [&'static str] {
     let texts: Vec<&'static str> = texts.into_iter().map(text).collect();
     let mut known = LISTS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,9 +1,8 @@
-//! Scenes in files: RON, documented in `assets/scenes/example.ron`.
+//! Scene files in RON, documented in `assets/scenes/example.ron`.
 //!
-//! [`load`] reads one, [`to_ron`] writes one; what is written reads back bit for bit. Every complaint
-//! names file, line, column and field. Nothing in a file can make the reader panic or hang: it is at
-//! most [`MAX_BYTES`] long, and what a scene may ask for is limited ([`LONGEST`], [`MOST_TURNS`]; the
-//! errors say the other ranges).
+//! [`load`] reads a scene and [`to_ron`] writes it; a written scene reads back bit for bit. Every error names file,
+//! line, column and field. No file can make the reader panic or hang: its size is limited to [`MAX_BYTES`], and the
+//! values of a scene are limited ([`LONGEST`], [`MOST_TURNS`]; errors state the other ranges).
 //!
 //! ```
 //! use box_scenarios::{Scenario, scene_file};
@@ -33,7 +32,7 @@ pub use check::{LONGEST, MOST_TURNS};
 pub use error::SceneFileError;
 use form::SceneForm;
 
-/// The longest file that is read \[bytes\].
+/// Maximum file size \[bytes\].
 pub const MAX_BYTES: u64 = 256 * 1024;
 
 /// Reads the scene in `path`.
@@ -50,13 +49,13 @@ pub fn load(path: &Path) -> Result<Scenario, SceneFileError> {
     from_bytes(path, &bytes)
 }
 
-/// The scene in `bytes`; `file` is only named in errors.
+/// Reads the scene in `bytes`; `file` is only used in errors.
 ///
 /// # Errors
-/// As [`load`].
+/// The same as [`load`].
 pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError> {
     if bytes.len() as u64 > MAX_BYTES {
-        let text = format!("longer than the {MAX_BYTES} bytes that a scene may have");
+        let text = format!("the file is too long (allowed: up to {MAX_BYTES} bytes)");
         return Err(SceneFileError::whole(file, text));
     }
     match core::str::from_utf8(bytes) {
@@ -64,16 +63,16 @@ pub fn from_bytes(file: &Path, bytes: &[u8]) -> Result<Scenario, SceneFileError>
         Err(error) => {
             let good = bytes.get(..error.valid_up_to()).unwrap_or_default();
             let good = core::str::from_utf8(good).unwrap_or_default();
-            let message = "not UTF-8 text from here on".to_owned();
+            let message = "not UTF-8 text".to_owned();
             Err(SceneFileError::after(file, good, message))
         }
     }
 }
 
-/// The scene in `text`; `file` is only named in errors.
+/// Reads the scene in `text`; `file` is only used in errors.
 ///
 /// # Errors
-/// As [`load`].
+/// The same as [`load`].
 pub fn parse(file: &Path, text: &str) -> Result<Scenario, SceneFileError> {
     let mut reader = Deserializer::from_str_with_options(text, &options())
         .map_err(|error| SceneFileError::value(file, &error, ""))?;
@@ -89,7 +88,7 @@ pub fn parse(file: &Path, text: &str) -> Result<Scenario, SceneFileError> {
         .map_err(|reason| SceneFileError::scene(file, reason))
 }
 
-/// `scene` as a file.
+/// Writes `scene` as the text of a scene file.
 pub fn to_ron(scene: &Scenario) -> String {
     let pretty = PrettyConfig::new()
         .depth_limit(3)
@@ -101,7 +100,7 @@ pub fn to_ron(scene: &Scenario) -> String {
         .unwrap_or_else(|error| unreachable!("a scene is plain data, but: {error}"))
 }
 
-/// `floor: (…)` needs no `Some`.
+/// Accepts `floor: (…)` without `Some`.
 fn options() -> Options {
     Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }

@@ -43,7 +43,7 @@ fn the_files_that_are_shipped_are_scenes() {
     assert!(count >= 3);
 }
 
-/// Every field of a scene is in the example, so that it documents the format.
+/// The example contains every field of a scene, because it documents the format.
 #[test]
 fn the_example_shows_every_field() {
     let mut scene = Scenario::find("heavy-top").expect("known");
@@ -73,7 +73,7 @@ fn the_example_shows_every_field() {
     }
 }
 
-/// The law of restitution is optional, is written only where it is not the default, and is the driver's.
+/// The restitution law is optional, is written only if it is not the default, and reaches the driver.
 #[test]
 fn the_law_of_restitution() {
     let law = |text: &str| {
@@ -96,7 +96,8 @@ fn the_law_of_restitution() {
     assert_eq!(law(&newton), (RestitutionLaw::Newton, true));
 }
 
-/// The spin in world axes, as the API has it, or in body axes, under a name each; the older name is that in body axes.
+/// The spin may be given in world axes, as in the API, or in body axes, with different names. The older name refers to
+/// body axes.
 #[test]
 fn the_axes_of_the_spin_are_named() {
     let momentum = "angular_momentum: (0.08, 1.6, 0.16)";
@@ -125,7 +126,7 @@ fn the_axes_of_the_spin_are_named() {
     }
 }
 
-/// A die of half a gram and 5 mm is a box like others.
+/// A die of half a gram and 5 mm is a valid box.
 #[test]
 fn dice_are_boxes() {
     let die = EXAMPLE.replace("mass: 3.0", "mass: 0.0005");
@@ -142,7 +143,7 @@ fn dice_are_boxes() {
     plays(&die);
 }
 
-/// Walls between which the box fits in no attitude are refused.
+/// Walls between which the box does not fit are rejected.
 #[test]
 fn a_tray_leaves_room_for_the_box() {
     let tray = |half: &str| read(&EXAMPLE.replace("tray: 0.0", &format!("tray: {half}")));
@@ -201,7 +202,7 @@ fn complaints_name_file_line_column_and_field() {
         let place: Vec<&str> = what.splitn(3, ':').collect();
         let rest = format!(":{}", place[2].trim_start());
         assert!(rest.starts_with(expected), "{to}: {said}");
-        // The line is the one that was spoilt, or the next where something is missing.
+        // The error is on the modified line, or on a later one if a field is missing.
         let spoilt = text[..EXAMPLE.find(from).expect("there")]
             .matches('\n')
             .count()
@@ -224,14 +225,14 @@ fn complaints_name_file_line_column_and_field() {
     assert!(from_bytes(Path::new("b.ron"), &vec![b' '; 300_000]).is_err());
 }
 
-/// A scene that the reader lets through can be played: it has its answer soon, and steps stay finite.
+/// Asserts that an accepted scene can be played: it has a reference soon, and steps stay finite.
 fn plays(scene: &Scenario) {
     let reference = scene.reference();
     let start = reference.at(0.0);
     assert!(start.is_none_or(|s| s.is_finite()));
     assert!(scene.setup.initial.is_valid());
-    // Ten steps with whatever there is: forces, floor, impulses. (What a file asks for may lead beyond f64, where the
-    // game quarantines the body.)
+    // Ten steps with all forces, floor and impulses. (Extreme values in a file may exceed the range of f64; the game
+    // then quarantines the body.)
     let dt = 1.0 / 60.0;
     let plan = Plan::new(&[dt, 10.0 * dt], &scene.setup.impulses, dt);
     let mut looks = 0;
@@ -261,7 +262,7 @@ fn hostile() -> impl Strategy<Value = String> {
     ]
 }
 
-/// The names of the example's fields.
+/// Field names of the example.
 fn names() -> Vec<&'static str> {
     let lines = EXAMPLE
         .lines()
@@ -273,8 +274,8 @@ fn names() -> Vec<&'static str> {
         .collect()
 }
 
-/// Any nesting of fields, tuples and lists, the fields with names that mean something: what a person who guesses at
-/// the format, or a program with a bug, would write.
+/// Any nesting of fields, tuples and lists with meaningful names, as a user guessing the format or a faulty program
+/// would write.
 fn structure() -> impl Strategy<Value = String> {
     let name = prop::sample::select(names());
     let leaf = prop_oneof![
@@ -295,7 +296,7 @@ fn structure() -> impl Strategy<Value = String> {
     })
 }
 
-/// Where the numbers of the example stand.
+/// Byte ranges of the numbers in the example.
 fn numbers() -> Vec<core::ops::Range<usize>> {
     let mut found = Vec::new();
     let mut offset = 0;
@@ -338,7 +339,7 @@ proptest! {
         }
     }
 
-    /// A field of the example that is anything else: refused with a place, or playable.
+    /// A field of the example with a different value is either rejected with a location or playable.
     #[test]
     fn a_field_that_is_something_else(at in any::<prop::sample::Index>(), with in structure()) {
         let places = numbers();
@@ -350,7 +351,7 @@ proptest! {
         }
     }
 
-    /// The example with up to four numbers replaced: refused with a place, or playable.
+    /// The example with up to four numbers replaced is either rejected with a location or playable.
     #[test]
     fn a_spoilt_example_is_refused_or_plays(
         changes in proptest::collection::vec((any::<prop::sample::Index>(), hostile()), 1..4)
@@ -369,7 +370,7 @@ proptest! {
         }
     }
 
-    /// The example cut off anywhere, and with any byte changed.
+    /// The example truncated anywhere, or with any byte changed, never causes a panic.
     #[test]
     fn a_damaged_example_never_panics(at in 0..EXAMPLE.len(), byte in any::<u8>()) {
         let bytes = EXAMPLE.as_bytes();

@@ -1,4 +1,4 @@
-//! The center of mass under gravity and drag.
+//! Scenes of the center of mass under gravity and drag.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::{Plot, SceneView};
 
-/// A ball's throw: the parabola.
+/// A ball's throw: a parabola.
 pub fn ballistic() -> Scenario {
     let body = solid([0.25; 3], 2.0);
     let start = spinning(&body, [-8.0, 0.5, 0.0], [0.0, 0.0, -3.0])
@@ -16,10 +16,10 @@ pub fn ballistic() -> Scenario {
     Scenario {
         id: "ballistic",
         title: "Ballistic throw",
-        lesson: "The simplest motion there is. Semi-implicit Euler and the 2012 integrator are off by exactly ½·g·dt·t, a third of a meter after 4 s; second-order integrators hit the parabola to rounding.",
+        lesson: "The simplest motion: a parabola. Semi-implicit Euler and the 2012 integrator are off by exactly ½·g·dt·t, a third of a meter after 4 s; second-order integrators are exact to rounding.",
         hints: [
             "Press [120 Hz]: the first-order errors halve.",
-            "Press [Side by side]: Explicit Euler flies high by what Semi-implicit Euler flies low.",
+            "Press [Side by side]: Explicit Euler is too high by as much as Semi-implicit Euler is too low.",
         ],
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &[
@@ -29,7 +29,7 @@ pub fn ballistic() -> Scenario {
             "heun-2012",
         ],
         boxes: 1,
-        // Next to the box: what the integrators differ by is less than its size.
+        // Close to the box, because the differences between integrators are smaller than it.
         view: SceneView::from(20.0, 10.0).with_plot(Plot::Error),
     }
 }
@@ -46,15 +46,15 @@ pub fn stiff_drag() -> Scenario {
     Scenario {
         id: "stiff-drag",
         title: "Stiff drag",
-        lesson: "Drag of 250 per second kills the throw in milliseconds. Explicit integrators explode once c·dt/m passes 2 (RK4: 2.79); implicit and exponential ones fall on quietly.",
+        lesson: "Drag of 250 per second stops the throw in milliseconds. Explicit integrators diverge for c·dt/m above 2 (RK4: 2.79); implicit and exponential ones remain stable.",
         hints: [
             "Lower [Linear drag] from c·dt/m = 4 to find each integrator's limit.",
-            "Open the [Error tab]: Implicit midpoint rings, its factor tends to −1.",
+            "Open the [Error tab]: Implicit midpoint oscillates, because its amplification factor tends to −1.",
         ],
         setup: Setup::new(body, start, forces, 3.0),
         recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],
         boxes: 1,
-        // Beside the box, which falls by its own height in 25 s.
+        // Close to the box, which takes 25 s to fall by its own height.
         view: SceneView::from(8.0, 15.0)
             .at([0.0, 3.9, 0.0], 4.5)
             .with_plot(Plot::Error),
@@ -73,10 +73,10 @@ pub fn quadratic_drag() -> Scenario {
     Scenario {
         id: "quadratic-drag",
         title: "Quadratic drag",
-        lesson: "Thrown straight up at 45 m/s through air: the answer is a tangent going up and a hyperbolic tangent coming down. The drag must never turn the velocity round.",
+        lesson: "A throw straight up at 45 m/s through air. The exact velocity is a tangent on the way up and a hyperbolic tangent on the way down. Drag must never reverse the velocity.",
         hints: [
-            "Press [Push +y] with a [Strength] of 1e4: explicit integrators come out backwards.",
-            "Press [Sweep] in the [Work–precision tab]: every integrator shows its order.",
+            "Press [Push +y] with a [Strength] of 1e4: explicit integrators reverse the velocity.",
+            "Press [Sweep] in the [Work–precision tab]: each slope is the order of the integrator.",
         ],
         setup: Setup::new(body, start, forces, 8.0),
         recommended: &["split", "rk4", "velocity-verlet", "explicit-euler"],
@@ -93,10 +93,10 @@ pub fn throw() -> Scenario {
     Scenario {
         id: "throw",
         title: "Tumbling throw",
-        lesson: "Gravity exerts no torque, so the center flies a parabola while the box tumbles freely. Both parts have exact answers, and errors in one do not touch the other.",
+        lesson: "The center follows a parabola while the box tumbles freely, because gravity exerts no torque. Errors in one do not affect the other.",
         hints: [
             "Press [Sweep] in the [Work–precision tab]: position and attitude can have different orders.",
-            "Press [equal cost]: every integrator gets the step it can afford.",
+            "Press [equal cost]: cheaper integrators take smaller steps.",
         ],
         setup: Setup::new(body, start, ForceSet::gravity(GRAVITY), 4.0),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],

@@ -1,4 +1,4 @@
-//! Contact.
+//! Scenes with contact.
 
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
@@ -9,7 +9,7 @@ use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup};
 use crate::view::{Plot, SceneView};
 
-/// A box at rest, to be pushed about.
+/// A box at rest, to be pushed around.
 pub fn playground() -> Scenario {
     let body = solid([0.5; 3], 2.0);
     let start = spinning(&body, [0.0, 0.5, 0.0], [0.0; 3]);
@@ -17,10 +17,10 @@ pub fn playground() -> Scenario {
     Scenario {
         id: "playground",
         title: "Playground",
-        lesson: "A box at rest on a floor. Push it: W and S along its z axis, A and D along x, Q and E along y; Shift pushes off-center.",
+        lesson: "A box at rest on a floor. Push it with W and S (z axis), A and D (x axis), Q and E (y axis); hold Shift to push off-center.",
         hints: [
             "Click the box to poke it, drag it to grab it, or press [Push +x].",
-            "Move [Friction] and [Restitution].",
+            "Change [Friction] and [Restitution].",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
@@ -37,10 +37,10 @@ pub fn drop() -> Scenario {
     Scenario {
         id: "drop",
         title: "Flat drop",
-        lesson: "Bounce n reaches e^(2n) of the first height, infinitely many of them in a finite time, then rest. An integrator that finds the impact inside the step keeps its order.",
+        lesson: "Bounce n reaches e^(2n) of the initial height. There are infinitely many bounces in a finite time, then rest. Locating the impact within the step preserves the order of the integrator.",
         hints: [
-            "Set [Restitution] to 1 or 0.",
-            "Open [NOW] and read [Spin |ω|]: a flat landing must not start one.",
+            "Set [Restitution] to 1 or 0: it bounces forever or not at all.",
+            "Open [NOW] and read [Spin |ω|]: a flat landing must not cause spin.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
@@ -49,7 +49,7 @@ pub fn drop() -> Scenario {
     }
 }
 
-/// e = 1: without end.
+/// Endless bounces with e = 1.
 pub fn bounce() -> Scenario {
     let body = solid([0.5, 0.25, 0.5], 3.0);
     let start = spinning(&body, [0.0, 1.25, 0.0], [0.0; 3]);
@@ -57,10 +57,10 @@ pub fn bounce() -> Scenario {
     Scenario {
         id: "bounce",
         title: "Hundred bounces",
-        lesson: "With e = 1 the box must come back to the same height a hundred times. Energy gained or lost at each contact adds up where everyone can see it.",
+        lesson: "With e = 1 the box must return to the same height a hundred times. Energy errors at each contact accumulate until they are visible.",
         hints: [
             "Press [Faster], open [NOW] and read [Total energy] after a minute.",
-            "Open the [Energy tab]: integrators that are exact on the parabola stay, the others climb or sink.",
+            "Open the [Energy tab]: integrators that are exact on the parabola keep the energy, the others gain or lose it.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(1.0, 0.0)),
         recommended: &[
@@ -83,9 +83,9 @@ pub fn slide() -> Scenario {
     Scenario {
         id: "slide",
         title: "Slide to rest",
-        lesson: "Coulomb friction stops the box after v²/(2µg), with a corner in the velocity when it stops. It must neither creep nor turn back.",
+        lesson: "Coulomb friction stops the box after a distance v²/(2µg), and the friction force then drops to zero. The box must neither creep nor reverse.",
         hints: [
-            "Press [Restart] and [Push +x]: it must stop on the line it slides along.",
+            "Press [Restart] and [Push +x]: it must not leave its straight line.",
             "Raise [Friction] past 2: the box tips instead of sliding.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.0, 0.5)),
@@ -97,7 +97,7 @@ pub fn slide() -> Scenario {
     }
 }
 
-/// A fast tumbling throw over a lively floor: chaos.
+/// A fast tumbling throw over a bouncy floor: chaotic motion.
 pub fn tumble_storm() -> Scenario {
     let body = brick();
     let start = spinning(&body, [-3.0, 4.0, 0.0], [3.0, 9.0, -5.0])
@@ -106,10 +106,10 @@ pub fn tumble_storm() -> Scenario {
     Scenario {
         id: "tumble-storm",
         title: "Tumble storm",
-        lesson: "Each bounce of a tumbling box multiplies every difference. After a few no two integrators agree on the path; energy that never grows is what is left to compare.",
+        lesson: "Each bounce of a tumbling box amplifies every difference. After a few bounces, no two integrators agree on the path; only the energy can still be compared: it must never grow.",
         hints: [
             "Press [Compare all]: no two come to rest in the same place.",
-            "Press [120 Hz]: it does not help for long.",
+            "Press [120 Hz]: smaller steps do not help for long.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.8, 0.3)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
@@ -118,7 +118,7 @@ pub fn tumble_storm() -> Scenario {
     }
 }
 
-/// Many boxes: what a step costs.
+/// Many boxes, to show the cost of a step.
 pub fn load() -> Scenario {
     let body = brick();
     let start =
@@ -127,9 +127,9 @@ pub fn load() -> Scenario {
     Scenario {
         id: "load",
         title: "Load test",
-        lesson: "Thousands of boxes thrown over a floor: what a body and a step cost, in nanoseconds, for each integrator.",
+        lesson: "Thousands of boxes thrown over a floor. Compare the cost per box and step of each integrator, in nanoseconds.",
         hints: [
-            "Open [LOAD], move [Boxes] and read the time of a step.",
+            "Open [LOAD], move [Boxes] and read the time per step.",
             "Open the [Timing tab]: four evaluations need not cost four times as much.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
@@ -148,10 +148,10 @@ pub fn contact() -> Scenario {
     Scenario {
         id: "contact",
         title: "Corner drop",
-        lesson: "A tilted box lands on one corner and turns the fall into spin. When exactly it touched decides everything after.",
+        lesson: "A tilted box lands on one corner, and its fall becomes spin. The rest of the motion depends on the exact time of impact.",
         hints: [
             "Press [Step] to go through the impact.",
-            "Open [NOW] and read [Total energy]: it may fall at an impact and must never rise.",
+            "Open [NOW] and read [Total energy]: it may decrease at an impact but must never increase.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
@@ -169,7 +169,7 @@ pub fn dice_tray() -> Scenario {
     Scenario {
         id: "dice-tray",
         title: "Dice tray",
-        lesson: "Dice are thrown against the walls of a tray. In an edge or a corner all contacts are solved together; energy never grows there either, and a die at rest does not move by a bit.",
+        lesson: "Dice are thrown against the walls of a tray. In an edge or a corner, all contacts are solved together. Energy never grows there either, and a die at rest does not move at all.",
         hints: [
             "Open [LOAD], move [Boxes] to 25 and press [Restart].",
             "Set [Restitution] to 1 and [Friction] to 0: they never stop.",
@@ -189,7 +189,7 @@ pub fn dissertation_2012() -> Scenario {
     Scenario {
         id: "dissertation-2012",
         title: "The 2012 demo",
-        lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. What it called implicit Euler is Heun's explicit method.",
+        lesson: "One cube over a ground plane, pushed along its axes, as in V. Stojanovic's dissertation of 2012. Its implicit Euler is Heun's explicit method.",
         hints: [
             "Press [box_physics] and [Restart]: the fall becomes a parabola, and it bounces.",
             "Press [Push +x] twice, quickly: in 2012 the second push replaces the first.",

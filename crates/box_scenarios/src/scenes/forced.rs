@@ -1,4 +1,4 @@
-//! Springs and torques.
+//! Scenes with springs and torques.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::SceneView;
 
-/// A box in orbit on a spring: the ellipse that must close.
+/// A box in orbit on a spring: a closed ellipse.
 pub fn spring_orbit() -> Scenario {
     let body = brick();
     let start =
@@ -20,10 +20,10 @@ pub fn spring_orbit() -> Scenario {
     Scenario {
         id: "spring-orbit",
         title: "Spring orbit",
-        lesson: "A spring to a fixed point makes an ellipse that closes on itself every π seconds. Symplectic integrators keep its size; RK4 shrinks it slowly, Euler spirals out or in.",
+        lesson: "A spring to a fixed point moves the box along an ellipse that closes every π seconds. Symplectic integrators preserve its size, RK4 shrinks it slowly, Euler spirals out or in.",
         hints: [
-            "Press [30 Hz]: Explicit Euler leaves sooner.",
-            "Open the [Energy tab]: Split oscillates and never drifts.",
+            "Press [30 Hz]: Explicit Euler leaves the ellipse sooner.",
+            "Open the [Energy tab]: the energy of Split oscillates but never drifts.",
         ],
         setup: Setup::new(body, start, forces, 30.0),
         recommended: &["split", "semi-implicit-euler", "explicit-euler", "rk4"],
@@ -32,7 +32,7 @@ pub fn spring_orbit() -> Scenario {
     }
 }
 
-/// A stiff spring at a corner, near every explicit limit at 60 Hz.
+/// A stiff spring at a corner, near the stability limit of every explicit integrator at 60 Hz.
 pub fn stiff_spring() -> Scenario {
     let body = solid([0.25; 3], 2.0);
     let start =
@@ -45,10 +45,10 @@ pub fn stiff_spring() -> Scenario {
     Scenario {
         id: "stiff-spring",
         title: "Stiff spring",
-        lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Kicked integrators hold up to 2, RK4 to 2.83; implicit ones hold always, some of them by stopping the motion.",
+        lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Velocity Verlet is stable up to 2, RK4 up to 2.83, Split up to 3.46; implicit integrators always, some by damping the motion.",
         hints: [
-            "Press [30 Hz]: ω·dt is 2, the limit of the kicked integrators.",
-            "Open the [Energy tab]: Backward Euler is stable and wrong, the oscillation is gone in a second.",
+            "Press [30 Hz]: ω·dt is 2, the limit of Velocity Verlet and Semi-implicit Euler.",
+            "Open the [Energy tab]: Backward Euler is stable but damps the oscillation within a second.",
         ],
         setup: Setup::new(body, start, forces, 4.0),
         recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],
@@ -57,7 +57,7 @@ pub fn stiff_spring() -> Scenario {
     }
 }
 
-/// The heavy top, as a dipole in a field: precession and nutation.
+/// A heavy top, modeled as a dipole in a field: precession and nutation.
 pub fn heavy_top() -> Scenario {
     let body = solid([0.25, 0.5, 0.25], 6.0);
     let leaning = turn(DVec3::X, 40.0_f64.to_radians());
@@ -68,10 +68,10 @@ pub fn heavy_top() -> Scenario {
     Scenario {
         id: "heavy-top",
         title: "Heavy top",
-        lesson: "A spinning bar leans and does not fall: it precesses and nods. Energy, the spin about its axis and the vertical angular momentum are constant.",
+        lesson: "A leaning, spinning bar does not fall: it precesses and nutates. Energy, the spin about its axis and the vertical angular momentum are constant.",
         hints: [
-            "Raise [dt] until the nodding is wrong, then open [Add or switch] and click [Split, order 4].",
-            "Open [Add or switch] and tick [Implicit midpoint]: it keeps the energy and falls behind.",
+            "Raise [dt] until the nutation is wrong, then open [Add or switch] and click [Split, order 4].",
+            "Open [Add or switch] and tick [Implicit midpoint]: it conserves the energy but lags in phase.",
         ],
         setup: Setup::new(body, start, forces, 5.0),
         recommended: &["split", "explicit-euler", "rk4", "split4"],

@@ -1,4 +1,4 @@
-//! Nothing but spin.
+//! Scenes with free rotation only.
 
 use super::bodies::{brick, solid, spinning};
 use crate::forces::ForceSet;
@@ -6,20 +6,20 @@ use crate::scenario::Scenario;
 use crate::setup::Setup;
 use crate::view::{Plot, SceneView};
 
-/// Where freely spinning boxes float: 2 m up.
+/// Position of freely spinning boxes: 2 m above the ground.
 const AT: [f64; 3] = [0.0, 2.0, 0.0];
 
-/// Spin about the middle axis: it flips, again and again.
+/// Spin about the middle axis, which flips repeatedly.
 pub fn dzhanibekov() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [0.01, 8.0, -0.005]);
     Scenario {
         id: "dzhanibekov",
         title: "Dzhanibekov flip",
-        lesson: "A box spun about its middle axis turns over every few seconds. Watch who flips on time: an integrator that changes the energy flips early, late, or the wrong way round.",
+        lesson: "A box that spins about its intermediate axis flips every few seconds. If its energy drifts, it flips too early, too late, or the wrong way.",
         hints: [
-            "Open [Add or switch] and tick [Explicit Euler]: it gains energy and loses the flip.",
-            "Press [120 Hz] and see whose flips move.",
+            "Open [Add or switch] and tick [Explicit Euler]: it gains energy and stops flipping.",
+            "Press [120 Hz]: the flips of accurate integrators do not move.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "semi-implicit-euler", "engine-rescaled", "rk4"],
@@ -28,17 +28,17 @@ pub fn dzhanibekov() -> Scenario {
     }
 }
 
-/// Spin about the shortest axis, slightly off: it must not change.
+/// Spin slightly off the shortest axis, which must remain stable.
 pub fn stable_axis() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [0.4, 0.3, 6.0]);
     Scenario {
         id: "stable-axis",
         title: "Stable axis",
-        lesson: "Spin about the axis of the largest moment wobbles and never flips. Energy and angular momentum are constant, so any drift is the integrator's own.",
+        lesson: "Spin about the axis of the largest moment wobbles but never flips. Energy and angular momentum are constant, so any drift is an integrator error.",
         hints: [
             "Press [Faster] and open the [Energy tab] after a minute.",
-            "Open [Add or switch] and tick [Engine: rescaled]: it walks to the middle axis and flips, for it keeps |L|, not the energy.",
+            "Open [Add or switch] and tick [Engine: rescaled]: it conserves |L| but not the energy, so it drifts and flips.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
@@ -52,17 +52,17 @@ pub fn stable_axis() -> Scenario {
     }
 }
 
-/// A plate of 64:1, tumbling.
+/// A tumbling plate, 64:1.
 pub fn thin_plate() -> Scenario {
     let body = solid([0.5, 1.0 / 128.0, 0.375], 3.0);
     let start = spinning(&body, AT, [3.0, 0.5, 4.0]);
     Scenario {
         id: "thin-plate",
         title: "Thin plate",
-        lesson: "In a plate the largest moment is the sum of the other two, the sharpest shape a body can have. Second-order integrators gain energy here first.",
+        lesson: "The largest moment of a thin plate is the sum of the other two, the extreme case for a rigid body. Second-order integrators gain energy here first.",
         hints: [
-            "Open [Add or switch] and tick [Midpoint (RK2)]: Implicit midpoint has its order and the opposite energy behavior.",
-            "Press [30 Hz] and see who still tumbles in step with the reference.",
+            "Open [Add or switch] and tick [Midpoint (RK2)]: Implicit midpoint has the same order but conserves the energy.",
+            "Press [30 Hz] and see which integrators still match the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
         recommended: &["split", "semi-implicit-euler", "implicit-midpoint", "rk4"],
@@ -71,17 +71,17 @@ pub fn thin_plate() -> Scenario {
     }
 }
 
-/// A needle, moments 800 to 1, spun about its length.
+/// A needle with moments 800:1, spinning about its length.
 pub fn needle() -> Scenario {
     let body = solid([1.0, 1.0 / 64.0, 1.0 / 32.0], 3.0);
     let start = spinning(&body, AT, [20.0, 1.0, 0.5]);
     Scenario {
         id: "needle",
         title: "Needle",
-        lesson: "Fast spin about a long thin axis, with moments 800 to 1. Explicit gyroscopic terms explode here at 60 Hz, and implicit ones lose a quarter of the energy.",
+        lesson: "A thin rod spins fast about its long axis, with moments 800 to 1. At 60 Hz, explicit gyroscopic terms diverge, and implicit ones lose a quarter of the energy.",
         hints: [
-            "Press [Restart] and watch Semi-implicit Euler: it is gone within a second.",
-            "Open the [Error tab]: Split stays within a thousandth of a radian.",
+            "Press [Restart] and watch Semi-implicit Euler: it diverges within a second.",
+            "Open the [Error tab]: Split is accurate to rounding.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 5.0),
         recommended: &["split", "engine-newton", "semi-implicit-euler", "rk4"],
@@ -90,14 +90,14 @@ pub fn needle() -> Scenario {
     }
 }
 
-/// A square bar: steady precession.
+/// A square bar in steady precession.
 pub fn symmetric_top() -> Scenario {
     let body = solid([0.25, 0.5, 0.25], 6.0);
     let start = spinning(&body, AT, [2.0, 6.0, 0.0]);
     Scenario {
         id: "symmetric-top",
         title: "Symmetric top",
-        lesson: "A square bar precesses steadily: its axis draws a cone at the rate L/I. Split is exact for such bodies at any step; most integrators are not.",
+        lesson: "A square bar precesses steadily: its axis traces a cone at the rate L/I. Split is exact at any step size; most integrators are not.",
         hints: [
             "Set [dt] to 1/10 s: Split is still exact.",
             "Press [Views] and compare the cones' angles.",
@@ -109,7 +109,7 @@ pub fn symmetric_top() -> Scenario {
     }
 }
 
-/// Tumbling with damping: the free motion in a slowing time.
+/// Tumbling with damping: the free motion in slowing time.
 pub fn damped_spin() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [1.0, 8.0, 2.0]);
@@ -120,9 +120,9 @@ pub fn damped_spin() -> Scenario {
     Scenario {
         id: "damped-spin",
         title: "Damped spin",
-        lesson: "Damping in proportion to the angular momentum only slows time down: the tumbling is the free one in the time (1 − e^(−γt))/γ, and the last attitude is known in advance.",
+        lesson: "Damping proportional to the angular momentum only slows time down: the box tumbles freely in the time (1 − e^(−γt))/γ, so its final attitude is known in advance.",
         hints: [
-            "Raise [Ang. damping] until γ·dt passes 2: explicit integrators explode, Split and Exact do not notice.",
+            "Raise [Ang. damping] until γ·dt exceeds 2: explicit integrators diverge, Split and Exact remain exact.",
             "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
@@ -132,17 +132,17 @@ pub fn damped_spin() -> Scenario {
     }
 }
 
-/// Next to the separatrix between the two kinds of tumbling.
+/// Spin close to the separatrix between the two kinds of tumbling.
 pub fn separatrix() -> Scenario {
     let body = brick();
     let start = spinning(&body, AT, [1e-6, 6.0, 1e-6]);
     Scenario {
         id: "separatrix",
         title: "Separatrix",
-        lesson: "A spin within a millionth of the middle axis takes a long time to decide, then flips. A relative energy error of 1e-12 already moves the flip.",
+        lesson: "A spin within a millionth of the intermediate axis flips only after a long time. A relative energy error of 1e-12 already shifts the flip.",
         hints: [
-            "Open the [Energy tab]: Velocity Verlet is off by 1e-4 and flips, RK4 is right to rounding.",
-            "Open [Add or switch] and tick [Engine: Avian 993]: no flip at all means that the gyroscopic term is missing.",
+            "Open the [Energy tab]: Velocity Verlet is off by 1e-4, RK4 is accurate to rounding.",
+            "Open [Add or switch] and tick [Engine: Avian 993]: if it does not flip, the gyroscopic term is missing.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "velocity-verlet", "rk4", "implicit-midpoint"],

@@ -1,7 +1,7 @@
-//! The registry of scenes, one function each. **To add one**, write a function next to its likes and name it in
-//! [`Scenario::ALL`]:
+//! The registry of scenes, one function each. **To add one**, write a function in the module of similar scenes and name
+//! it in [`Scenario::ALL`]:
 //!
-//! - [`mod@free`]: nothing but spin;
+//! - [`mod@free`]: free rotation only;
 //! - [`mod@flight`]: the center of mass under gravity and drag;
 //! - [`mod@forced`]: springs and torques;
 //! - [`mod@floor`][]: contact.
@@ -17,8 +17,8 @@ pub use bodies::GRAVITY;
 use crate::scenario::Scenario;
 
 impl Scenario {
-    /// Every scene, in the order of the menu, as the function that builds it. **A new scene is one
-    /// function in this module and one line here.**
+    /// Functions that build the scenes, in menu order. **A new scene is one function in this module and one line
+    /// here.**
     pub const ALL: &[fn() -> Self] = &[
         free::dzhanibekov,
         floor::playground,
@@ -45,15 +45,15 @@ impl Scenario {
         flight::throw,
     ];
 
-    /// The ids, in the order of the menu.
+    /// The ids, in menu order.
     pub fn ids() -> Vec<&'static str> {
         Self::ALL.iter().map(|build| build().id).collect()
     }
 
-    /// The scene called `id` (any case).
+    /// The scene with the id `id` (case-insensitive).
     ///
     /// # Errors
-    /// [`UnknownScenario`] lists what there is.
+    /// [`UnknownScenario`] lists the valid ids.
     pub fn find(id: &str) -> Result<Self, UnknownScenario> {
         Self::ALL
             .iter()
@@ -72,11 +72,11 @@ impl Default for Scenario {
     }
 }
 
-/// No scene has this id; the message lists those there are.
+/// Error for an unknown scene id; the message lists the valid ids.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown scene '{given}'; allowed: {}", Scenario::ids().join(", "))]
 pub struct UnknownScenario {
-    /// What was typed.
+    /// The given text.
     pub given: String,
 }
 

@@ -12,11 +12,11 @@ use crate::platform::{Need, Unavailable};
 /// Time for the display and the driver to answer. A cold software driver takes a second.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-const NO_DISPLAY: &str = "Start it from a desktop session, or under a virtual one: \
+const NO_DISPLAY: &str = "Run the game in a desktop session, or with a virtual display: \
     xvfb-run -a cargo run --release";
 const NO_LIBRARY: &str = "On Debian and Ubuntu: apt-get install libx11-6 libx11-xcb1 libxcursor1 \
     libxi6 libxkbcommon-x11-0";
-const NO_GPU: &str = "Install a Vulkan driver; a software one will do. On Debian and Ubuntu: \
+const NO_GPU: &str = "Install a Vulkan driver, hardware or software. On Debian and Ubuntu: \
     apt-get install mesa-vulkan-drivers";
 
 /// Tries in a child process.

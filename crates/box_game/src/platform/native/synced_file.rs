@@ -73,7 +73,7 @@ impl SyncedFile {
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
             // A panic in there was printed there.
-            Some(Err(_)) => Err(io::Error::other("the log's thread ended")),
+            Some(Err(_)) => Err(io::Error::other("the log thread has ended")),
             None => Ok(()),
         }
     }

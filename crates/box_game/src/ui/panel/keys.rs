@@ -9,8 +9,8 @@ pub const KEYS: &[(&str, &str)] = &[
         "W S · A D · E Q",
         "push along the box's z · x · y axis (hold to repeat)",
     ),
-    ("Shift + those", "push off-center, so that the box spins"),
-    ("Alt + those", "push along the world's axes"),
+    ("Shift + these", "push off-center, so that the box spins"),
+    ("Alt + these", "push along the world's axes"),
     (
         "Click the box · drag it",
         "poke (scroll while holding to set the strength) · grab",
@@ -40,6 +40,6 @@ pub const KEYS: &[(&str, &str)] = &[
     ("M", "show or hide the plots"),
     ("` (backtick)", "show or hide the panel"),
     ("F1 or ?", "show or hide this list"),
-    ("Esc", "close a list, release the box"),
+    ("Esc", "close a dialog, release the box"),
     ("Ctrl + Q", "quit"),
 ];

@@ -138,7 +138,7 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
     ui.horizontal_wrapped(|ui| {
         let of_2012 = Stepper::ALL.map(Some);
         for stepper in of_2012.into_iter().chain([None]) {
-            let ours = "The plugin, with the integrator selected on the right.";
+            let ours = "Use the plugin with the selected integrator.";
             let hint = stepper.map_or(ours, Stepper::fault);
             let words = text(stepper.map_or("box_physics", Stepper::name), hint);
             panel.choice(ui, demo.stepper == stepper, words, Action::SetDemo(stepper));
@@ -156,14 +156,15 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
         }
     });
     let words = match demo.stepper {
-        Some(stepper) => format!("{} All three: {}.", stepper.fault(), FAULTS.join("; ")),
+        Some(stepper) => format!("{}\nNow: {}.", stepper.fault(), demo.fault),
         None => format!(
             "{}: pushes add up, the fall is a parabola, contact acts at the corners.",
             panel.view.integrator.name()
         ),
     };
     if room {
-        ui.add(Label::new(words).wrap());
+        let all = format!("All three integrators of 2012: {}.", FAULTS.join("; "));
+        ui.add(Label::new(words).wrap()).on_hover_text(all);
     }
 }
 
@@ -182,7 +183,7 @@ pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
             ui.heading("Keys");
             let words = text("Close help", "F1 or ? opens it again.");
             close = button(ui, words, "Close help");
-            let hint = "Restore the scene's own parameters.";
+            let hint = "Restore the scene's parameters.";
             let reset = text("Reset all parameters", hint);
             panel.button(ui, reset, Action::ResetParameters);
             reset_everything(ui, panel);
@@ -210,7 +211,7 @@ fn reset_everything(ui: &mut Ui, panel: &mut Panel<'_>) {
     let before = panel.out.len();
     let yes = text("Yes, reset everything", hint);
     panel.button(ui, yes, Action::ResetEverything);
-    let no = button(ui, text("No", "Change nothing."), "no");
+    let no = button(ui, text("No", "Keep everything as it is."), "no");
     panel.memory.sure = !no && panel.out.len() == before;
 }
 
@@ -223,10 +224,15 @@ fn scale(ui: &mut Ui, panel: &mut Panel<'_>) {
     for scale in SCALES {
         let chosen = (f64::from(preferences.ui_scale) - scale).abs() < 1e-3;
         let name = format!("{:.0} %", scale * 100.0);
-        panel.choice(ui, chosen, text(&name, "Scale."), Action::SetUiScale(scale));
+        panel.choice(
+            ui,
+            chosen,
+            text(&name, "Set the panel scale."),
+            Action::SetUiScale(scale),
+        );
     }
     ui.label("(Ctrl and + or −)");
-    let theme = text("Light theme", "Light or dark panel.");
+    let theme = text("Light theme", "Switch between light and dark panel.");
     panel.toggle(ui, preferences.light, theme, Action::ToggleTheme);
 }
 

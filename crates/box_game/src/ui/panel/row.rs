@@ -120,7 +120,7 @@ fn widgets(ui: &mut Ui, info: &Info, shown: f64, default: f64) -> (Option<f64>, 
             ui.label(info.hint);
             ui.label(format!("Allowed: {least} to {most}{unit}."));
             if restarts {
-                ui.label("↻ A change restarts the scene.");
+                ui.label("↻ Changing this restarts the scene.");
             }
         });
     }

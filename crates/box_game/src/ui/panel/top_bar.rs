@@ -92,7 +92,7 @@ fn speed(ui: &mut Ui, panel: &mut Panel<'_>) {
         ..WidgetInfo::new(WidgetType::ComboBox)
     });
     identify(&combo, "speed");
-    combo.on_hover_text("Target: simulated seconds per second (default 1× · key 0).");
+    combo.on_hover_text("Target speed: simulated seconds per second (0 resets to 1×).");
     panel.button(ui, Text("+", "Faster", "Faster (=)"), Action::Faster);
 }
 
@@ -111,7 +111,7 @@ fn windows(ui: &mut Ui, panel: &mut Panel<'_>, named: bool) {
     let open = view.preferences.show_plots;
     panel.toggle(ui, open, plots, Action::TogglePlots);
     if named {
-        let hint = "Hide all but one line; the backtick key (`) shows the panel again.";
+        let hint = "Reduce the panel to one line; backtick (`) restores it.";
         panel.button(ui, text("Hide panel", hint), Action::TogglePanel);
     }
     let help = text("Help", "Keys, scale and theme (F1 or ?).");
@@ -142,7 +142,8 @@ fn readouts(ui: &mut Ui, view: &PanelView, named: bool) {
         read(&format!("● REC {}", grouped(log.rows)), &hint);
     }
     if view.software_rendering {
-        let hint = "Rendering on the CPU: frame times mean little; integrator times are right.";
+        let hint =
+            "Software rendering: frame times are not representative; integrator timings are.";
         read(if named { "⚠ no GPU" } else { "⚠" }, hint);
     }
 }

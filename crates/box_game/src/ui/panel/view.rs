@@ -112,6 +112,8 @@ impl PanelView {
 pub(crate) struct DemoView {
     /// The stepper that moves the main box; `None` for the plugin.
     pub stepper: Option<Stepper>,
+    /// What went wrong last.
+    pub fault: &'static str,
     /// The last integration cycle \[µs\].
     pub cycle_us: f64,
     /// The file of its cycle times and their number.

@@ -13,7 +13,7 @@ use crate::floor::ground::{BodyStep, Ground, Level, Segment};
 use crate::floor::law::Law;
 use crate::floor::operator::DelassusOperator;
 use crate::floor::projection::cancel_iteratively;
-use crate::floor::{ContactReport, Floor, FloorContext, FloorOutcome};
+use crate::floor::{ContactReport, Floor, FloorOutcome};
 use crate::force::ForceModel;
 use crate::state::BodyState;
 
@@ -65,24 +65,32 @@ impl<F: ForceModel> Among<'_, F> {
 }
 
 /// One step among several planes: the events of the floor, with the contacts of all planes. Returns the normal forces at
-/// the corners \[N\] with the direction of their sum if it ends at rest. `world` has a floor at rest, which does not count.
+/// the corners \[N\] with the direction of their sum if it ends at rest. It is done in a frame with the velocity `carried`
+/// [m/s].
 pub(super) fn step<F: ForceModel>(
     context: &PlanesContext<'_, F>,
-    world: &FloorContext<'_, F>,
     planes: &[Plane],
+    carried: DVec3,
     method: &Method<F>,
     step: BodyStep<'_>,
 ) -> (FloorOutcome, Option<([f64; 8], DVec3)>) {
     let h = step.h;
     let tolerances = planes.iter().map(|p| context.tolerance(step.state, p));
     let tolerance = tolerances.fold(0.0, f64::max);
-    let frame = Frame::new(DVec3::ZERO, None);
+    let frame = Frame::new(carried, None);
+    frame.to_surface(step.state, 0.0);
+    let floor = Floor::default();
+    let world = context.over(&floor);
+    let mut seen = [Plane::from(floor); PLANES];
+    for (seen, plane) in seen.iter_mut().zip(planes) {
+        *seen = plane.seen_from(carried);
+    }
     let among = Among {
         world: Level {
             tolerance,
-            ..Level::new(world, method, frame)
+            ..Level::new(&world, method, frame)
         },
-        planes,
+        planes: &seen[..planes.len()],
     };
     let mut outcome = FloorOutcome::default();
     let mut impulses = ContactReport {
@@ -106,6 +114,7 @@ pub(super) fn step<F: ForceModel>(
     if loads.is_none() {
         among.recover(step.state, &mut gaps, h);
     }
+    among.world.frame.to_world(step.state, h);
     let now = corners::<PLACES>(gaps.touching(2.0 * tolerance));
     step.contact.touching = now;
     let center = step.state.position;

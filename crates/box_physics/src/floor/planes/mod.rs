@@ -62,6 +62,16 @@ impl Near {
         &self.planes[..self.count]
     }
 
+    /// The velocity with which all of them move, if it is one [m/s].
+    fn velocity(&self) -> DVec3 {
+        let mut velocities = self.planes().iter().map(|plane| plane.shape.velocity);
+        let first = velocities.next().unwrap_or(DVec3::ZERO);
+        match velocities.all(|v| v == first) {
+            true => first,
+            false => DVec3::ZERO,
+        }
+    }
+
     /// Adds a plane; of too many the farthest is left out.
     fn add(&mut self, plane: &Plane, gap: f64) {
         let farther = |far: usize, k: usize| if self.gap[k] > self.gap[far] { k } else { far };
@@ -161,7 +171,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     let (body, force) = (context.body, context.force);
     let level = Floor::default();
     let world = context.over(&level);
-    let all = fingerprint(context.planes.iter().flat_map(Plane::numbers));
+    let all = fingerprint(context.planes.iter().copied().flat_map(Plane::numbers));
     if contact.still_rests(&world, Some(all), state) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
@@ -177,13 +187,9 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         let floor = context.over(&plane.surface);
         return step_on_floor::<S, F>(&floor, state, h, memory, contact, report);
     }
-    let carrier = match near.planes() {
-        [plane] if plane.moves() => Some(plane),
-        _ => None,
-    };
-    if let Some(plane) = carrier
-        && contact.rides(context, plane, state, h)
-    {
+    let carried = near.velocity();
+    // Planes that move and are far away do not disturb it either.
+    if contact.rides(context, near.planes(), carried, state, h) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
         return outcome;
@@ -225,7 +231,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         }
         planes => {
             let reaction;
-            (outcome, reaction) = among::step(context, &world, planes, &method, step);
+            (outcome, reaction) = among::step(context, planes, carried, &method, step);
             reaction
         }
     };
@@ -233,10 +239,15 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     outcome.count_once();
     if let Some((reaction, normal)) = reaction {
         outcome.resting = true;
-        match carrier {
-            Some(plane) => contact.rest_on(context, plane, state, h, reaction),
-            None => contact.establish_rest(&world, Some((all, normal)), state, 0.0, reaction),
-        }
+        let (floor, planes) = if context.planes.iter().all(Plane::is_fixed) {
+            (level, all)
+        } else {
+            let (on, _) = context.support(near.planes(), state, h);
+            (level.with_velocity(carried), on)
+        };
+        state.velocity = carried;
+        let floor = context.over(&floor);
+        contact.establish_rest(&floor, Some((planes, normal)), state, 0.0, reaction);
     }
     outcome
 }

@@ -262,9 +262,16 @@ impl Plane {
         }
     }
 
-    /// Whether it has a velocity.
-    pub(super) fn moves(&self) -> bool {
-        self.shape.velocity != DVec3::ZERO
+    /// Whether it has no velocity.
+    pub(super) fn is_fixed(&self) -> bool {
+        self.shape.velocity == DVec3::ZERO
+    }
+
+    /// The same plane in a frame with this velocity [m/s].
+    pub(super) fn seen_from(mut self, velocity: DVec3) -> Self {
+        self.shape.velocity -= velocity;
+        self.surface.velocity -= velocity;
+        self
     }
 
     /// Its surface as a floor in the frame in which it is level and at rest.
@@ -284,6 +291,7 @@ impl Plane {
     /// The same plane wherever it is.
     pub(super) fn anywhere(mut self) -> Self {
         self.shape.point = DVec3::ZERO;
+        self.surface.height = 0.0;
         self
     }
 
@@ -293,7 +301,7 @@ impl Plane {
     }
 
     /// Of everything that a body at rest on it depends on.
-    pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn numbers(self) -> impl Iterator<Item = f64> {
         let (shape, s) = (&self.shape, &self.surface);
         let vectors = [shape.point, shape.normal, s.velocity];
         let holds = s.static_friction.unwrap_or(-1.0);

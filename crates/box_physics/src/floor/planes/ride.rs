@@ -1,15 +1,11 @@
-//! A plane that moves and carries a box at rest.
+//! Planes that move and carry a box at rest.
 
-use super::{Plane, PlanesContext};
+use glam::{DMat3, DVec3};
+
+use super::{Plane, PlanesContext, reach};
 use crate::floor::{ContactState, Floor, FloorContext};
 use crate::force::{ForceModel, fingerprint};
 use crate::state::BodyState;
-
-/// What a plane that moves is to the memory of a box that rests on it, wherever it is: a floor at the origin.
-fn floor_of(plane: &Plane) -> (Floor, u64) {
-    let floor = Floor::default().with_velocity(plane.shape.velocity);
-    (floor, fingerprint(plane.anywhere().numbers()))
-}
 
 impl<'a, F> PlanesContext<'a, F> {
     pub(super) fn over(&self, floor: &'a Floor) -> FloorContext<'a, F> {
@@ -22,47 +18,56 @@ impl<'a, F> PlanesContext<'a, F> {
     }
 }
 
+impl<F: ForceModel> PlanesContext<'_, F> {
+    /// What planes with one velocity are for a box that rests on them, wherever they are: a fingerprint of them and of which
+    /// of them it touches `elapsed` \[s\] after they were where they say. And the way back onto these \[m\].
+    pub(super) fn support(
+        &self,
+        planes: &[Plane],
+        state: &BodyState,
+        elapsed: f64,
+    ) -> (u64, DVec3) {
+        let attitude = DMat3::from_quat(state.rotation);
+        let mut back = DVec3::ZERO;
+        let numbers = planes.iter().flat_map(|plane| {
+            let normal = plane.shape.normal;
+            let height = plane.height(state.position) - plane.rise() * elapsed;
+            let gap = height - reach(self.body, &attitude, normal);
+            let touches = gap.abs() <= 2.0 * self.tolerance(state, plane);
+            if touches {
+                back -= normal * gap;
+            }
+            let numbers = plane.anywhere().numbers();
+            numbers.chain([f64::from(u8::from(touches))])
+        });
+        (fingerprint(numbers), back)
+    }
+}
+
 impl ContactState {
-    /// If the box rests on this plane, which moves, carries it along for `h` \[s\] and returns true. Its height over the
-    /// plane stays.
+    /// If the box rests on these planes, which have this velocity [m/s], carries it along for `h` \[s\] and returns true.
     pub(super) fn rides<F: ForceModel>(
         &mut self,
         context: &PlanesContext<'_, F>,
-        plane: &Plane,
+        planes: &[Plane],
+        velocity: DVec3,
         state: &mut BodyState,
         h: f64,
     ) -> bool {
-        let (floor, surface) = floor_of(plane);
-        if !self.still_rests(&context.over(&floor), Some(surface), state) {
+        if !self.is_resting(state) {
             return false;
         }
-        let Some(rest) = &mut self.rest else {
-            return false;
-        };
-        let off = plane.height(state.position) - rest.above;
-        if off.abs() > context.tolerance(state, plane) {
+        let floor = Floor::default().with_velocity(velocity);
+        let (on, back) = context.support(planes, state, 0.0);
+        if !self.still_rests(&context.over(&floor), Some(on), state) {
             return false;
         }
-        state.position += plane.shape.velocity * h - plane.shape.normal * off;
-        rest.position = state.position;
-        true
-    }
-
-    /// Remembers that the box is at rest on this plane, which moves, at the end of a step of `h` \[s\].
-    pub(super) fn rest_on<F: ForceModel>(
-        &mut self,
-        context: &PlanesContext<'_, F>,
-        plane: &Plane,
-        state: &mut BodyState,
-        h: f64,
-        reaction: [f64; 8],
-    ) {
-        let (floor, surface) = floor_of(plane);
-        let planes = Some((surface, plane.shape.normal));
-        state.velocity = plane.shape.velocity;
-        self.establish_rest(&context.over(&floor), planes, state, 0.0, reaction);
+        if velocity != DVec3::ZERO {
+            state.position += velocity * h + back;
+        }
         if let Some(rest) = &mut self.rest {
-            rest.above = plane.height(state.position) - plane.rise() * h;
+            rest.position = state.position;
         }
+        true
     }
 }

@@ -1,4 +1,4 @@
-use super::super::Split;
+use super::super::{Exact, Split, Split4};
 use super::*;
 use crate::floor::{ContactSettings, Floor, FloorContext};
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
@@ -121,6 +121,36 @@ impl IntegratorVisitor for ByInstructionSets<'_> {
     }
 }
 
+/// Three steps of bodies, each under its own forces: the bits, faults and outcomes of the plain steps.
+fn expect_forced<S: Integrate>(
+    bodies: &[RigidBox],
+    start: &[BodyState],
+    forces: &[Forces<'_>],
+    h: f64,
+) {
+    let (mut states, mut expected) = (start.to_vec(), start.to_vec());
+    let memories = || bodies.iter().map(|_| IntegratorMemory::default());
+    let (mut memories, mut own): (Vec<_>, Vec<_>) = (memories().collect(), memories().collect());
+    for _ in 0..3 {
+        let (mut faults, mut expected_faults) = (Vec::new(), Vec::new());
+        let columns = (bodies, &mut *states, &mut *memories);
+        let outcome = ForcedGroup::step_each::<S>(columns, |i| forces[i], h, &mut faults);
+        let mut total = StepOutcome::default();
+        for (i, (body, state)) in bodies.iter().zip(&mut expected).enumerate() {
+            let before = *state;
+            total += S::step(body, state, &forces[i], h, &mut own[i]);
+            if !state.is_valid() {
+                *state = before;
+                expected_faults.push(i);
+            }
+        }
+        assert_eq!((outcome, faults), (total, expected_faults));
+        for (a, b) in states.iter().zip(&expected) {
+            assert_eq!(bits(a), bits(b), "{}", S::INFO.id);
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
@@ -209,28 +239,9 @@ proptest! {
         if let Some(state) = start.get_mut(broken) {
             state.angular_momentum.y = f64::INFINITY;
         }
-        let mut states = start.clone();
-        let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
-        for _ in 0..3 {
-            let (mut faults, mut expected_faults) = (Vec::new(), Vec::new());
-            let columns = (&*bodies, &mut *states, &mut *memories);
-            let outcome = ForcedGroup::step_each::<Split>(columns, |i| forces[i], h, &mut faults);
-            let mut total = StepOutcome::default();
-            for (i, (body, state)) in bodies.iter().zip(&mut start).enumerate() {
-                let before = *state;
-                let mut memory = IntegratorMemory::default();
-                total += Split::step(body, state, &forces[i], h, &mut memory);
-                if !state.is_valid() {
-                    *state = before;
-                    expected_faults.push(i);
-                }
-            }
-            prop_assert_eq!(outcome, total);
-            prop_assert_eq!(faults, expected_faults);
-            for (a, b) in states.iter().zip(&start) {
-                prop_assert_eq!(bits(a), bits(b));
-            }
-        }
+        expect_forced::<Split>(&bodies, &start, &forces, h);
+        expect_forced::<Split4>(&bodies, &start, &forces, h);
+        expect_forced::<Exact>(&bodies, &start, &forces, h);
     }
 
     /// Every integrator, any number of bodies, zeros of both signs, turns beyond the kernels' range and

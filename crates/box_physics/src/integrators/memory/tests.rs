@@ -147,7 +147,7 @@ fn distance(a: &BodyState, b: &BodyState) -> f64 {
         .max((a.rotation - b.rotation).length())
 }
 
-/// After a change of state, body, forces or step size, a step with the memory must equal the step from an
+/// Asserts that after a change of state, body, forces or step size, a step with the memory equals the step from an
 /// empty memory, up to `slack` after a change of the step size.
 fn honest<M: Default>(
     step: impl Fn(&Scene, &mut M) -> BodyState,
@@ -162,7 +162,7 @@ fn honest<M: Default>(
             let before = scene.clone();
             change(&mut scene);
             if scene == before {
-                continue; // There is no such force in this scene.
+                continue; // This force does not exist in the scene.
             }
             let with_memory = step(&scene, &mut memory);
             let off = distance(&with_memory, &step(&scene, &mut M::default()));

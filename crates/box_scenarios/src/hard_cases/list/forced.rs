@@ -1,4 +1,4 @@
-//! 13 to 16: damping, torque, spring.
+//! Cases 13 to 16: damping, torque, spring.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
@@ -85,7 +85,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             15,
             "heavy-top",
-            "The heavy top",
+            "Heavy top",
             top,
             GAME_STEPS,
             Check::Attitude(2e-3),

@@ -1,4 +1,4 @@
-//! The 24 cases. Bounds are what a good second-order integrator reaches, or rounding where exactness is
+//! The 24 cases. A bound is what a good second-order integrator achieves, or rounding where an exact result is
 //! possible.
 
 mod forced;
@@ -17,7 +17,7 @@ use crate::setup::Setup;
 /// 60, 120 and 240 steps per second.
 const GAME_STEPS: [f64; 3] = [1.0 / 60.0, 1.0 / 120.0, 1.0 / 240.0];
 
-/// Every case, in order of number.
+/// All cases, in the order of their numbers.
 pub fn hard_cases() -> Vec<HardCase> {
     [
         rotation::cases(),
@@ -45,7 +45,7 @@ fn needle() -> RigidBox {
     solid([1.0, 1.0 / 64.0, 1.0 / 32.0], 3.0)
 }
 
-/// Free spin [rad/s], body axes.
+/// A free rotation with the angular velocity `omega` [rad/s], body axes.
 fn spin(body: RigidBox, omega: [f64; 3], duration: f64) -> Setup {
     let start = BodyState::default().with_body_angular_velocity(&body, DVec3::from_array(omega));
     Setup::new(body, start, ForceSet::none(), duration)
@@ -93,7 +93,7 @@ mod tests {
         }
     }
 
-    /// The default does every one of them, except what its order or its kicks allow it not to.
+    /// The default integrator passes all cases.
     #[test]
     fn split_does_them_all() {
         for c in hard_cases() {

@@ -1,4 +1,4 @@
-//! 20 to 24: extreme sizes, steps and places.
+//! Cases 20 to 24: extreme sizes, steps and positions.
 
 use glam::DVec3;
 use libm::{cos, sin};
@@ -44,7 +44,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             20,
             "tiny",
-            "A nanogram box of a millimeter: 1e-9 kg",
+            "A millimeter box of a microgram: 1e-9 kg",
             scaled(1e-3, 1e-9),
             GAME_STEPS,
             Check::Attitude(1e-3),
@@ -79,7 +79,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             21,
             "zero-step",
-            "Steps of no length",
+            "Steps of zero length",
             moving,
             [0.0],
             Check::Unchanged,
@@ -98,13 +98,13 @@ pub(super) fn cases() -> Vec<HardCase> {
             "100 km from the origin at 0.1 m/s",
             far,
             GAME_STEPS,
-            // Half a unit in the last place of 1e5 m, 7e-12 m, at worst in each of 14 400 steps.
+            // Half a unit in the last place of 1e5 m is 7e-12 m; in the worst case it adds up over 14 400 steps.
             Check::Position(1.1e-7),
         ),
         case(
             24,
             "impulses",
-            "A thousand impulses in an instant",
+            "A thousand simultaneous impulses",
             hit,
             [1.0 / 60.0],
             Check::Restored(1e-13),

@@ -1,11 +1,11 @@
-//! 1 to 12: free rotation.
+//! Cases 1 to 12: free rotation.
 
 use glam::DVec3;
 
 use super::{GAME_STEPS, brick, case, needle, plate, solid, spin};
 use crate::hard_cases::{Check, HardCase};
 
-/// |ω|·h from careful to absurd.
+/// Values of |ω|·h from small to extreme.
 const SWEEP: [f64; 10] = [0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 50.0];
 
 pub(super) fn cases() -> Vec<HardCase> {
@@ -20,7 +20,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             GAME_STEPS,
             Check::Attitude(1e-2),
         ),
-        // Doubling per 1/λ ≈ 0.13 s: rounding, 1e-16, is 1e-6 after 3 s.
+        // The error grows by the factor e every 1/λ ≈ 0.13 s: a rounding error of 1e-16 becomes 1e-6 after 3 s.
         case(
             2,
             "separatrix",
@@ -88,7 +88,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             8,
             "aliasing",
-            "4.2 rad a step",
+            "4.2 rad per step",
             spin(solid([0.5; 3], 6.0), [0.0, 150.0, 200.0], 2.0),
             [1.0 / 60.0],
             Check::Attitude(1e-11),
@@ -133,7 +133,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             11,
             "return",
-            "600 steps forwards, 600 backwards",
+            "600 steps forward, 600 backward",
             spin(brick(), tumble, 10.0),
             GAME_STEPS,
             Check::Return {
@@ -144,7 +144,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             12,
             "unit-length",
-            "The quaternion's length",
+            "Quaternion norm",
             spin(brick(), tumble, 10.0),
             [1.0 / 60.0],
             Check::UnitLength {

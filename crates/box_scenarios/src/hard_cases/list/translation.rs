@@ -1,4 +1,4 @@
-//! 17 to 19: the center of mass under gravity and drag.
+//! Cases 17 to 19: the center of mass under gravity and drag.
 
 use box_physics::state::BodyState;
 use glam::DVec3;
@@ -31,7 +31,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             17,
             "parabola",
-            "The parabola",
+            "Parabola",
             moving([4.0, 9.0, -2.0], g, 4.0),
             GAME_STEPS,
             Check::Position(1e-9),
@@ -63,7 +63,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             19,
             "air-upwards",
-            "Throw upwards through air",
+            "Upward throw through air",
             moving([0.0, 45.0, 0.0], air, 8.0),
             GAME_STEPS,
             Check::Position(1e-2),
@@ -71,7 +71,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         case(
             19,
             "overspeed",
-            "Into air at 10 km/s",
+            "Entry into air at 10 km/s",
             moving([1e4, 0.0, 0.0], in_a_void, 2.0),
             [1.0 / 240.0, 1.0 / 60.0, 1.0],
             Check::NoReversal(1e-15),

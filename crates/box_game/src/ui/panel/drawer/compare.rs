@@ -265,7 +265,7 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
     };
     let totals = view.trajectories.iter().map(|t| total(&t.energies));
     let most = totals.fold(1e-12, f64::max);
-    note(ui, format!("energy, full bar {} J", number(most)));
+    note(ui, format!("energy; full bar: {} J", number(most)));
     let theme = ui.ctx().theme();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;

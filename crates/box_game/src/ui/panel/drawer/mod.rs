@@ -24,24 +24,20 @@ pub(super) const TABS: [(Plot, &str, &str); 6] = [
     (
         Plot::Energy,
         "Energy",
-        "Unexplained energy and angular momentum over simulated time.",
+        "Drift of energy and angular momentum over simulated time.",
     ),
     (
         Plot::Timing,
         "Timing",
-        "Cost of a step of a box under every integrator over time.",
+        "Cost per box and step of every integrator over time.",
     ),
-    (Plot::Cpu, "CPU", "CPU use over time."),
+    (Plot::Cpu, "CPU", "CPU usage over time."),
     (
         Plot::WorkPrecision,
         "Work–precision",
-        "Error against cost, now and over step sizes.",
+        "Error against cost, live and for a range of step sizes.",
     ),
-    (
-        Plot::Table,
-        "Table",
-        "Figures of every integrator side by side.",
-    ),
+    (Plot::Table, "Table", "Current values of every integrator."),
 ];
 
 /// Draws the tabs and the chosen one's content; returns where that is.
@@ -62,7 +58,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) -> Rect {
         panel.button(ui, Text("PNG", "Save plot", hint), Action::SavePlot(None));
         if panel.memory.frozen.is_some() {
             ui.label(RichText::new("⏸ frozen").strong()).on_hover_text(
-                "The plots are frozen while the pointer is over them; the simulation runs on.",
+                "The plots are frozen while the pointer is over them; the simulation continues.",
             );
         }
     });
@@ -92,8 +88,8 @@ fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
     if plot == Plot::Error {
         let (on, log) = (settings.logarithmic, text("log", "Logarithmic axis."));
         panel.toggle(ui, on, log, CompareAction::ToggleLogarithmic);
-        let hint = "Error of each step alone, from the reference's state; meaningful even after chaos sets in.";
-        let local = text("per step", hint);
+        let hint = "Local error: of each single step from the reference state; meaningful even in chaotic motion.";
+        let local = text("local", hint);
         panel.toggle(ui, settings.local, local, CompareAction::ToggleLocal);
     }
     if plot == Plot::Energy {
@@ -108,7 +104,7 @@ fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
     }
     if !matches!(plot, Plot::Cpu | Plot::Timing) {
-        let hint = "Copy the data shown to the clipboard, as CSV.";
+        let hint = "Copy the data shown to the clipboard as CSV.";
         panel.button(ui, text("Copy CSV", hint), CompareAction::Copy);
     }
 }

@@ -27,13 +27,13 @@ pub(super) const LOWEST: f32 = 90.0;
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     let clock = view.grain.map(|(grain, part)| {
         let (grain, part) = (number(grain), number(100.0 * part));
-        format!(" · clock: steps of {grain} µs, samples ±{part} %")
+        format!(" · clock resolution {grain} µs, samples ±{part} %")
     });
     let micros = |ms: f64| view.measured(1e3 * ms, |us| format!("{} µs", short(us)));
     note(
         ui,
         format!(
-            "fastest sample of two seconds · plugin {} a step · comparisons {} · panel {} · frame {} ms{}",
+            "fastest sample of two seconds · plugin {} per step · comparisons {} · panel {} · frame {} ms{}",
             view.step_time(),
             micros(view.compare.comparisons_ms),
             micros(view.compare.panel_ms),
@@ -60,9 +60,9 @@ pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
 }
 
 fn timing_plot(ui: &mut Ui, view: &PanelView) {
-    let axes = [("wall time [s]", false), ("ns per step of a box", true)];
+    let axes = [("wall time [s]", false), ("ns per box and step", true)];
     let plot = frame("Timing", axes).label_formatter(|at| {
-        let unit = "ns per step of a box, the fastest sample";
+        let unit = "ns per box and step, fastest sample";
         hover(at, |p| {
             format!("t = {:.3} s\n{} {unit}", p.x, number(from_axis(p.y)))
         })
@@ -83,7 +83,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
     };
     describe(
         &plot.show(ui, draw).response,
-        "Minimum of nanoseconds per step of a box under every integrator over wall time, logarithmic",
+        "Minimum nanoseconds per box and step of every integrator over wall time, logarithmic",
     );
 }
 
@@ -123,7 +123,7 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
         let response = plot.show(ui, draw).response;
         let [process, system] = now;
         let now = format!("now {process} % this process, {system} % whole system");
-        describe(&response, &format!("CPU use over wall time, {now}"));
+        describe(&response, &format!("CPU usage over wall time, {now}"));
     });
 }
 

@@ -9,29 +9,35 @@ use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::view::style;
 
 const HEADINGS: [(&str, &str); 12] = [
-    ("integrator", "Main box, comparisons, then the rest."),
+    (
+        "integrator",
+        "Main box first, then comparisons, then all others.",
+    ),
     (
         "min [ns]",
-        "Fastest sample of the last two seconds, per step of a box: every integrator on this scene's boxes, by the plugin's path.",
+        "Fastest sample of the last two seconds per box and step, on this scene's boxes and the plugin's code path.",
     ),
     ("median [ns]", "Median of these samples."),
     ("p95 [ns]", "95th percentile of these samples."),
-    ("force evals", "Force evaluations per step, as counted."),
+    ("force evals", "Force evaluations per step, measured."),
     ("dt", "Step size."),
-    ("position error [m]", "Distance from the reference, now."),
-    ("attitude error [°]", "Angle to the reference, now."),
+    ("position error [m]", "Current distance from the reference."),
+    ("attitude error [°]", "Current angle to the reference."),
     (
         "ΔE/E₀",
-        "Energy change beyond that of pushes, forces and floor.",
+        "Energy change not caused by pushes, forces or contact.",
     ),
-    ("Δ|L|/|L₀|", "Angular momentum change beyond that."),
+    (
+        "Δ|L|/|L₀|",
+        "Change of |L| not caused by pushes, forces or contact.",
+    ),
     (
         "order",
-        "The error of a free rotation falls with this power of dt.",
+        "The error of free rotation decreases with this power of dt.",
     ),
     (
         "state",
-        "ok, contact, resting, catching up, or when it diverged.",
+        "ok, contact, resting, catching up, or the time of divergence.",
     ),
 ];
 

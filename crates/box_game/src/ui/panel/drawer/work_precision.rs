@@ -37,13 +37,14 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 fn controls(ui: &mut Ui, panel: &mut Panel<'_>) {
     let (sweep, attitude) = (&panel.view.compare.sweep, panel.view.compare.attitude);
     if sweep.running {
-        let cancel = text("Cancel sweep", "Stop, and keep the finished lines.");
+        let cancel = text("Cancel sweep", "Stop and keep the finished lines.");
         panel.button(ui, cancel, CompareAction::CancelSweep);
         let (done, total) = sweep.progress;
         let bar = ProgressBar::new(done as f32 / total.max(1) as f32);
         ui.add(bar.desired_width(140.0).text(format!("{done} of {total}")));
     } else {
-        let hint = "Run this scene under every selected integrator with dt from 1/15 to 1/1920 s, in the background.";
+        let hint =
+            "Run every compared integrator with dt from 1/15 to 1/1920 s, in the background.";
         panel.button(ui, text("Sweep", hint), CompareAction::StartSweep);
     }
     for (position, name, hint) in [
@@ -56,7 +57,7 @@ fn controls(ui: &mut Ui, panel: &mut Panel<'_>) {
             panel.memory.sweep_position = Some(position);
         }
     }
-    let caption = "dots: now · lines: step sizes from 1/15 to 1/1920 s · lower left is better";
+    let caption = "dots: this run · lines: step sizes from 1/15 to 1/1920 s · lower left is better";
     note(ui, RichText::new(caption).weak());
 }
 
@@ -112,7 +113,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
     };
     describe(
         &plot.show(ui, draw).response,
-        "Largest error against cost per simulated second, both logarithmic: dots for now, lines for the sweep over step sizes",
+        "Largest error against cost per simulated second, both logarithmic: dots for this run, lines for the sweep over step sizes",
     );
 }
 

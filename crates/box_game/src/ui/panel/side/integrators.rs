@@ -34,7 +34,7 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
     if !view.reference.is_empty() {
         let text = format!("┄ Reference: {}", view.reference);
         ui.add(Label::new(text).truncate())
-            .on_hover_text("Dashed white in the picture. Errors are measured against it.");
+            .on_hover_text("Dashed white in the 3D view. Errors are relative to it.");
     }
     let stepper = panel.view.demo.as_ref().and_then(|demo| demo.stepper);
     let main = view.trajectories.iter().find(|t| t.main_box);
@@ -96,8 +96,8 @@ fn nanoseconds(cost: Option<f64>) -> String {
 }
 
 /// What the figures of cost are.
-const COST: &str = "Cost of a step of a box in this scene, and over that of the main box: the fastest sample of the \
-                    last two seconds, as in sweep and report. Median and 95th percentile stand in the table.";
+const COST: &str = "Cost per box and step in this scene, and its ratio to the main box's cost. Fastest sample of the \
+                    last two seconds, as in sweep and report. The table also shows median and 95th percentile.";
 
 /// Colors of the stages of a step.
 const STAGES: [[u8; 3]; Stage::ALL.len()] = [
@@ -148,7 +148,7 @@ fn step_cost(ui: &mut Ui, view: &PanelView) {
         stack(&painter, room, &parts(stages), most, true);
     }
     response.on_hover_ui(|ui| {
-        ui.label("Median of the last two seconds by the plugin's own clock, without rendering; below, each step.");
+        ui.label("Median of the last two seconds, measured by the plugin, without rendering. The columns show single steps.");
         for (words, color) in words.iter().zip(colors) {
             ui.horizontal(|ui| {
                 ui.colored_label(color, "■");
@@ -195,7 +195,7 @@ fn list(ui: &mut Ui, panel: &mut Panel<'_>) {
             }
         });
     }
-    ui.small("☑ compare · click a name to switch · ns per step of a box");
+    ui.small("☑ compare · click a name to switch · ns per box and step");
 }
 
 /// The integrator that moves the box; none while a stepper of 2012 does.
@@ -216,7 +216,7 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     });
     let action = Action::from(CompareAction::ToggleComparison(integrator));
     identify(&response, id_of(&action));
-    let hint = "Compare it on the same scene, with the same inputs (Shift + its key).";
+    let hint = "Run it on the same scene with the same inputs (Shift + its key).";
     if response.on_hover_text(hint).changed() {
         panel.ask(action);
     }
@@ -242,9 +242,9 @@ fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.horizontal_wrapped(|ui| {
         let all = text("Compare all", "Compare every integrator.");
         panel.button(ui, all, CompareAction::CompareAll);
-        let none = text("Compare none", "Compare nothing.");
+        let none = text("Compare none", "Remove all comparisons.");
         panel.button(ui, none, CompareAction::CompareNone);
-        let hint = "Move the main box and every comparison to the reference's state.";
+        let hint = "Set the main box and all comparisons to the reference state.";
         panel.button(ui, text("Re-sync", hint), CompareAction::Resync);
     });
     if !view.note.is_empty() {
@@ -315,7 +315,7 @@ fn properties(integrator: Integrator, timing: Option<Cost>) -> Vec<String> {
     if let Some(cost) = timing {
         let [min, median, p95] = [cost.min, cost.median, cost.p95].map(number);
         lines.push(format!(
-            "ns per step of a box in this scene: min {min}, median {median}, 95 % under {p95}."
+            "ns per box and step in this scene: min {min}, median {median}, p95 {p95}."
         ));
     }
     if let Some(key) = box_scenarios::style::key(integrator) {

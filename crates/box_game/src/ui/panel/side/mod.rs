@@ -60,14 +60,14 @@ fn drawn(ui: &mut Ui, panel: &mut Panel<'_>) {
         hint,
         Action::ToggleAabb,
     );
-    let hint = "Contact points with their impulses, and friction cones: the force stays inside.";
+    let hint = "Contact points with their impulses and friction cones.";
     switch(
         preferences.show_contacts,
         "Contacts (C)",
         hint,
         Action::ToggleContacts,
     );
-    let hint = "The box's own axes and its velocity.";
+    let hint = "Body axes and velocity.";
     switch(
         preferences.show_axes,
         "Axes and velocity (X)",
@@ -98,7 +98,7 @@ fn now(ui: &mut Ui, panel: &mut Panel<'_>) {
             ui.monospace(format!("{:>10} {unit}", quantity(value)));
             ui.end_row();
         }
-        let fallbacks = "Body-steps delegated to split because the integrator does not apply.";
+        let fallbacks = "Body-steps taken by split because the integrator is not applicable.";
         let unconverged = "Body-steps whose iteration reached its limit before its tolerance.";
         for (name, count, hint) in [
             ("Fallbacks", view.fallbacks, fallbacks),

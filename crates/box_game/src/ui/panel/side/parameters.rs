@@ -67,7 +67,7 @@ fn choices(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
 /// A button that sets these parameters to the scene's own.
 fn reset(ui: &mut Ui, panel: &mut Panel<'_>, what: &str, parameters: &[Parameter]) {
     let name = format!("Reset {what}");
-    let words = text(&name, "Restore the scene's own values.");
+    let words = text(&name, "Restore the scene's values.");
     if button(ui, words, &name) {
         // A scene without a floor has no restitution to reset.
         let (now, own) = (&panel.view.parameters, &panel.view.defaults);
@@ -99,7 +99,7 @@ pub(super) fn push(ui: &mut Ui, panel: &mut Panel<'_>) {
     let modifiers = ui.input(|i| i.modifiers);
     let off_center = panel.memory.push_off_center || modifiers.shift;
     let world = panel.memory.push_world || modifiers.alt;
-    let whose = if world { "the world" } else { "the box" };
+    let axes = if world { "world" } else { "body" };
     let place = ["", ", at the edge of the face"][usize::from(off_center)];
     let opposite = [DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
     for (sign, directions) in [("+", DVec3::AXES), ("−", opposite)] {
@@ -111,7 +111,7 @@ pub(super) fn push(ui: &mut Ui, panel: &mut Panel<'_>) {
                 let accessible = format!("Push {name}");
                 button.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, &accessible));
                 identify(&button, format!("push {name}"));
-                let hint = format!("{strength} N s along {name} of {whose}{place}.");
+                let hint = format!("{strength} N s along {name} ({axes} axes){place}.");
                 if button.on_hover_text(hint).clicked() {
                     panel.ask(Action::Push(Push {
                         direction,
@@ -129,7 +129,7 @@ pub(super) fn push(ui: &mut Ui, panel: &mut Panel<'_>) {
         off.on_hover_text("Push at the edge of the face, so that the box spins.");
         let world = ui.checkbox(&mut memory.push_world, "world axes (Alt)");
         identify(&world, "world axes");
-        world.on_hover_text("Push along the world's axes instead of the box's own.");
+        world.on_hover_text("Push along world axes instead of body axes.");
     });
     reset(ui, panel, "push", &[Parameter::Impulse]);
 }
@@ -137,7 +137,7 @@ pub(super) fn push(ui: &mut Ui, panel: &mut Panel<'_>) {
 pub(super) fn load(ui: &mut Ui, panel: &mut Panel<'_>) {
     rows(ui, panel, &[Parameter::Boxes]);
     let view = panel.view;
-    ui.label(format!("one frame: {} ms", number(view.frame_time_ms)));
+    ui.label(format!("frame time: {} ms", number(view.frame_time_ms)));
     ui.label(format!(
         "dropped by slow frames: {} s",
         number(view.dropped)

@@ -92,7 +92,7 @@ fn every_integrator_can_be_chosen_and_compared_and_shows_its_cost() {
         person.sees_all(&[
             &format!("rotation {}", info.orders.rotation),
             &format!("{} in free flight", info.evaluations.free),
-            "ns per step of a box in this scene: min",
+            "ns per box and step in this scene: min",
         ]);
         for action in [chosen, compare] {
             let expected = if active { vec![] } else { vec![action.clone()] };
@@ -123,7 +123,7 @@ fn six_pushes_plain_off_center_and_world() {
     }
     person.find("push +x").hover();
     person.look();
-    assert!(person.sees("1 N s along +x of the box."));
+    assert!(person.sees("1 N s along +x (body axes)."));
     person.find("push +x").click_modifiers(Modifiers::SHIFT);
     assert_eq!(person.asked(), push(DVec3::X, false, true));
     person.find("push +x").click_modifiers(Modifiers::ALT);

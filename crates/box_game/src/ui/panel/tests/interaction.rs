@@ -64,7 +64,7 @@ fn words_arrows_and_enter_choose_a_scene() {
             person.look();
             let card = |id: &str| id_of(&Action::SelectScene(id.into()));
             assert!(person.has(&card("dzhanibekov")) && !person.has(&card("playground")));
-            assert!(person.sees_part("turns over every few seconds."));
+            assert!(person.sees_part("flips every few seconds."));
         } else {
             person.harness.key_press(Key::ArrowDown);
             person.look();
@@ -79,7 +79,7 @@ fn words_arrows_and_enter_choose_a_scene() {
 #[test]
 fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
     let mut person = with(|view| view.demo = Some(demo()));
-    person.sees_all(&[Stepper::Heun.fault(), "9.81 m/s"]);
+    person.sees_all(&[Stepper::Heun.fault(), "Now: gravity sets", "9.81 m/s"]);
     person.asks_for([
         Action::SetDemo(Some(Stepper::Rk4)),
         Action::ToggleDemoLog,
@@ -90,7 +90,7 @@ fn the_strip_of_2012_chooses_a_stepper_and_says_what_is_wrong() {
     let mut demo = demo();
     demo.stepper = None;
     let person = with(|view| view.demo = Some(demo));
-    assert!(person.sees_part("pushes add up") && !person.sees_part("9.81 m/s,"));
+    assert!(person.sees_part("pushes add up") && !person.sees_part("9.81 m/s"));
 }
 
 #[test]
@@ -111,11 +111,11 @@ fn everything_is_reset_only_when_sure() {
 
 #[test]
 fn a_notice_goes_by_itself_and_the_lesson_stays() {
-    let mut person = with(|view| view.notices = vec!["picture: a.png".into()]);
-    assert!(person.sees("picture: a.png"));
+    let mut person = with(|view| view.notices = vec!["screenshot: a.png".into()]);
+    assert!(person.sees("screenshot: a.png"));
     // Steps of a quarter of a second or less, for half a minute.
     let mut steps = 0;
-    while person.sees("picture: a.png") && steps < 200 {
+    while person.sees("screenshot: a.png") && steps < 200 {
         person.look();
         steps += 1;
     }

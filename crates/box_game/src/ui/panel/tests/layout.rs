@@ -60,7 +60,7 @@ fn long() -> PanelView {
         RuleKind::Integrator,
     ];
     view.compare.rules = kinds.map(|kind| Rule { t: 1.0, kind }).into();
-    view.compare.note = "The trajectories simulate the first box alone, without the load.".into();
+    view.compare.note = "The comparisons simulate only the first box.".into();
     view.figures = [-1.234_567e-9; FIGURES.len()];
     for (cost, _) in &mut view.timings {
         *cost = Some(Cost::of(&[123_456.7, 234_567.8, 345_678.9]));
@@ -111,7 +111,7 @@ fn check_layout(person: &Person, size: Vec2, what: &str) {
             // What is scrolled aside is out of sight.
             let hidden = aside || scrolls(&layout, *there, plot)[0];
             // This plot has its legend inside.
-            let legend = [name, other].iter().any(|n| n.starts_with("CPU use"));
+            let legend = [name, other].iter().any(|n| n.starts_with("CPU usage"));
             let apart = hidden || legend || !common.is_positive();
             assert!(apart, "{what}: {name} at {rect:?} and {other} at {there:?}");
         }

@@ -47,6 +47,7 @@ fn with(change: impl FnOnce(&mut PanelView)) -> Person {
 fn demo() -> DemoView {
     DemoView {
         stepper: Some(Stepper::Heun),
+        fault: crate::demo_2012::FAULTS[0],
         cycle_us: 1.25,
         log: None,
     }

@@ -51,10 +51,10 @@ fn a_browser_says_what_it_cannot_measure() {
     assert!(person.sees(reason));
     let timing = |grain| {
         let person = with(|view| (view.plot, view.grain) = (Plot::Timing, grain));
-        person.sees_part("clock: steps of 100 µs, samples ±0.82 %")
+        person.sees_part("clock resolution 100 µs, samples ±0.82 %")
     };
     assert!(!timing(None) && timing(Some((100.0, 0.0082))));
-    assert!(!with(|view| view.plot = Plot::Timing).sees_part("clock: steps"));
+    assert!(!with(|view| view.plot = Plot::Timing).sees_part("clock resolution"));
     let step = |boxes, stages| {
         with(|view| {
             (view.grain, view.stages_us) = (Some((100.0, 0.0082)), Some(stages));
@@ -159,11 +159,11 @@ fn plots_say_what_they_show_and_leave_the_wheel_alone() {
         (Plot::Energy, ENERGY),
         (
             Plot::Timing,
-            "Minimum of nanoseconds per step of a box under every integrator over wall time, logarithmic",
+            "Minimum nanoseconds per box and step of every integrator over wall time, logarithmic",
         ),
         (
             Plot::Cpu,
-            "CPU use over wall time, now 12 % this process, 30 % whole system",
+            "CPU usage over wall time, now 12 % this process, 30 % whole system",
         ),
     ] {
         let mut view = sample_view();

@@ -64,6 +64,74 @@ fn a_resting_box_rides() {
     }
 }
 
+/// In the edge and in the corner of a tray that moves as a whole, and on one plane of it, a box rests and rides; a wall
+/// that comes by far away does not disturb it.
+#[test]
+fn a_box_rests_in_a_moving_tray() {
+    let mut random = Random(36);
+    for i in 0..60 {
+        let pull = [
+            DVec3::NEG_Y,
+            DVec3::new(-0.3, -1.0, 0.0),
+            DVec3::splat(-1.0),
+        ][i % 3];
+        let surface = Floor::new(0.0, 0.3, 0.4).expect("valid");
+        let mut scene = Scene::among(tray(2.0, 0.3, 0.4), HALF);
+        scene.gravity.0 = pull.normalize() * G;
+        scene.state.position = DVec3::new(-1.3, 0.5, -1.4);
+        scene.state.rotation = random.attitude();
+        scene.spin(random.vector(1.0));
+        if i % 2 == 0 {
+            scene = scene.turned(random.attitude());
+        }
+        let velocity = if i < 30 {
+            random.vector(2.0)
+        } else {
+            DVec3::ZERO
+        };
+        scene.state.velocity = velocity;
+        for plane in &mut scene.planes {
+            plane.surface.velocity = velocity;
+            plane.shape.velocity = velocity;
+        }
+        let away = scene.planes[0].shape.normal;
+        let passing = surface.with_velocity(away * 0.1);
+        scene.planes.push(wall(away * 1e3, -away, &passing));
+        scene.run::<Split>(SIXTIETH, 600);
+        assert!(
+            scene.contact.is_resting(&scene.state),
+            "{i} {:?}",
+            scene.state
+        );
+        let (start, lowest) = (scene.state, scene.lowest());
+        for k in 1..=1000 {
+            let mut report = ContactReport::default();
+            let force = scene.gravity;
+            let outcome = scene.step_under::<Split>(&force, SIXTIETH, Some(&mut report));
+            assert!(outcome.resting && outcome.step.evaluations == 0, "{i} {k}");
+            assert_eq!(scene.state.velocity, velocity);
+            let load = report.normal_impulse() + report.tangential_impulse.length();
+            assert!(load >= 0.9 * scene.body.mass() * G * SIXTIETH, "{i} {load}");
+        }
+        let way = velocity * (1000.0 * SIXTIETH);
+        let off = (scene.state.position - start.position - way).length();
+        assert!(
+            off < 1e-10 && (scene.lowest() - lowest).abs() < 1e-10,
+            "{i} {off:e}"
+        );
+        assert_eq!(scene.state.rotation, start.rotation);
+        // One of the planes that hold it goes its own way.
+        if velocity != DVec3::ZERO {
+            scene.planes[0].surface.velocity = DVec3::ZERO;
+            scene.planes[0].shape.velocity = DVec3::ZERO;
+            scene.step::<Split>(SIXTIETH);
+            assert!(!scene.contact.is_resting(&scene.state), "{i}");
+        } else {
+            assert_eq!(scene.state, start);
+        }
+    }
+}
+
 fn stopped(plane: &Plane) -> Plane {
     let shape = plane.shape();
     wall(
