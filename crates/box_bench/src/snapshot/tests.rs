@@ -82,24 +82,6 @@ fn same_as_the_plugin(situation: Situation, n: usize, forces: ForceSet) {
     assert_eq!(states, ours, "{n} bodies: {}", situation.name());
 }
 
-/// Many bodies in flight are stepped in SIMD lanes, which is cheaper than one by one. Forces that prevent this increase
-/// the cost.
-#[test]
-fn many_bodies_in_flight_share_lanes() {
-    let cost = |n: usize, forces: ForceSet| {
-        let mut s = snapshot(Situation::Flight, n);
-        s.forces = forces;
-        s.costs(&[Integrator::Split], &Settings::default())[0].min
-    };
-    let (one, many) = (cost(1, ForceSet::none()), cost(512, ForceSet::none()));
-    assert!(many < 0.7 * one, "one {one} ns, of many {many} ns");
-    let drag = ForceSet {
-        linear_drag: 0.1,
-        ..ForceSet::none()
-    };
-    assert!(cost(512, drag) > many);
-}
-
 #[test]
 fn every_integrator_can_be_timed_anywhere() {
     for situation in Situation::ALL {
