@@ -1,6 +1,7 @@
 //! Boxes, floor and light.
 
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::RenderLayers;
 use bevy::image::{ImageAddressMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::math::Affine2;
@@ -176,11 +177,12 @@ pub(super) fn dress_boxes(
                 made
             }
         };
-        let (mesh, material) = match main_box {
-            true => (marked, look.main_box.clone()),
-            false => (plain, look.load.clone()),
+        // The other boxes are in every view: their shadows are.
+        let (mesh, material, layers) = match main_box {
+            true => (marked, look.main_box.clone(), RenderLayers::default()),
+            false => (plain, look.load.clone(), everywhere()),
         };
-        let look = (Mesh3d(mesh), MeshMaterial3d(material));
+        let look = (Mesh3d(mesh), MeshMaterial3d(material), layers);
         commands.entity(entity).insert(look);
     }
 }

@@ -176,7 +176,7 @@ impl ReferenceSolution {
         self.kind = ReferenceKind::Numerical {
             agreement: before.max(reference.agreement()),
         };
-        self.description = "numerical reference: Dormand–Prince order 8, two step sizes compared";
+        self.description = "Dormand–Prince order 8, two step sizes compared";
         Some(Segment::Numerical(Box::new(reference)))
     }
 
