@@ -13,10 +13,10 @@ use crate::state::BodyState;
 /// v += h/2 a(x, v); x += h v; v += h/2 a(x, v), and the same for L with the torques. The drift consists of five planar
 /// rotations x½ y½ z y½ x½ (`McLachlan` 1993; Reich 1994), which contain the gyroscopic term.
 ///
-/// The first kick uses the drag at `v_n`, the second at `v_{n+½}`. Each multiplies v by 1 + z/2; together R(z) = 1 + z
-/// + z²/4 with z = −ch/m. This is stable for z ≥ −4 but equals e^z only to first order, so order 2 holds only for
-/// forces that depend on the pose alone. (A first kick that reuses the last acceleration, as in "one evaluation per
-/// step", would have R = 1 + z from half step to half step: stable only to −2, with twice the error.)
+/// The first kick uses the drag at `v_n`, the second at `v_{n+½}`. Each multiplies v by 1 + z/2; together they multiply it
+/// by R(z) = 1 + z + z²/4 with z = −ch/m. This is stable for z ≥ −4 but equals e^z only to first order, so order 2 holds
+/// only for forces that depend on the pose alone. (A first kick that reuses the last acceleration, as in "one evaluation
+/// per step", would have R = 1 + z from half step to half step: stable only to −2, with twice the error.)
 pub struct VelocityVerlet;
 
 impl Integrate for VelocityVerlet {
