@@ -13,7 +13,7 @@ use crate::state::BodyState;
 /// Whether the box can reach the floor within `h` \[s\]; `false` means that a plain integrator step is safe.
 /// Conservative and cheap: the center's height, less the reach of the lowest corner at any attitude it
 /// can take, less the farthest drop. A box that touched the floor at the end of the last step should be
-/// given to [`step_on_floor`] in any case, so that the end of its contact is reported.
+/// given to [`step_on_floor`](super::step_on_floor) in any case, so that the end of its contact is reported.
 #[inline]
 pub fn may_touch<F: ForceModel>(
     floor: &Floor,
