@@ -110,13 +110,16 @@ fn a_box_rests_in_a_moving_tray() {
             let outcome = scene.step_under::<Split>(&force, SIXTIETH, Some(&mut report));
             assert!(outcome.resting && outcome.step.evaluations == 0, "{i} {k}");
             assert_eq!(scene.state.velocity, velocity);
-            let load = report.normal_impulse() + report.tangential_impulse.length();
-            assert!(load >= 0.9 * scene.body.mass() * G * SIXTIETH, "{i} {load}");
+            // Friction bears at most µ times as much: weight ≤ √(1 + µ²) Σ N.
+            let weight = scene.body.mass() * G * SIXTIETH;
+            let load = report.normal_impulse() * (1.0_f64 + 0.4 * 0.4).sqrt();
+            assert!(load >= weight, "{i} {load}");
         }
         let way = velocity * (1000.0 * SIXTIETH);
         let off = (scene.state.position - start.position - way).length();
+        // A thousand roundings of coordinates below 60 m: 7e-12.
         assert!(
-            off < 1e-10 && (scene.lowest() - lowest).abs() < 1e-10,
+            off < 1e-11 && (scene.lowest() - lowest).abs() < 1e-11,
             "{i} {off:e}"
         );
         assert_eq!(scene.state.rotation, start.rotation);
