@@ -4,7 +4,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::ground::Level;
+use super::FloorContext;
 use super::motion::Supported;
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -128,6 +128,35 @@ impl Frame {
     /// The opposite of [`Frame::vector`].
     pub(super) fn vector_to_surface(&self, v: DVec3) -> DVec3 {
         self.axes.map_or(v, |axes| axes.turn.inverse() * v)
+    }
+}
+
+/// A level floor, in whose frame contact is solved. Among several planes one at rest, of which only the body and the
+/// forces count.
+pub(super) struct Level<'a, F> {
+    /// The floor of the frame; the forces are in the world.
+    pub(super) context: &'a FloorContext<'a, F>,
+    pub(super) method: &'a Method<F>,
+    pub(super) frame: Frame,
+    /// The uniform acceleration in the frame [m/s²].
+    pub(super) pull: DVec3,
+    /// |c| at which a corner touches \[m\].
+    pub(super) tolerance: f64,
+}
+
+impl<'a, F: ForceModel> Level<'a, F> {
+    pub(super) fn new(
+        context: &'a FloorContext<'a, F>,
+        method: &'a Method<F>,
+        frame: Frame,
+    ) -> Self {
+        Self {
+            context,
+            method,
+            pull: frame.vector_to_surface(context.force.acceleration()),
+            frame,
+            tolerance: context.tolerated_height(),
+        }
     }
 }
 

@@ -2,12 +2,12 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::{Frame, Method};
+use super::frame::Level;
 use super::geometry::{Places, each, set};
 use super::law::Law;
 use super::operator::DelassusOperator;
 use super::slips::Slips;
-use super::{ContactReport, ContactState, Floor, FloorContext};
+use super::{ContactReport, ContactState, Floor};
 use crate::force::ForceModel;
 use crate::integrators::{IntegratorMemory, StepOutcome};
 use crate::rotation::{compose, exponential_map};
@@ -21,35 +21,6 @@ pub(super) struct BodyStep<'a> {
     pub(super) memory: &'a mut IntegratorMemory,
     pub(super) contact: &'a mut ContactState,
     pub(super) report: Option<&'a mut ContactReport>,
-}
-
-/// A level floor, in whose frame contact is solved. Among several planes one at rest, of which only the body and the
-/// forces count.
-pub(super) struct Level<'a, F> {
-    /// The floor of the frame; the forces are in the world.
-    pub(super) context: &'a FloorContext<'a, F>,
-    pub(super) method: &'a Method<F>,
-    pub(super) frame: Frame,
-    /// The uniform acceleration in the frame [m/s²].
-    pub(super) pull: DVec3,
-    /// |c| at which a corner touches \[m\].
-    pub(super) tolerance: f64,
-}
-
-impl<'a, F: ForceModel> Level<'a, F> {
-    pub(super) fn new(
-        context: &'a FloorContext<'a, F>,
-        method: &'a Method<F>,
-        frame: Frame,
-    ) -> Self {
-        Self {
-            context,
-            method,
-            pull: frame.vector_to_surface(context.force.acceleration()),
-            frame,
-            tolerance: context.tolerated_height(),
-        }
-    }
 }
 
 /// The floor, with `N` = 8 places where the box may touch, or several planes with a place for each corner over each.

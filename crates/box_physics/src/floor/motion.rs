@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::ground::Level;
+use super::frame::Level;
 use crate::body::RigidBox;
 use crate::force::{Damping, Dissipation, ForceModel, Wrench};
 use crate::integrators::impulse_step;

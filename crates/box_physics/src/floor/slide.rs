@@ -15,8 +15,9 @@
 
 use glam::{DVec2, DVec3};
 
+use super::frame::Level;
 use super::geometry::{has, mask};
-use super::ground::{Ground, Level};
+use super::ground::Ground;
 use crate::force::ForceModel;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;

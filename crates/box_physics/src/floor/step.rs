@@ -2,8 +2,8 @@
 
 use super::events::between_events;
 use super::flight::{Flight, Flown, fly};
-use super::frame::{Frame, Method};
-use super::ground::{BodyStep, Ground, Level};
+use super::frame::{Frame, Level, Method};
+use super::ground::{BodyStep, Ground};
 use super::slide::slide;
 use super::{ContactReport, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;

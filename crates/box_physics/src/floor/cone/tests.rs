@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::body::RigidBox;
+use crate::floor::frame::Level;
 use crate::floor::frame::{Frame, Method};
 use crate::floor::geometry::{Corners, mask};
-use crate::floor::ground::Level;
 use crate::floor::law::{Law, Solution};
 use crate::floor::tests::{Random, Solver};
 use crate::floor::{ContactSettings, Floor, FloorContext};

@@ -23,8 +23,8 @@ use glam::{DMat3, DVec3};
 
 use super::bounds::{acceleration_bound, curvature_bound};
 use super::flight::may_touch_plane;
-use super::frame::Method;
-use super::ground::{BodyStep, Level};
+use super::frame::{Level, Method};
+use super::ground::BodyStep;
 use super::step::On;
 use super::{ContactReport, ContactSettings, ContactState, Floor, FloorOutcome, step_on_floor};
 use crate::body::RigidBox;
