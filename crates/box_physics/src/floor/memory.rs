@@ -208,7 +208,7 @@ pub struct ContactReport {
     pub normal_impulses: [f64; 8],
     /// The unit normal: +y at the floor. Among several planes the direction of the sum of their impulses.
     pub normal: DVec3,
-    /// Impulse of friction on the body \[N s\], world axes.
+    /// Impulse of friction on the body \[N s\], world axes. Not known of a box at rest: 0.
     pub tangential_impulse: DVec3,
     /// Largest speed along the normal with which a corner struck [m/s]; 0 without an impact.
     pub approach_speed: f64,
