@@ -66,6 +66,12 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
             Flight::Low => {}
         }
     }
+    if S::MULTISTEP {
+        memory.invalidate();
+        outcome.step += flown
+            .take()
+            .map_or(StepOutcome::default(), |tried| tried.outcome);
+    }
     let method = Method::of::<S>();
     let level = Level::new(context, &method, Frame::new(context.floor.velocity, None));
     let mut step = BodyStep {

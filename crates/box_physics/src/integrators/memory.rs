@@ -69,6 +69,13 @@ impl Clone for IntegratorMemory {
 }
 
 impl IntegratorMemory {
+    /// Makes the memory invalid. Its allocation stays.
+    pub(crate) fn invalidate(&mut self) {
+        if let Some(kept) = &mut self.kept {
+            kept.situation = None;
+        }
+    }
+
     /// The stored memory of `S`, valid or not.
     #[cfg(test)]
     pub(super) fn peek<S: Integrate>(&self) -> Option<S::Memory> {

@@ -58,6 +58,10 @@ pub trait Integrate: Sized + 'static {
     /// Memory of a body between steps; `()` for none.
     type Memory: Remember;
 
+    /// `true` if a step with its memory and a step of another length follow different motions, as in multistep methods.
+    /// A step that may meet the floor then starts without the memory, so that an impact is located on one motion.
+    const MULTISTEP: bool = false;
+
     /// Advances `state` by `h` ≠ 0 \[s\] under `force`. A negative `h` runs a reversible integrator backward;
     /// for other integrators it is an ordinary step.
     ///

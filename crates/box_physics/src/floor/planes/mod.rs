@@ -208,6 +208,9 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         }
         tried = outcome.step;
     }
+    if S::MULTISTEP {
+        memory.invalidate();
+    }
     let method = Method::of::<S>();
     let mut step = BodyStep {
         state,

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
-use crate::integrators::{Integrate, IntegratorMemory, Split};
+use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, Split};
 use crate::math::sin_cos;
 use crate::state::BodyState;
 
@@ -78,6 +78,18 @@ impl Scene {
     pub(super) fn step<S: Integrate>(&mut self, h: f64) -> FloorOutcome {
         let gravity = self.gravity;
         self.step_under::<S>(&gravity, h, None)
+    }
+
+    /// A step of a 60th of a second by the chosen integrator.
+    fn step_by(&mut self, integrator: Integrator) -> FloorOutcome {
+        struct Step<'a>(&'a mut Scene);
+        impl IntegratorVisitor for Step<'_> {
+            type Output = FloorOutcome;
+            fn visit<S: Integrate>(self) -> FloorOutcome {
+                self.0.step::<S>(SIXTIETH)
+            }
+        }
+        integrator.dispatch(Step(self))
     }
 
     pub(super) fn step_under<S: Integrate>(

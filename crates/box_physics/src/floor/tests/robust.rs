@@ -1,8 +1,9 @@
 //! Whatever comes: no gain of energy, nothing below the floor, no endless loop.
 
 use super::*;
+use crate::floor::StaticPlane;
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
-use crate::integrators::{ExplicitEuler, Heun2012, Rk4, SemiImplicitEuler, Split};
+use crate::integrators::{ExplicitEuler, Heun2012, Integrator, Rk4, SemiImplicitEuler, Split};
 
 /// Shapes to drop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,5 +159,30 @@ fn settle(n: u32) {
         scene.state = BodyState::at_pose(DVec3::Y * height, random.attitude());
         scene.spin(random.vector(3.0));
         scene.run::<Split>(SIXTIETH, 180);
+    }
+}
+
+/// The time of an impact is found in a few trials by every integrator, one that remembers derivatives included: the
+/// whole step and its parts belong to one motion.
+#[test]
+fn every_integrator_finds_an_impact_in_a_few_trials() {
+    let plane = |x, normal| {
+        let shape = StaticPlane::new(DVec3::X * x, normal).expect("valid");
+        Plane::new(shape, 0.5, 0.5).expect("valid")
+    };
+    let (floor, ramp) = (plane(0.0, DVec3::Y), plane(0.0, DVec3::new(0.1, 1.0, 0.0)));
+    let wall = plane(-0.9, DVec3::X);
+    for &integrator in Integrator::ALL {
+        for planes in [vec![], vec![ramp], vec![floor, wall]] {
+            let mut scene = Scene::new(DVec3::new(0.5, 0.4, 0.3), 0.5, 0.5);
+            scene.planes = planes;
+            scene.state = BodyState::at(DVec3::Y * 3.0).with_velocity(DVec3::NEG_X * 0.3);
+            scene.spin(DVec3::new(0.3, 0.2, 0.1));
+            let each = (0..300).map(|_| scene.step_by(integrator).step.evaluations);
+            let worst = each.max().unwrap_or_default();
+            assert!(scene.total.impacts > 5, "{integrator}: it bounces");
+            // Up to 130 in steps with several impacts; implicit integrators iterate.
+            assert!(worst < 1000, "{integrator}: {worst} evaluations in a step");
+        }
     }
 }
