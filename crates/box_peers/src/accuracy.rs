@@ -6,7 +6,7 @@ use box_scenarios::StateError;
 use box_scenarios::oracle::Case;
 use serde::Serialize;
 
-use crate::engine::{Body, Engine, Spec};
+use crate::engine::{Body, Engine, FINE_BODIES, Place, Spec};
 
 /// The reference trajectories: free motion, symmetric bodies among them.
 const CASES: [&str; 5] = [
@@ -41,8 +41,10 @@ pub fn measure(engines: &[Box<dyn Engine>]) -> Result<Vec<Accuracy>, String> {
     for name in CASES {
         let case = Case::load(&folder.join(format!("{name}.json"))).map_err(|e| e.to_string())?;
         for rate in RATES {
-            // More threads do not change one body's error.
-            let alone = |e: &&Box<dyn Engine>| !e.id().ends_with("-parallel");
+            // More threads do not change one body's error, and there is no floor.
+            let alone = |e: &&Box<dyn Engine>| {
+                e.is_timed(Place::Free, FINE_BODIES) && !e.id().ends_with("-parallel")
+            };
             for engine in engines.iter().filter(alone) {
                 let points = follow(engine.as_ref(), &case, rate)?;
                 all.push(Accuracy {

@@ -6,11 +6,16 @@ use avian3d::prelude::*;
 use bevy::prelude::*;
 use box_physics::state::BodyState;
 
-use crate::engine::{Engine, SLAB, Simulation, Spec};
+use crate::engine::{
+    Engine, FINE, FINE_BODIES, FRICTION, Place, RESTITUTION, SLAB, Simulation, Spec,
+};
 use crate::in_bevy;
 
 /// Avian with its default settings.
-pub struct Avian;
+pub struct Avian {
+    /// With more substeps.
+    pub fine: bool,
+}
 
 struct World {
     app: App,
@@ -22,13 +27,28 @@ struct World {
 const BOXES: LayerMask = LayerMask(1);
 const FLOOR: LayerMask = LayerMask(2);
 
+impl Avian {
+    fn substeps(&self) -> SubstepCount {
+        let default = SubstepCount::default();
+        SubstepCount(if self.fine {
+            FINE * default.0
+        } else {
+            default.0
+        })
+    }
+}
+
 impl Engine for Avian {
     fn id(&self) -> &'static str {
-        "avian"
+        if self.fine { "avian-fine" } else { "avian" }
     }
 
     fn name(&self) -> &'static str {
-        "Avian"
+        if self.fine { "Avian, fine" } else { "Avian" }
+    }
+
+    fn is_timed(&self, place: Place, bodies: usize) -> bool {
+        !self.fine || (place == Place::Free && bodies == FINE_BODIES)
     }
 
     fn version(&self) -> String {
@@ -39,19 +59,23 @@ impl Engine for Avian {
         crate::engine::all_threads()
     }
 
-    fn driven(&self) -> &'static str {
-        "PhysicsPlugins in a Bevy app, f32, parallel"
+    fn driven(&self) -> String {
+        let substeps = self.substeps().0;
+        format!("PhysicsPlugins in a Bevy app, f32, parallel, {substeps} substeps")
     }
 
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
         let mut app = in_bevy::app(spec.rate, |app| {
             in_bevy::clock_fixed_post_update(app);
             app.add_plugins(PhysicsPlugins::default())
-                .insert_resource(Gravity(Vec3::NEG_Y * spec.gravity));
+                .insert_resource(Gravity(Vec3::NEG_Y * spec.gravity))
+                .insert_resource(self.substeps());
         });
+        let material = (Friction::new(FRICTION), Restitution::new(RESTITUTION));
         if spec.floor {
             app.world_mut().spawn((
                 RigidBody::Static,
+                material,
                 Collider::cuboid(2.0 * SLAB[0], 2.0 * SLAB[1], 2.0 * SLAB[2]),
                 CollisionLayers::new(FLOOR, BOXES),
                 Transform::from_xyz(0.0, -SLAB[1], 0.0),
@@ -66,6 +90,7 @@ impl Engine for Avian {
                 let s = &b.start;
                 (
                     RigidBody::Dynamic,
+                    material,
                     Collider::cuboid(size.x, size.y, size.z),
                     ColliderDensity(density),
                     CollisionLayers::new(BOXES, FLOOR),

@@ -7,27 +7,42 @@ use box_physics::body::RigidBox;
 use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 
-use crate::engine::{Engine, SLAB, Simulation, Spec};
+use crate::engine::{
+    Engine, FINE, FINE_BODIES, FRICTION, Place, RESTITUTION, SLAB, Simulation, Spec,
+};
 
 /// Box3D with its default settings.
 pub struct Box3d {
     foundation: &'static Foundation,
     workers: u32,
+    /// With more substeps.
+    fine: bool,
 }
 
 impl Box3d {
-    /// Starts the library, once, for worlds of one worker and for worlds of as many as there are threads.
+    /// Starts the library, once, for worlds of one worker, for worlds of as many as there are threads, and for those with
+    /// more substeps.
     ///
     /// # Errors
     /// What it says.
     pub fn all() -> Result<Vec<Self>, String> {
         let foundation = Foundation::initialize_default().map_err(|e| e.to_string())?;
-        let workers = [1, crate::engine::all_threads() as u32];
-        let all = workers.map(|workers| Self {
+        let all = crate::engine::all_threads() as u32;
+        let all = [(1, false), (all, false), (1, true)];
+        let all = all.map(|(workers, fine)| Self {
             foundation,
             workers,
+            fine,
         });
         Ok(all.into())
+    }
+
+    fn substeps(&self) -> i32 {
+        if self.fine {
+            FINE as i32 * SUBSTEPS
+        } else {
+            SUBSTEPS
+        }
     }
 
     fn world(&self, spec: &Spec) -> Result<Running, Error> {
@@ -47,7 +62,8 @@ impl Box3d {
         if spec.floor {
             let ground = f.body_def_builder().position([0.0, -SLAB[1], 0.0]);
             let ground = world.create_body(ground.build()?)?;
-            let shape = f.shape_def_builder().filter(filter(2, 1)).build()?;
+            let shape = f.shape_def_builder().filter(filter(2, 1));
+            let shape = shape.friction(FRICTION).restitution(RESTITUTION).build()?;
             let hull = BoxHull::new(SLAB[0], SLAB[1], SLAB[2])?;
             world.create_hull_shape(ground, &shape, &hull)?;
         }
@@ -70,6 +86,7 @@ impl Box3d {
             let body = world.create_body(body.build()?)?;
             let density = b.shape.mass() as f32 / (8.0 * half.x * half.y * half.z);
             let shape = f.shape_def_builder().density(density).filter(filter(1, 2));
+            let shape = shape.friction(FRICTION).restitution(RESTITUTION);
             let hull = BoxHull::new(half.x, half.y, half.z)?;
             world.create_hull_shape(body, &shape.build()?, &hull)?;
             bodies.push(body);
@@ -79,6 +96,7 @@ impl Box3d {
             bodies,
             shapes: spec.bodies.iter().map(|b| b.shape).collect(),
             h: 1.0 / spec.rate as f32,
+            substeps: self.substeps(),
             steps: 0,
         })
     }
@@ -92,27 +110,33 @@ struct Running {
     bodies: Vec<BodyId>,
     shapes: Vec<RigidBox>,
     h: f32,
+    substeps: i32,
     steps: u32,
 }
 
 impl Engine for Box3d {
     fn id(&self) -> &'static str {
         match self.workers {
+            _ if self.fine => "box3d-fine",
             1 => "box3d",
             _ => "box3d-parallel",
         }
     }
 
     fn name(&self) -> &'static str {
-        "Box3D"
+        if self.fine { "Box3D, fine" } else { "Box3D" }
+    }
+
+    fn is_timed(&self, place: Place, bodies: usize) -> bool {
+        !self.fine || (place == Place::Free && bodies == FINE_BODIES)
     }
 
     fn version(&self) -> String {
         format!("via boxddd {}", crate::engine::locked_version("boxddd"))
     }
 
-    fn driven(&self) -> &'static str {
-        "bare, without Bevy, f32, 4 substeps"
+    fn driven(&self) -> String {
+        format!("bare, without Bevy, f32, {} substeps", self.substeps())
     }
 
     fn threads(&self) -> usize {
@@ -127,7 +151,7 @@ impl Engine for Box3d {
 
 impl Simulation for Running {
     fn step(&mut self) {
-        if self.world.step(self.h, SUBSTEPS).is_ok() {
+        if self.world.step(self.h, self.substeps).is_ok() {
             self.steps += 1;
         }
     }

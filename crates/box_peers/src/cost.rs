@@ -9,7 +9,7 @@ use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 use serde::Serialize;
 
-use crate::engine::{Body, Engine, Spec};
+use crate::engine::{Body, Engine, FRICTION, Place, RESTITUTION, Spec};
 use crate::in_bevy;
 
 /// Bodies, and samples with so many.
@@ -20,14 +20,6 @@ const WARM_UP: usize = 10;
 const TIMED: usize = 120;
 /// Distance between boxes \[m\].
 const SPACING: f64 = 3.0;
-
-/// What the boxes are doing.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Free,
-    Landing,
-    Resting,
-}
 
 impl Place {
     const fn id(self) -> &'static str {
@@ -74,6 +66,7 @@ pub fn measure(
                 floor: place != Place::Free,
                 bodies: &bodies,
             };
+            let engines: Vec<_> = engines.iter().filter(|e| e.is_timed(place, n)).collect();
             let mut times = vec![Vec::new(); engines.len()];
             let mut alone = vec![Vec::new(); engines.len()];
             for _ in 0..if quick { 1 } else { samples } {
@@ -104,7 +97,8 @@ pub fn measure(
     let notes = vec![
         format!(
             "Cost: {TIMED} steps of 1/{RATE} s after {WARM_UP} of warm-up, a new world for each of {} to {} samples, engines in turns; \
-             free: the boxes tumble and fall; landing: they drop tumbling from half a meter, bounce and settle; resting: they lie on the floor from the start \
+             free: the boxes tumble and fall; landing: they drop tumbling from half a meter, bounce and settle (friction {FRICTION}, restitution {RESTITUTION} in every \
+             engine); resting: they lie on the floor from the start \
              (who puts boxes to sleep by default, does so).",
             SIZES[2].1, SIZES[0].1
         ),

@@ -14,6 +14,17 @@ pub struct Body {
     pub start: BodyState,
 }
 
+/// What the boxes are doing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// They tumble and fall.
+    Free,
+    /// They drop onto the floor, bounce and settle.
+    Landing,
+    /// They lie on the floor.
+    Resting,
+}
+
 /// A world to build.
 #[derive(Clone, Copy, Debug)]
 pub struct Spec<'a> {
@@ -26,6 +37,11 @@ pub struct Spec<'a> {
     /// The boxes, which do not collide with one another.
     pub bodies: &'a [Body],
 }
+
+/// Friction and restitution of floor and boxes, the same in every engine: those that our floor has by default.
+pub const FRICTION: f32 = 0.5;
+/// See [`FRICTION`].
+pub const RESTITUTION: f32 = 0.3;
 
 /// A world at work.
 pub trait Simulation {
@@ -52,7 +68,11 @@ pub trait Engine {
     /// The threads that it may use.
     fn threads(&self) -> usize;
     /// How it is driven, in a few words.
-    fn driven(&self) -> &'static str;
+    fn driven(&self) -> String;
+    /// Whether its cost is measured there: not of everything with settings of its own.
+    fn is_timed(&self, _place: Place, _bodies: usize) -> bool {
+        true
+    }
     /// Builds a world.
     ///
     /// # Errors
@@ -64,6 +84,12 @@ pub trait Engine {
 pub fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
+
+/// Factor of an engine's default number of substeps for a smaller error, and the number of bodies for which its cost is
+/// measured then.
+pub const FINE: u32 = 10;
+/// See [`FINE`].
+pub const FINE_BODIES: usize = 1000;
 
 /// The floor of engines that have no plane: half-extents \[m\] of a slab whose top is y = 0.
 pub const SLAB: [f32; 3] = [2000.0, 1.0, 2000.0];

@@ -37,7 +37,7 @@ struct EngineInfo {
     name: &'static str,
     version: String,
     threads: usize,
-    driven: &'static str,
+    driven: String,
 }
 
 #[derive(Serialize)]
@@ -60,13 +60,12 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let mut engines: Vec<Box<dyn Engine>> = vec![
-        Box::new(ours::Ours),
-        Box::new(avian::Avian),
-        Box::new(rapier::Rapier { threads: 1 }),
-        Box::new(rapier::Rapier {
-            threads: engine::all_threads(),
-        }),
+        Box::new(ours::Ours { rough: false }),
+        Box::new(ours::Ours { rough: true }),
+        Box::new(avian::Avian { fine: false }),
+        Box::new(avian::Avian { fine: true }),
     ];
+    engines.extend(rapier::Rapier::all().map(|e| Box::new(e) as Box<dyn Engine>));
     let mut notes = Vec::new();
     match box3d::Box3d::all() {
         Ok(all) => engines.extend(all.into_iter().map(|e| Box::new(e) as Box<dyn Engine>)),

@@ -5,24 +5,49 @@ use std::time::Duration;
 use bevy::prelude::*;
 use box_physics::prelude::*;
 
-use crate::engine::{Engine, Simulation, Spec};
+use crate::engine::{Engine, FRICTION, Place, RESTITUTION, Simulation, Spec};
 use crate::in_bevy;
 
 /// `box_physics` with its default integrator.
-pub struct Ours;
+pub struct Ours {
+    /// Impacts slower than 1 m/s do not bounce, as in Avian and Box3D.
+    pub rough: bool,
+}
 
 struct World {
     app: App,
     entities: Vec<Entity>,
 }
 
+impl Ours {
+    fn settings(&self) -> ContactSettings {
+        let mut settings = ContactSettings::default();
+        if self.rough {
+            settings.restitution_threshold = 1.0;
+        }
+        settings
+    }
+}
+
 impl Engine for Ours {
     fn id(&self) -> &'static str {
-        "box_physics"
+        if self.rough {
+            "box_physics-rough"
+        } else {
+            "box_physics"
+        }
     }
 
     fn name(&self) -> &'static str {
-        "box_physics (split)"
+        if self.rough {
+            "box_physics, slow impacts without a bounce"
+        } else {
+            "box_physics (split)"
+        }
+    }
+
+    fn is_timed(&self, place: Place, _: usize) -> bool {
+        !self.rough || place == Place::Landing
     }
 
     fn version(&self) -> String {
@@ -33,8 +58,9 @@ impl Engine for Ours {
         crate::engine::all_threads()
     }
 
-    fn driven(&self) -> &'static str {
-        "whole plugin in a Bevy app, f64"
+    fn driven(&self) -> String {
+        let threshold = self.settings().restitution_threshold;
+        format!("whole plugin in a Bevy app, f64, bounces from {threshold} m/s on")
     }
 
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String> {
@@ -49,7 +75,12 @@ impl Engine for Ours {
                 )
                 .insert_resource(WorldGravity(DVec3::NEG_Y * f64::from(spec.gravity)));
             if spec.floor {
-                app.insert_resource(Floor::default());
+                app.insert_resource(Floor {
+                    friction: f64::from(FRICTION),
+                    restitution: f64::from(RESTITUTION),
+                    ..Floor::default()
+                })
+                .insert_resource(self.settings());
             }
         });
         let spawned = spec.bodies.iter().map(|b| (b.shape, b.start));

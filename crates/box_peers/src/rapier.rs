@@ -5,12 +5,33 @@ use box_physics::state::BodyState;
 use glam::{DQuat, DVec3};
 use rapier3d::prelude::*;
 
-use crate::engine::{Engine, SLAB, Simulation, Spec};
+use crate::engine::{
+    Engine, FINE, FINE_BODIES, FRICTION, Place, RESTITUTION, SLAB, Simulation, Spec,
+};
 
 /// Rapier with its default settings.
 pub struct Rapier {
     /// Threads of its pool.
-    pub threads: usize,
+    threads: usize,
+    /// With more iterations of its solver, which are its substeps.
+    fine: bool,
+}
+
+impl Rapier {
+    /// On one thread, on all of them, and with more iterations.
+    pub fn all() -> [Self; 3] {
+        let all = crate::engine::all_threads();
+        [(1, false), (all, false), (1, true)].map(|(threads, fine)| Self { threads, fine })
+    }
+
+    fn iterations(&self) -> usize {
+        let default = IntegrationParameters::default().num_solver_iterations;
+        if self.fine {
+            FINE as usize * default
+        } else {
+            default
+        }
+    }
 }
 
 struct World {
@@ -23,21 +44,29 @@ struct World {
 impl Engine for Rapier {
     fn id(&self) -> &'static str {
         match self.threads {
+            _ if self.fine => "rapier-fine",
             1 => "rapier",
             _ => "rapier-parallel",
         }
     }
 
     fn name(&self) -> &'static str {
-        "Rapier"
+        if self.fine { "Rapier, fine" } else { "Rapier" }
+    }
+
+    fn is_timed(&self, place: Place, bodies: usize) -> bool {
+        !self.fine || (place == Place::Free && bodies == FINE_BODIES)
     }
 
     fn version(&self) -> String {
         crate::engine::locked_version("rapier3d")
     }
 
-    fn driven(&self) -> &'static str {
-        "bare, without Bevy, f32"
+    fn driven(&self) -> String {
+        format!(
+            "bare, without Bevy, f32, {} solver iterations",
+            self.iterations()
+        )
     }
 
     fn threads(&self) -> usize {
@@ -51,11 +80,14 @@ impl Engine for Rapier {
             .map_err(|e| e.to_string())?;
         physics.gravity = Vector::new(0.0, -spec.gravity, 0.0);
         physics.integration_parameters.dt = 1.0 / spec.rate as f32;
+        physics.integration_parameters.num_solver_iterations = self.iterations();
         let groups = |own, other| InteractionGroups::new(own, other, InteractionTestMode::And);
         if spec.floor {
             physics.insert(
                 RigidBodyBuilder::fixed().translation(Vector::new(0.0, -SLAB[1], 0.0)),
                 ColliderBuilder::cuboid(SLAB[0], SLAB[1], SLAB[2])
+                    .friction(FRICTION)
+                    .restitution(RESTITUTION)
                     .collision_groups(groups(Group::GROUP_2, Group::GROUP_1)),
             );
         }
@@ -71,6 +103,8 @@ impl Engine for Rapier {
                 .angvel(vector(w));
             let collider = ColliderBuilder::cuboid(half.x as f32, half.y as f32, half.z as f32)
                 .mass(b.shape.mass() as f32)
+                .friction(FRICTION)
+                .restitution(RESTITUTION)
                 .collision_groups(groups(Group::GROUP_1, Group::GROUP_2));
             physics.insert(body, collider).0
         });
