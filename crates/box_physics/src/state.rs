@@ -51,7 +51,11 @@ pub struct BodyState {
     derive(Reflect, VariantDefaults),
     reflect(Default, Clone, PartialEq)
 )]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "lowercase")
+)]
 pub enum Frame {
     /// World axes: wind, a magnetic field.
     #[default]
