@@ -5,7 +5,7 @@ use crate::ecs::*;
 use glam::{DQuat, DVec3};
 
 use crate::body::RigidBox;
-use crate::rotation::renormalize;
+use crate::rotation::{compose, renormalize};
 
 /// The state that the integrators advance, in f64.
 ///
@@ -272,6 +272,12 @@ impl BodyState {
     pub fn attitude_difference(&self, other: &Self) -> f64 {
         let d = self.rotation.inverse() * other.rotation;
         2.0 * libm::atan2(d.xyz().length(), d.w.abs())
+    }
+
+    /// Turns the body by `turn` (body axes), and renormalizes the attitude: q ← q∘p.
+    #[inline(always)]
+    pub(crate) fn turn_by(&mut self, turn: DQuat) {
+        self.rotation = renormalize(compose(self.rotation, turn));
     }
 
     /// Renormalizes the attitude to unit length.

@@ -63,8 +63,7 @@ impl Integrate for AdamsBashforth2 {
             Some(previous) if same_step(previous.h, h) => previous.slope,
             _ => slope,
         };
-        *state = before.from(&slope.from(state, 1.5 * h), -0.5 * h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = before.step(&slope.from(state, 1.5 * h), -0.5 * h);
         memory.store(Previous { slope, h });
         StepOutcome::plain(1)
     }

@@ -75,8 +75,7 @@ impl BackwardEuler {
             state.velocity = s.velocity;
             state.position += h * s.velocity;
             state.angular_momentum = body.inertia() * s.omega;
-            state.rotation = compose(state.rotation, exponential_map(h * s.omega));
-            state.renormalize();
+            state.turn_by(exponential_map(h * s.omega));
         }
         stage
     }

@@ -8,7 +8,7 @@ use super::{EnergyBehavior, Integrate, IntegratorInfo, Keeps, MemorySlot, MenuGr
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
+use crate::rotation::exponential_map_by;
 use crate::state::BodyState;
 
 /// Free rotation by the mean angular velocity of the step:
@@ -69,8 +69,7 @@ pub(super) fn kick_drift_kick<F: ForceModel>(
     let (l, w) = (state.angular_momentum, state.body_angular_velocity(body));
     let rate = body.inverse_inertia() * l.cross(w);
     let turn = exponential_map_by(h * mean(w, rate, h, augmented), trigonometry);
-    state.rotation = compose(state.rotation, turn);
-    state.renormalize();
+    state.turn_by(turn);
     state.angular_momentum = turned_back(l, turn);
     half_kick(body, state, force, 0.5 * h);
 }
@@ -92,7 +91,7 @@ mod tests {
     use super::super::testing::{Case, run};
     use super::*;
     use crate::force::Gravity;
-    use crate::rotation::exponential_map;
+    use crate::rotation::{compose, exponential_map};
 
     /// One step equals the formula; a principal spin is exact.
     #[test]

@@ -42,8 +42,7 @@ impl Integrate for ExplicitEuler {
         _memory: &mut MemorySlot<'_, Self>,
         _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        *state = Slope::at(body, state, force).from(state, h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = Slope::at(body, state, force).step(state, h);
         StepOutcome::plain(1)
     }
 }

@@ -103,8 +103,7 @@ impl ImplicitMidpoint {
             state.position += h * s.velocity;
             state.velocity = 2.0 * s.velocity - state.velocity;
             state.angular_momentum = 2.0 * (body.inertia() * s.omega) - state.angular_momentum;
-            state.rotation = compose(state.rotation, cayley_map(h * s.omega));
-            state.renormalize();
+            state.turn_by(cayley_map(h * s.omega));
         }
         stage
     }

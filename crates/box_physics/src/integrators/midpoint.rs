@@ -50,8 +50,7 @@ impl Integrate for Midpoint {
     ) -> StepOutcome {
         let k1 = Slope::at(body, state, force);
         let k2 = Slope::at(body, &k1.from(state, 0.5 * h), force);
-        *state = k2.from(state, h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = k2.step(state, h);
         StepOutcome::plain(2)
     }
 }

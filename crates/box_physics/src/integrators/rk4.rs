@@ -61,8 +61,7 @@ impl Integrate for Rk4 {
             velocity: (k1.velocity + 2.0 * (k2.velocity + k3.velocity) + k4.velocity) * SIXTH,
             momentum: (k1.momentum + 2.0 * (k2.momentum + k3.momentum) + k4.momentum) * SIXTH,
         };
-        *state = mean.from(state, h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = mean.step(state, h);
         StepOutcome::plain(4)
     }
 }
