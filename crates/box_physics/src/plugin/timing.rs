@@ -153,9 +153,9 @@ impl PhysicsTimings {
 }
 
 /// Times consecutive pieces of work, if enabled.
-pub(crate) struct Stopwatch(Option<Instant>);
+pub(crate) struct LapTimer(Option<Instant>);
 
-impl Stopwatch {
+impl LapTimer {
     pub(crate) fn start(wanted: bool) -> Self {
         Self(wanted.then(Instant::now))
     }

@@ -17,7 +17,7 @@ use log::warn;
 use super::chunks::Columns;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sleeping::{Changes, Sleep, SleepClock, any_newer};
-use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::timing::{PhysicsTimings, Stage, LapTimer};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 
@@ -217,7 +217,7 @@ pub(crate) fn write_transforms(
     mut last_writeback: ResMut<LastWriteback>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    let mut watch = Stopwatch::start(timings.is_some());
+    let mut watch = LapTimer::start(timings.is_some());
     for (states, sleep, mut published, transforms) in bodies.contiguous_iter_mut()? {
         let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
         let (last, now) = (ticks.last_run(), ticks.this_run());
