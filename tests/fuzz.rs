@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use box_physics::prelude::*;
-use box_scenarios::oracle::{Case, Status};
+use box_scenarios::oracle::{Case, Outcome};
 use proptest::prelude::*;
 
 /// Every file must lead to an end: an error, or a case that runs for a few steps.
@@ -26,11 +26,11 @@ fn examine(text: &str) -> Result<(), TestCaseError> {
         let plan = case.plan(dt);
         if case.unsupported(dt).is_some() {
             let measured = case.measure(Integrator::Split, dt);
-            prop_assert!(matches!(measured.status, Status::Unsupported(_)));
+            prop_assert!(matches!(measured.outcome, Outcome::Unsupported(_)));
         } else if plan.steps() < 2000 {
             for integrator in [Integrator::Split, Integrator::Exact, Integrator::Rk4] {
                 let measured = case.measure(integrator, dt);
-                let finished = matches!(measured.status, Status::Ok | Status::Lost(_));
+                let finished = matches!(measured.outcome, Outcome::Ok | Outcome::Lost(_));
                 prop_assert_eq!(
                     finished,
                     measured.position.is_finite() && measured.attitude.is_finite()

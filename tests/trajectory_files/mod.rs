@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use box_physics::integrators::Integrator;
-use box_scenarios::oracle::{Case, Status};
+use box_scenarios::oracle::{Case, Outcome};
 use box_scenarios::{ReferenceKind, ReferenceSolution, StateError};
 use serde_json::{Value, json};
 
@@ -69,7 +69,7 @@ fn every_key_of_the_force_model_has_an_effect() {
     for &i in Integrator::ALL {
         let coarse = case.measure(i, 1.0 / 480.0);
         let fine = case.measure(i, 1.0 / 1920.0);
-        assert_eq!(fine.status, Status::Ok, "{i}");
+        assert_eq!(fine.outcome, Outcome::Ok, "{i}");
         assert!(fine.position < 0.02 && fine.attitude < 0.1, "{i}: {fine:?}");
         // It converges to this force model and to no other: four times finer is at least three times better.
         assert!(

@@ -8,9 +8,9 @@ use crate::metrics::error_scale;
 use crate::run::{End, Plan};
 use crate::simulate::{Expected, compare};
 
-/// Status of a measurement.
+/// Outcome of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum Outcome {
     /// The run reached the last sample with errors within [`LOST`].
     Ok,
     /// The run reached the last sample, but with an error beyond [`LOST`] in this quantity.
@@ -38,8 +38,8 @@ pub struct Measurement {
     pub energy: Option<f64>,
     /// Steps, evaluations and fallbacks.
     pub totals: Totals,
-    /// Status of the run.
-    pub status: Status,
+    /// Outcome of the run.
+    pub outcome: Outcome,
 }
 
 /// Errors beyond which a run is lost: its result has nothing to do with the motion.
@@ -85,7 +85,7 @@ impl Case {
     /// Runs the case with `integrator` in steps of at most `dt` \[s\].
     pub fn measure(&self, integrator: Integrator, dt: f64) -> Measurement {
         if let Some(reason) = self.unsupported(dt) {
-            return Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
+            return Measurement::without_run(Outcome::Unsupported(reason), f64::NAN, None);
         }
         let setup = &self.setup;
         let mut samples = self.samples.iter();
@@ -106,7 +106,7 @@ impl Case {
         let (errors, totals) = (run.errors, run.totals);
         if run.end == End::OutOfBudget {
             let reason = "more than 4e8 force evaluations";
-            let unfinished = Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
+            let unfinished = Measurement::without_run(Outcome::Unsupported(reason), f64::NAN, None);
             return Measurement {
                 totals,
                 ..unfinished
@@ -121,7 +121,7 @@ impl Case {
         ];
         if run.diverged.is_some() || all.iter().any(|e| !e.is_finite()) {
             let energy = self.knows_energy().then_some(f64::INFINITY);
-            let failed = Measurement::without_run(Status::Diverged, f64::INFINITY, energy);
+            let failed = Measurement::without_run(Outcome::Diverged, f64::INFINITY, energy);
             return Measurement { totals, ..failed };
         }
         let last = self
@@ -148,8 +148,8 @@ impl Case {
             angular_momentum: errors.angular_momentum / momentum,
             energy,
             totals,
-            status: (lost.iter().find(|(_, beyond)| *beyond))
-                .map_or(Status::Ok, |(what, _)| Status::Lost(what)),
+            outcome: (lost.iter().find(|(_, beyond)| *beyond))
+                .map_or(Outcome::Ok, |(what, _)| Outcome::Lost(what)),
         }
     }
 
@@ -188,7 +188,7 @@ impl Case {
 }
 
 impl Measurement {
-    fn without_run(status: Status, errors: f64, energy: Option<f64>) -> Self {
+    fn without_run(outcome: Outcome, errors: f64, energy: Option<f64>) -> Self {
         Self {
             position: errors,
             velocity: errors,
@@ -196,7 +196,7 @@ impl Measurement {
             angular_momentum: errors,
             energy,
             totals: Totals::default(),
-            status,
+            outcome,
         }
     }
 }
