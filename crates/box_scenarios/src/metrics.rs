@@ -21,7 +21,7 @@ pub struct StateError {
 
 impl StateError {
     /// The error of a state that is not finite or missing.
-    pub const LOST: Self = Self {
+    pub const INFINITE: Self = Self {
         position: f64::INFINITY,
         velocity: f64::INFINITY,
         attitude: f64::INFINITY,
@@ -31,7 +31,7 @@ impl StateError {
     /// The error of `state` relative to `reference`; infinite if `state` is not finite.
     pub fn between(state: &BodyState, reference: &BodyState) -> Self {
         if !state.is_finite() {
-            return Self::LOST;
+            return Self::INFINITE;
         }
         let momentum = state.angular_momentum_world() - reference.angular_momentum_world();
         Self {

@@ -113,8 +113,8 @@ impl PublishedPose {
 /// Returns `true` if two f32 rotations are equal up to rounding (four units in the last place of 1).
 #[inline(always)]
 fn same_rotation(a: Quat, b: Quat) -> bool {
-    const ROUNDING: f32 = 4.0 * f32::EPSILON;
-    a == b || (a - b).length_squared() < ROUNDING * ROUNDING
+    const MAX_DIFFERENCE: f32 = 4.0 * f32::EPSILON;
+    a == b || (a - b).length_squared() < MAX_DIFFERENCE * MAX_DIFFERENCE
 }
 
 /// The error for a `Transform` that is not finite.

@@ -97,13 +97,13 @@ pub(crate) fn markdown(heading: &[String], rows: impl Iterator<Item = Vec<String
     line(heading) + &rule + &rows
 }
 
-/// Values below this are rounding errors, so their digits mean nothing.
-const ROUNDING: f64 = 1e-12;
+/// Smallest relative error that is printed as a number; the digits of a smaller one are rounding.
+const MIN_PRINTED: f64 = 1e-12;
 
 fn figure(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
-        x if x.abs() < ROUNDING => "rounding".to_owned(),
+        x if x.abs() < MIN_PRINTED => "rounding".to_owned(),
         x if (0.1..1000.0).contains(&x) => format!("{x:.2}"),
         x => format!("{x:.0e}"),
     }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use box_scenarios::oracle::{LOST, Outcome};
+use box_scenarios::oracle::{MAX_ERRORS, Outcome};
 
 use super::Row;
 
@@ -132,7 +132,10 @@ pub(super) fn write_table<'a>(
         writeln!(
             out,
             "lost: error of x above {} of the reference's extent, attitude above {} rad, L above {} or E above {}, relative",
-            LOST.position, LOST.attitude, LOST.angular_momentum, LOST.energy
+            MAX_ERRORS.position,
+            MAX_ERRORS.attitude,
+            MAX_ERRORS.angular_momentum,
+            MAX_ERRORS.energy
         )?;
         writeln!(
             out,

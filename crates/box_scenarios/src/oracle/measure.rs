@@ -11,9 +11,9 @@ use crate::simulate::{Expected, compare};
 /// Outcome of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The run reached the last sample with errors within [`LOST`].
+    /// The run reached the last sample with errors within [`MAX_ERRORS`].
     Ok,
-    /// The run reached the last sample, but with an error beyond [`LOST`] in this quantity.
+    /// The run reached the last sample, but with an error beyond [`MAX_ERRORS`] in this quantity.
     Lost(&'static str),
     /// The run left the sane range or became non-finite; its errors are infinite.
     Diverged,
@@ -43,14 +43,14 @@ pub struct Measurement {
 }
 
 /// Errors beyond which a run is lost: its result has nothing to do with the motion.
-pub const LOST: Limits = Limits {
+pub const MAX_ERRORS: Limits = Limits {
     position: 0.5,
     attitude: 0.5,
     angular_momentum: 0.5,
     energy: 0.5,
 };
 
-/// Limits of errors; see [`LOST`].
+/// Limits of errors; see [`MAX_ERRORS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Position error divided by the reference's largest distance from its start, or by the circumradius of the box if
@@ -133,13 +133,16 @@ impl Case {
         let energy = error_scale(self.initial_energy(), kinetic);
         let energy = self.knows_energy().then_some(errors.energy / energy);
         let lost = [
-            ("position", errors.position > LOST.position * self.reach()),
-            ("attitude", errors.attitude > LOST.attitude),
+            (
+                "position",
+                errors.position > MAX_ERRORS.position * self.reach(),
+            ),
+            ("attitude", errors.attitude > MAX_ERRORS.attitude),
             (
                 "angular momentum",
-                errors.angular_momentum > LOST.angular_momentum * self.largest_momentum(),
+                errors.angular_momentum > MAX_ERRORS.angular_momentum * self.largest_momentum(),
             ),
-            ("energy", energy.is_some_and(|e| e > LOST.energy)),
+            ("energy", energy.is_some_and(|e| e > MAX_ERRORS.energy)),
         ];
         Measurement {
             position: errors.position,
