@@ -55,24 +55,24 @@ const MIN_VIOLATION: f64 = 1e-9;
 #[test]
 fn angular_momentum_as_claimed() {
     for &i in Integrator::ALL {
-        let keeps = i.info().keeps;
+        let conserved = i.info().conserved;
         let (a, b) = (drift(&brick(), i, 600), drift(&plate(), i, 600));
         let (vector, magnitude) = (a.0.max(b.0), a.1.max(b.1));
         let check = |what, claimed, value: f64| {
             if claimed {
                 assert!(
                     value < MAX_CONSERVED_ERROR,
-                    "{i} claims to keep {what}, but: {value:e}"
+                    "{i} claims to conserve {what}, but: {value:e}"
                 );
             } else {
                 assert!(
                     value > MIN_VIOLATION,
-                    "{i} keeps {what} and does not say so: {value:e}"
+                    "{i} conserves {what} and does not say so: {value:e}"
                 );
             }
         };
-        check("L", keeps.momentum, vector);
-        check("|L|", keeps.momentum_magnitude, magnitude);
+        check("L", conserved.momentum, vector);
+        check("|L|", conserved.momentum_magnitude, magnitude);
     }
 }
 
@@ -82,7 +82,7 @@ fn energy_as_claimed() {
         let worst = drift(&brick(), i, 600).2.max(drift(&plate(), i, 600).2);
         // 17 minutes of tumbling.
         let trend = energy_trend(&brick(), i, H, 60_000);
-        let claim = i.info().keeps.energy;
+        let claim = i.info().conserved.energy;
         // Each claim excludes the others.
         let ok = match (claim, trend) {
             (EnergyBehavior::Exact, Some(t)) => worst < 1e-11 && t.abs() < 1e-9,
@@ -171,7 +171,7 @@ fn reversible_as_claimed() {
         };
         // The claim is about a free body.
         let mut worst = back(&brick()).max(back(&plate()));
-        if i.info().keeps.reversible {
+        if i.info().conserved.reversible {
             assert!(worst < 1e-11, "{i} claims to be reversible: {worst:e}");
         } else {
             worst = worst.max(back(&forced()));

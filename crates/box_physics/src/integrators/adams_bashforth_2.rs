@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -43,7 +43,7 @@ impl Integrate for AdamsBashforth2 {
             damper: Limit::Below(1.0),
             oscillator: Limit::AlwaysGrows,
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
+        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
     };
 
     const BRANCHES: bool = true;

@@ -4,7 +4,9 @@ use glam::DVec3;
 
 use super::slope::turned_back;
 use super::velocity_verlet::{VelocityVerlet, half_kick};
-use super::{EnergyBehavior, Integrate, IntegratorInfo, Keeps, MemorySlot, MenuGroup, StepOutcome};
+use super::{
+    Conserved, EnergyBehavior, Integrate, IntegratorInfo, MemorySlot, MenuGroup, StepOutcome,
+};
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
@@ -29,7 +31,7 @@ impl Integrate for Buss {
         group: MenuGroup::Engines,
         summary: "A turn by the mean angular velocity: conserves angular momentum, but the energy drifts and flips happen at the wrong time.",
         source: "S. Buss, Accurate and efficient simulation of rigid-body rotations, J. Comput. Phys. 164 (2000) 377",
-        keeps: Keeps {
+        conserved: Conserved {
             energy: EnergyBehavior::Drifts,
             momentum_magnitude: true,
             momentum: true,

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -51,7 +51,7 @@ impl Integrate for Dmv6 {
             damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Exact),
+        conserved: Conserved::all_else(EnergyBehavior::Exact),
     };
 
     const BRANCHES: bool = true;

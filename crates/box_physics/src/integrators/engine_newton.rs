@@ -4,8 +4,8 @@ use glam::{DMat3, DVec3};
 
 use super::slope::turn;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -46,7 +46,7 @@ impl Integrate for EngineNewton {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Dissipates),
+        conserved: Conserved::nothing_else(EnergyBehavior::Dissipates),
     };
 
     type Memory = ();

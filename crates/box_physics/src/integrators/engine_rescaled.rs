@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::engine_newton::{damping_rates, wrench};
 use super::slope::turn;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -43,7 +43,7 @@ impl Integrate for EngineRescaled {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps {
+        conserved: Conserved {
             energy: EnergyBehavior::Drifts,
             momentum_magnitude: true,
             momentum: false,

@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -34,7 +34,7 @@ impl Integrate for Midpoint {
             damper: Limit::Below(2.0),
             oscillator: Limit::AlwaysGrows,
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
+        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();

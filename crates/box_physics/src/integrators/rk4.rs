@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -37,7 +37,7 @@ impl Integrate for Rk4 {
             damper: Limit::Below(2.785),
             oscillator: Limit::Below(2.828),
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Dissipates),
+        conserved: Conserved::nothing_else(EnergyBehavior::Dissipates),
     };
 
     type Memory = ();

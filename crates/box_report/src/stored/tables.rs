@@ -22,7 +22,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
     let rows = Integrator::ALL.iter().map(|i| {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
-        let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
+        let conserves = match (info.conserved.momentum, info.conserved.momentum_magnitude) {
             (true, _) => "yes",
             (false, true) => "magnitude",
             _ => "no",
@@ -34,7 +34,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
                 o.rotation, o.gravity, o.linear_drag, o.torque
             ),
             e.to_string(),
-            info.keeps.energy.to_string(),
+            info.conserved.energy.to_string(),
             conserves.to_owned(),
             s.rotation.to_string(),
             s.drag.to_string(),
