@@ -48,37 +48,13 @@ struct Item {
     differences: fn(&str, &str) -> Result<Vec<String>, String>,
 }
 
+#[rustfmt::skip]
 const ITEMS: [Item; 5] = [
-    Item {
-        file: "tests/expected/digests.csv",
-        section: None,
-        make: digests::make,
-        differences: digests::differences,
-    },
-    Item {
-        file: "tests/expected/report.csv",
-        section: None,
-        make: errors::make,
-        differences: errors::differences,
-    },
-    Item {
-        file: "docs/integrators.md",
-        section: Some("integrators"),
-        make: tables::integrators,
-        differences: tables::differences,
-    },
-    Item {
-        file: "docs/integrators.md",
-        section: Some("sources"),
-        make: tables::sources,
-        differences: tables::differences,
-    },
-    Item {
-        file: "docs/contact.md",
-        section: Some("cases"),
-        make: tables::contact,
-        differences: tables::differences,
-    },
+    Item { file: "tests/expected/digests.csv", section: None, make: digests::make, differences: digests::differences },
+    Item { file: "tests/expected/report.csv", section: None, make: errors::make, differences: errors::differences },
+    Item { file: "docs/integrators.md", section: Some("integrators"), make: tables::integrators, differences: tables::differences },
+    Item { file: "docs/integrators.md", section: Some("sources"), make: tables::sources, differences: tables::differences },
+    Item { file: "docs/contact.md", section: Some("cases"), make: tables::contact, differences: tables::differences },
 ];
 
 /// The range of `text` between `<!-- name -->` and `<!-- /name -->`.

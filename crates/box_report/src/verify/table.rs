@@ -7,21 +7,11 @@ use box_scenarios::oracle::{MAX_ERRORS, Outcome};
 use super::Row;
 
 /// The columns of the CSV. Other programs read them, so names and order must not change.
+#[rustfmt::skip]
 const COLUMNS: [&str; 14] = [
-    "case",
-    "kind",
-    "integrator",
-    "dt_s",
-    "position_error_m",
-    "velocity_error_m_s",
-    "attitude_error_rad",
-    "angular_momentum_error_rel",
-    "energy_error_rel",
-    "steps",
-    "evaluations",
-    "fallbacks",
-    "ns_per_step",
-    "status",
+    "case", "kind", "integrator", "dt_s", "position_error_m", "velocity_error_m_s",
+    "attitude_error_rad", "angular_momentum_error_rel", "energy_error_rel", "steps", "evaluations",
+    "fallbacks", "ns_per_step", "status",
 ];
 
 /// Writes one record per row. Missing values are empty, and errors of a diverged run are `inf`.
