@@ -166,9 +166,7 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
              in clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
             100.0 * (1.0 - CLEARLY)
         ),
-        columns: ["integrator", "scenes", "which"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: text::columns("integrator | scenes | which"),
         rows: rows
             .iter()
             .map(|r| {

@@ -8,17 +8,10 @@ use crate::text;
 
 /// The properties that each integrator claims.
 pub(super) fn integrators() -> Result<String, Stop> {
-    let heading = [
-        "id",
-        "order: rotation · gravity · drag · torque",
-        "evaluations per step: free · forced",
-        "energy of a tumbling box",
-        "conserves L",
-        "|ω|dt",
-        "c·dt/m",
-        "√(k/m)·dt",
-        "summary",
-    ];
+    let heading = text::columns(
+        "id | order: rotation · gravity · drag · torque | evaluations per step: free · forced | \
+         energy of a tumbling box | conserves L | |ω|dt | c·dt/m | √(k/m)·dt | summary",
+    );
     let rows = Integrator::ALL.iter().map(|i| {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
@@ -42,7 +35,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
             info.summary.to_owned(),
         ]
     });
-    Ok(markdown(&heading.map(str::to_owned), rows))
+    Ok(markdown(&heading, rows))
 }
 
 /// The source of each integrator.
@@ -69,9 +62,7 @@ const CHOSEN: [Integrator; 4] = [
 
 /// The measured results of the hard cases of contact.
 pub(super) fn contact() -> Result<String, Stop> {
-    let mut heading = ["case", "what happens", "measured", "bound"]
-        .map(str::to_owned)
-        .to_vec();
+    let mut heading = text::columns("case | what happens | measured | bound");
     heading.extend(CHOSEN.map(text::code));
     let rows = contact_cases().into_iter().map(|case| {
         let mut row = vec![
