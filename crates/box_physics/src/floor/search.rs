@@ -45,7 +45,7 @@ const PATIENCE: usize = 3;
 const LEAPS: u32 = 2;
 /// The most evaluations of one search between a good and a bad end: a jump takes up to 53 halvings. What is
 /// found then is below the floor by no more than the jump.
-const MAX_DURATION: usize = 64 + 4 * PATIENCE;
+const LONGEST: usize = 64 + 4 * PATIENCE;
 
 /// The motion as the search sees it: every sample is remembered for the polynomial, and the best so far is kept
 /// while the next is tried.
@@ -180,7 +180,7 @@ impl<const N: usize> Search<N> {
     ) -> Sample<N> {
         let mut widths = [f64::INFINITY; PATIENCE];
         let mut slow = 0;
-        for i in 0..MAX_DURATION {
+        for i in 0..LONGEST {
             let gap = high.tau - low;
             if gap <= 2.0 * f64::EPSILON * high.tau {
                 break;

@@ -14,7 +14,7 @@ use super::messages::{Settled, Woken};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
-use super::timing::{PhysicsTimings, Stage, LapTimer};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::body::RigidBox;
 use crate::floor::{

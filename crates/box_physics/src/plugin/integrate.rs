@@ -12,7 +12,7 @@ use super::flight::FreeFlight;
 use super::forces::{ForceColumns, Step};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
-use super::timing::{PhysicsTimings, Stage, LapTimer};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use super::transforms::PublishedPose;
 use crate::body::RigidBox;
 use crate::floor::FloorOutcome;

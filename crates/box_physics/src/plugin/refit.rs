@@ -12,7 +12,7 @@ use super::faults::require;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sets::{PhysicsSchedule, PhysicsSystems};
 use super::sleeping::{Changes, Sleep, SleepClock};
-use super::timing::{PhysicsTimings, Stage, LapTimer};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;

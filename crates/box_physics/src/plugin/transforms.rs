@@ -17,7 +17,7 @@ use log::warn;
 use super::chunks::Columns;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sleeping::{Changes, Sleep, SleepClock, any_newer};
-use super::timing::{PhysicsTimings, Stage, LapTimer};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 

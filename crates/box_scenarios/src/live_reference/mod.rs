@@ -201,7 +201,9 @@ impl LiveReference {
         }
         if let (Some(state), Some(finer)) = (&state, &finer) {
             // An invalid check has an infinite difference.
-            let e = finer.map_or(StateError::INFINITE, |finer| StateError::between(state, &finer));
+            let e = finer.map_or(StateError::INFINITE, |finer| {
+                StateError::between(state, &finer)
+            });
             if e.position <= AGREEMENT * self.model.body.radius() && e.attitude <= AGREEMENT {
                 self.widen(e.position, e.attitude);
             } else {

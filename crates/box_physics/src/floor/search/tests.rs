@@ -68,7 +68,7 @@ fn a_jump_at_the_very_start_ends_the_search() {
         for time in [1.0, 1e-300, f64::from_bits(1)] {
             s.time = time;
             let (tau, segments, _) = touch(&s, height);
-            assert!(tau <= time && segments <= 1 + MAX_DURATION as u32, "{segments}");
+            assert!(tau <= time && segments <= 1 + LONGEST as u32, "{segments}");
         }
     }
 }
