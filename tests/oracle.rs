@@ -67,7 +67,7 @@ fn scales(case: &Case, channel: Channel, i: Integrator) -> (f64, f64) {
     let speed = initial.velocity.length() + 9.81 * duration;
     let spin = initial.body_angular_velocity(body).length();
     let steady = matches!(
-        i.info().keeps.energy,
+        i.info().conserved.energy,
         EnergyBehavior::Exact | EnergyBehavior::Bounded
     );
     match channel {
