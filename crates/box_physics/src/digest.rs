@@ -41,18 +41,8 @@ pub fn fnv_1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
 /// assert_ne!(run(100), run(101));
 /// ```
 pub fn state_digest<'a>(states: impl IntoIterator<Item = &'a BodyState>) -> u64 {
-    fnv_1a(states.into_iter().flat_map(|state| {
-        let (x, q, v, l) = (
-            state.position,
-            state.rotation,
-            state.velocity,
-            state.angular_momentum,
-        );
-        let numbers = [
-            x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, l.x, l.y, l.z,
-        ];
-        numbers.into_iter().flat_map(f64::to_le_bytes)
-    }))
+    let numbers = states.into_iter().flat_map(BodyState::to_array);
+    fnv_1a(numbers.flat_map(f64::to_le_bytes))
 }
 
 /// Computes the digest of a fixed scene, simulated by this build under `integrator`.

@@ -87,13 +87,7 @@ pub fn error_scale(initial: f64, other: f64) -> f64 {
 
 /// How many of the 13 numbers of two states differ in any bit.
 pub(crate) fn differing_numbers(a: &BodyState, b: &BodyState) -> usize {
-    let numbers = |s: &BodyState| {
-        let (x, v, l, q) = (s.position, s.velocity, s.angular_momentum, s.rotation);
-        [
-            x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w,
-        ]
-        .map(f64::to_bits)
-    };
+    let numbers = |s: &BodyState| s.to_array().map(f64::to_bits);
     let pairs = numbers(a).into_iter().zip(numbers(b));
     pairs.filter(|(a, b)| a != b).count()
 }

@@ -11,11 +11,8 @@ use crate::state::{BodyState, Frame};
 /// A force at a point of the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PointForce {
     /// Point of application, body axes from the center \[m\].
     pub body_point: DVec3,
@@ -32,11 +29,8 @@ pub struct PointForce {
 /// spring.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(deny_unknown_fields)
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Spring {
     /// Attachment point, body axes from the center \[m\].
     pub body_point: DVec3,
