@@ -34,7 +34,7 @@ impl Stage {
     /// Every stage, in the order of a step.
     pub const ALL: [Self; 4] = [Self::Integrate, Self::Contact, Self::Refit, Self::Writeback];
 
-    const PATHS: [&str; 4] = [
+    const PATHS: [&'static str; 4] = [
         "box_physics/integrate",
         "box_physics/contact",
         "box_physics/refit",
