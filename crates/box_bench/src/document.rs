@@ -106,7 +106,7 @@ fn table(rows: &[&Row]) -> String {
     let ratio = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2}"));
     let count = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.0}"));
     let column = |head: &'static str, cell: &dyn Fn(&Row) -> String| {
-        (head, rows.iter().map(|row| cell(row)).collect::<Vec<_>>())
+        (head, rows.iter().map(|&row| cell(row)).collect::<Vec<_>>())
     };
     let columns = [
         column("what", &|r| r.name.clone()),

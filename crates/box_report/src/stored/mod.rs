@@ -73,7 +73,7 @@ pub(crate) fn section(file: &str, text: &str, name: &str) -> Result<core::ops::R
 }
 
 /// Maximum number of differences shown per item.
-const SHOWN: usize = 40;
+const MAX_SHOWN: usize = 40;
 
 impl Item {
     fn path(&self, root: &Path) -> PathBuf {
@@ -98,11 +98,11 @@ impl Item {
         let count = differences.len();
         let plural = if count == 1 { "" } else { "s" };
         let mut text = format!("{}: {count} difference{plural}", self.file);
-        for d in differences.iter().take(SHOWN) {
+        for d in differences.iter().take(MAX_SHOWN) {
             text += &format!("\n  {d}");
         }
-        if count > SHOWN {
-            text += &format!("\n  … and {} more", count - SHOWN);
+        if count > MAX_SHOWN {
+            text += &format!("\n  … and {} more", count - MAX_SHOWN);
         }
         Ok(text)
     }

@@ -120,7 +120,7 @@ impl Case {
             errors.energy,
         ];
         if run.diverged.is_some() || all.iter().any(|e| !e.is_finite()) {
-            let energy = self.knows_energy().then_some(f64::INFINITY);
+            let energy = self.has_expected_energy().then_some(f64::INFINITY);
             let failed = Measurement::without_run(Outcome::Diverged, f64::INFINITY, energy);
             return Measurement { totals, ..failed };
         }
@@ -131,7 +131,7 @@ impl Case {
         let momentum = error_scale(setup.initial.angular_momentum.length(), last);
         let kinetic = setup.initial.kinetic_energy(&setup.body);
         let energy = error_scale(self.initial_energy(), kinetic);
-        let energy = self.knows_energy().then_some(errors.energy / energy);
+        let energy = self.has_expected_energy().then_some(errors.energy / energy);
         let lost = [
             (
                 "position",
@@ -176,7 +176,7 @@ impl Case {
         all.fold(own, f64::max)
     }
 
-    fn knows_energy(&self) -> bool {
+    fn has_expected_energy(&self) -> bool {
         self.samples
             .iter()
             .any(|s| self.expected_energy(s).is_some())
