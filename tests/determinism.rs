@@ -16,7 +16,7 @@ use wasm_bindgen_test::wasm_bindgen_test as test;
 
 const H: f64 = 1.0 / 64.0;
 /// Number of threads of the physics. The pools belong to the process; half of their threads are for other work.
-const MOST_THREADS: usize = 8;
+const MAX_THREADS: usize = 8;
 
 /// The stored digests, equal on every machine. A changed digest is a changed result and belongs in the
 /// changelog.
@@ -174,7 +174,7 @@ impl Variant {
     fn run(&self) -> Vec<BodyState> {
         let mut app = App::new();
         app.add_plugins(MinimalPlugins.set(TaskPoolPlugin {
-            task_pool_options: TaskPoolOptions::with_num_threads(2 * MOST_THREADS),
+            task_pool_options: TaskPoolOptions::with_num_threads(2 * MAX_THREADS),
         }));
         if self.parts {
             app.add_plugins(PhysicsPlugins::default());
@@ -289,10 +289,10 @@ fn any_number_of_threads() {
     // A browser always has one thread.
     let pool = ComputeTaskPool::get().thread_num();
     assert!(
-        pool + 1 >= MOST_THREADS || cfg!(target_family = "wasm"),
+        pool + 1 >= MAX_THREADS || cfg!(target_family = "wasm"),
         "{pool}"
     );
-    for threads in [2, 3, MOST_THREADS] {
+    for threads in [2, 3, MAX_THREADS] {
         assert_eq!(digest(threads), one, "{threads} threads");
     }
 }

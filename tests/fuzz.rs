@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use box_physics::prelude::*;
-use box_scenarios::oracle::{Case, Status};
+use box_scenarios::oracle::{Case, Outcome};
 use proptest::prelude::*;
 
 /// Every file must lead to an end: an error, or a case that runs for a few steps.
@@ -26,11 +26,11 @@ fn examine(text: &str) -> Result<(), TestCaseError> {
         let plan = case.plan(dt);
         if case.unsupported(dt).is_some() {
             let measured = case.measure(Integrator::Split, dt);
-            prop_assert!(matches!(measured.status, Status::Unsupported(_)));
+            prop_assert!(matches!(measured.outcome, Outcome::Unsupported(_)));
         } else if plan.steps() < 2000 {
             for integrator in [Integrator::Split, Integrator::Exact, Integrator::Rk4] {
                 let measured = case.measure(integrator, dt);
-                let finished = matches!(measured.status, Status::Ok | Status::Lost(_));
+                let finished = matches!(measured.outcome, Outcome::Ok | Outcome::Lost(_));
                 prop_assert_eq!(
                     finished,
                     measured.position.is_finite() && measured.attitude.is_finite()
@@ -69,68 +69,21 @@ fn read_short_files() -> Vec<String> {
 }
 
 /// Replacement text for mutations of a good file.
+#[rustfmt::skip]
 const SCRAPS: &[&str] = &[
-    "",
-    "0",
-    "-1",
-    "1e308",
-    "1e-320",
-    "-1e999",
-    "NaN",
-    "null",
-    "true",
-    "[]",
-    "{}",
-    "[[[[",
-    "}",
-    "\"",
-    "\\u0000",
-    "\"\u{1F4E6}\"",
-    "123456789012345678901234567890",
-    ",",
-    ":",
-    " ",
-    "\n",
+    "", "0", "-1", "1e308", "1e-320", "-1e999", "NaN", "null", "true", "[]", "{}", "[[[[", "}",
+    "\"", "\\u0000", "\"\u{1F4E6}\"", "123456789012345678901234567890", ",", ":", " ", "\n",
 ];
 
 /// Keys of the format and other keys.
+#[rustfmt::skip]
 const KEYS: &[&str] = &[
-    "name",
-    "kind",
-    "body",
-    "half_extents",
-    "mass",
-    "inertia_diag_body",
-    "initial",
-    "position",
-    "quaternion_xyzw",
-    "velocity",
-    "angular_velocity_world",
-    "angular_velocity_body",
-    "forces",
-    "gravity",
-    "linear_drag_c",
-    "quadratic_drag_k",
-    "angular_damping_rate",
-    "angular_drag_c",
-    "constant_body_torque",
-    "dipole",
-    "moment_body",
-    "field_world",
-    "zero_length_spring",
-    "k",
-    "body_point",
-    "anchor",
-    "contact",
-    "restitution",
-    "friction",
-    "events",
-    "t",
-    "impulse_world",
-    "samples",
-    "energy",
-    "nonsense",
-    "",
+    "name", "kind", "body", "half_extents", "mass", "inertia_diag_body", "initial", "position",
+    "quaternion_xyzw", "velocity", "angular_velocity_world", "angular_velocity_body", "forces",
+    "gravity", "linear_drag_c", "quadratic_drag_k", "angular_damping_rate", "angular_drag_c",
+    "constant_body_torque", "dipole", "moment_body", "field_world", "zero_length_spring", "k",
+    "body_point", "anchor", "contact", "restitution", "friction", "events", "t", "impulse_world",
+    "samples", "energy", "nonsense", "",
 ];
 
 fn number() -> impl Strategy<Value = serde_json::Value> {

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use box_physics::integrators::{Channel, EnergyBehavior, Integrator, Limit, Order};
-use box_scenarios::oracle::{Case, Measurement, Status};
+use box_scenarios::oracle::{Case, Measurement, Outcome};
 use box_scenarios::{ReferenceKind, ReferenceSolution, Setup, StateError};
 
 mod trajectory_files;
@@ -67,7 +67,7 @@ fn scales(case: &Case, channel: Channel, i: Integrator) -> (f64, f64) {
     let speed = initial.velocity.length() + 9.81 * duration;
     let spin = initial.body_angular_velocity(body).length();
     let steady = matches!(
-        i.info().keeps.energy,
+        i.info().conserved.energy,
         EnergyBehavior::Exact | EnergyBehavior::Bounded
     );
     match channel {
@@ -131,7 +131,7 @@ fn errors_at_60_hz_and_the_order_behind_them() {
                 Limit::Below(x) => rate / 60.0 >= x,
                 Limit::AlwaysGrows => true,
             };
-            if may_diverge && m1.status == Status::Diverged {
+            if may_diverge && m1.outcome == Outcome::Diverged {
                 continue;
             }
             if e1.is_nan() || e1 > bound {
@@ -217,7 +217,7 @@ fn contact_cases() {
             ("pub18", 1e-9, 1e-8, 1e-4),
         ] {
             let m = case(prefix).measure(integrator(id), 1.0 / 60.0);
-            assert_eq!(m.status, Status::Ok, "{prefix} {id}");
+            assert_eq!(m.outcome, Outcome::Ok, "{prefix} {id}");
             assert!(m.position < position, "{prefix} {id}: {:e} m", m.position);
             assert!(m.velocity < velocity, "{prefix} {id}: {:e} m/s", m.velocity);
             assert!(m.attitude < attitude, "{prefix} {id}: {:e} rad", m.attitude);
@@ -242,7 +242,7 @@ fn energy_is_judged_only_where_it_is_known() {
 fn diverging_runs_are_reported_as_diverged() {
     for prefix in ["pub05", "pub09"] {
         let m = case(prefix).measure(Integrator::ExplicitEuler, 1.0 / 60.0);
-        assert_eq!(m.status, Status::Diverged, "{prefix}");
+        assert_eq!(m.outcome, Outcome::Diverged, "{prefix}");
         assert_eq!(m.attitude, f64::INFINITY);
     }
 }
@@ -253,16 +253,16 @@ fn diverging_runs_are_reported_as_diverged() {
 fn a_run_beyond_the_stated_errors_is_lost() {
     let measure = |prefix, id| case(prefix).measure(integrator(id), 1.0 / 60.0);
     let spun = measure("pub15", "explicit-euler");
-    assert_eq!(spun.status, Status::Lost("attitude"));
+    assert_eq!(spun.outcome, Outcome::Lost("attitude"));
     assert!(spun.energy.is_some_and(|e| e > 5.0) && spun.attitude.is_finite());
     // A prescribed energy that is never reached, and a body in the wrong place.
     let mut wrong = case("pub01");
-    let lost = |c: &Case| c.measure(integrator("exact"), 1.0 / 60.0).status;
+    let lost = |c: &Case| c.measure(integrator("exact"), 1.0 / 60.0).outcome;
     wrong.samples[3].state.position.x += wrong.setup.body.radius();
-    assert_eq!(lost(&wrong), Status::Lost("position"));
+    assert_eq!(lost(&wrong), Outcome::Lost("position"));
     let mut wrong = case("pub01");
     let first = wrong.samples[0].energy.expect("prescribed");
     wrong.samples[3].energy = Some(6.6 * first);
-    assert_eq!(lost(&wrong), Status::Lost("energy"));
-    assert_eq!(lost(&case("pub01")), Status::Ok);
+    assert_eq!(lost(&wrong), Outcome::Lost("energy"));
+    assert_eq!(lost(&case("pub01")), Outcome::Ok);
 }

@@ -12,7 +12,7 @@ use box_physics::prelude::*;
 
 /// Updates per second of play.
 const RATE: u32 = 60;
-const MOST_BODIES: usize = 150;
+const MAX_BODIES: usize = 150;
 
 /// SplitMix64 (Steele, Lea, Flood 2014): the same sequence in every run.
 struct Dice(u64);
@@ -91,7 +91,7 @@ fn act(app: &mut App, dice: &mut Dice, graveyard: &[Entity]) {
     let one = all[dice.below(all.len())];
     let world = app.world_mut();
     match dice.below(24) {
-        0..3 if all.len() < MOST_BODIES => {
+        0..3 if all.len() < MAX_BODIES => {
             for _ in 0..dice.below(12) {
                 spawn(app, dice);
             }
@@ -350,8 +350,8 @@ fn hostile_play() {
             early_others = most_others;
         }
         assert!(messages::<ApplyImpulse>(&app) < 1000);
-        assert!(messages::<BodyQuarantined>(&app) < 10 * MOST_BODIES);
-        assert!(messages::<FloorContact>(&app) < 100 * MOST_BODIES);
+        assert!(messages::<BodyQuarantined>(&app) < 10 * MAX_BODIES);
+        assert!(messages::<FloorContact>(&app) < 100 * MAX_BODIES);
     }
     let clock = app.world().resource::<PhysicsClock>();
     println!(

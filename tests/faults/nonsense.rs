@@ -9,6 +9,7 @@ use super::{Log, Play, app, assert_shown_sanely, brick, tumbling};
 type Poison = fn(&mut EntityWorldMut);
 const NAN: DVec3 = DVec3::NAN;
 
+#[rustfmt::skip]
 fn poisons() -> Vec<(&'static str, Poison)> {
     fn poison<C: Component<Mutability = bevy::ecs::component::Mutable>>(
         e: &mut EntityWorldMut,
@@ -17,19 +18,13 @@ fn poisons() -> Vec<(&'static str, Poison)> {
         f(&mut e.get_mut::<C>().expect("there"));
     }
     vec![
-        ("position", |e| {
-            poison::<BodyState>(e, |s| s.position.y = f64::NAN);
-        }),
-        ("rotation", |e| {
-            poison::<BodyState>(e, |s| s.rotation.w = f64::INFINITY);
-        }),
+        ("position", |e| { poison::<BodyState>(e, |s| s.position.y = f64::NAN); }),
+        ("rotation", |e| { poison::<BodyState>(e, |s| s.rotation.w = f64::INFINITY); }),
         ("rotation of length 0", |e| {
             poison::<BodyState>(e, |s| s.rotation = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0));
         }),
         ("velocity", |e| poison::<BodyState>(e, |s| s.velocity = NAN)),
-        ("momentum", |e| {
-            poison::<BodyState>(e, |s| s.angular_momentum.x = f64::NEG_INFINITY);
-        }),
+        ("momentum", |e| { poison::<BodyState>(e, |s| s.angular_momentum.x = f64::NEG_INFINITY); }),
         ("everything", |e| {
             poison::<BodyState>(e, |s| {
                 *s = BodyState {
@@ -40,51 +35,21 @@ fn poisons() -> Vec<(&'static str, Poison)> {
                 };
             });
         }),
-        ("velocity beyond 1e38", |e| {
-            poison::<BodyState>(e, |s| s.velocity.z = 1e39);
-        }),
-        ("translation", |e| {
-            poison::<Transform>(e, |t| t.translation = Vec3::NAN);
-        }),
-        ("quaternion", |e| {
-            poison::<Transform>(e, |t| t.rotation = Quat::from_xyzw(0.0, f32::NAN, 0.0, 1.0));
-        }),
+        ("velocity beyond 1e38", |e| { poison::<BodyState>(e, |s| s.velocity.z = 1e39); }),
+        ("translation", |e| { poison::<Transform>(e, |t| t.translation = Vec3::NAN); }),
+        ("quaternion", |e| { poison::<Transform>(e, |t| t.rotation = Quat::from_xyzw(0.0, f32::NAN, 0.0, 1.0)); }),
         ("quaternion of length 0", |e| {
             poison::<Transform>(e, |t| t.rotation = Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
         }),
-        ("GravityScale", |e| {
-            e.insert(GravityScale(f64::NAN));
-        }),
-        ("LinearDrag", |e| {
-            e.insert(LinearDrag(f64::NAN));
-        }),
-        ("LinearDrag infinite", |e| {
-            e.insert(LinearDrag(f64::INFINITY));
-        }),
-        ("QuadraticDrag", |e| {
-            e.insert(QuadraticDrag(f64::NAN));
-        }),
-        ("AngularDamping", |e| {
-            e.insert(AngularDamping(f64::NAN));
-        }),
-        ("AngularDrag", |e| {
-            e.insert(AngularDrag(f64::NAN));
-        }),
-        ("force", |e| {
-            e.insert(ExternalForce {
-                force: NAN,
-                torque: DVec3::ZERO,
-            });
-        }),
-        ("torque", |e| {
-            e.insert(ExternalForce {
-                force: DVec3::ZERO,
-                torque: NAN,
-            });
-        }),
-        ("BodyTorque", |e| {
-            e.insert(BodyTorque(NAN));
-        }),
+        ("GravityScale", |e| { e.insert(GravityScale(f64::NAN)); }),
+        ("LinearDrag", |e| { e.insert(LinearDrag(f64::NAN)); }),
+        ("LinearDrag infinite", |e| { e.insert(LinearDrag(f64::INFINITY)); }),
+        ("QuadraticDrag", |e| { e.insert(QuadraticDrag(f64::NAN)); }),
+        ("AngularDamping", |e| { e.insert(AngularDamping(f64::NAN)); }),
+        ("AngularDrag", |e| { e.insert(AngularDrag(f64::NAN)); }),
+        ("force", |e| { e.insert(ExternalForce { force: NAN, torque: DVec3::ZERO }); }),
+        ("torque", |e| { e.insert(ExternalForce { force: DVec3::ZERO, torque: NAN }); }),
+        ("BodyTorque", |e| { e.insert(BodyTorque(NAN)); }),
         ("PointForces", |e| {
             e.insert(PointForces(vec![PointForce {
                 body_point: NAN,
@@ -108,12 +73,7 @@ fn poisons() -> Vec<(&'static str, Poison)> {
                 damping: f64::NAN,
             }]));
         }),
-        ("WorldAabb", |e| {
-            e.insert(WorldAabb(Aabb3d {
-                min: Vec3::NAN.into(),
-                max: Vec3::NAN.into(),
-            }));
-        }),
+        ("WorldAabb", |e| { e.insert(WorldAabb(Aabb3d { min: Vec3::NAN.into(), max: Vec3::NAN.into() })); }),
     ]
 }
 
@@ -217,31 +177,14 @@ fn a_thousand_quarantines_are_one_line() {
 #[test]
 fn an_invalid_coefficient_is_logged_and_does_not_act() {
     type Insert = fn(&mut EntityWorldMut, f64);
+    #[rustfmt::skip]
     let coefficients: [(&str, Insert); 6] = [
-        ("linear drag", |e, c| {
-            e.insert(LinearDrag(c));
-        }),
-        ("quadratic drag", |e, c| {
-            e.insert(QuadraticDrag(c));
-        }),
-        ("angular damping", |e, c| {
-            e.insert(AngularDamping(c));
-        }),
-        ("angular drag", |e, c| {
-            e.insert(AngularDrag(c));
-        }),
-        ("spring stiffness", |e, c| {
-            e.insert(Springs(vec![Spring {
-                stiffness: c,
-                ..default()
-            }]));
-        }),
-        ("spring damping", |e, c| {
-            e.insert(Springs(vec![Spring {
-                damping: c,
-                ..default()
-            }]));
-        }),
+        ("linear drag", |e, c| { e.insert(LinearDrag(c)); }),
+        ("quadratic drag", |e, c| { e.insert(QuadraticDrag(c)); }),
+        ("angular damping", |e, c| { e.insert(AngularDamping(c)); }),
+        ("angular drag", |e, c| { e.insert(AngularDrag(c)); }),
+        ("spring stiffness", |e, c| { e.insert(Springs(vec![Spring { stiffness: c, ..default() }])); }),
+        ("spring damping", |e, c| { e.insert(Springs(vec![Spring { damping: c, ..default() }])); }),
     ];
     let log = Log::start();
     let mut plain = app();

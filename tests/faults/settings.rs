@@ -39,22 +39,13 @@ fn a_duplicate_plugin_is_ignored() {
 #[test]
 fn a_removed_setting_is_restored() {
     let log = Log::start();
+    #[rustfmt::skip]
     let removals: [(&str, fn(&mut World)); 5] = [
-        ("WorldGravity", |w| {
-            w.remove_resource::<WorldGravity>();
-        }),
-        ("GlobalIntegrator", |w| {
-            w.remove_resource::<GlobalIntegrator>();
-        }),
-        ("PhysicsClock", |w| {
-            w.remove_resource::<PhysicsClock>();
-        }),
-        ("PhysicsThreads", |w| {
-            w.remove_resource::<PhysicsThreads>();
-        }),
-        ("ContactSettings", |w| {
-            w.remove_resource::<ContactSettings>();
-        }),
+        ("WorldGravity", |w| { w.remove_resource::<WorldGravity>(); }),
+        ("GlobalIntegrator", |w| { w.remove_resource::<GlobalIntegrator>(); }),
+        ("PhysicsClock", |w| { w.remove_resource::<PhysicsClock>(); }),
+        ("PhysicsThreads", |w| { w.remove_resource::<PhysicsThreads>(); }),
+        ("ContactSettings", |w| { w.remove_resource::<ContactSettings>(); }),
     ];
     for (name, remove) in removals {
         let mut app = app();
@@ -110,31 +101,12 @@ fn invalid_settings_stop_the_clock_until_corrected() {
         f(&mut floor);
         floor
     };
+    #[rustfmt::skip]
     let faults: Vec<(&str, Box<dyn Fn(&mut App)>)> = vec![
-        (
-            "WorldGravity.y",
-            Box::new(|app| {
-                app.insert_resource(WorldGravity(DVec3::new(0.0, f64::NAN, 0.0)));
-            }),
-        ),
-        (
-            "Floor.height",
-            Box::new(move |app| {
-                app.insert_resource(bad_floor(|f| f.height = f64::NAN));
-            }),
-        ),
-        (
-            "Floor.restitution",
-            Box::new(move |app| {
-                app.insert_resource(bad_floor(|f| f.restitution = 1.5));
-            }),
-        ),
-        (
-            "Floor.friction",
-            Box::new(move |app| {
-                app.insert_resource(bad_floor(|f| f.friction = -0.1));
-            }),
-        ),
+        ("WorldGravity.y", Box::new(|app| { app.insert_resource(WorldGravity(DVec3::new(0.0, f64::NAN, 0.0))); })),
+        ("Floor.height", Box::new(move |app| { app.insert_resource(bad_floor(|f| f.height = f64::NAN)); })),
+        ("Floor.restitution", Box::new(move |app| { app.insert_resource(bad_floor(|f| f.restitution = 1.5)); })),
+        ("Floor.friction", Box::new(move |app| { app.insert_resource(bad_floor(|f| f.friction = -0.1)); })),
         (
             "ContactSettings.tolerance",
             Box::new(|app| {

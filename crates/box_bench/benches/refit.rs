@@ -5,10 +5,5 @@ use clap::Parser;
 
 fn main() -> std::io::Result<()> {
     let options = Options::parse();
-    let found = suites::refit(&options);
-    rows::print(&found);
-    options
-        .json
-        .as_deref()
-        .map_or(Ok(()), |file| rows::write_json(&found, file))
+    rows::report(&suites::refit(&options), &options)
 }

@@ -11,12 +11,7 @@ fn main() -> std::io::Result<()> {
     found.extend(suites::kernels(&options));
     found.extend(suites::refit(&options));
     found.extend(suites::step(&options, count));
-    rows::print(&found);
-    if let Some(file) = &options.json {
-        rows::write_json(&found, file)?;
-    }
-    if let Some(file) = &options.write {
-        document::rewrite(file, &found)?;
-    }
-    Ok(())
+    rows::report(&found, &options)?;
+    let file = options.write.as_deref();
+    file.map_or(Ok(()), |file| document::rewrite(file, &found))
 }

@@ -39,7 +39,8 @@ impl Bare {
     /// bodies at a time if the integrator supports it.
     pub fn step(&mut self, integrator: Integrator, h: f64) {
         self.kernel(integrator, h);
-        self.publish();
+        self.refit();
+        self.write_transforms();
     }
 
     /// Only the integrator, several bodies at a time if it supports it.
@@ -56,12 +57,6 @@ impl Bare {
     /// Only the integrator, body by body.
     pub fn kernel_scalar(&mut self, integrator: Integrator, h: f64) {
         integrator.dispatch(Scalar { bare: self, h });
-    }
-
-    /// Computes bounding boxes and transforms.
-    pub fn publish(&mut self) {
-        self.refit();
-        self.write_transforms();
     }
 
     /// Computes bounding boxes.
@@ -88,12 +83,8 @@ impl box_physics::integrators::IntegratorVisitor for Scalar<'_> {
 
     fn visit<S: box_physics::integrators::Integrate>(self) {
         let bare = self.bare;
-        for ((body, state), memory) in bare
-            .bodies
-            .iter()
-            .zip(&mut bare.states)
-            .zip(&mut bare.memories)
-        {
+        let moving = bare.states.iter_mut().zip(&mut bare.memories);
+        for (body, (state, memory)) in bare.bodies.iter().zip(moving) {
             S::step(body, state, &bare.gravity, self.h, memory);
         }
     }

@@ -105,40 +105,19 @@ impl Lines {
 fn table(rows: &[&Row]) -> String {
     let ratio = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2}"));
     let count = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.0}"));
-    let columns: [(&str, Vec<String>); 9] = [
-        ("what", rows.iter().map(|r| r.name.clone()).collect()),
-        (
-            "integrator",
-            rows.iter().map(|r| r.integrator.to_owned()).collect(),
-        ),
-        (
-            "bodies",
-            rows.iter().map(|r| r.bodies.to_string()).collect(),
-        ),
-        (
-            "threads",
-            rows.iter().map(|r| r.threads.to_string()).collect(),
-        ),
-        (
-            "ns, least",
-            rows.iter().map(|r| number(r.cost.min)).collect(),
-        ),
-        (
-            "ns, median",
-            rows.iter().map(|r| number(r.cost.median)).collect(),
-        ),
-        (
-            "to bare loop",
-            rows.iter().map(|r| ratio(r.to_bare)).collect(),
-        ),
-        (
-            "to memory",
-            rows.iter().map(|r| ratio(r.to_memory)).collect(),
-        ),
-        (
-            "allocations",
-            rows.iter().map(|r| count(r.allocations)).collect(),
-        ),
+    let column = |head: &'static str, cell: &dyn Fn(&Row) -> String| {
+        (head, rows.iter().map(|&row| cell(row)).collect::<Vec<_>>())
+    };
+    let columns = [
+        column("what", &|r| r.name.clone()),
+        column("integrator", &|r| r.integrator.to_owned()),
+        column("bodies", &|r| r.bodies.to_string()),
+        column("threads", &|r| r.threads.to_string()),
+        column("ns, least", &|r| number(r.cost.min)),
+        column("ns, median", &|r| number(r.cost.median)),
+        column("to bare loop", &|r| ratio(r.to_bare)),
+        column("to memory", &|r| ratio(r.to_memory)),
+        column("allocations", &|r| count(r.allocations)),
     ];
     let tells = |cells: &[String]| cells.len() == 1 || cells.iter().any(|c| *c != cells[0]);
     let columns: Vec<_> = columns

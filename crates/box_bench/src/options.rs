@@ -60,7 +60,7 @@ impl Options {
     }
 
     /// Returns `true` if the benchmark `name` is selected.
-    pub fn wants(&self, name: &str) -> bool {
+    pub fn selects(&self, name: &str) -> bool {
         self.only.as_deref().is_none_or(|only| name.contains(only))
     }
 

@@ -1,12 +1,12 @@
 //! Results of a benchmark as rows, in text and JSON.
 
 use std::io;
-use std::path::Path;
 
 use serde::Serialize;
 
 use crate::machine::Machine;
 use crate::measure::Cost;
+use crate::options::Options;
 
 /// One measurement.
 #[derive(Clone, Debug, Serialize)]
@@ -31,8 +31,11 @@ pub struct Row {
     pub allocations: Option<f64>,
 }
 
-/// Prints rows as a table, with the machine on which they were measured.
-pub fn print(rows: &[Row]) {
+/// Prints rows as a table, with the machine on which they were measured. With `--json`, also writes both to that file.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn report(rows: &[Row], options: &Options) -> io::Result<()> {
     println!("{}", Machine::this());
     println!(
         "{:<10} {:<24} {:<20} {:>8} {:>3} {:>9} {:>9} {:>9} {:>7} {:>8} {:>7}",
@@ -65,13 +68,9 @@ pub fn print(rows: &[Row]) {
             optional(row.allocations),
         );
     }
-}
-
-/// Writes rows and the machine on which they were measured as JSON.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_json(rows: &[Row], file: &Path) -> io::Result<()> {
+    let Some(file) = &options.json else {
+        return Ok(());
+    };
     let measured = serde_json::json!({ "machine": Machine::this(), "rows": rows });
     std::fs::write(file, serde_json::to_string_pretty(&measured)? + "\n")
 }

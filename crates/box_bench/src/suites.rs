@@ -115,7 +115,7 @@ pub fn step(options: &Options, count: CountAllocations) -> Vec<Row> {
     let mut rows = Vec::new();
     for integrator in options.integrators_or(&[Integrator::Split]) {
         for n in options.sizes() {
-            for &situation in Situation::ALL.iter().filter(|s| options.wants(s.name())) {
+            for &situation in Situation::ALL.iter().filter(|s| options.selects(s.name())) {
                 if situation.episode() > 1 && n > LARGEST_EPISODE {
                     continue;
                 }

@@ -46,51 +46,41 @@ pub fn targets(rows: &[Row]) -> Vec<Target> {
             measured,
         }));
     };
-    for n in found.sizes().into_iter().filter(|&n| n >= 1000) {
+    let ratio = |a: Option<f64>, b: Option<f64>| Some(a? / b?);
+    let sizes = found.sizes();
+    for &n in sizes.iter().filter(|&&n| n >= 1000) {
         add(
             format!("plugin to bare loop, free flight, {n} bodies, one thread"),
             Aim::AtMost(1.3),
-            found
-                .flight(n, 1)
-                .zip(found.step("bare loop", n, 1))
-                .map(|(a, b)| a / b),
+            ratio(found.flight(n, 1), found.step("bare loop", n, 1)),
         );
     }
-    for n in found.sizes().into_iter().filter(|&n| n > 1000) {
-        let bound = found
-            .flight(1000, 1)
-            .zip(found.step("memory", n, 1))
-            .map(|(compute, memory)| f64::max(compute, memory));
+    for &n in sizes.iter().filter(|&&n| n > 1000) {
+        let (compute, memory) = (found.flight(1000, 1), found.step("memory", n, 1));
+        let bound = compute.zip(memory).map(|(a, b)| a.max(b));
         add(
             format!(
                 "free flight, {n} bodies, one thread, to the larger of the cost at 1000 and of the memory"
             ),
             Aim::AtMost(1.3),
-            found.flight(n, 1).zip(bound).map(|(a, b)| a / b),
+            ratio(found.flight(n, 1), bound),
         );
     }
-    for n in found.sizes().into_iter().filter(|&n| n == 100_000) {
+    for &n in sizes.iter().filter(|&&n| n == 100_000) {
         add(
             format!("one thread to two, free flight, {n} bodies"),
             Aim::AtLeast(1.7),
-            found
-                .flight(n, 1)
-                .zip(found.flight(n, 2))
-                .map(|(a, b)| a / b),
+            ratio(found.flight(n, 1), found.flight(n, 2)),
         );
     }
-    for n in found
-        .sizes()
-        .into_iter()
-        .filter(|&n| n == 100 || n == 10_000)
-    {
+    for &n in sizes.iter().filter(|&&n| n == 100 || n == 10_000) {
         add(
             format!("`split` to `semi-implicit-euler`, many at a time, {n} bodies"),
             Aim::AtMost(1.5),
-            found
-                .kernel("split", n)
-                .zip(found.kernel("semi-implicit-euler", n))
-                .map(|(a, b)| a / b),
+            ratio(
+                found.kernel("split", n),
+                found.kernel("semi-implicit-euler", n),
+            ),
         );
     }
     let allocations = |threads| {

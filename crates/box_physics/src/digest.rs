@@ -8,9 +8,16 @@ use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
 use crate::state::BodyState;
 
-/// FNV-1a, 64 bit (Fowler, Noll, Vo): offset basis and prime.
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const PRIME: u64 = 0x0000_0100_0000_01b3;
+
+/// Computes the 64-bit FNV-1a hash (Fowler, Noll, Vo) of `bytes`, which is the same in every version and on every
+/// machine.
+pub fn fnv_1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
+    bytes.into_iter().fold(BASIS, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(PRIME)
+    })
+}
 
 /// Computes a digest of `states`, in this order.
 ///
@@ -34,19 +41,8 @@ const PRIME: u64 = 0x0000_0100_0000_01b3;
 /// assert_ne!(run(100), run(101));
 /// ```
 pub fn state_digest<'a>(states: impl IntoIterator<Item = &'a BodyState>) -> u64 {
-    let mut hash = BASIS;
-    for state in states {
-        let numbers = [
-            &state.position.to_array()[..],
-            &state.rotation.to_array(),
-            &state.velocity.to_array(),
-            &state.angular_momentum.to_array(),
-        ];
-        for byte in numbers.into_iter().flatten().flat_map(|x| x.to_le_bytes()) {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(PRIME);
-        }
-    }
-    hash
+    let numbers = states.into_iter().flat_map(BodyState::to_array);
+    fnv_1a(numbers.flat_map(f64::to_le_bytes))
 }
 
 /// Computes the digest of a fixed scene, simulated by this build under `integrator`.

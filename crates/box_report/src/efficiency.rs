@@ -12,9 +12,9 @@ use crate::{files, text};
 const BELOW: [f64; 4] = [1e-1, 1e-2, 1e-4, 1e-6];
 /// Cost ratio below which an integrator is clearly cheaper than another. Smaller differences cannot be distinguished by
 /// measurements on one machine.
-pub(crate) const CLEARLY: f64 = 0.95;
+pub(crate) const CLEARLY_CHEAPER: f64 = 0.95;
 /// Errors below this value are replaced by it: smaller ones are not needed, and rounding would decide the order.
-const GOOD_ENOUGH: f64 = 1e-9;
+const MIN_COMPARED_ERROR: f64 = 1e-9;
 
 #[derive(Serialize)]
 struct Row {
@@ -40,7 +40,7 @@ struct FrontierRow {
 /// The points that did not fail, each with its error and cost.
 fn measured(f: &FamilyPoints) -> impl Iterator<Item = (&Point, f64, f64)> {
     f.points.iter().filter_map(|p| {
-        let error = p.run.error(f.family.metrics[0])?.max(GOOD_ENOUGH);
+        let error = p.run.error(f.family.metrics[0])?.max(MIN_COMPARED_ERROR);
         Some((p, error, p.microseconds()?))
     })
 }
@@ -68,7 +68,7 @@ fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
         .filter(|(p, ..)| p.integrator == integrator)
         .any(|(_, e, c)| {
             !measured(f).any(|(q, error, cost)| {
-                q.integrator != integrator && error <= e && cost < CLEARLY * c
+                q.integrator != integrator && error <= e && cost < CLEARLY_CHEAPER * c
             })
         })
 }
@@ -163,12 +163,10 @@ fn frontier(ctx: &Context, data: &WorkPrecision) -> Result<Table, Stop> {
         title: "Pareto frontier of error and cost".to_owned(),
         note: format!(
             "An integrator is on the frontier of a scene if, at one of its step sizes, no other integrator is at least as accurate \
-             in clearly less time ({:.0} %). Errors below {GOOD_ENOUGH:.0e} count as equal.",
-            100.0 * (1.0 - CLEARLY)
+             in clearly less time ({:.0} %). Errors below {MIN_COMPARED_ERROR:.0e} count as equal.",
+            100.0 * (1.0 - CLEARLY_CHEAPER)
         ),
-        columns: ["integrator", "scenes", "which"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: text::columns("integrator | scenes | which"),
         rows: rows
             .iter()
             .map(|r| {

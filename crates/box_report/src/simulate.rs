@@ -43,27 +43,11 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// The columns. The error columns are empty where there is no reference.
+#[rustfmt::skip]
 const COLUMNS: [&str; 20] = [
-    "t_s",
-    "x_m",
-    "y_m",
-    "z_m",
-    "qx",
-    "qy",
-    "qz",
-    "qw",
-    "vx_m_s",
-    "vy_m_s",
-    "vz_m_s",
-    "wx_rad_s",
-    "wy_rad_s",
-    "wz_rad_s",
-    "lx_kg_m2_s",
-    "ly_kg_m2_s",
-    "lz_kg_m2_s",
-    "energy_j",
-    "position_error_m",
-    "attitude_error_rad",
+    "t_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "vx_m_s", "vy_m_s", "vz_m_s", "wx_rad_s",
+    "wy_rad_s", "wz_rad_s", "lx_kg_m2_s", "ly_kg_m2_s", "lz_kg_m2_s", "energy_j",
+    "position_error_m", "attitude_error_rad",
 ];
 
 /// Finds the setup called `name`: a scene of the list, a family of the report, or a file. **To support other file
@@ -143,25 +127,9 @@ fn write(
         let (x, q, v) = (state.position, state.rotation, state.velocity);
         let w = state.angular_velocity(&setup.body);
         let l = state.angular_momentum_world();
+        let e = setup.energy(state);
         let numbers = [
-            t,
-            x.x,
-            x.y,
-            x.z,
-            q.x,
-            q.y,
-            q.z,
-            q.w,
-            v.x,
-            v.y,
-            v.z,
-            w.x,
-            w.y,
-            w.z,
-            l.x,
-            l.y,
-            l.z,
-            setup.energy(state),
+            t, x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z, l.x, l.y, l.z, e,
         ];
         let error = reference.at(t).map(|r| StateError::between(state, &r));
         let errors = [error.map(|e| e.position), error.map(|e| e.attitude)];

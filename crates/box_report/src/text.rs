@@ -60,6 +60,11 @@ pub(crate) fn list(items: &[String]) -> String {
     }
 }
 
+/// Splits the heading of a table, such as `scene | cost`, into its columns.
+pub(crate) fn columns(heading: &str) -> Vec<String> {
+    heading.split(" | ").map(str::to_owned).collect()
+}
+
 /// Formats `x` as inline code.
 pub(crate) fn code(x: impl core::fmt::Display) -> String {
     format!("`{x}`")

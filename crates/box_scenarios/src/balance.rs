@@ -128,8 +128,8 @@ impl Balance {
         let kinetic = state.kinetic_energy(&model.body);
         let left = self.given - (model.energy(state) - kinetic);
         self.kinetic_scale = self.kinetic_scale.max(left);
-        let most = left + self.kinetic_scale;
-        kinetic > most || kinetic.is_nan() || most.is_nan()
+        let limit = left + self.kinetic_scale;
+        kinetic > limit || kinetic.is_nan() || limit.is_nan()
     }
 
     /// Restarts the balance in `state` with the energy residual `energy` (divided by its scale).

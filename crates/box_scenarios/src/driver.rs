@@ -186,17 +186,17 @@ impl<F: ForceModel> IntegratorVisitor for Steps<'_, F> {
             ..
         } = self.driver;
         let (body, force, h) = (&self.model.body, self.force, self.h);
-        let (planes, settings) = (self.model.planes(), &self.model.settings);
+        let (planes, settings) = (&self.model.planes[..], &self.model.settings);
         for _ in 0..self.n {
             let before = *state;
             let outcome = match &self.model.floor {
                 Some(_)
                     if !planes.is_empty()
                         && (contact.touching() != 0
-                            || may_touch_planes(&planes, body, state, force, h)) =>
+                            || may_touch_planes(planes, body, state, force, h)) =>
                 {
                     let context = PlanesContext {
-                        planes: &planes,
+                        planes,
                         settings,
                         body,
                         force,

@@ -4,9 +4,9 @@ use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
 use box_physics::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use glam::DVec3;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
-use crate::limits;
+use crate::limits::{self, ANY, COEFFICIENT, Limited};
 
 /// The owned counterpart of [`Forces`]: every term of the force model; 0 or empty means absent.
 ///
@@ -47,10 +47,10 @@ pub struct ForceSet {
     #[serde(deserialize_with = "limits::vector")]
     pub world_torque: DVec3,
     /// Forces at body points.
-    #[serde(serialize_with = "save_points", deserialize_with = "load_points")]
+    #[serde(deserialize_with = "limits::items")]
     pub point_forces: Vec<PointForce>,
     /// Springs at body points.
-    #[serde(serialize_with = "save_springs", deserialize_with = "load_springs")]
+    #[serde(deserialize_with = "limits::items")]
     pub springs: Vec<Spring>,
 }
 
@@ -201,89 +201,20 @@ pub(crate) fn coefficient(field: &'static str, value: f64) -> Result<(), Invalid
     }
 }
 
-/// Maximum number of springs, point forces or impulses in a file.
-pub(crate) const MAX_ITEMS: usize = 64;
-
-// Mirrors of the force types of `box_physics` that check the limits while reading.
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SavedPoint {
-    #[serde(deserialize_with = "limits::vector")]
-    body_point: DVec3,
-    #[serde(deserialize_with = "limits::vector")]
-    force: DVec3,
-    #[serde(default)]
-    frame: SavedFrame,
+impl Limited for PointForce {
+    fn check(&self) -> Result<(), InvalidValue> {
+        limits::check("body_point", &self.body_point.to_array(), ANY)?;
+        limits::check("force", &self.force.to_array(), ANY)
+    }
 }
 
-#[derive(Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum SavedFrame {
-    #[default]
-    World,
-    Body,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SavedSpring {
-    #[serde(deserialize_with = "limits::vector")]
-    body_point: DVec3,
-    #[serde(deserialize_with = "limits::vector")]
-    anchor: DVec3,
-    #[serde(deserialize_with = "limits::coefficient")]
-    stiffness: f64,
-    #[serde(default, deserialize_with = "limits::coefficient")]
-    damping: f64,
-}
-
-fn save_points<S: Serializer>(points: &[PointForce], to: S) -> Result<S::Ok, S::Error> {
-    to.collect_seq(points.iter().map(|p| SavedPoint {
-        body_point: p.body_point,
-        force: p.force,
-        frame: match p.frame {
-            Frame::World => SavedFrame::World,
-            Frame::Body => SavedFrame::Body,
-        },
-    }))
-}
-
-fn load_points<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PointForce>, D::Error> {
-    let saved: Vec<SavedPoint> = limits::at_most(from, MAX_ITEMS)?;
-    Ok(saved
-        .into_iter()
-        .map(|p| PointForce {
-            body_point: p.body_point,
-            force: p.force,
-            frame: match p.frame {
-                SavedFrame::World => Frame::World,
-                SavedFrame::Body => Frame::Body,
-            },
-        })
-        .collect())
-}
-
-fn save_springs<S: Serializer>(springs: &[Spring], to: S) -> Result<S::Ok, S::Error> {
-    to.collect_seq(springs.iter().map(|s| SavedSpring {
-        body_point: s.body_point,
-        anchor: s.anchor,
-        stiffness: s.stiffness,
-        damping: s.damping,
-    }))
-}
-
-fn load_springs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Spring>, D::Error> {
-    let saved: Vec<SavedSpring> = limits::at_most(from, MAX_ITEMS)?;
-    Ok(saved
-        .into_iter()
-        .map(|s| Spring {
-            body_point: s.body_point,
-            anchor: s.anchor,
-            stiffness: s.stiffness,
-            damping: s.damping,
-        })
-        .collect())
+impl Limited for Spring {
+    fn check(&self) -> Result<(), InvalidValue> {
+        limits::check("body_point", &self.body_point.to_array(), ANY)?;
+        limits::check("anchor", &self.anchor.to_array(), ANY)?;
+        limits::check("stiffness", &[self.stiffness], COEFFICIENT)?;
+        limits::check("damping", &[self.damping], COEFFICIENT)
+    }
 }
 
 #[cfg(test)]

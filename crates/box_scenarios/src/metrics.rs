@@ -21,7 +21,7 @@ pub struct StateError {
 
 impl StateError {
     /// The error of a state that is not finite or missing.
-    pub const LOST: Self = Self {
+    pub const INFINITE: Self = Self {
         position: f64::INFINITY,
         velocity: f64::INFINITY,
         attitude: f64::INFINITY,
@@ -31,7 +31,7 @@ impl StateError {
     /// The error of `state` relative to `reference`; infinite if `state` is not finite.
     pub fn between(state: &BodyState, reference: &BodyState) -> Self {
         if !state.is_finite() {
-            return Self::LOST;
+            return Self::INFINITE;
         }
         let momentum = state.angular_momentum_world() - reference.angular_momentum_world();
         Self {
@@ -54,13 +54,13 @@ pub struct Errors {
     pub attitude: f64,
     /// |ΔL| in world axes [kg m²/s].
     pub angular_momentum: f64,
-    /// |E − E_expected| \[J\]; see [`Errors::see_energy`].
+    /// |E − E_expected| \[J\]; see [`Errors::include_energy`].
     pub energy: f64,
 }
 
 impl Errors {
     /// Includes the error at another time.
-    pub fn see(&mut self, e: &StateError) {
+    pub fn include(&mut self, e: &StateError) {
         self.position = self.position.max(e.position);
         self.velocity = self.velocity.max(e.velocity);
         self.attitude = self.attitude.max(e.attitude);
@@ -68,7 +68,7 @@ impl Errors {
     }
 
     /// Includes the error of an energy \[J\] relative to its expected value \[J\].
-    pub fn see_energy(&mut self, energy: f64, expected: f64) {
+    pub fn include_energy(&mut self, energy: f64, expected: f64) {
         let error = (energy - expected).abs();
         self.energy = if error.is_nan() {
             f64::INFINITY
@@ -87,13 +87,7 @@ pub fn error_scale(initial: f64, other: f64) -> f64 {
 
 /// How many of the 13 numbers of two states differ in any bit.
 pub(crate) fn differing_numbers(a: &BodyState, b: &BodyState) -> usize {
-    let numbers = |s: &BodyState| {
-        let (x, v, l, q) = (s.position, s.velocity, s.angular_momentum, s.rotation);
-        [
-            x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w,
-        ]
-        .map(f64::to_bits)
-    };
+    let numbers = |s: &BodyState| s.to_array().map(f64::to_bits);
     let pairs = numbers(a).into_iter().zip(numbers(b));
     pairs.filter(|(a, b)| a != b).count()
 }
@@ -108,7 +102,7 @@ pub struct SpeedLimits {
 
 /// Factor by which a run may exceed the reference's largest speed and angular momentum. It is far above every
 /// legitimate error and far below overflow.
-const TOO_FAST: f64 = 1e3;
+const MAX_SPEED_RATIO: f64 = 1e3;
 
 impl SpeedLimits {
     /// The limits of a run of `setup`, before its reference is known. If nothing moves, the size of the box and the
@@ -121,20 +115,19 @@ impl SpeedLimits {
             speed: speed + start.velocity.length(),
             momentum,
         };
-        limits.see(start);
+        limits.include(start);
         limits
     }
 
     /// Includes a state of the reference.
-    pub fn see(&mut self, reference: &BodyState) {
-        self.speed = self.speed.max(TOO_FAST * reference.velocity.length());
-        self.momentum = self
-            .momentum
-            .max(TOO_FAST * reference.angular_momentum.length());
+    pub fn include(&mut self, reference: &BodyState) {
+        let (v, l) = (reference.velocity, reference.angular_momentum);
+        self.speed = self.speed.max(MAX_SPEED_RATIO * v.length());
+        self.momentum = self.momentum.max(MAX_SPEED_RATIO * l.length());
     }
 
     /// The limit that `state` exceeds, if any.
-    pub fn broken(&self, state: &BodyState) -> Option<Reason> {
+    pub fn exceeded(&self, state: &BodyState) -> Option<Reason> {
         let within = state.velocity.length() <= self.speed
             && state.angular_momentum.length() <= self.momentum;
         match (state.is_finite(), within) {
@@ -156,17 +149,17 @@ mod tests {
         let mut bad = reference;
         bad.velocity.x = f64::NAN;
         let mut errors = Errors::default();
-        errors.see(&StateError::between(&bad, &reference));
-        errors.see(&StateError::between(&reference, &reference));
-        errors.see_energy(f64::NAN, 1.0);
-        errors.see_energy(1.0, 1.0);
+        errors.include(&StateError::between(&bad, &reference));
+        errors.include(&StateError::between(&reference, &reference));
+        errors.include_energy(f64::NAN, 1.0);
+        errors.include_energy(1.0, 1.0);
         assert_eq!(errors.position, f64::INFINITY);
         assert_eq!(errors.energy, f64::INFINITY);
         let limits = SpeedLimits::of(&Scenario::default().setup);
-        assert_eq!(limits.broken(&bad), Some(Reason::Invalid));
-        assert_eq!(limits.broken(&reference), None);
+        assert_eq!(limits.exceeded(&bad), Some(Reason::Invalid));
+        assert_eq!(limits.exceeded(&reference), None);
         bad.velocity.x = 1e5;
-        assert_eq!(limits.broken(&bad), Some(Reason::Speed));
+        assert_eq!(limits.exceeded(&bad), Some(Reason::Speed));
     }
 
     #[test]

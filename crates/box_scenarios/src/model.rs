@@ -17,8 +17,10 @@ pub struct Model {
     pub forces: ForceSet,
     /// The floor, if there is one.
     pub floor: Option<Floor>,
-    /// Distance from the middle of a tray to its walls \[m\]; 0 without walls.
-    pub tray: f64,
+    /// The floor of the setup, if it is valid.
+    floor_spec: Option<FloorSpec>,
+    /// Floor and walls of a tray; empty without walls.
+    pub(crate) planes: Vec<Plane>,
     /// Limits of the contact solver.
     pub settings: ContactSettings,
 }
@@ -26,13 +28,16 @@ pub struct Model {
 impl Model {
     /// The model of `setup`. A floor with invalid values is omitted; [`Setup::validate`] rejects it.
     pub fn of(setup: &Setup) -> Self {
+        let floor = setup.floor.and_then(|spec| {
+            let floor = Floor::new(spec.height, spec.restitution, spec.friction).ok()?;
+            Some((spec, floor))
+        });
         Self {
             body: setup.body,
             forces: setup.forces.clone(),
-            floor: setup
-                .floor
-                .and_then(|f| Floor::new(f.height, f.restitution, f.friction).ok()),
-            tray: setup.floor.map_or(0.0, |f| f.tray),
+            floor: floor.map(|(_, floor)| floor),
+            floor_spec: floor.map(|(spec, _)| spec),
+            planes: floor.map_or_else(Vec::new, planes),
             settings: ContactSettings {
                 restitution: setup.floor.map(|f| f.restitution_law).unwrap_or_default(),
                 ..ContactSettings::default()
@@ -42,43 +47,15 @@ impl Model {
 
     /// A model of `body` under `forces`, without a floor.
     pub fn without_floor(body: RigidBox, forces: ForceSet) -> Self {
-        Self {
-            body,
-            forces,
-            floor: None,
-            tray: 0.0,
-            settings: ContactSettings::default(),
-        }
+        Self::of(&Setup::new(body, BodyState::default(), forces, 0.0))
     }
 
     /// A setup with this model that starts in `state` and lasts `duration` \[s\], without impulses.
     pub fn setup(&self, state: BodyState, duration: f64) -> Setup {
-        let setup = Setup::new(self.body, state, self.forces.clone(), duration);
-        match &self.floor {
-            Some(f) => setup.with_floor(self.floor_spec(f)),
-            None => setup,
+        Setup {
+            floor: self.floor_spec,
+            ..Setup::new(self.body, state, self.forces.clone(), duration)
         }
-    }
-
-    fn floor_spec(&self, floor: &Floor) -> FloorSpec {
-        FloorSpec {
-            height: floor.height,
-            restitution: floor.restitution,
-            restitution_law: self.settings.restitution,
-            friction: floor.friction,
-            tray: self.tray,
-        }
-    }
-
-    /// Floor and walls of a tray; empty without walls.
-    pub(crate) fn planes(&self) -> Vec<Plane> {
-        let Some(floor) = self.floor.filter(|_| self.tray > 0.0) else {
-            return Vec::new();
-        };
-        let walls = self.floor_spec(&floor).walls().into_iter();
-        let walls =
-            walls.filter_map(|wall| Plane::new(wall, floor.restitution, floor.friction).ok());
-        [Plane::from(floor)].into_iter().chain(walls).collect()
     }
 
     /// Kinetic plus potential energy \[J\].
@@ -94,7 +71,7 @@ impl Model {
     /// Returns `true` if a box in this state may touch the floor within `h` \[s\].
     pub fn may_touch(&self, state: &BodyState, h: f64) -> bool {
         let forces = self.forces.forces(&self.body);
-        may_touch_planes(&self.planes(), &self.body, state, &forces, h)
+        may_touch_planes(&self.planes, &self.body, state, &forces, h)
             || self
                 .floor
                 .is_some_and(|floor| may_touch(&floor, &self.body, state, &forces, h))
@@ -104,4 +81,11 @@ impl Model {
     pub fn is_uniform_acceleration(&self) -> bool {
         !self.forces.has_wrench() && self.forces.dissipation() == Dissipation::NONE
     }
+}
+
+fn planes((spec, floor): (FloorSpec, Floor)) -> Vec<Plane> {
+    let wall = |shape| Plane::new(shape, floor.restitution, floor.friction).ok();
+    let walls = spec.walls().into_iter().filter_map(wall);
+    let floor = Some(Plane::from(floor)).filter(|_| spec.tray > 0.0);
+    floor.into_iter().chain(walls).collect()
 }

@@ -61,15 +61,16 @@ pub fn compare(
             state: reference,
             energy,
         } = expected(t);
-        reference.iter().for_each(|r| limits.see(r));
-        diverged = limits.broken(state).map(|reason| Divergence { t, reason });
+        reference.iter().for_each(|r| limits.include(r));
+        let reason = limits.exceeded(state);
+        diverged = reason.map(|reason| Divergence { t, reason });
         if diverged.is_some() {
             return false;
         }
         let error = reference.map(|r| StateError::between(state, &r));
-        error.iter().for_each(|e| errors.see(e));
+        error.iter().for_each(|e| errors.include(e));
         if let Some(energy) = energy {
-            errors.see_energy(setup.energy(state), energy);
+            errors.include_energy(setup.energy(state), energy);
         }
         last = *state;
         look(&Compared { t, state, error })

@@ -63,9 +63,10 @@ impl fmt::Display for Fitted {
 
 /// Errors above this are no longer proportional to a power of the step: a tenth of a radian, of a meter, or of the
 /// energy.
-const LOST: f64 = 0.1;
-/// Errors below this are rounding errors, summed over tens of thousands of steps and amplified by the motion.
-const ROUNDING: f64 = 1e-10;
+const MAX_FITTED_ERROR: f64 = 0.1;
+/// Errors below this \[m, rad or relative\] are rounding errors, summed over tens of thousands of steps and amplified
+/// by the motion.
+const MAX_ROUNDING_ERROR: f64 = 1e-10;
 /// Factor by which a point must exceed the smallest error, which may be rounding.
 const ABOVE_FLOOR: f64 = 20.0;
 
@@ -83,7 +84,7 @@ pub fn order(points: &[(f64, f64)]) -> Fitted {
     if points.len() < 3 {
         return Fitted::Unknown;
     }
-    if points.iter().all(|p| p.1 < ROUNDING) {
+    if points.iter().all(|p| p.1 < MAX_ROUNDING_ERROR) {
         return Fitted::Rounding;
     }
     // Uses the points from the largest step to the smallest error. Beyond, rounding errors grow.
@@ -92,14 +93,14 @@ pub fn order(points: &[(f64, f64)]) -> Fitted {
         .enumerate()
         .min_by(|a, b| a.1.1.total_cmp(&b.1.1))
         .map_or(0, |(k, _)| k);
-    let floor = if points[smallest].1 < 100.0 * ROUNDING {
+    let floor = if points[smallest].1 < 100.0 * MAX_ROUNDING_ERROR {
         ABOVE_FLOOR * points[smallest].1.max(1e-13)
     } else {
         0.0
     };
     let usable: Vec<_> = points[..=smallest]
         .iter()
-        .filter(|p| p.1 < LOST && p.1 > floor)
+        .filter(|p| p.1 < MAX_FITTED_ERROR && p.1 > floor)
         .map(|(h, e)| (libm::log(*h), libm::log(*e)))
         .collect();
     if usable.len() < 2 {

@@ -5,6 +5,7 @@
 //! Yellow is only used for spare styles because it is faint on white. Dash and marker repeat the information of the
 //! color, so that nothing depends on color alone.
 
+use box_physics::digest::fnv_1a;
 use box_physics::integrators::Integrator;
 
 /// Dash pattern of a line.
@@ -146,12 +147,9 @@ fn by_id(id: &str) -> Style {
     listed(id).map_or_else(|| spare(id), |row| row.2)
 }
 
-/// Selected by FNV-1a of the id (Fowler, Noll, Vo), so that it does not depend on the other integrators.
+/// Selected by a hash of the id, so that it does not depend on the other integrators.
 fn spare(id: &str) -> Style {
-    let hash = id.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
-    SPARE[(hash % SPARE.len() as u64) as usize]
+    SPARE[(fnv_1a(id.bytes()) % SPARE.len() as u64) as usize]
 }
 
 /// The digit key that selects `integrator` in the game, 1 to 9.

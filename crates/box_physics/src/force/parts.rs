@@ -12,12 +12,14 @@ use crate::state::{BodyState, Frame};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PointForce {
     /// Point of application, body axes from the center \[m\].
     pub body_point: DVec3,
     /// The force \[N\], constant in the axes given by `frame`.
     pub force: DVec3,
     /// The axes in which the force is constant.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub frame: Frame,
 }
 
@@ -28,6 +30,7 @@ pub struct PointForce {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Spring {
     /// Attachment point, body axes from the center \[m\].
     pub body_point: DVec3,
@@ -36,6 +39,7 @@ pub struct Spring {
     /// Stiffness k [N/m], ≥ 0.
     pub stiffness: f64,
     /// Damping d [N s/m], ≥ 0.
+    #[cfg_attr(feature = "serde", serde(default))]
     pub damping: f64,
 }
 

@@ -10,7 +10,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 const AGREEMENT: f64 = 1e-8;
 
 /// Maximum number of steps. k' = 1e-160 needs 12; the cap only stops a NaN.
-const MOST_STEPS: usize = 24;
+const MAX_STEPS: usize = 24;
 
 /// The complete integral K = ∫₀^{π/2} dθ/√(1 − m sin²θ) = π/(2 agm(1, k')), k' = √(1−m) in (0, 1].
 /// Infinite for k' = 0. Relative error below 4e-16 (Gauss 1799; Abramowitz, Stegun 17.6).
@@ -24,7 +24,7 @@ pub fn complete_integral(complementary_modulus: f64) -> f64 {
     if b == 0.0 {
         return f64::INFINITY;
     }
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let mean = 0.5 * (a + b);
         if (a - b).abs() <= AGREEMENT * a {
             return FRAC_PI_2 / mean;
@@ -60,7 +60,7 @@ pub fn incomplete_integral(sine: f64, cosine: f64, complementary_modulus: f64) -
     // (φ = π/2) becomes −∞ (φ₁ = π) and remains −∞.
     let (mut m, mut b) = (1.0, complementary_modulus);
     let mut half_turns = 0_u64;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (product, before) = (m * b, m);
         m += b;
         cotangent -= product / cotangent;

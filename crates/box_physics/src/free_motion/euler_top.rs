@@ -45,7 +45,7 @@ const LARGEST: f64 = 0.15 * 0.15;
 const REFLECTED: f64 = 1.0 / 16384.0;
 
 /// Maximum number of parts of a larger step. Beyond it, the closed form is cheaper.
-const MOST_PARTS: f64 = 8.0;
+const MAX_PARTS: f64 = 8.0;
 
 /// Free rotation over `h` \[s\] of either sign, accurate to rounding at any step. Compared with
 /// [`FreeRotation`] it needs no memory and is several times cheaper. World momentum, |L| and energy are
@@ -93,7 +93,7 @@ pub(crate) fn free_rotation_by(
 fn large_step(body: &RigidBox, state: &mut BodyState, h: f64, size: f64) {
     let (mut q, mut l) = (state.rotation, state.angular_momentum);
     let parts = (size / LARGEST).sqrt().ceil();
-    if parts <= MOST_PARTS {
+    if parts <= MAX_PARTS {
         let middle = body.splitting().reference;
         let j = body.inverse_inertia() - DVec3::splat(middle);
         q = compose(q, exponential_map_by((h * middle) * l, &mut AnyArgument));

@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -43,7 +43,7 @@ impl Integrate for AdamsBashforth2 {
             damper: Limit::Below(1.0),
             oscillator: Limit::AlwaysGrows,
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
+        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
     };
 
     const BRANCHES: bool = true;
@@ -64,8 +64,7 @@ impl Integrate for AdamsBashforth2 {
             Some(previous) if same_step(previous.h, h) => previous.slope,
             _ => slope,
         };
-        *state = before.from(&slope.from(state, 1.5 * h), -0.5 * h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = before.step(&slope.from(state, 1.5 * h), -0.5 * h);
         memory.store(Previous { slope, h });
         StepOutcome::plain(1)
     }

@@ -2,8 +2,8 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -39,7 +39,7 @@ impl Integrate for BackwardEuler {
             damper: Limit::None,
             oscillator: Limit::None,
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Dissipates),
+        conserved: Conserved::nothing_else(EnergyBehavior::Dissipates),
     };
 
     const BRANCHES: bool = true;
@@ -75,8 +75,7 @@ impl BackwardEuler {
             state.velocity = s.velocity;
             state.position += h * s.velocity;
             state.angular_momentum = body.inertia() * s.omega;
-            state.rotation = compose(state.rotation, exponential_map(h * s.omega));
-            state.renormalize();
+            state.turn_by(exponential_map(h * s.omega));
         }
         stage
     }

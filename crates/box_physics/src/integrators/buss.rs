@@ -4,11 +4,13 @@ use glam::DVec3;
 
 use super::slope::turned_back;
 use super::velocity_verlet::{VelocityVerlet, half_kick};
-use super::{EnergyBehavior, Integrate, IntegratorInfo, Keeps, MemorySlot, MenuGroup, StepOutcome};
+use super::{
+    Conserved, EnergyBehavior, Integrate, IntegratorInfo, MemorySlot, MenuGroup, StepOutcome,
+};
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by};
+use crate::rotation::exponential_map_by;
 use crate::state::BodyState;
 
 /// Free rotation by the mean angular velocity of the step:
@@ -29,7 +31,7 @@ impl Integrate for Buss {
         group: MenuGroup::Engines,
         summary: "A turn by the mean angular velocity: conserves angular momentum, but the energy drifts and flips happen at the wrong time.",
         source: "S. Buss, Accurate and efficient simulation of rigid-body rotations, J. Comput. Phys. 164 (2000) 377",
-        keeps: Keeps {
+        conserved: Conserved {
             energy: EnergyBehavior::Drifts,
             momentum_magnitude: true,
             momentum: true,
@@ -69,8 +71,7 @@ pub(super) fn kick_drift_kick<F: ForceModel>(
     let (l, w) = (state.angular_momentum, state.body_angular_velocity(body));
     let rate = body.inverse_inertia() * l.cross(w);
     let turn = exponential_map_by(h * mean(w, rate, h, augmented), trigonometry);
-    state.rotation = compose(state.rotation, turn);
-    state.renormalize();
+    state.turn_by(turn);
     state.angular_momentum = turned_back(l, turn);
     half_kick(body, state, force, 0.5 * h);
 }
@@ -92,7 +93,7 @@ mod tests {
     use super::super::testing::{Case, run};
     use super::*;
     use crate::force::Gravity;
-    use crate::rotation::exponential_map;
+    use crate::rotation::{compose, exponential_map};
 
     /// One step equals the formula; a principal spin is exact.
     #[test]

@@ -4,14 +4,14 @@ use glam::DVec3;
 
 use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::free_motion::free_rotation_by;
 use crate::math::Trigonometry;
-use crate::rotation::{cayley_map, compose, renormalize};
+use crate::rotation::cayley_map;
 use crate::state::BodyState;
 
 /// The discrete Moser–Veselov algorithm with modified moments of inertia.
@@ -51,7 +51,7 @@ impl Integrate for Dmv6 {
             damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Exact),
+        conserved: Conserved::all_else(EnergyBehavior::Exact),
     };
 
     const BRANCHES: bool = true;
@@ -124,7 +124,7 @@ fn free_rotation_dmv6(body: &RigidBox, state: &mut BodyState, h: f64) -> bool {
     let across = c.cross(l);
     let scale = 2.0 / (1.0 + c.length_squared());
     state.angular_momentum = l + scale * (c.cross(across) - across);
-    state.rotation = renormalize(compose(state.rotation, cayley_map(2.0 * c)));
+    state.turn_by(cayley_map(2.0 * c));
     true
 }
 

@@ -4,8 +4,8 @@ use glam::{DMat3, DVec3};
 
 use super::slope::turn;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel, Wrench};
@@ -46,7 +46,7 @@ impl Integrate for EngineNewton {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Dissipates),
+        conserved: Conserved::nothing_else(EnergyBehavior::Dissipates),
     };
 
     type Memory = ();
@@ -76,22 +76,34 @@ pub(super) fn velocities_first<F: ForceModel>(
     force: &F,
     h: f64,
 ) {
-    let d = force.dissipation();
-    let speed = (state.velocity - d.wind).length();
-    let w = if force.has_wrench() {
-        force.wrench(body, state)
-    } else {
-        Wrench::ZERO
-    };
+    let (d, w) = (force.dissipation(), wrench(body, state, force));
+    let (c, gamma) = damping_rates(body, state, &d);
     if d != Dissipation::NONE {
-        let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-        let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
         state.velocity = d.in_air(state.velocity, |v| v / (1.0 + h * c));
         state.angular_momentum /= 1.0 + h * gamma;
     }
     state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
     state.position += h * state.velocity;
     state.angular_momentum += h * w.torque;
+}
+
+/// The wrench, if there may be one.
+#[inline(always)]
+pub(super) fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrench {
+    if force.has_wrench() {
+        force.wrench(body, state)
+    } else {
+        Wrench::ZERO
+    }
+}
+
+/// The damping rates c/m and γ_i [1/s], with the speed at the start of the step.
+#[inline(always)]
+pub(super) fn damping_rates(body: &RigidBox, state: &BodyState, d: &Dissipation) -> (f64, DVec3) {
+    let speed = (state.velocity - d.wind).length();
+    let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
+    let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
+    (c, gamma)
 }
 
 /// Computes I (I + h([ω]I − [Iω]))⁻¹ hω×Iω. Each row is divided by its moment, so that nothing overflows for any body

@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
+use super::engine_newton::{damping_rates, wrench};
 use super::slope::turn;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::force::{Dissipation, ForceModel};
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
@@ -42,7 +43,7 @@ impl Integrate for EngineRescaled {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps {
+        conserved: Conserved {
             energy: EnergyBehavior::Drifts,
             momentum_magnitude: true,
             momentum: false,
@@ -61,18 +62,11 @@ impl Integrate for EngineRescaled {
         _memory: &mut MemorySlot<'_, Self>,
         trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        let d = force.dissipation();
-        let speed = (state.velocity - d.wind).length();
-        let w = if force.has_wrench() {
-            force.wrench(body, state)
-        } else {
-            Wrench::ZERO
-        };
+        let (d, w) = (force.dissipation(), wrench(body, state, force));
+        let (c, gamma) = damping_rates(body, state, &d);
         state.angular_momentum = rescaled_gyroscopic_step(body, state, h) + h * w.torque;
         state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
         if d != Dissipation::NONE {
-            let c = (d.linear_drag + d.quadratic_drag * speed) * body.inverse_mass();
-            let gamma = d.angular_damping + d.angular_drag * body.inverse_inertia();
             state.velocity = d.in_air(state.velocity, |v| v * (1.0 - h * c).max(0.0));
             state.angular_momentum *= (1.0 - h * gamma).max(DVec3::ZERO);
         }

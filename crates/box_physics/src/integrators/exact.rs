@@ -3,8 +3,8 @@
 use super::split;
 use super::trajectory::{FlightForces, Trajectory};
 use super::{
-    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot,
-    MenuGroup, Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Limit,
+    MemorySlot, MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -50,7 +50,7 @@ impl Integrate for Exact {
             damper: Limit::None,
             oscillator: Limit::Below(3.464),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Exact),
+        conserved: Conserved::all_else(EnergyBehavior::Exact),
     };
 
     const BRANCHES: bool = true;

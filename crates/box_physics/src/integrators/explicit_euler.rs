@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -28,7 +28,7 @@ impl Integrate for ExplicitEuler {
             damper: Limit::Below(2.0),
             oscillator: Limit::AlwaysGrows,
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
+        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();
@@ -42,8 +42,7 @@ impl Integrate for ExplicitEuler {
         _memory: &mut MemorySlot<'_, Self>,
         _trigonometry: &mut impl Trigonometry,
     ) -> StepOutcome {
-        *state = Slope::at(body, state, force).from(state, h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = Slope::at(body, state, force).step(state, h);
         StepOutcome::plain(1)
     }
 }

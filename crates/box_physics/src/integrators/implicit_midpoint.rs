@@ -2,8 +2,8 @@
 
 use super::implicit_stage::{Attempt, shortened, solve};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Wrench};
@@ -59,7 +59,7 @@ impl Integrate for ImplicitMidpoint {
             damper: Limit::None,
             oscillator: Limit::None,
         },
-        keeps: Keeps::all_else(EnergyBehavior::Exact),
+        conserved: Conserved::all_else(EnergyBehavior::Exact),
     };
 
     const BRANCHES: bool = true;
@@ -103,8 +103,7 @@ impl ImplicitMidpoint {
             state.position += h * s.velocity;
             state.velocity = 2.0 * s.velocity - state.velocity;
             state.angular_momentum = 2.0 * (body.inertia() * s.omega) - state.angular_momentum;
-            state.rotation = compose(state.rotation, cayley_map(h * s.omega));
-            state.renormalize();
+            state.turn_by(cayley_map(h * s.omega));
         }
         stage
     }

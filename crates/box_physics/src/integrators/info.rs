@@ -186,7 +186,7 @@ impl fmt::Display for EnergyBehavior {
 
 /// Quantities of a free tumbling body that an integrator conserves, to rounding unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Keeps {
+pub struct Conserved {
     /// Behavior of the energy.
     pub energy: EnergyBehavior,
     /// |L|, the magnitude of the angular momentum.
@@ -197,7 +197,7 @@ pub struct Keeps {
     pub reversible: bool,
 }
 
-impl Keeps {
+impl Conserved {
     /// Neither conserves angular momentum nor is reversible; the energy behaves as given.
     pub const fn nothing_else(energy: EnergyBehavior) -> Self {
         Self {
@@ -305,7 +305,7 @@ impl MenuGroup {
 /// let keeps_energy: Vec<&str> = Integrator::ALL
 ///     .iter()
 ///     .map(|i| i.info())
-///     .filter(|info| info.keeps.energy == EnergyBehavior::Exact)
+///     .filter(|info| info.conserved.energy == EnergyBehavior::Exact)
 ///     .map(|info| info.id)
 ///     .collect();
 /// assert_eq!(keeps_energy, ["split", "exact", "dmv6", "implicit-midpoint"]);
@@ -329,5 +329,5 @@ pub struct IntegratorInfo {
     /// Stable ranges.
     pub stability: Stability,
     /// Conserved quantities.
-    pub keeps: Keeps,
+    pub conserved: Conserved,
 }

@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -34,7 +34,7 @@ impl Integrate for Midpoint {
             damper: Limit::Below(2.0),
             oscillator: Limit::AlwaysGrows,
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
+        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();
@@ -50,8 +50,7 @@ impl Integrate for Midpoint {
     ) -> StepOutcome {
         let k1 = Slope::at(body, state, force);
         let k2 = Slope::at(body, &k1.from(state, 0.5 * h), force);
-        *state = k2.from(state, h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = k2.step(state, h);
         StepOutcome::plain(2)
     }
 }

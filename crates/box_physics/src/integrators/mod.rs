@@ -24,8 +24,8 @@ mod trajectory;
 pub use batch::{GravityField, Group};
 pub use forced::ForcedGroup;
 pub use info::{
-    Channel, EnergyBehavior, Evaluations, IntegratorInfo, Keeps, Limit, MenuGroup, Order, Orders,
-    Stability,
+    Channel, Conserved, EnergyBehavior, Evaluations, IntegratorInfo, Limit, MenuGroup, Order,
+    Orders, Stability,
 };
 pub use memory::{IntegratorMemory, MemorySlot, Remember};
 

@@ -2,8 +2,8 @@
 
 use super::slope::Slope;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -37,7 +37,7 @@ impl Integrate for Rk4 {
             damper: Limit::Below(2.785),
             oscillator: Limit::Below(2.828),
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Dissipates),
+        conserved: Conserved::nothing_else(EnergyBehavior::Dissipates),
     };
 
     type Memory = ();
@@ -61,8 +61,7 @@ impl Integrate for Rk4 {
             velocity: (k1.velocity + 2.0 * (k2.velocity + k3.velocity) + k4.velocity) * SIXTH,
             momentum: (k1.momentum + 2.0 * (k2.momentum + k3.momentum) + k4.momentum) * SIXTH,
         };
-        *state = mean.from(state, h);
-        state.rotation = state.rotation * (1.0 / state.rotation.length());
+        *state = mean.step(state, h);
         StepOutcome::plain(4)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::slope::turn;
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
@@ -31,7 +31,7 @@ impl Integrate for SemiImplicitEuler {
             damper: Limit::Below(2.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::nothing_else(EnergyBehavior::Gains),
+        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
     };
 
     type Memory = ();

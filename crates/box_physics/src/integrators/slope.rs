@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
 use crate::math::Trigonometry;
-use crate::rotation::{compose, exponential_map_by, quaternion_rate};
+use crate::rotation::{exponential_map_by, quaternion_rate};
 use crate::state::BodyState;
 
 /// The time derivative of the whole state: (x', q', v', L').
@@ -43,6 +43,14 @@ impl Slope {
             angular_momentum: state.angular_momentum + h * self.momentum,
         }
     }
+
+    /// [`from`](Self::from) as the end of a step: the quaternion is normalized.
+    #[inline(always)]
+    pub(crate) fn step(&self, state: &BodyState, h: f64) -> BodyState {
+        let mut end = self.from(state, h);
+        end.rotation = end.rotation * (1.0 / end.rotation.length());
+        end
+    }
 }
 
 /// q ← q∘exp(hω) with the angular velocity ω of `state`.
@@ -54,8 +62,7 @@ pub(super) fn turn(
     trigonometry: &mut impl Trigonometry,
 ) {
     let turn = exponential_map_by(h * state.body_angular_velocity(body), trigonometry);
-    state.rotation = compose(state.rotation, turn);
-    state.renormalize();
+    state.turn_by(turn);
 }
 
 /// Rotates `l` backward by `turn`: with p its vector part and w its scalar part, L − 2w p×L + 2p×(p×L).

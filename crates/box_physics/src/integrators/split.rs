@@ -7,8 +7,8 @@ use super::flows::{
     ExactRotation, damped_step, exact_drift, half_dissipation, kick, modified_kick,
 };
 use super::{
-    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot,
-    MenuGroup, Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Limit,
+    MemorySlot, MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -56,7 +56,7 @@ impl Integrate for Split {
             damper: Limit::None,
             oscillator: Limit::Below(3.464),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Exact),
+        conserved: Conserved::all_else(EnergyBehavior::Exact),
     };
 
     type Memory = ();

@@ -3,8 +3,8 @@
 use super::flows::{FreeRotationFlow, damped_step, drift, exact_drift, half_dissipation, kick};
 use super::split;
 use super::{
-    EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot,
-    MenuGroup, Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Limit,
+    MemorySlot, MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
@@ -59,7 +59,7 @@ impl Integrate for Split4 {
             damper: Limit::None,
             oscillator: Limit::Below(3.16),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Bounded),
+        conserved: Conserved::all_else(EnergyBehavior::Bounded),
     };
 
     type Memory = ();

@@ -2,8 +2,8 @@
 
 use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -37,7 +37,7 @@ impl Integrate for SymmetricTop {
             damper: Limit::None,
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Bounded),
+        conserved: Conserved::all_else(EnergyBehavior::Bounded),
     };
 
     type Memory = ();

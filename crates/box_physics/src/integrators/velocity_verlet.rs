@@ -1,8 +1,8 @@
 //! `velocity-verlet`: kick–drift–kick as in textbooks; drag lags by half a step.
 
 use super::{
-    EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Keeps, Limit, MemorySlot, MenuGroup,
-    Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
+    MenuGroup, Order, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, applied_rates};
@@ -41,7 +41,7 @@ impl Integrate for VelocityVerlet {
             damper: Limit::Below(4.0),
             oscillator: Limit::Below(2.0),
         },
-        keeps: Keeps::all_else(EnergyBehavior::Bounded),
+        conserved: Conserved::all_else(EnergyBehavior::Bounded),
     };
 
     type Memory = ();

@@ -14,7 +14,7 @@ use super::messages::{Settled, Woken};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
 use super::sleeping::{Changes, Sleep, SleepClock, Sleepers};
-use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::body::RigidBox;
 use crate::floor::{
@@ -76,7 +76,7 @@ pub(crate) fn contact(
     if !step.has_contact() {
         return Ok(());
     }
-    let mut watch = Stopwatch::start(timings.is_some());
+    let mut watch = LapTimer::start(timings.is_some());
     for (mut table, at_floor) in bodies.contiguous_iter_mut()? {
         let (bodies, forces) = (&*table.body, &table.forces);
         let (states, written) = ContiguousMut::bypass_change_detection_split(table.state);

@@ -140,14 +140,14 @@ impl FreeFlight<'_, '_, '_> {
         gravity: GravityField<'_>,
         tally: &mut Tally,
     ) {
-        let known = tally.faults.len();
+        let mut faults = Vec::new();
         let mut meets = [false; CHUNK];
         let mut group = Group {
             bodies: &self.bodies[range.clone()],
             states: &mut self.states[range.clone()],
             memories: &mut self.memories[range.clone()],
             gravity,
-            faults: &mut tally.faults,
+            faults: &mut faults,
             floor: self.below.map(|below| (below, &mut meets[..])),
         };
         tally.outcome += S::step_group(&mut group, self.step.h);
@@ -155,15 +155,14 @@ impl FreeFlight<'_, '_, '_> {
             near.pending = meets;
             tally.bodies += u64::from(!meets);
         }
-        for i in &mut tally.faults[known..] {
-            *i += self.first + range.start;
-        }
+        let first = self.first + range.start;
+        tally.faults.extend(faults.iter().map(|i| first + i));
     }
 
     /// Steps scattered bodies as one group: at least one, at most [`GATHERED`].
     #[inline(never)]
     fn gathered<S: Integrate>(&mut self, chosen: &[usize], tally: &mut Tally) {
-        let known = tally.faults.len();
+        let mut faults = Vec::new();
         // Entries beyond the last body are padding.
         let place = |k: usize| chosen[k.min(chosen.len() - 1)];
         let bodies: [RigidBox; GATHERED] = core::array::from_fn(|k| self.bodies[place(k)]);
@@ -180,7 +179,7 @@ impl FreeFlight<'_, '_, '_> {
             states: &mut states,
             memories: &mut memories,
             gravity: GravityField::Each(&gravity),
-            faults: &mut tally.faults,
+            faults: &mut faults,
             floor: self.below.map(|below| (below, &mut meets[..])),
         };
         tally.outcome += S::step_group(&mut group, self.step.h);
@@ -190,9 +189,8 @@ impl FreeFlight<'_, '_, '_> {
             self.near[i].pending = meets;
             tally.bodies += u64::from(!meets);
         }
-        for i in &mut tally.faults[known..] {
-            *i = self.first + chosen[*i];
-        }
+        let faults = faults.iter().map(|&i| self.first + chosen[i]);
+        tally.faults.extend(faults);
     }
 
     /// Steps the bodies that are not left to *Contact*, each under its own forces.
@@ -220,18 +218,16 @@ impl FreeFlight<'_, '_, '_> {
         model: &impl Fn(usize) -> F,
         tally: &mut Tally,
     ) {
-        let known = tally.faults.len();
+        let mut faults = Vec::new();
         let columns = (
             &self.bodies[run.clone()],
             &mut self.states[run.clone()],
             &mut self.memories[run.clone()],
         );
         let forces = |k: usize| model(run.start + k);
-        tally.outcome +=
-            ForcedGroup::step_each::<S>(columns, forces, self.step.h, &mut tally.faults);
+        tally.outcome += ForcedGroup::step_each::<S>(columns, forces, self.step.h, &mut faults);
         tally.bodies += run.len() as u64;
-        for i in &mut tally.faults[known..] {
-            *i += self.first + run.start;
-        }
+        let first = self.first + run.start;
+        tally.faults.extend(faults.iter().map(|i| first + i));
     }
 }

@@ -12,7 +12,7 @@ use super::flight::FreeFlight;
 use super::forces::{ForceColumns, Step};
 use super::parallel::{CHUNK, PhysicsThreads};
 use super::quarantine::Quarantine;
-use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use super::transforms::PublishedPose;
 use crate::body::RigidBox;
 use crate::floor::FloorOutcome;
@@ -68,7 +68,7 @@ pub(crate) fn integrate(
     mut quarantine: Quarantine,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    let mut watch = Stopwatch::start(timings.is_some());
+    let mut watch = LapTimer::start(timings.is_some());
     for mut table in bodies.contiguous_iter_mut()? {
         let (bodies, forces) = (&*table.body, &table.forces);
         let states = table.state.bypass_change_detection();

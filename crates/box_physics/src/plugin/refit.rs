@@ -12,7 +12,7 @@ use super::faults::require;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sets::{PhysicsSchedule, PhysicsSystems};
 use super::sleeping::{Changes, Sleep, SleepClock};
-use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use super::transforms::LIGHT_PASS_DIVISOR;
 use crate::aabb::{outward, world_half_extents};
 use crate::body::RigidBox;
@@ -66,7 +66,7 @@ pub(crate) fn refit_aabbs(
     threads: Res<PhysicsThreads>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    let mut watch = Stopwatch::start(timings.is_some());
+    let mut watch = LapTimer::start(timings.is_some());
     for (boxes, states, sleep, mut fitted) in bodies.contiguous_iter_mut()? {
         let (last, now) = (states.last_run_tick(), states.this_run_tick());
         let columns = (

@@ -34,24 +34,21 @@ impl Stage {
     /// Every stage, in the order of a step.
     pub const ALL: [Self; 4] = [Self::Integrate, Self::Contact, Self::Refit, Self::Writeback];
 
+    const PATHS: [&'static str; 4] = [
+        "box_physics/integrate",
+        "box_physics/contact",
+        "box_physics/refit",
+        "box_physics/writeback",
+    ];
+
     /// Name of the stage in lower case.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Integrate => "integrate",
-            Self::Contact => "contact",
-            Self::Refit => "refit",
-            Self::Writeback => "writeback",
-        }
+    pub fn name(self) -> &'static str {
+        Self::PATHS[self as usize].trim_start_matches("box_physics/")
     }
 
     /// Path of its diagnostic: `box_physics/integrate`, …, in microseconds.
     pub fn path(self) -> DiagnosticPath {
-        DiagnosticPath::new(match self {
-            Self::Integrate => "box_physics/integrate",
-            Self::Contact => "box_physics/contact",
-            Self::Refit => "box_physics/refit",
-            Self::Writeback => "box_physics/writeback",
-        })
+        DiagnosticPath::new(Self::PATHS[self as usize])
     }
 }
 
@@ -156,9 +153,9 @@ impl PhysicsTimings {
 }
 
 /// Times consecutive pieces of work, if enabled.
-pub(crate) struct Stopwatch(Option<Instant>);
+pub(crate) struct LapTimer(Option<Instant>);
 
-impl Stopwatch {
+impl LapTimer {
     pub(crate) fn start(wanted: bool) -> Self {
         Self(wanted.then(Instant::now))
     }

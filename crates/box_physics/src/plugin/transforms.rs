@@ -17,7 +17,7 @@ use log::warn;
 use super::chunks::Columns;
 use super::parallel::{CHUNK, Done, PhysicsThreads};
 use super::sleeping::{Changes, Sleep, SleepClock, any_newer};
-use super::timing::{PhysicsTimings, Stage, Stopwatch};
+use super::timing::{LapTimer, PhysicsTimings, Stage};
 use crate::body::RigidBox;
 use crate::state::{BodyState, Frame};
 
@@ -113,8 +113,8 @@ impl PublishedPose {
 /// Returns `true` if two f32 rotations are equal up to rounding (four units in the last place of 1).
 #[inline(always)]
 fn same_rotation(a: Quat, b: Quat) -> bool {
-    const ROUNDING: f32 = 4.0 * f32::EPSILON;
-    a == b || (a - b).length_squared() < ROUNDING * ROUNDING
+    const MAX_DIFFERENCE: f32 = 4.0 * f32::EPSILON;
+    a == b || (a - b).length_squared() < MAX_DIFFERENCE * MAX_DIFFERENCE
 }
 
 /// The error for a `Transform` that is not finite.
@@ -217,7 +217,7 @@ pub(crate) fn write_transforms(
     mut last_writeback: ResMut<LastWriteback>,
     mut timings: Option<ResMut<PhysicsTimings>>,
 ) -> Result {
-    let mut watch = Stopwatch::start(timings.is_some());
+    let mut watch = LapTimer::start(timings.is_some());
     for (states, sleep, mut published, transforms) in bodies.contiguous_iter_mut()? {
         let (transforms, mut ticks) = ContiguousMut::bypass_change_detection_split(transforms);
         let (last, now) = (ticks.last_run(), ticks.this_run());

@@ -97,15 +97,10 @@ pub(super) fn table(
         note: "First row at each rate: of the integrators that survive every hard case, the one with the most scenes without a visible error (1° or 1 % of the size) in ten seconds, then in a minute; \
                of equals, the cheapest. Below it, the dissertation's two. Cost: geometric mean over the scenes of the time per box and simulated second."
             .to_owned(),
-        columns: [
-            "rate",
-            "integrator",
-            "scenes without a visible error in 10 s · 60 s",
-            "cost [µs/s]",
-            "error relative to the first, median scene",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        columns: text::columns(
+            "rate | integrator | scenes without a visible error in 10 s · 60 s | cost [µs/s] | \
+             error relative to the first, median scene",
+        ),
         rows: cells,
         csv: "dissertation-answer.csv".to_owned(),
     };

@@ -5,12 +5,11 @@ use std::time::Instant;
 
 use box_bench::measure::Cost;
 use box_physics::body::RigidBox;
-use box_physics::floor::Floor;
 use box_physics::integrators::Integrator;
 use box_physics::state::BodyState;
 use box_scenarios::dissertation::{Demo, State, Stepper};
 use box_scenarios::statistics::Quantiles;
-use box_scenarios::{Driver, ForceSet, Model};
+use box_scenarios::{Driver, FloorSpec, ForceSet, Model, Setup};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -94,15 +93,8 @@ pub(super) fn run(h: f64, quick: bool) -> Cycles {
     let start = BodyState::at(DVec3::Y * 4.5);
     let demo = Demo::of(&body, Some(0.0));
     let mut theirs = [State::new(&body, &start); 2];
-    let model = Model {
-        floor: Some(Floor {
-            height: 0.0,
-            restitution: 0.5,
-            friction: 0.0,
-            ..Floor::default()
-        }),
-        ..Model::without_floor(body, ForceSet::gravity(9.81))
-    };
+    let setup = Setup::new(body, start, ForceSet::gravity(9.81), RUN.0);
+    let model = Model::of(&setup.with_floor(FloorSpec::at_zero(0.5, 0.0)));
     let mut ours = [Integrator::Split, Integrator::Rk4].map(|i| Driver::new(start, i));
     let n = (if quick { RUN.1 } else { RUN.0 } / h).round() as usize;
     let every = (PUSH_EVERY / h).round() as usize;

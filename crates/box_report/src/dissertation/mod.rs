@@ -81,9 +81,10 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
         title: "The 2012 comparison: one integration cycle of one box".to_owned(),
         note: "Every cycle is timed individually, so each time includes reading the clock; the last two columns exclude it (means of the middle half of the cycles)."
             .to_owned(),
-        columns: ["dt [s]", "integrator", "median [ns]", "95th percentile [ns]", "without the clock [ns]", "share of one core"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: text::columns(
+            "dt [s] | integrator | median [ns] | 95th percentile [ns] | without the clock [ns] | \
+             share of one core",
+        ),
         rows,
         csv: "dissertation-cycles.csv".to_owned(),
     }
@@ -238,9 +239,7 @@ fn claim_table(
     Ok(Table {
         title: "Incorrect claims".to_owned(),
         note: "Each claim with a measurement of this run and the figure that shows it.".to_owned(),
-        columns: ["claim or assumption", "correct", "measured", "figure"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: text::columns("claim or assumption | correct | measured | figure"),
         rows: claims
             .into_iter()
             .map(|c| {

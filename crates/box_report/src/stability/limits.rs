@@ -58,8 +58,8 @@ const FINE_RATIO: f64 = 1.0005;
 /// Number of steps of a run, and of the run that detects slow growth at the smallest step.
 const TRIAL: u64 = 1000;
 const LONG_TRIAL: u64 = 100_000;
-/// Growth per step in the matrix of a stable step that may be due to rounding.
-const ROUNDING: f64 = 1e-10;
+/// Relative growth per step that may be due to rounding in the matrix of a stable step.
+const GROWTH_TOLERANCE: f64 = 1e-10;
 
 /// The largest stable step, as a [`Limit`]; `None` if even the largest step tried is stable. For spin, the limit of the
 /// worst body tried.
@@ -72,7 +72,7 @@ pub(crate) fn measured(integrator: Integrator, number: Number) -> Limit {
     }
     search(FINE_RATIO, |x, smallest| {
         match spectral_radius(integrator, number, x) {
-            Some(radius) => radius <= 1.0 + ROUNDING,
+            Some(radius) => radius <= 1.0 + GROWTH_TOLERANCE,
             None => bounded(integrator, number, x, smallest),
         }
     })

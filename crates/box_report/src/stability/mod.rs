@@ -210,15 +210,9 @@ fn limit_table(ctx: &Context, data: &StabilityData) -> Result<Table, Stop> {
                does not grow in 1000 steps; the worst body counts, and theory guarantees a limit for every body. Drag, damper and undamped \
                spring: no eigenvalue of the step matrix lies outside the unit circle (resolution 0.05 %). If theory differs, its limit is added."
             .to_owned(),
-        columns: [
-            "integrator",
-            "spin |ω|·dt",
-            "drag c·dt/m",
-            "damper d·dt/m",
-            "spring √(k/m)·dt",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        columns: text::columns(
+            "integrator | spin |ω|·dt | drag c·dt/m | damper d·dt/m | spring √(k/m)·dt",
+        ),
         rows: cells,
         csv: "limits.csv".to_owned(),
     })

@@ -12,13 +12,14 @@ use crate::work_precision::INTERVAL;
 const DIVISORS: [u64; 3] = [2, 4, 16];
 /// Relative difference up to which two errors count as equal: math libraries round the formulas of the references
 /// differently.
-const SAME: f64 = 1e-4;
-/// Errors up to this value are amplified rounding errors. Only their magnitude is meaningful, not their digits.
-const ROUNDING: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-4;
+/// Errors up to this value \[m, rad or relative\] are amplified rounding errors. Only their magnitude is meaningful, not
+/// their digits.
+const MAX_ROUNDING_ERROR: f64 = 1e-10;
 /// Rounding errors count as equal up to this factor, or up to this difference \[m, rad or relative\].
-const SAME_ROUNDING: (f64, f64) = (4.0, 1e-14);
-/// Errors beyond this value mean that the run is lost. Only that is compared, not the final value.
-const LOST: f64 = 0.5;
+const ROUNDING_TOLERANCE: (f64, f64) = (4.0, 1e-14);
+/// Errors beyond this value \[m, rad or relative\] mean that the run is lost. Only that is compared, not the final value.
+const MAX_COMPARED_ERROR: f64 = 0.5;
 
 /// The errors of one run. They are empty where the run failed or the energy is not constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -130,10 +131,10 @@ fn same(before: Option<f64>, after: Option<f64>) -> bool {
         return before == after;
     };
     let (small, large) = (a.min(b), a.max(b));
-    if small > LOST || large <= small * (1.0 + SAME) {
+    if small > MAX_COMPARED_ERROR || large <= small * (1.0 + TOLERANCE) {
         return true;
     }
-    large <= ROUNDING && large <= SAME_ROUNDING.0 * small + SAME_ROUNDING.1
+    large <= MAX_ROUNDING_ERROR && large <= ROUNDING_TOLERANCE.0 * small + ROUNDING_TOLERANCE.1
 }
 
 #[cfg(test)]

@@ -48,37 +48,13 @@ struct Item {
     differences: fn(&str, &str) -> Result<Vec<String>, String>,
 }
 
+#[rustfmt::skip]
 const ITEMS: [Item; 5] = [
-    Item {
-        file: "tests/expected/digests.csv",
-        section: None,
-        make: digests::make,
-        differences: digests::differences,
-    },
-    Item {
-        file: "tests/expected/report.csv",
-        section: None,
-        make: errors::make,
-        differences: errors::differences,
-    },
-    Item {
-        file: "docs/integrators.md",
-        section: Some("integrators"),
-        make: tables::integrators,
-        differences: tables::differences,
-    },
-    Item {
-        file: "docs/integrators.md",
-        section: Some("sources"),
-        make: tables::sources,
-        differences: tables::differences,
-    },
-    Item {
-        file: "docs/contact.md",
-        section: Some("cases"),
-        make: tables::contact,
-        differences: tables::differences,
-    },
+    Item { file: "tests/expected/digests.csv", section: None, make: digests::make, differences: digests::differences },
+    Item { file: "tests/expected/report.csv", section: None, make: errors::make, differences: errors::differences },
+    Item { file: "docs/integrators.md", section: Some("integrators"), make: tables::integrators, differences: tables::differences },
+    Item { file: "docs/integrators.md", section: Some("sources"), make: tables::sources, differences: tables::differences },
+    Item { file: "docs/contact.md", section: Some("cases"), make: tables::contact, differences: tables::differences },
 ];
 
 /// The range of `text` between `<!-- name -->` and `<!-- /name -->`.
@@ -97,7 +73,7 @@ pub(crate) fn section(file: &str, text: &str, name: &str) -> Result<core::ops::R
 }
 
 /// Maximum number of differences shown per item.
-const SHOWN: usize = 40;
+const MAX_SHOWN: usize = 40;
 
 impl Item {
     fn path(&self, root: &Path) -> PathBuf {
@@ -122,11 +98,11 @@ impl Item {
         let count = differences.len();
         let plural = if count == 1 { "" } else { "s" };
         let mut text = format!("{}: {count} difference{plural}", self.file);
-        for d in differences.iter().take(SHOWN) {
+        for d in differences.iter().take(MAX_SHOWN) {
             text += &format!("\n  {d}");
         }
-        if count > SHOWN {
-            text += &format!("\n  … and {} more", count - SHOWN);
+        if count > MAX_SHOWN {
+            text += &format!("\n  … and {} more", count - MAX_SHOWN);
         }
         Ok(text)
     }

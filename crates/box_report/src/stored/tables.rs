@@ -8,21 +8,14 @@ use crate::text;
 
 /// The properties that each integrator claims.
 pub(super) fn integrators() -> Result<String, Stop> {
-    let heading = [
-        "id",
-        "order: rotation · gravity · drag · torque",
-        "evaluations per step: free · forced",
-        "energy of a tumbling box",
-        "conserves L",
-        "|ω|dt",
-        "c·dt/m",
-        "√(k/m)·dt",
-        "summary",
-    ];
+    let heading = text::columns(
+        "id | order: rotation · gravity · drag · torque | evaluations per step: free · forced | \
+         energy of a tumbling box | conserves L | |ω|dt | c·dt/m | √(k/m)·dt | summary",
+    );
     let rows = Integrator::ALL.iter().map(|i| {
         let info = i.info();
         let (o, e, s) = (info.orders, info.evaluations, info.stability);
-        let conserves = match (info.keeps.momentum, info.keeps.momentum_magnitude) {
+        let conserves = match (info.conserved.momentum, info.conserved.momentum_magnitude) {
             (true, _) => "yes",
             (false, true) => "magnitude",
             _ => "no",
@@ -34,7 +27,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
                 o.rotation, o.gravity, o.linear_drag, o.torque
             ),
             e.to_string(),
-            info.keeps.energy.to_string(),
+            info.conserved.energy.to_string(),
             conserves.to_owned(),
             s.rotation.to_string(),
             s.drag.to_string(),
@@ -42,7 +35,7 @@ pub(super) fn integrators() -> Result<String, Stop> {
             info.summary.to_owned(),
         ]
     });
-    Ok(markdown(&heading.map(str::to_owned), rows))
+    Ok(markdown(&heading, rows))
 }
 
 /// The source of each integrator.
@@ -69,9 +62,7 @@ const CHOSEN: [Integrator; 4] = [
 
 /// The measured results of the hard cases of contact.
 pub(super) fn contact() -> Result<String, Stop> {
-    let mut heading = ["case", "what happens", "measured", "bound"]
-        .map(str::to_owned)
-        .to_vec();
+    let mut heading = text::columns("case | what happens | measured | bound");
     heading.extend(CHOSEN.map(text::code));
     let rows = contact_cases().into_iter().map(|case| {
         let mut row = vec![
@@ -97,13 +88,13 @@ pub(crate) fn markdown(heading: &[String], rows: impl Iterator<Item = Vec<String
     line(heading) + &rule + &rows
 }
 
-/// Values below this are rounding errors, so their digits mean nothing.
-const ROUNDING: f64 = 1e-12;
+/// Smallest relative error that is printed as a number; the digits of a smaller one are rounding.
+const MIN_PRINTED: f64 = 1e-12;
 
 fn figure(value: f64) -> String {
     match value {
         0.0 => "0".to_owned(),
-        x if x.abs() < ROUNDING => "rounding".to_owned(),
+        x if x.abs() < MIN_PRINTED => "rounding".to_owned(),
         x if (0.1..1000.0).contains(&x) => format!("{x:.2}"),
         x => format!("{x:.0e}"),
     }

@@ -109,21 +109,11 @@ pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop>
              (SIMD lanes) and of one (plain step). Stable up to: largest stable step. \
              Hard cases: ok, degraded, diverged."
         ),
-        columns: [
-            "integrator",
-            "no visible error in 10 s, 30 · 60 · 120 Hz",
-            "in 60 s",
-            "cost [µs/s]",
-            "free step, 100 boxes [ns]",
-            "one box [ns]",
-            "stable up to spin |ω|·dt",
-            "drag c·dt/m",
-            "damper d·dt/m",
-            "spring √(k/m)·dt",
-            "hard cases",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        columns: text::columns(
+            "integrator | no visible error in 10 s, 30 · 60 · 120 Hz | in 60 s | cost [µs/s] | \
+             free step, 100 boxes [ns] | one box [ns] | stable up to spin |ω|·dt | drag c·dt/m | \
+             damper d·dt/m | spring √(k/m)·dt | hard cases",
+        ),
         rows: rows.iter().map(cells).collect(),
         csv: "summary.csv".to_owned(),
     });
@@ -196,19 +186,11 @@ fn at_60_hz(results: &Results) -> Table {
              nanoseconds per box and step, and the spin, drag, damping and stiffness above which the integrator is unstable.",
             Family::all().len()
         ),
-        columns: [
-            "integrator",
-            "tumbling box, 10 s [rad]",
-            "flip, 10 s [rad]",
-            "heavy top, 5 s [rad]",
-            "no visible error",
-            "100 boxes in flight [ns]",
-            "one box [ns]",
-            "under a torque [ns]",
-            "unstable for",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
+        columns: text::columns(
+            "integrator | tumbling box, 10 s [rad] | flip, 10 s [rad] | heavy top, 5 s [rad] | \
+             no visible error | 100 boxes in flight [ns] | one box [ns] | under a torque [ns] | \
+             unstable for",
+        ),
         rows: ROWS.iter().map(row).collect(),
         csv: "summary.csv".to_owned(),
     }
@@ -267,9 +249,7 @@ fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
              scene; µs per box and simulated second, geometric mean over the scenes (100 boxes by the plugin's path). {verdict}",
             Family::all().len()
         ),
-        columns: ["integrator", "no visible error", "error", "cost [µs/s]"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: text::columns("integrator | no visible error | error | cost [µs/s]"),
         rows: rows.iter().filter(shown).map(row).collect(),
         csv: "summary.csv".to_owned(),
     }

@@ -2,7 +2,7 @@
 
 use super::Results;
 use crate::context::Context;
-use crate::efficiency::CLEARLY;
+use crate::efficiency::CLEARLY_CHEAPER;
 use crate::text;
 use crate::visible::{MINUTE, THROW};
 use box_physics::integrators::{Integrator, Limit};
@@ -46,7 +46,9 @@ impl Results {
         };
         let price = |s| work.cost(s, rate).unwrap_or(f64::INFINITY);
         let beats = |s: &Integrator| {
-            *s != one && price(*s) < CLEARLY * price(one) && work.median_ratio(*s, one, rate) < 1.0
+            *s != one
+                && price(*s) < CLEARLY_CHEAPER * price(one)
+                && work.median_ratio(*s, one, rate) < 1.0
         };
         ctx.integrators.iter().copied().filter(beats).collect()
     }

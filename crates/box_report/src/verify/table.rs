@@ -2,26 +2,16 @@
 
 use std::io::{self, Write};
 
-use box_scenarios::oracle::{LOST, Status};
+use box_scenarios::oracle::{MAX_ERRORS, Outcome};
 
 use super::Row;
 
 /// The columns of the CSV. Other programs read them, so names and order must not change.
+#[rustfmt::skip]
 const COLUMNS: [&str; 14] = [
-    "case",
-    "kind",
-    "integrator",
-    "dt_s",
-    "position_error_m",
-    "velocity_error_m_s",
-    "attitude_error_rad",
-    "angular_momentum_error_rel",
-    "energy_error_rel",
-    "steps",
-    "evaluations",
-    "fallbacks",
-    "ns_per_step",
-    "status",
+    "case", "kind", "integrator", "dt_s", "position_error_m", "velocity_error_m_s",
+    "attitude_error_rad", "angular_momentum_error_rel", "energy_error_rel", "steps", "evaluations",
+    "fallbacks", "ns_per_step", "status",
 ];
 
 /// Writes one record per row. Missing values are empty, and errors of a diverged run are `inf`.
@@ -33,7 +23,7 @@ pub(super) fn write_csv<'a>(
     csv.write_record(COLUMNS)?;
     for row in rows {
         let m = &row.measured;
-        let ran = !matches!(m.status, Status::Unsupported(_));
+        let ran = !matches!(m.outcome, Outcome::Unsupported(_));
         let error = |x: f64| if ran { format!("{x:e}") } else { String::new() };
         let count = |n: u64| if ran { n.to_string() } else { String::new() };
         csv.write_record([
@@ -51,7 +41,7 @@ pub(super) fn write_csv<'a>(
             count(m.totals.fallbacks),
             row.ns_per_step
                 .map_or_else(String::new, |ns| format!("{ns:.1}")),
-            status(m.status),
+            status(m.outcome),
         ])?;
         csv.flush()?;
     }
@@ -93,13 +83,12 @@ pub(super) fn write_table<'a>(
             current = Some(&row.case.name);
         }
         let m = &row.measured;
-        let ran = !matches!(m.status, Status::Unsupported(_));
+        let ran = !matches!(m.outcome, Outcome::Unsupported(_));
         let error = |x: Option<f64>| {
             x.filter(|_| ran)
                 .map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"))
         };
         let count = |n: u64| if ran { n.to_string() } else { "-".to_owned() };
-        let per_step = m.totals.evaluations as f64 / m.totals.steps.max(1) as f64;
         writeln!(
             out,
             "  {:<20} {:>10.8}  {:>8} {:>8} {:>8} {:>8} {:>8}  {:>7} {:>6} {:>9} {:>8}  {}",
@@ -112,7 +101,7 @@ pub(super) fn write_table<'a>(
             error(m.energy),
             count(m.totals.steps),
             if ran {
-                format!("{per_step:.1}")
+                format!("{:.1}", m.totals.evaluations_per_step())
             } else {
                 "-".to_owned()
             },
@@ -120,8 +109,8 @@ pub(super) fn write_table<'a>(
             row.ns_per_step
                 .map_or_else(|| "-".to_owned(), |ns| format!("{ns:.0}")),
             match m.totals.unconverged {
-                0 => status(m.status),
-                n => format!("{}, {n} not converged", status(m.status)),
+                0 => status(m.outcome),
+                n => format!("{}, {n} not converged", status(m.outcome)),
             },
         )?;
     }
@@ -133,7 +122,10 @@ pub(super) fn write_table<'a>(
         writeln!(
             out,
             "lost: error of x above {} of the reference's extent, attitude above {} rad, L above {} or E above {}, relative",
-            LOST.position, LOST.attitude, LOST.angular_momentum, LOST.energy
+            MAX_ERRORS.position,
+            MAX_ERRORS.attitude,
+            MAX_ERRORS.angular_momentum,
+            MAX_ERRORS.energy
         )?;
         writeln!(
             out,
@@ -143,11 +135,11 @@ pub(super) fn write_table<'a>(
     Ok(())
 }
 
-fn status(status: Status) -> String {
+fn status(status: Outcome) -> String {
     match status {
-        Status::Ok => "ok".to_owned(),
-        Status::Lost(quantity) => format!("lost ({quantity})"),
-        Status::Diverged => "diverged".to_owned(),
-        Status::Unsupported(reason) => format!("unsupported ({reason})"),
+        Outcome::Ok => "ok".to_owned(),
+        Outcome::Lost(quantity) => format!("lost ({quantity})"),
+        Outcome::Diverged => "diverged".to_owned(),
+        Outcome::Unsupported(reason) => format!("unsupported ({reason})"),
     }
 }

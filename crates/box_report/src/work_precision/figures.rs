@@ -8,9 +8,9 @@ use crate::document::Figure;
 use crate::plot::{self, Axis, Line, Plot};
 
 /// Errors above this value are not drawn, because the result is entirely wrong.
-const WRONG: f64 = 1e4;
+const MAX_DRAWN_ERROR: f64 = 1e4;
 /// Errors below this value are drawn at it, because they are rounding errors.
-const FLOOR: f64 = 1e-16;
+const MIN_DRAWN_ERROR: f64 = 1e-16;
 
 /// Families whose first diagram appears in the digest.
 const IN_DIGEST: [&str; 6] = [
@@ -49,7 +49,8 @@ fn figure(
     digest: bool,
 ) -> Result<Figure, Stop> {
     let place = |p: &Point| -> Option<plot::Point> {
-        let x = p.run.error(metric).filter(|e| *e < WRONG)?.max(FLOOR);
+        let error = p.run.error(metric).filter(|e| *e < MAX_DRAWN_ERROR)?;
+        let x = error.max(MIN_DRAWN_ERROR);
         Some(match work {
             Work::Evaluations => plot::Point::new(x, p.evaluations()),
             Work::Time => plot::Point {
@@ -74,7 +75,7 @@ fn figure(
     };
     let plot = Plot {
         title: format!("{}: {} against {against}", f.family.title, metric.id()),
-        x: Axis::log(metric.title()).within(FLOOR, WRONG),
+        x: Axis::log(metric.title()).within(MIN_DRAWN_ERROR, MAX_DRAWN_ERROR),
         y: Axis::log(axis),
         lines: lines.collect(),
     };

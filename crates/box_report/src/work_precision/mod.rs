@@ -30,10 +30,10 @@ const BOXES: usize = 100;
 /// The number over a floor, where each box does the whole scene.
 const FLOOR_BOXES: usize = 8;
 
-/// Errors below this value are replaced by it in ratios, because they are rounding errors.
-const ROUNDING: f64 = 1e-12;
-/// The largest possible attitude error. Failed runs count with this error.
-const LOST: f64 = core::f64::consts::PI;
+/// Smallest error in a ratio \[m, rad or relative\]; smaller errors are rounding errors.
+const MIN_RATIO_ERROR: f64 = 1e-12;
+/// Error with which a failed run counts: the largest possible attitude error \[rad\].
+const FAILED_RUN_ERROR: f64 = core::f64::consts::PI;
 
 /// Result of one integrator in one family at one step.
 #[derive(Clone, Debug)]
@@ -137,7 +137,7 @@ impl WorkPrecision {
             for &metric in f.family.metrics.iter().filter(|m| **m != Metric::Energy) {
                 let error = |s: Integrator| {
                     let e = f.at(s, rate).and_then(|p| p.run.error(metric));
-                    e.unwrap_or(LOST).max(ROUNDING)
+                    e.unwrap_or(FAILED_RUN_ERROR).max(MIN_RATIO_ERROR)
                 };
                 ratios.push(error(integrator) / error(best));
             }

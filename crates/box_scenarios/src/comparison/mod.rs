@@ -158,7 +158,7 @@ impl IntegratorComparison {
                     status: runner.status(),
                 };
                 look(&moment)?;
-                trial.see(n, error.as_ref(), &residual);
+                trial.include(n, error.as_ref(), &residual);
             }
             before = now;
         }
@@ -179,7 +179,7 @@ struct Trial {
 }
 
 impl Trial {
-    fn see(&mut self, step: u64, error: Option<&StateError>, residual: &Residual) {
+    fn include(&mut self, step: u64, error: Option<&StateError>, residual: &Residual) {
         if let (Some(e), true) = (error, step > 0) {
             let (x, a) = self.worst.unwrap_or_default();
             self.worst = Some((x.max(e.position), a.max(e.attitude)));

@@ -158,15 +158,15 @@ fn errors_are_those_that_the_integrator_claims() {
                     let amplified = matches!(id.as_str(), "dzhanibekov" | "separatrix");
                     assert!(attitude < if amplified { 1e-8 } else { 1e-11 }, "{name}");
                 }
-                if info.keeps.momentum {
+                if info.conserved.momentum {
                     assert!(momentum < 1e-12, "{name}");
                 }
-                if info.keeps.energy == EnergyBehavior::Exact
+                if info.conserved.energy == EnergyBehavior::Exact
                     && (g == 0.0 || info.orders.gravity == Order::Exact)
                 {
                     assert!(energy < 1e-12, "{name}");
                 }
-                if info.keeps.energy == EnergyBehavior::Gains && spins && id == "thin-plate" {
+                if info.conserved.energy == EnergyBehavior::Gains && spins && id == "thin-plate" {
                     assert!(energy > 1e-6, "{name}");
                 }
             }

@@ -113,7 +113,7 @@ impl<'a> Run<'a> {
     /// Takes `steps` steps of `h`, then checks whether the motion is still within the sane range.
     fn go(&mut self, h: f64, steps: u64) {
         let valid = self.driver.run(&self.model, h, steps, u64::MAX);
-        self.sane &= valid && self.limits.broken(&self.driver.state).is_none();
+        self.sane &= valid && self.limits.exceeded(&self.driver.state).is_none();
     }
 
     fn violation(&mut self, h: f64, steps: u64) -> f64 {

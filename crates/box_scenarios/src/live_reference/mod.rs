@@ -29,11 +29,11 @@ pub const FINER: f64 = 64.0;
 pub const AGREEMENT: f64 = 1e-3;
 /// Shortest step of the reference \[s\]. At the shortest steps of the clock, a step 64 times finer would cost more than
 /// a frame. The integrators used are of fourth order or exact.
-const SHORTEST: f64 = 1.0 / 30_720.0;
+const MIN_STEP: f64 = 1.0 / 30_720.0;
 /// Number of segments kept, so that the errors of a lagging comparison can still be computed.
-const MAX_PIECES: usize = 256;
+const MAX_SEGMENTS: usize = 256;
 /// Maximum duration of a stored numerical reference \[s\].
-const STORED: f64 = 120.0;
+const MAX_STORED_DURATION: f64 = 120.0;
 /// Duration for which a closed form is requested \[s\].
 const CLOSED_FORM_DURATION: f64 = 3600.0;
 
@@ -56,7 +56,7 @@ pub enum Change {
 /// The reference trajectory while inputs arrive; see the [module](self).
 #[derive(Clone, Debug)]
 pub struct LiveReference {
-    pieces: VecDeque<Piece>,
+    segments: VecDeque<Segment>,
     model: Arc<Model>,
     impulses: Arc<[TimedImpulse]>,
     /// Step of the fine simulation \[s\].
@@ -77,7 +77,7 @@ pub struct Uncertainty {
 }
 
 #[derive(Clone, Debug)]
-struct Piece {
+struct Segment {
     from: f64,
     source: Source,
 }
@@ -100,10 +100,10 @@ impl LiveReference {
         step: f64,
     ) -> Self {
         let mut reference = Self {
-            pieces: VecDeque::new(),
+            segments: VecDeque::new(),
             model: model.clone(),
             impulses: impulses.into(),
-            h: SHORTEST,
+            h: MIN_STEP,
             last: (0.0, start),
             horizon: None,
             uncertainty: Uncertainty::default(),
@@ -118,7 +118,7 @@ impl LiveReference {
             }
             None => reference.fine(0.0, start, Some(start)),
         };
-        reference.pieces.push_back(Piece { from: 0.0, source });
+        reference.segments.push_back(Segment { from: 0.0, source });
         reference
     }
 
@@ -128,7 +128,7 @@ impl LiveReference {
         let known = ReferenceSolution::closed_form(setup).unwrap_or_else(|| {
             // A numerical reference stores its states. Beyond this duration, a longer scene is simulated.
             let mut beginning = setup.clone();
-            beginning.duration = beginning.duration.min(STORED);
+            beginning.duration = beginning.duration.min(MAX_STORED_DURATION);
             beginning.reference()
         });
         Self::new(&model, setup.initial, &setup.impulses, Some(known), step)
@@ -137,7 +137,7 @@ impl LiveReference {
     /// Sets the clock's step \[s\].
     pub fn set_clock_step(&mut self, step: f64) {
         if step > 0.0 && step.is_finite() {
-            self.h = (step / FINER).max(SHORTEST);
+            self.h = (step / FINER).max(MIN_STEP);
         }
     }
 
@@ -182,10 +182,10 @@ impl LiveReference {
     /// Like [`at`](Self::at), but continues after the horizon with one of the possible motions.
     pub fn follow(&mut self, t: f64) -> Option<BodyState> {
         let margin = 1e-9 * self.h;
-        let k = self.pieces.iter().rposition(|p| p.from <= t + margin)?;
-        let newest = k + 1 == self.pieces.len();
-        let from = self.pieces[k].from;
-        let (state, finer) = match &mut self.pieces[k].source {
+        let k = self.segments.iter().rposition(|p| p.from <= t + margin)?;
+        let newest = k + 1 == self.segments.len();
+        let from = self.segments[k].from;
+        let (state, finer) = match &mut self.segments[k].source {
             Source::Trusted(solution) => (solution.at((t - from).max(0.0)), None),
             Source::Fine(fine, check) => {
                 let finer = check.as_mut().map(|c| c.at(t, 0.5 * self.h));
@@ -196,17 +196,19 @@ impl LiveReference {
             // A numerical reference ends with its scene. Continue from the last known state.
             let (from, start) = self.last;
             let source = self.fine(from, start, Some(start));
-            self.pieces.push_back(Piece { from, source });
+            self.segments.push_back(Segment { from, source });
             return self.follow(t);
         }
         if let (Some(state), Some(finer)) = (&state, &finer) {
             // An invalid check has an infinite difference.
-            let e = finer.map_or(StateError::LOST, |finer| StateError::between(state, &finer));
+            let e = finer.map_or(StateError::INFINITE, |finer| {
+                StateError::between(state, &finer)
+            });
             if e.position <= AGREEMENT * self.model.body.radius() && e.attitude <= AGREEMENT {
                 self.widen(e.position, e.attitude);
             } else {
                 self.horizon = Some(self.last.0);
-                if let Source::Fine(_, check) = &mut self.pieces[k].source {
+                if let Source::Fine(_, check) = &mut self.segments[k].source {
                     *check = None;
                 }
             }
@@ -259,19 +261,19 @@ impl LiveReference {
         };
         self.last = (t, state);
         // Several inputs at the same time form one segment.
-        self.pieces.retain(|p| p.from < t - 1e-9 * self.h);
+        self.segments.retain(|p| p.from < t - 1e-9 * self.h);
         // The past of a fine simulation is no longer available.
-        self.pieces
+        self.segments
             .retain(|p| matches!(p.source, Source::Trusted(_)));
-        self.pieces.push_back(Piece { from: t, source });
-        if self.pieces.len() > MAX_PIECES {
-            self.pieces.pop_front();
+        self.segments.push_back(Segment { from: t, source });
+        if self.segments.len() > MAX_SEGMENTS {
+            self.segments.pop_front();
         }
     }
 
     /// The current state of the simulation in half the steps.
     fn finer(&self) -> Option<BodyState> {
-        match self.pieces.back().map(|p| &p.source) {
+        match self.segments.back().map(|p| &p.source) {
             Some(Source::Fine(_, Some(check))) => Some(check.driver.state),
             _ => None,
         }
@@ -279,7 +281,7 @@ impl LiveReference {
 
     /// Source of the current reference, in words.
     pub fn description(&self) -> String {
-        match self.pieces.back().map(|p| &p.source) {
+        match self.segments.back().map(|p| &p.source) {
             Some(Source::Trusted(solution)) => solution.description().to_owned(),
             Some(Source::Fine(fine, _)) => format!(
                 "{} in steps of 1/{:.0} s",
@@ -293,7 +295,7 @@ impl LiveReference {
     /// Returns `true` if the current reference is a closed form or a stored numerical solution, not a fine simulation.
     pub fn is_trusted(&self) -> bool {
         matches!(
-            self.pieces.back().map(|p| &p.source),
+            self.segments.back().map(|p| &p.source),
             Some(Source::Trusted(_))
         )
     }

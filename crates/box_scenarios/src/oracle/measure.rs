@@ -8,12 +8,12 @@ use crate::metrics::error_scale;
 use crate::run::{End, Plan};
 use crate::simulate::{Expected, compare};
 
-/// Status of a measurement.
+/// Outcome of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// The run reached the last sample with errors within [`LOST`].
+pub enum Outcome {
+    /// The run reached the last sample with errors within [`MAX_ERRORS`].
     Ok,
-    /// The run reached the last sample, but with an error beyond [`LOST`] in this quantity.
+    /// The run reached the last sample, but with an error beyond [`MAX_ERRORS`] in this quantity.
     Lost(&'static str),
     /// The run left the sane range or became non-finite; its errors are infinite.
     Diverged,
@@ -38,19 +38,19 @@ pub struct Measurement {
     pub energy: Option<f64>,
     /// Steps, evaluations and fallbacks.
     pub totals: Totals,
-    /// Status of the run.
-    pub status: Status,
+    /// Outcome of the run.
+    pub outcome: Outcome,
 }
 
 /// Errors beyond which a run is lost: its result has nothing to do with the motion.
-pub const LOST: Limits = Limits {
+pub const MAX_ERRORS: Limits = Limits {
     position: 0.5,
     attitude: 0.5,
     angular_momentum: 0.5,
     energy: 0.5,
 };
 
-/// Limits of errors; see [`LOST`].
+/// Limits of errors; see [`MAX_ERRORS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Position error divided by the reference's largest distance from its start, or by the circumradius of the box if
@@ -85,7 +85,7 @@ impl Case {
     /// Runs the case with `integrator` in steps of at most `dt` \[s\].
     pub fn measure(&self, integrator: Integrator, dt: f64) -> Measurement {
         if let Some(reason) = self.unsupported(dt) {
-            return Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
+            return Measurement::without_run(Outcome::Unsupported(reason), f64::NAN, None);
         }
         let setup = &self.setup;
         let mut samples = self.samples.iter();
@@ -106,7 +106,7 @@ impl Case {
         let (errors, totals) = (run.errors, run.totals);
         if run.end == End::OutOfBudget {
             let reason = "more than 4e8 force evaluations";
-            let unfinished = Measurement::without_run(Status::Unsupported(reason), f64::NAN, None);
+            let unfinished = Measurement::without_run(Outcome::Unsupported(reason), f64::NAN, None);
             return Measurement {
                 totals,
                 ..unfinished
@@ -120,8 +120,8 @@ impl Case {
             errors.energy,
         ];
         if run.diverged.is_some() || all.iter().any(|e| !e.is_finite()) {
-            let energy = self.knows_energy().then_some(f64::INFINITY);
-            let failed = Measurement::without_run(Status::Diverged, f64::INFINITY, energy);
+            let energy = self.has_expected_energy().then_some(f64::INFINITY);
+            let failed = Measurement::without_run(Outcome::Diverged, f64::INFINITY, energy);
             return Measurement { totals, ..failed };
         }
         let last = self
@@ -131,15 +131,18 @@ impl Case {
         let momentum = error_scale(setup.initial.angular_momentum.length(), last);
         let kinetic = setup.initial.kinetic_energy(&setup.body);
         let energy = error_scale(self.initial_energy(), kinetic);
-        let energy = self.knows_energy().then_some(errors.energy / energy);
+        let energy = self.has_expected_energy().then_some(errors.energy / energy);
         let lost = [
-            ("position", errors.position > LOST.position * self.reach()),
-            ("attitude", errors.attitude > LOST.attitude),
+            (
+                "position",
+                errors.position > MAX_ERRORS.position * self.reach(),
+            ),
+            ("attitude", errors.attitude > MAX_ERRORS.attitude),
             (
                 "angular momentum",
-                errors.angular_momentum > LOST.angular_momentum * self.largest_momentum(),
+                errors.angular_momentum > MAX_ERRORS.angular_momentum * self.largest_momentum(),
             ),
-            ("energy", energy.is_some_and(|e| e > LOST.energy)),
+            ("energy", energy.is_some_and(|e| e > MAX_ERRORS.energy)),
         ];
         Measurement {
             position: errors.position,
@@ -148,8 +151,8 @@ impl Case {
             angular_momentum: errors.angular_momentum / momentum,
             energy,
             totals,
-            status: (lost.iter().find(|(_, beyond)| *beyond))
-                .map_or(Status::Ok, |(what, _)| Status::Lost(what)),
+            outcome: (lost.iter().find(|(_, beyond)| *beyond))
+                .map_or(Outcome::Ok, |(what, _)| Outcome::Lost(what)),
         }
     }
 
@@ -173,7 +176,7 @@ impl Case {
         all.fold(own, f64::max)
     }
 
-    fn knows_energy(&self) -> bool {
+    fn has_expected_energy(&self) -> bool {
         self.samples
             .iter()
             .any(|s| self.expected_energy(s).is_some())
@@ -188,7 +191,7 @@ impl Case {
 }
 
 impl Measurement {
-    fn without_run(status: Status, errors: f64, energy: Option<f64>) -> Self {
+    fn without_run(outcome: Outcome, errors: f64, energy: Option<f64>) -> Self {
         Self {
             position: errors,
             velocity: errors,
@@ -196,7 +199,7 @@ impl Measurement {
             angular_momentum: errors,
             energy,
             totals: Totals::default(),
-            status,
+            outcome,
         }
     }
 }

@@ -19,7 +19,7 @@ use glam::{DQuat, DVec3};
 
 pub use error::OracleError;
 use field::Field;
-pub use measure::{LOST, Limits, Measurement, Status};
+pub use measure::{Limits, MAX_ERRORS, Measurement, Outcome};
 
 use crate::setup::Setup;
 

@@ -94,12 +94,13 @@ impl ODE<f64, [f64; 13]> for Motion<'_> {
         let state = unpack(y);
         let (dv, dl) = rates(self.body, &state, &self.forces);
         let dq = quaternion_rate(state.rotation, state.body_angular_velocity(self.body));
-        *dydt = pack(&BodyState {
+        let slope = BodyState {
             position: state.velocity,
             rotation: dq,
             velocity: dv,
             angular_momentum: dl,
-        });
+        };
+        *dydt = slope.to_array();
     }
 }
 
@@ -126,20 +127,13 @@ fn integrate(
         .max_scale(1.0)
         // A rejected step would be repeated forever. Rounding may leave an additional, tiny last step.
         .max_steps(steps + 1);
-    let solution = IVP::ode(&motion, 0.0, t, pack(from))
+    let solution = IVP::ode(&motion, 0.0, t, from.to_array())
         .method(method)
         .solve()
         .ok()?;
     let mut end = unpack(solution.y.last()?);
     end.rotation = end.rotation.normalize();
     end.is_finite().then_some(end)
-}
-
-fn pack(s: &BodyState) -> [f64; 13] {
-    let (x, q, v, l) = (s.position, s.rotation, s.velocity, s.angular_momentum);
-    [
-        x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, l.x, l.y, l.z,
-    ]
 }
 
 fn unpack(y: &[f64; 13]) -> BodyState {

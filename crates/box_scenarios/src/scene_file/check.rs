@@ -11,11 +11,11 @@ use crate::limits;
 use crate::setup::Setup;
 
 /// Maximum duration of a scene \[s\].
-pub const LONGEST: f64 = 600.0;
+pub const MAX_DURATION: f64 = 600.0;
 
 /// Maximum duration of a scene times the fastest rate of its motion \[rad\]. A reference solution costs some
 /// microseconds per radian, and is computed when the scene starts.
-pub const MOST_TURNS: f64 = 2e4;
+pub const MAX_TURNS: f64 = 2e4;
 
 /// Maximum length of a text [characters].
 const MAX_TEXT_LENGTH: usize = 400;
@@ -93,7 +93,7 @@ pub(super) fn boxes<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error>
 pub(super) fn duration<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     limits::number(
         from,
-        f64::MIN_POSITIVE..=LONGEST,
+        f64::MIN_POSITIVE..=MAX_DURATION,
         "above 0 and at most 600 s",
     )
 }
@@ -128,9 +128,9 @@ pub(super) fn rotation<'de, D: Deserializer<'de>>(from: D) -> Result<DQuat, D::E
 pub(super) fn setup(setup: &Setup) -> Result<(), String> {
     setup.validate().map_err(|e| e.to_string())?;
     let turns = fastest(setup) * setup.duration;
-    if turns.is_nan() || turns > MOST_TURNS {
+    if turns.is_nan() || turns > MAX_TURNS {
         return Err(format!(
-            "duration times the fastest rate of the motion is {turns:.3e} rad (allowed: up to {MOST_TURNS:e}); reduce the duration, spin, springs or drag"
+            "duration times the fastest rate of the motion is {turns:.3e} rad (allowed: up to {MAX_TURNS:e}); reduce the duration, spin, springs or drag"
         ));
     }
     Ok(())

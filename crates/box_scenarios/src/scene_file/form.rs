@@ -8,7 +8,7 @@ use serde::de::{Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
 
 use super::{check, intern};
-use crate::forces::{ForceSet, MAX_ITEMS};
+use crate::forces::ForceSet;
 use crate::limits;
 use crate::scenario::Scenario;
 use crate::setup::{FloorSpec, Setup, TimedImpulse};
@@ -72,7 +72,7 @@ fn start<'de, D: Deserializer<'de>>(from: D) -> Result<StartForm, D::Error> {
 }
 
 fn impulses<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<TimedImpulse>, D::Error> {
-    limits::at_most(from, MAX_ITEMS)
+    limits::at_most(from, limits::MAX_ITEMS)
 }
 
 /// The box.

@@ -2,7 +2,7 @@
 //!
 //! [`load`] reads a scene and [`to_ron`] writes it; a written scene reads back bit for bit. Every error names file,
 //! line, column and field. No file can make the reader panic or hang: its size is limited to [`MAX_BYTES`], and the
-//! values of a scene are limited ([`LONGEST`], [`MOST_TURNS`]; errors state the other ranges).
+//! values of a scene are limited ([`MAX_DURATION`], [`MAX_TURNS`]; errors state the other ranges).
 //!
 //! ```
 //! use box_scenarios::{Scenario, scene_file};
@@ -28,7 +28,7 @@ use ron::options::Options;
 use ron::ser::PrettyConfig;
 
 use crate::scenario::Scenario;
-pub use check::{LONGEST, MOST_TURNS};
+pub use check::{MAX_DURATION, MAX_TURNS};
 pub use error::SceneFileError;
 use form::SceneForm;
 

@@ -176,12 +176,12 @@ fn complaints_name_file_line_column_and_field() {
         (
             "stiffness: 20.0",
             "stiffness: -1.0",
-            ":forces.springs[0].stiffness: must be between 0 and 1e6, but is -1",
+            ":forces.springs[0]: stiffness must be between 0 and 1e6, but is -1",
         ),
         (
             "stiffness: 20.0",
             "stiffness: inf",
-            ":forces.springs[0].stiffness: ",
+            ":forces.springs[0]: stiffness ",
         ),
         (
             "id: \"example\"",

@@ -41,12 +41,7 @@ fn moving() -> impl Strategy<Value = (RigidBox, BodyState)> {
 }
 
 fn bits(state: &BodyState) -> [u64; 13] {
-    let (x, q) = (state.position, state.rotation);
-    let (v, l) = (state.velocity, state.angular_momentum);
-    [
-        x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, l.x, l.y, l.z,
-    ]
-    .map(f64::to_bits)
+    state.to_array().map(f64::to_bits)
 }
 
 /// A step over a floor, by an integrator without branches. Which bodies may meet the floor.

@@ -9,6 +9,7 @@ use crate::hard_cases::{Check, HardCase};
 use crate::reference::turn;
 use crate::setup::Setup;
 
+#[rustfmt::skip]
 pub(super) fn cases() -> Vec<HardCase> {
     let with = |mut setup: Setup, forces: ForceSet| {
         setup.forces = forces;
@@ -42,61 +43,16 @@ pub(super) fn cases() -> Vec<HardCase> {
         ForceSet::none().with_spring(DVec3::new(0.5, 0.25, 0.125), DVec3::ZERO, 60.0, 0.0),
     );
     vec![
-        case(
-            13,
-            "damped-tumbling",
-            "Damping −γL, γ = 0.25 1/s",
-            damped(0.25),
-            GAME_STEPS,
-            Check::Attitude(5e-3),
-        ),
-        case(
-            13,
-            "strong-damping",
-            "Damping −γL, γ·h = 1 at 60 Hz",
-            damped(60.0),
-            GAME_STEPS,
-            Check::Attitude(2e-4),
-        ),
-        case(
-            13,
-            "extreme-damping",
-            "Damping −γL, γ·h = 1000 at 60 Hz",
-            damped(6e4),
-            GAME_STEPS,
-            Check::Attitude(1e-9),
-        ),
-        case(
-            13,
-            "axis-drag",
-            "Drag −cω about an axis",
-            with(spin(brick(), [12.0, 0.0, 0.0], 5.0), drag),
-            GAME_STEPS,
-            Check::Attitude(2e-4),
-        ),
-        case(
-            14,
-            "axis-torque",
-            "Constant torque about an axis",
-            with(spin(brick(), [0.0, 0.0, 1.0], 8.0), torque),
-            GAME_STEPS,
-            Check::Attitude(1e-10),
-        ),
-        case(
-            15,
-            "heavy-top",
-            "Heavy top",
-            top,
-            GAME_STEPS,
-            Check::Attitude(2e-3),
-        ),
-        case(
-            16,
-            "corner-spring",
-            "A spring at a corner",
-            swing,
-            GAME_STEPS,
-            Check::Energy(2e-2),
-        ),
+        case(13, "damped-tumbling", "Damping −γL, γ = 0.25 1/s", damped(0.25), GAME_STEPS, Check::Attitude(5e-3)),
+        case(13, "strong-damping", "Damping −γL, γ·h = 1 at 60 Hz", damped(60.0), GAME_STEPS,
+            Check::Attitude(2e-4)),
+        case(13, "extreme-damping", "Damping −γL, γ·h = 1000 at 60 Hz", damped(6e4), GAME_STEPS,
+            Check::Attitude(1e-9)),
+        case(13, "axis-drag", "Drag −cω about an axis", with(spin(brick(), [12.0, 0.0, 0.0], 5.0), drag),
+            GAME_STEPS, Check::Attitude(2e-4)),
+        case(14, "axis-torque", "Constant torque about an axis", with(spin(brick(), [0.0, 0.0, 1.0], 8.0), torque),
+            GAME_STEPS, Check::Attitude(1e-10)),
+        case(15, "heavy-top", "Heavy top", top, GAME_STEPS, Check::Attitude(2e-3)),
+        case(16, "corner-spring", "A spring at a corner", swing, GAME_STEPS, Check::Energy(2e-2)),
     ]
 }

@@ -7,6 +7,7 @@ use super::{GAME_STEPS, brick, case, solid, spin};
 use crate::hard_cases::{Check, HardCase};
 use crate::setup::TimedImpulse;
 
+#[rustfmt::skip]
 pub(super) fn cases() -> Vec<HardCase> {
     let scaled = |size: f64, mass| {
         spin(
@@ -41,73 +42,17 @@ pub(super) fn cases() -> Vec<HardCase> {
         .chain((0..500).map(push).map(back))
         .collect();
     vec![
-        case(
-            20,
-            "tiny",
-            "A millimeter box of a microgram: 1e-9 kg",
-            scaled(1e-3, 1e-9),
-            GAME_STEPS,
-            Check::Attitude(1e-3),
-        ),
-        case(
-            20,
-            "huge",
-            "A box of 100 m and 1e9 kg",
-            scaled(1e2, 1e9),
-            GAME_STEPS,
-            Check::Attitude(1e-3),
-        ),
-        case(
-            21,
-            "tiny-step",
-            "Steps of 1e-7 s",
-            tumbling(1e-3),
-            [1e-7],
-            Check::Attitude(1e-11),
-        ),
-        case(
-            21,
-            "huge-step",
-            "Steps of a second",
-            tumbling(1e3),
-            [1.0],
-            Check::Bounded {
-                steps: 1000,
-                bound: 1e-11,
-            },
-        ),
-        case(
-            21,
-            "zero-step",
-            "Steps of zero length",
-            moving,
-            [0.0],
-            Check::Unchanged,
-        ),
-        case(
-            22,
-            "spikes",
-            "A hitch of 0.5 s every hundred steps",
-            tumbling(10.0),
-            [1.0 / 60.0],
-            Check::Spikes(1e-12),
-        ),
-        case(
-            23,
-            "far",
-            "100 km from the origin at 0.1 m/s",
-            far,
-            GAME_STEPS,
-            // Half a unit in the last place of 1e5 m is 7e-12 m; in the worst case it adds up over 14 400 steps.
-            Check::Position(1.1e-7),
-        ),
-        case(
-            24,
-            "impulses",
-            "A thousand simultaneous impulses",
-            hit,
-            [1.0 / 60.0],
-            Check::Restored(1e-13),
-        ),
+        case(20, "tiny", "A millimeter box of a microgram: 1e-9 kg", scaled(1e-3, 1e-9), GAME_STEPS,
+            Check::Attitude(1e-3)),
+        case(20, "huge", "A box of 100 m and 1e9 kg", scaled(1e2, 1e9), GAME_STEPS, Check::Attitude(1e-3)),
+        case(21, "tiny-step", "Steps of 1e-7 s", tumbling(1e-3), [1e-7], Check::Attitude(1e-11)),
+        case(21, "huge-step", "Steps of a second", tumbling(1e3), [1.0],
+            Check::Bounded { steps: 1000, bound: 1e-11 }),
+        case(21, "zero-step", "Steps of zero length", moving, [0.0], Check::Unchanged),
+        case(22, "spikes", "A hitch of 0.5 s every hundred steps", tumbling(10.0), [1.0 / 60.0],
+            Check::Spikes(1e-12)),
+        // Half a unit in the last place of 1e5 m is 7e-12 m; in the worst case it adds up over 14 400 steps.
+        case(23, "far", "100 km from the origin at 0.1 m/s", far, GAME_STEPS, Check::Position(1.1e-7)),
+        case(24, "impulses", "A thousand simultaneous impulses", hit, [1.0 / 60.0], Check::Restored(1e-13)),
     ]
 }

@@ -310,7 +310,7 @@ fn properties(integrator: Integrator, timing: Option<Cost>) -> Vec<String> {
             "Force evaluations per {part}: {} in free flight, {} with a state-dependent force.",
             evaluations.free, evaluations.forced
         ),
-        format!("Energy of a free spin: {}.", info.keeps.energy),
+        format!("Energy of a free spin: {}.", info.conserved.energy),
     ];
     if let Some(cost) = timing {
         let [min, median, p95] = [cost.min, cost.median, cost.p95].map(number);
