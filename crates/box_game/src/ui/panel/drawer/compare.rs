@@ -226,7 +226,8 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
     // At the oldest sample: at the plot's edge a text would widen the plot in every frame.
     for (text, at) in [("rounding", ROUNDING), ("visible to the eye", visible)] {
         let place = PlotPoint::new(start, to_axis(at));
-        let label = Text::new(text, place, RichText::new(text).small());
+        // Spaces keep it off the curves, which rise from there.
+        let label = Text::new(text, place, RichText::new(format!("  {text}")).small());
         plot.text(label.anchor(Align2::LEFT_BOTTOM).allow_hover(false));
     }
 }
