@@ -2,6 +2,7 @@
 //! the same inputs.
 
 mod past;
+mod ranking;
 mod rule;
 
 pub use rule::{Rule, RuleKind};
@@ -24,6 +25,7 @@ use super::input::{Input, Inputs};
 use super::runner::{Runner, SAME, Shared};
 use super::track::Track;
 use past::Checkpoint;
+use ranking::Ranking;
 
 /// Vertical lines in the plots that are kept.
 const RULES: usize = 512;
@@ -57,6 +59,7 @@ pub struct Run {
     impulses: Arc<[TimedImpulse]>,
     inputs: Inputs,
     checkpoints: VecDeque<Checkpoint>,
+    ranking: Ranking,
 }
 
 impl Run {
@@ -83,6 +86,7 @@ impl Run {
             impulses,
             inputs: Inputs::default(),
             checkpoints: VecDeque::new(),
+            ranking: Ranking::default(),
             law,
         };
         run.save();
