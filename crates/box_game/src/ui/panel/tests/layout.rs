@@ -55,6 +55,7 @@ fn long() -> PanelView {
     }
     let kinds = [
         RuleKind::Contact,
+        RuleKind::Flip,
         RuleKind::Input,
         RuleKind::Step,
         RuleKind::Integrator,
