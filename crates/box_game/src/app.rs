@@ -95,7 +95,8 @@ fn assemble(cli: &Cli, renderer: PluginGroupBuilder) -> io::Result<App> {
         PicturesPlugin,
     ));
     // Labels follow the camera of this frame. The panel switches cameras on: then each needs its light to be visible, and
-    // the light needs cascades. And a new glyph has to reach the screen in the frame that shows it, and so the picture of that frame.
+    // the light needs cascades. And a new glyph has to reach the screen in the frame that shows it, and so the picture of
+    // that frame.
     app.configure_sets(
         PostUpdate,
         (

@@ -50,7 +50,7 @@ pub enum Layout {
     Overlaid,
     /// Side by side; only the drawing is shifted.
     SideBySide,
-    /// The main box and up to three comparisons in one view each, from the same place, smallest error first.
+    /// The main box and up to three comparisons in one view each, smallest error first.
     Views,
 }
 

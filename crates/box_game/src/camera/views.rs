@@ -1,6 +1,6 @@
 //! The layout of views: up to four integrators in one view each, from the same place. The main box is in the
-//! first, one comparison in each of the others, smallest error first; floor and lattice are in all. Each view has its own light, because a light
-//! casts the shadows of what is on its layers.
+//! first, one comparison in each of the others, smallest error first; floor and lattice are in all. Each view has its
+//! own light, because a light casts the shadows of what is on its layers.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Viewport};
