@@ -15,7 +15,8 @@ pub struct Scenario {
     pub title: &'static str,
     /// What the scene shows, in one or two sentences.
     pub lesson: &'static str,
-    /// Suggestions for the user.
+    /// Suggestions for the user. The game turns the name of a control in brackets into a button: `[Restart]`,
+    /// `[Gravity 1.62]`.
     pub hints: [&'static str; 2],
     /// Body, start, forces, floor, impulses, duration.
     pub setup: Setup,

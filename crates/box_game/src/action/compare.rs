@@ -50,7 +50,7 @@ pub enum Layout {
     Overlaid,
     /// Side by side; only the drawing is shifted.
     SideBySide,
-    /// The main box and the first three comparisons in one view each, from the same place.
+    /// The main box and up to three comparisons in one view each, smallest error first.
     Views,
 }
 
@@ -71,7 +71,7 @@ impl Layout {
         (
             Self::Views,
             "Views",
-            "A view for each of up to four integrators (V).",
+            "Up to four integrators in one view each, smallest error first (V).",
         ),
     ];
 

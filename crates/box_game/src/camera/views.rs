@@ -1,5 +1,6 @@
 //! The layout of views: up to four integrators in one view each, from the same place. The main box is in the
-//! first, one comparison in each of the others; floor, light and lattice are in all.
+//! first, one comparison in each of the others, smallest error first; floor and lattice are in all. Each view has its
+//! own light, because a light casts the shadows of what is on its layers.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Viewport};
@@ -15,8 +16,6 @@ use crate::view::renderer::PictureTarget;
 pub const MOST: usize = 4;
 /// Gap between two views \[pixels\].
 const GAP: u32 = 2;
-/// The layer of what is in every view.
-const COMMON: usize = MOST;
 
 /// The room that the panel leaves for the picture \[pixels\], and how much of it captions cover from its top \[points\].
 /// Without it, views are drawn in one place.
@@ -29,7 +28,7 @@ pub struct SplitView(pub usize);
 
 /// For what is seen in every view.
 pub fn everywhere() -> RenderLayers {
-    RenderLayers::from_layers(&[0, COMMON])
+    (0..MOST).collect()
 }
 
 /// For what is seen in view `k` alone; 0 is also all that is said nothing of.
@@ -132,7 +131,7 @@ pub fn spawn_views(target: Res<PictureTarget>, mut commands: Commands) {
                 clear_color: ClearColorConfig::None,
                 ..default()
             },
-            RenderLayers::from_layers(&[k, COMMON]),
+            only(k),
             target.0.clone(),
             Msaa::Sample4,
             TONEMAPPING,

@@ -153,6 +153,7 @@ impl Comparison {
         let start = Instant::now();
         let left = BUDGET.saturating_sub(self.spent);
         run.advance(Some(start + left));
+        run.rank();
         self.spent += start.elapsed();
     }
 

@@ -2,6 +2,7 @@
 //! the same inputs.
 
 mod past;
+mod ranking;
 mod rule;
 
 pub use rule::{Rule, RuleKind};
@@ -24,8 +25,9 @@ use super::input::{Input, Inputs};
 use super::runner::{Runner, SAME, Shared};
 use super::track::Track;
 use past::Checkpoint;
+use ranking::Ranking;
 
-/// Vertical lines in the plots that are kept.
+/// Marks in the plots that are kept.
 const RULES: usize = 512;
 /// Contacts closer than this are one line \[s\].
 const RULE_SPACING: f64 = 0.02;
@@ -49,7 +51,7 @@ pub struct Run {
     pub reference: LiveReference,
     /// When the reference turned over.
     pub reference_flips: Flips,
-    /// Vertical lines, oldest first.
+    /// Marks in the plots, oldest first.
     pub rules: VecDeque<Rule>,
     start: (Arc<Model>, BodyState),
     /// The main box at the beginning of its last step, and whether that began with one of the scene's impulses.
@@ -57,6 +59,7 @@ pub struct Run {
     impulses: Arc<[TimedImpulse]>,
     inputs: Inputs,
     checkpoints: VecDeque<Checkpoint>,
+    ranking: Ranking,
 }
 
 impl Run {
@@ -83,6 +86,7 @@ impl Run {
             impulses,
             inputs: Inputs::default(),
             checkpoints: VecDeque::new(),
+            ranking: Ranking::default(),
             law,
         };
         run.save();
@@ -156,7 +160,7 @@ impl Run {
         all.any(|r| r.simulation.diverged.is_some())
     }
 
-    /// Draws a line.
+    /// Marks an event in the plots.
     pub fn rule(&mut self, t: f64, kind: RuleKind) {
         let repeats = |last: &Rule| last.kind == kind && t - last.t < RULE_SPACING;
         if !self.rules.back().is_some_and(repeats) {
@@ -243,9 +247,11 @@ impl Run {
         let own = &mut main_box.simulation;
         own.balance.step(&self.law, &self.before.0, h);
         let to = self.reference.at(t);
+        let flips = self.reference_flips.times().len();
         if let Some(to) = &to {
             self.reference_flips.observe(to, t);
         }
+        let flip = self.reference_flips.times().get(flips).copied();
         let ends = main_box.reference.zip(to).filter(|_| !self.before.1);
         let local = ends.map(|(from, to)| local_error(integrator, &self.law, from, &to, h));
         if own.diverged.is_none() && own.balance.is_exceeded(&self.law, state) {
@@ -257,6 +263,9 @@ impl Run {
         (own.driver.state, own.driver.time) = (*state, t);
         own.driver.contact.clone_from(contact);
         main_box.reference = to;
+        if let Some(flip) = flip {
+            self.rule(flip, RuleKind::Flip);
+        }
     }
 
     /// Simulates the comparisons up to the clock's time, the one that is farthest behind first, but not past

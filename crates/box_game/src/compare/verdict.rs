@@ -50,7 +50,7 @@ impl Quality {
     }
 
     /// How wrong: 0 for right, 1 where it begins to show.
-    fn severity(self) -> f64 {
+    pub(crate) fn severity(self) -> f64 {
         match self {
             Self::Right => 0.0,
             Self::Late(_, late) => late.abs() / VISIBLE_LATENESS,

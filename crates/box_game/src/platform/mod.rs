@@ -44,7 +44,7 @@ use clap::ValueEnum;
 
 /// The files that come with the game, by their paths in a checkout. A desktop reads the files themselves.
 #[cfg(any(test, target_family = "wasm"))]
-const SHIPPED: &[(&str, &str)] = &[
+pub(crate) const SHIPPED: &[(&str, &str)] = &[
     shipped!("assets/scenes/example.ron"),
     shipped!("assets/scenes/moon-hop.ron"),
     shipped!("assets/scenes/weighted-bar.ron"),

@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, RigidBox};
 
-use crate::camera::views::everywhere;
+use crate::camera::views::{MOST, everywhere, only};
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{MainBox, Session};
 use crate::view::marks::cuboid;
@@ -38,22 +38,25 @@ pub(super) fn set_up(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
 ) {
-    commands.spawn((
-        everywhere(),
-        DirectionalLight {
-            illuminance: 8_000.0,
-            shadow_maps_enabled: true,
-            ..default()
-        },
-        // From the left of the home view, so that shadows fall beside the boxes and not behind them.
-        Transform::from_xyz(-6.0, 9.0, 3.5).looking_at(Vec3::ZERO, Vec3::Y),
-        CascadeShadowConfigBuilder {
-            first_cascade_far_bound: 8.0,
-            maximum_distance: 120.0,
-            ..default()
-        }
-        .build(),
-    ));
+    // A light casts shadows of what is on its layers: with one for all views, each would show the main box's shadow.
+    for view in 0..MOST {
+        commands.spawn((
+            only(view),
+            DirectionalLight {
+                illuminance: 8_000.0,
+                shadow_maps_enabled: true,
+                ..default()
+            },
+            // From the left of the home view, so that shadows fall beside the boxes and not behind them.
+            Transform::from_xyz(-6.0, 9.0, 3.5).looking_at(Vec3::ZERO, Vec3::Y),
+            CascadeShadowConfigBuilder {
+                first_cascade_far_bound: 8.0,
+                maximum_distance: 120.0,
+                ..default()
+            }
+            .build(),
+        ));
+    }
     commands.insert_resource(GlobalAmbientLight {
         brightness: 330.0,
         ..default()

@@ -48,7 +48,7 @@ pub fn stiff_drag() -> Scenario {
         title: "Stiff drag",
         lesson: "Drag of 250 per second stops the throw in milliseconds. Explicit integrators diverge for c·dt/m above 2 (RK4: 2.79); implicit and exponential ones remain stable.",
         hints: [
-            "Lower [Linear drag] from c·dt/m = 4 to find each integrator's limit.",
+            "Press [Linear drag 300] and [Restart]: c·dt/m falls from 4.2 to 2.5, below the limit of RK4.",
             "Open the [Error tab]: Implicit midpoint oscillates, because its amplification factor tends to −1.",
         ],
         setup: Setup::new(body, start, forces, 3.0),
@@ -75,7 +75,7 @@ pub fn quadratic_drag() -> Scenario {
         title: "Quadratic drag",
         lesson: "A throw straight up at 45 m/s through air. The exact velocity is a tangent on the way up and a hyperbolic tangent on the way down. Drag must never reverse the velocity.",
         hints: [
-            "Press [Push +y] with a [Strength] of 1e4: explicit integrators reverse the velocity.",
+            "Press [Strength 1e4] and [Push +y]: explicit integrators reverse the velocity.",
             "Press [Sweep] in the [Work–precision tab]: each slope is the order of the integrator.",
         ],
         setup: Setup::new(body, start, forces, 8.0),

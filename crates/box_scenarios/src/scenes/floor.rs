@@ -20,7 +20,7 @@ pub fn playground() -> Scenario {
         lesson: "A box at rest on a floor. Push it with W and S (z axis), A and D (x axis), Q and E (y axis); hold Shift to push off-center.",
         hints: [
             "Click the box to poke it, drag it to grab it, or press [Push +x].",
-            "Change [Friction] and [Restitution].",
+            "Press [Friction 0] and push again: nothing stops the box.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.5)),
         recommended: &["split", "rk4", "semi-implicit-euler"],
@@ -39,8 +39,8 @@ pub fn drop() -> Scenario {
         title: "Flat drop",
         lesson: "Bounce n reaches e^(2n) of the initial height. There are infinitely many bounces in a finite time, then rest. Locating the impact within the step preserves the order of the integrator.",
         hints: [
-            "Set [Restitution] to 1 or 0: it bounces forever or not at all.",
-            "Open [NOW] and read [Spin |ω|]: a flat landing must not cause spin.",
+            "Press [Restitution 1] or [Restitution 0]: it bounces forever or not at all.",
+            "Read [Spin |ω|]: a flat landing must not cause spin.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),
         recommended: &["split", "rk4", "semi-implicit-euler", "heun-2012"],
@@ -59,7 +59,7 @@ pub fn bounce() -> Scenario {
         title: "Hundred bounces",
         lesson: "With e = 1 the box must return to the same height a hundred times. Energy errors at each contact accumulate until they are visible.",
         hints: [
-            "Press [Faster], open [NOW] and read [Total energy] after a minute.",
+            "Press [Faster] and read [Total energy] after a minute.",
             "Open the [Energy tab]: integrators that are exact on the parabola keep the energy, the others gain or lose it.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(1.0, 0.0)),
@@ -86,7 +86,7 @@ pub fn slide() -> Scenario {
         lesson: "Coulomb friction stops the box after a distance v²/(2µg), and the friction force then drops to zero. The box must neither creep nor reverse.",
         hints: [
             "Press [Restart] and [Push +x]: it must not leave its straight line.",
-            "Raise [Friction] past 2: the box tips instead of sliding.",
+            "Press [Friction 3] and [Restart]: the box tips instead of sliding.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.0, 0.5)),
         recommended: &["split", "rk4", "backward-euler", "explicit-euler"],
@@ -129,7 +129,7 @@ pub fn load() -> Scenario {
         title: "Load test",
         lesson: "Thousands of boxes thrown over a floor. Compare the cost per box and step of each integrator, in nanoseconds.",
         hints: [
-            "Open [LOAD], move [Boxes] and read the time per step.",
+            "Press [Boxes 100] or [Boxes 4000] and read the time per step.",
             "Open the [Timing tab]: four evaluations need not cost four times as much.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.5)),
@@ -151,7 +151,7 @@ pub fn contact() -> Scenario {
         lesson: "A tilted box lands on one corner, and its fall becomes spin. The rest of the motion depends on the exact time of impact.",
         hints: [
             "Press [Step] to go through the impact.",
-            "Open [NOW] and read [Total energy]: it may decrease at an impact but must never increase.",
+            "Read [Total energy]: it may decrease at an impact but must never increase.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.4)),
         recommended: &["split", "rk4", "semi-implicit-euler", "explicit-euler"],
@@ -171,8 +171,8 @@ pub fn dice_tray() -> Scenario {
         title: "Dice tray",
         lesson: "Dice are thrown against the walls of a tray. In an edge or a corner, all contacts are solved together. Energy never grows there either, and a die at rest does not move at all.",
         hints: [
-            "Open [LOAD], move [Boxes] to 25 and press [Restart].",
-            "Set [Restitution] to 1 and [Friction] to 0: they never stop.",
+            "Press [Boxes 25] for more dice.",
+            "Press [Restitution 1], [Friction 0] and [Restart]: they never stop.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.4, 0.3).in_tray(3.0)),
         recommended: &["split", "exact", "rk4"],

@@ -70,8 +70,8 @@ pub fn heavy_top() -> Scenario {
         title: "Heavy top",
         lesson: "A leaning, spinning bar does not fall: it precesses and nutates. Energy, the spin about its axis and the vertical angular momentum are constant.",
         hints: [
-            "Raise [dt] until the nutation is wrong, then open [Add or switch] and click [Split, order 4].",
-            "Open [Add or switch] and tick [Implicit midpoint]: it conserves the energy but lags in phase.",
+            "Raise [dt] until the nutation is wrong, then compare with [Split, order 4].",
+            "Compare with [Implicit midpoint]: it conserves the energy but lags in phase.",
         ],
         setup: Setup::new(body, start, forces, 5.0),
         recommended: &["split", "explicit-euler", "rk4", "split4"],

@@ -18,7 +18,7 @@ pub fn dzhanibekov() -> Scenario {
         title: "Dzhanibekov flip",
         lesson: "A box that spins about its intermediate axis flips every few seconds. If its energy drifts, it flips too early, too late, or the wrong way.",
         hints: [
-            "Open [Add or switch] and tick [Explicit Euler]: it gains energy and stops flipping.",
+            "Compare with [Explicit Euler]: it gains energy and stops flipping.",
             "Press [120 Hz]: the flips of accurate integrators do not move.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
@@ -38,7 +38,7 @@ pub fn stable_axis() -> Scenario {
         lesson: "Spin about the axis of the largest moment wobbles but never flips. Energy and angular momentum are constant, so any drift is an integrator error.",
         hints: [
             "Press [Faster] and open the [Energy tab] after a minute.",
-            "Open [Add or switch] and tick [Engine: rescaled]: it conserves |L| but not the energy, so it drifts and flips.",
+            "Compare with [Engine: rescaled]: it conserves |L| but not the energy, so it drifts and flips.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
@@ -61,7 +61,7 @@ pub fn thin_plate() -> Scenario {
         title: "Thin plate",
         lesson: "The largest moment of a thin plate is the sum of the other two, the extreme case for a rigid body. Second-order integrators gain energy here first.",
         hints: [
-            "Open [Add or switch] and tick [Midpoint (RK2)]: Implicit midpoint has the same order but conserves the energy.",
+            "Compare with [Midpoint (RK2)]: Implicit midpoint has the same order but conserves the energy.",
             "Press [30 Hz] and see which integrators still match the reference.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
@@ -99,7 +99,7 @@ pub fn symmetric_top() -> Scenario {
         title: "Symmetric top",
         lesson: "A square bar precesses steadily: its axis traces a cone at the rate L/I. Split is exact at any step size; most integrators are not.",
         hints: [
-            "Set [dt] to 1/10 s: Split is still exact.",
+            "Press [dt 1/10 s]: Split is still exact.",
             "Press [Views] and compare the cones' angles.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 10.0),
@@ -122,7 +122,7 @@ pub fn damped_spin() -> Scenario {
         title: "Damped spin",
         lesson: "Damping proportional to the angular momentum only slows time down: the box tumbles freely in the time (1 − e^(−γt))/γ, so its final attitude is known in advance.",
         hints: [
-            "Raise [Ang. damping] until γ·dt exceeds 2: explicit integrators diverge, Split and Exact remain exact.",
+            "Press [Ang. damping 180] and [Restart]: γ·dt is 3. Explicit integrators diverge, Split and Exact remain exact.",
             "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),
@@ -142,7 +142,7 @@ pub fn separatrix() -> Scenario {
         lesson: "A spin within a millionth of the intermediate axis flips only after a long time. A relative energy error of 1e-12 already shifts the flip.",
         hints: [
             "Open the [Energy tab]: Velocity Verlet is off by 1e-4, RK4 is accurate to rounding.",
-            "Open [Add or switch] and tick [Engine: Avian 993]: if it does not flip, the gyroscopic term is missing.",
+            "Compare with [Engine: Avian 993]: if it does not flip, the gyroscopic term is missing.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 12.0),
         recommended: &["split", "velocity-verlet", "rk4", "implicit-midpoint"],

@@ -1,10 +1,12 @@
-//! The vertical lines in the plots.
+//! What the plots mark on their time axes.
 
-/// What a vertical line in the plots stands for.
+/// What a mark in the plots stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RuleKind {
     /// The main box met the floor.
     Contact,
+    /// The reference turned over.
+    Flip,
     /// A push, a changed parameter, a placing by hand.
     Input,
     /// Another step size.
@@ -15,7 +17,7 @@ pub enum RuleKind {
     Resync,
 }
 
-/// A vertical line in the plots.
+/// A mark in the plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// Simulated time \[s\].

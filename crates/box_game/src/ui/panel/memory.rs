@@ -3,7 +3,7 @@
 use super::view::PanelView;
 use crate::parameters::Parameter;
 
-/// Dismissed texts, and a value in the middle of being dragged.
+/// Dismissed texts, what a hint shows, and a value in the middle of being dragged.
 #[derive(Clone, Debug, Default)]
 pub struct PanelMemory {
     /// Every section is open at first.
@@ -24,6 +24,8 @@ pub struct PanelMemory {
     pub(super) sure: bool,
     /// A value that restarts the scene, while it is dragged.
     pub(super) draft: Option<(Parameter, f64)>,
+    /// The parameter or figure that a hint shows, and the end of its mark \[s\].
+    pub(super) marked: Option<(&'static str, f64)>,
     /// Work–precision shows the position error or the attitude's; what says more, if `None`.
     pub(super) sweep_position: Option<bool>,
     /// What the plots showed when the pointer came over them, and the end of that freeze \[s\].

@@ -16,6 +16,7 @@ mod axis;
 pub(crate) mod decimate;
 mod drawer;
 pub(crate) mod format;
+mod hint;
 mod keys;
 mod memory;
 mod overlay;
@@ -88,7 +89,8 @@ pub fn show(
         let width = (ui.available_width() - side - 2.0).max(1.0);
         ui.available_height() - SHARE * window.area() / width
     };
-    if !open || most(ui, SIDE) >= DRAWER_LEAST {
+    let side = !open || most(ui, SIDE) >= DRAWER_LEAST;
+    if side {
         egui::Panel::right("side panel")
             .resizable(false)
             .exact_size(SIDE)
@@ -107,7 +109,7 @@ pub fn show(
     let central = Rect::from_min_size(left.min, left.size().max(egui::Vec2::ZERO));
     PanelLayout {
         central,
-        captions: overlay::captions(ui, central, panel),
+        captions: overlay::captions(ui, central, side, panel),
         plot,
     }
 }

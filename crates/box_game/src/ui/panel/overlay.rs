@@ -2,12 +2,13 @@
 //! hidden panel.
 
 use bevy_egui::egui::{
-    Area, Frame, Grid, Id, Label, Margin, Modal, Order, Rect, RichText, ScrollArea, TextFormat,
-    TextStyle, TextWrapMode, Theme, Ui, text::LayoutJob,
+    Area, Frame, Grid, Id, Label, Margin, Modal, Order, Rect, RichText, ScrollArea, TextWrapMode,
+    Theme, Ui,
 };
 use box_scenarios::dissertation::Stepper;
 
 use super::format::number;
+use super::hint;
 use super::keys::{KEYS, SCREENSHOT};
 use super::view::DemoView;
 use super::widgets::{Panel, Text, button, text, within};
@@ -26,8 +27,8 @@ const HEADLINE_ROOM: f32 = 150.0;
 const NOTICE_STAYS: f64 = 20.0;
 
 /// Headline, lesson, the strip of 2012, errors and the newest notice on a plate over the top of the picture. Returns how
-/// much of the picture they cover [points].
-pub(super) fn captions(ui: &Ui, picture: Rect, panel: &mut Panel<'_>) -> f32 {
+/// much of the picture they cover [points]. There may be no `side` panel.
+pub(super) fn captions(ui: &Ui, picture: Rect, side: bool, panel: &mut Panel<'_>) -> f32 {
     let content = |ui: &mut Ui| {
         ui.set_width(ui.available_width());
         ui.spacing_mut().item_spacing.y = 2.0;
@@ -43,7 +44,7 @@ pub(super) fn captions(ui: &Ui, picture: Rect, panel: &mut Panel<'_>) -> f32 {
             strip(ui, demo, room(LESSON_ROOM[0]), panel);
         }
         if room(LESSON_ROOM[usize::from(view.demo.is_some())]) {
-            lesson(ui, panel);
+            lesson(ui, side, panel);
         }
         for error in &view.scene_errors {
             let text = RichText::new(format!("⚠ {error}"));
@@ -87,7 +88,7 @@ fn notice(ui: &mut Ui, panel: &mut Panel<'_>) {
 }
 
 /// Lesson and suggestions, until they are dismissed.
-fn lesson(ui: &mut Ui, panel: &mut Panel<'_>) {
+fn lesson(ui: &mut Ui, side: bool, panel: &mut Panel<'_>) {
     let scene = &panel.view.scenario;
     let dismissed = panel.memory.dismissed_lesson.as_deref() == Some(scene.id);
     if scene.lesson.is_empty() || dismissed {
@@ -98,25 +99,12 @@ fn lesson(ui: &mut Ui, panel: &mut Panel<'_>) {
     let dismiss = dismissible(ui, "lesson", |ui| {
         ui.add(Label::new(scene.lesson).wrap());
         if !hints.is_empty() {
-            let hints = controls_in_bold(ui, &format!("Try: {hints}"));
-            ui.add(Label::new(hints).wrap());
+            hint::show(ui, &format!("Try: {hints}"), side, panel);
         }
     });
     if dismiss {
         panel.memory.dismissed_lesson = Some(scene.id.to_owned());
     }
-}
-
-/// A hint with the names of controls, which it has in brackets, in bold.
-fn controls_in_bold(ui: &Ui, hint: &str) -> LayoutJob {
-    let mut job = LayoutJob::default();
-    let font = TextStyle::Body.resolve(ui.style());
-    let visuals = ui.visuals();
-    let colors = [visuals.weak_text_color(), visuals.strong_text_color()];
-    for (part, color) in hint.split(['[', ']']).zip(colors.into_iter().cycle()) {
-        job.append(part, 0.0, TextFormat::simple(font.clone(), color));
-    }
-    job
 }
 
 /// Text with a button to dismiss it; returns whether that was clicked.

@@ -5,7 +5,7 @@ use bevy_egui::egui::{
 };
 
 use super::format::{number, parse};
-use super::widgets::{Panel, identify};
+use super::widgets::{Panel, identify, mark};
 use crate::action::Action;
 use crate::parameters::{Effect, Info, Parameter};
 
@@ -26,7 +26,8 @@ pub(super) fn row(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
     // A slider cannot stand at NaN; it stands at the default until moved.
     let shown = if shown.is_finite() { shown } else { default };
     let info = parameter.info();
-    let (edited, dragging, reset) = ui.horizontal(|ui| widgets(ui, &info, shown, default)).inner;
+    let row = ui.horizontal(|ui| widgets(ui, &info, shown, default));
+    let (edited, dragging, reset) = row.inner;
     let wanted = if reset {
         *draft = None;
         Some(default)
@@ -37,6 +38,7 @@ pub(super) fn row(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
         let dropped = draft.take_if(|(p, _)| *p == parameter);
         edited.or(dropped.map(|(_, draft)| draft))
     };
+    mark(ui, panel.memory, info.label, &row.response);
     let new = wanted.and_then(|value| parameter.nearest(value));
     if let Some(new) = new.filter(|new| *new != value) {
         panel.ask(Action::Set(parameter, new));

@@ -2,8 +2,8 @@
 //! in the words of a script, or a name for what is the panel's own.
 
 use bevy_egui::egui::{
-    Button, Label, Rect, Response, RichText, TextWrapMode, Ui, UiBuilder, WidgetInfo, WidgetType,
-    accesskit::Node,
+    Align, Button, Label, Rect, Response, RichText, Stroke, StrokeKind, TextWrapMode, Ui,
+    UiBuilder, WidgetInfo, WidgetType, accesskit::Node,
 };
 
 use super::memory::PanelMemory;
@@ -93,6 +93,17 @@ pub(super) fn toggle(ui: &mut Ui, on: bool, Text(text, name, hint): Text<'_>, id
     response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
     identify(&response, id);
     response.on_hover_text(hint).clicked()
+}
+
+/// Rings the control with this name, and scrolls to it, while a hint shows it.
+pub(super) fn mark(ui: &Ui, memory: &PanelMemory, name: &str, control: &Response) {
+    if memory.marked.is_some_and(|(marked, _)| marked == name) {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.bg_fill);
+        let ring = control.rect.expand(1.0);
+        ui.painter()
+            .rect_stroke(ring, 4.0, stroke, StrokeKind::Inside);
+        control.scroll_to_me(Some(Align::Center));
+    }
 }
 
 /// Small text in one line, cut where it has no room.

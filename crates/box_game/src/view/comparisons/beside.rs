@@ -104,7 +104,10 @@ fn wanted(run: &Run, layout: Layout) -> Vec<(Piece, Transform, RenderLayers)> {
         Layout::SideBySide | Layout::Views => shown(run, layout),
         Layout::Solo | Layout::Overlaid => Vec::new(),
     };
-    let boxes = trajectories.iter().enumerate().skip(1).map(|(k, t)| {
+    let comparisons = trajectories.iter().enumerate().skip(1);
+    // Of a diverged one, gray edges remain.
+    let going_on = comparisons.filter(|(_, t)| !t.status.is_diverged());
+    let boxes = going_on.map(|(k, t)| {
         let place = Transform::from_translation(t.state.position.as_vec3() + t.offset)
             .with_rotation(t.state.rotation.as_quat());
         let view = if layout == Layout::Views { k } else { 0 };

@@ -8,6 +8,7 @@ use bevy_egui::egui::{
 use super::shown::Seen;
 use crate::action::compare::Layout;
 use crate::compare::RuleKind;
+use crate::compare::verdict::VISIBLE_LATENESS;
 use crate::view::style;
 
 /// Time that a ring takes to grow and fade \[s\], and its largest radius \[points\].
@@ -17,6 +18,8 @@ const RADIUS: f32 = 34.0;
 const SPAN: f64 = 10.0;
 const ROW: f32 = 15.0;
 const NAMES: f32 = 26.0;
+/// Distance of a lateness from ticks and other text [points].
+const APART: f32 = 5.0;
 /// A picture lower than this has no strip [points].
 const LOWEST: f32 = 220.0;
 
@@ -79,6 +82,31 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
     }
 }
 
+/// By how much the `n`-th of these flips is late or early against the reference's, if that can be seen: `+0.4 s`.
+fn lateness(flips: &[f64], due: &[f64], n: usize) -> Option<String> {
+    let late = flips[n] - due.get(n)?;
+    let sign = if late > 0.0 { '+' } else { '−' };
+    (late.abs() > VISIBLE_LATENESS).then(|| format!("{sign}{:.1} s", late.abs()))
+}
+
+/// Where texts of these widths start beside ticks at these places, from left to right: right of the tick, or left of it, or
+/// nowhere if it would touch another tick or text, or the `end`.
+fn beside(ticks: &[(f32, f32)], start: f32, end: f32) -> Vec<Option<f32>> {
+    let mut free = start;
+    let place = |(k, &(at, width)): (usize, &(f32, f32))| {
+        let next = ticks.get(k + 1).map_or(end, |tick| tick.0);
+        let [left, right] = [at - APART - width, at + APART];
+        let place = if right + width + APART <= next {
+            Some(right)
+        } else {
+            (left >= free).then_some(left)
+        };
+        free = place.map_or(at, |x| f32::max(at, x + width)) + APART;
+        place
+    };
+    ticks.iter().enumerate().map(place).collect()
+}
+
 /// A row of ticks for every trajectory, one a flip, the last seconds from left to right.
 fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64])]) {
     let write = |at, anchor, text: &str, color| {
@@ -106,7 +134,11 @@ fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64
         painter.hline(left..=right, middle, line);
         let name = pos2(place.left() + 14.0, middle);
         write(name, Align2::CENTER_CENTER, &glyph.to_string(), *color);
-        for &flip in flips.iter().filter(|&&t| t >= start && t <= now) {
+        let mut ticks = Vec::new();
+        for (n, &flip) in flips.iter().enumerate() {
+            if flip < start || flip > now {
+                continue;
+            }
             if k == 0 {
                 // When the others should have turned over.
                 let faint = Color32::WHITE.gamma_multiply(0.5);
@@ -114,6 +146,51 @@ fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64
             }
             let tick = middle - 6.0..=middle + 6.0;
             painter.vline(x(flip), tick, Stroke::new(3.0, *color));
+            let text = lateness(flips, rows[0].2, n).unwrap_or_default();
+            let font = FontId::proportional(12.0);
+            ticks.push((x(flip), painter.layout_no_wrap(text, font, *color)));
         }
+        let widths: Vec<_> = ticks
+            .iter()
+            .map(|(at, text)| (*at, text.size().x))
+            .collect();
+        for (place, (_, text)) in beside(&widths, left, right).into_iter().zip(ticks) {
+            if let Some(at) = place.filter(|_| !text.is_empty()) {
+                // On its own plate: the lines behind it would strike it out.
+                let corner = pos2(at, middle - 0.5 * text.size().y);
+                let plate = Rect::from_min_size(corner, text.size());
+                painter.rect_filled(plate, 2.0, style::PICTURE_PLATE);
+                painter.galley(corner, text, *color);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Beside their ticks, in the strip, and never over another tick or text.
+    #[test]
+    fn latenesses_have_room_or_are_left_out() {
+        let alone = beside(&[(100.0, 40.0)], 26.0, 400.0);
+        assert_eq!(alone, [Some(105.0)]);
+        // The next tick is near: to the left; and then nowhere.
+        let near = [(100.0, 40.0), (120.0, 40.0), (135.0, 40.0), (395.0, 40.0)];
+        let places = beside(&near, 26.0, 400.0);
+        assert_eq!(places, [Some(55.0), None, Some(140.0), Some(350.0)]);
+        assert_eq!(
+            beside(&[(30.0, 40.0), (60.0, 40.0)], 26.0, 100.0),
+            [None; 2]
+        );
+    }
+
+    #[test]
+    fn a_lateness_has_a_sign_and_is_silent_where_it_cannot_be_seen() {
+        let due = [1.0, 3.0, 5.0];
+        let own = [1.4, 2.7, 5.05, 7.0];
+        let words = [0, 1, 2, 3].map(|n| lateness(&own, &due, n));
+        let [late, early] = ["+0.4 s", "−0.3 s"].map(|text| Some(text.to_owned()));
+        assert_eq!(words, [late, early, None, None]);
     }
 }

@@ -9,6 +9,7 @@ use bevy_egui::egui::text::LayoutJob;
 use bevy_egui::egui::{
     Color32, Context, Galley, LayerId, Order, Painter, Pos2, Rect, Stroke, TextFormat, Vec2, vec2,
 };
+use box_physics::prelude::Integrator;
 use box_scenarios::dissertation::Stepper;
 
 use super::events::strip_place;
@@ -18,7 +19,7 @@ use crate::camera::views::{PictureArea, cells};
 use crate::compare::verdict::{Quality, short};
 use crate::view::style;
 
-/// In a picture narrower than this \[points\] a label is the integrator's mark without its name.
+/// In a single picture narrower than this \[points\] a label is the integrator's mark without its name.
 const NARROW: f32 = 460.0;
 /// Two boxes whose marked points are this close \[points\] share a label.
 const TOGETHER: f32 = 10.0;
@@ -35,6 +36,8 @@ const MARGIN: Vec2 = vec2(7.0, 4.0);
 struct Label {
     marks: Vec<(char, Color32, String)>,
     word: String,
+    /// The word is below the names.
+    stacked: bool,
     bad: bool,
     at: Option<Pos2>,
 }
@@ -54,8 +57,17 @@ impl Label {
         }
         let (good, bad) = (style::PICTURE_GOOD, style::PICTURE_BAD);
         let color = if self.bad { bad } else { good };
-        append(&format!("  {}", self.word), color);
+        let space = if self.stacked { "\n" } else { "  " };
+        append(&format!("{space}{}", self.word), color);
         painter.layout_job(job)
+    }
+
+    /// At most this wide: if necessary, with the word below the names; as a last resort, without them.
+    fn fit(&mut self, painter: &Painter, width: f32) {
+        self.stacked = self.size(painter).x > width;
+        if self.size(painter).x > width {
+            self.marks.iter_mut().for_each(|mark| mark.2.clear());
+        }
     }
 
     /// With its plate.
@@ -83,15 +95,22 @@ pub(super) fn draw(
     let cells: Vec<Rect> = cells.into_iter().flatten().map(pixels).collect();
     let layer = LayerId::new(Order::Background, "labels".into());
     let painter = &context.layer_painter(layer).with_clip_rect(view);
-    let labels = labels(
-        seen,
-        cells.first().unwrap_or(&view).width() < NARROW,
-        stepper,
-    );
+    let narrow = layout != Layout::Views && view.width() < NARROW;
+    let mut labels = labels(seen, narrow, stepper);
     match layout {
         Layout::Views => {
-            for (label, cell) in labels.iter().zip(&cells) {
-                plate(painter, label, cell.min + vec2(10.0, 10.0));
+            for (label, cell) in labels.iter_mut().zip(&cells) {
+                label.fit(painter, cell.width() - 20.0);
+                plate(painter, label.text(painter), cell.min + vec2(10.0, 10.0));
+            }
+            if let Some(text) = left_out(seen) {
+                let text = painter.layout_no_wrap(text, style::PICTURE_FONT, style::PICTURE_WEAK);
+                let height = text.size().y + 2.0 * MARGIN.y;
+                plate(
+                    painter,
+                    text,
+                    view.left_bottom() + vec2(10.0, -10.0 - height),
+                );
             }
         }
         Layout::SideBySide => {
@@ -107,7 +126,7 @@ pub(super) fn draw(
                 while let Some(other) = taken.iter().find(|t| t.intersects(over(corner))) {
                     corner.y = other.top() - size.y - 2.0;
                 }
-                taken.push(plate(painter, label, corner));
+                taken.push(plate(painter, label.text(painter), corner));
             }
         }
         Layout::Solo | Layout::Overlaid => {
@@ -123,6 +142,19 @@ pub(super) fn draw(
             at_the_boxes(painter, room, &labels, center, reach);
         }
     }
+}
+
+/// The comparisons without a view, if there are any.
+fn left_out(seen: &Seen<'_>) -> Option<String> {
+    let shown = |i: Integrator| seen.trajectories.iter().any(|t| t.integrator == i);
+    let others = seen.run.integrators().filter(|&i| !shown(i));
+    let marks: Vec<String> = others.map(|i| style::of(i).glyph.to_string()).collect();
+    let text = format!(
+        "{} not shown, errors in between: {}",
+        marks.len(),
+        marks.join(" ")
+    );
+    (!marks.is_empty()).then_some(text)
 }
 
 /// A label for the reference where all is in one place, and one for each trajectory, or for those that agree.
@@ -195,7 +227,7 @@ fn at_the_boxes(painter: &Painter, view: Rect, labels: &[Label], center: Option<
     let Some(places) = places else {
         let mut corner = view.min + vec2(10.0, 10.0);
         for label in labels {
-            corner.y = plate(painter, label, corner).bottom() + 3.0;
+            corner.y = plate(painter, label.text(painter), corner).bottom() + 3.0;
         }
         return;
     };
@@ -206,7 +238,7 @@ fn at_the_boxes(painter: &Painter, view: Rect, labels: &[Label], center: Option<
         }
     }
     for (label, place) in labels.iter().zip(&places) {
-        plate(painter, label, place.min);
+        plate(painter, label.text(painter), place.min);
     }
 }
 
@@ -247,8 +279,7 @@ fn arrange(
 }
 
 /// A label's plate; returns its place.
-fn plate(painter: &Painter, label: &Label, corner: Pos2) -> Rect {
-    let text = label.text(painter);
+fn plate(painter: &Painter, text: Arc<Galley>, corner: Pos2) -> Rect {
     let place = Rect::from_min_size(corner, text.size() + 2.0 * MARGIN);
     painter.rect_filled(place, 5.0, style::PICTURE_PLATE);
     painter.galley(corner + MARGIN, text, style::PICTURE_TEXT);
@@ -258,13 +289,35 @@ fn plate(painter: &Painter, label: &Label, corner: Pos2) -> Rect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy_egui::egui::pos2;
+    use bevy_egui::egui::{RawInput, pos2};
 
     fn label(at: (f32, f32)) -> Label {
         Label {
             at: Some(at.into()),
             ..Label::default()
         }
+    }
+
+    /// A name goes only where even two lines have no room for it.
+    #[test]
+    fn a_name_is_the_last_to_go() {
+        let context = Context::default();
+        let _ = context.run_ui(RawInput::default(), |ui| {
+            for (width, stacked, named) in [
+                (500.0, false, true),
+                (200.0, true, true),
+                (60.0, true, false),
+            ] {
+                let mut label = Label {
+                    marks: vec![('▲', Color32::WHITE, "Semi-implicit Euler".to_owned())],
+                    word: "⏰ flip 2 late by 0.40 s".to_owned(),
+                    ..Label::default()
+                };
+                label.fit(ui.painter(), width);
+                assert_eq!(label.stacked, stacked, "{width}");
+                assert_eq!(!label.marks[0].2.is_empty(), named, "{width}");
+            }
+        });
     }
 
     /// Labels stand near their points, apart from each other and from the box, or not at all.

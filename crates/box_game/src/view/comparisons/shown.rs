@@ -1,5 +1,7 @@
 //! The trajectories that are drawn, and their places.
 
+use std::iter;
+
 use bevy::math::{DQuat, DVec3};
 use bevy::prelude::*;
 use bevy_egui::egui;
@@ -66,7 +68,12 @@ pub(super) fn points(rect: Rect, scale: f32) -> egui::Rect {
 /// Every trajectory that is drawn, the main box's first.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
-    let shown = run.trajectories().enumerate().map(|(k, r)| Shown {
+    let runners: Vec<&Runner> = match layout {
+        Layout::Solo => vec![&run.main_box],
+        Layout::Overlaid | Layout::SideBySide => run.trajectories().collect(),
+        Layout::Views => iter::once(&run.main_box).chain(in_views(run)).collect(),
+    };
+    let shown = runners.into_iter().enumerate().map(|(k, r)| Shown {
         integrator: r.integrator(),
         state: at_the_clock(run, r),
         track: &r.track,
@@ -76,12 +83,19 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
         },
         status: r.simulation.status(),
     });
-    let most = match layout {
-        Layout::Solo => 1,
-        Layout::Overlaid | Layout::SideBySide => usize::MAX,
-        Layout::Views => views::MOST,
-    };
-    shown.take(most).collect()
+    shown.collect()
+}
+
+/// The comparisons that have a view, smallest error first. If there are too many: those with the smallest, the median and
+/// the largest error.
+fn in_views(run: &Run) -> Vec<&Runner> {
+    let ranked = run.ranked();
+    let last = views::MOST - 2;
+    if ranked.len() < views::MOST {
+        return ranked;
+    }
+    let nth = |k: usize| ranked[k * (ranked.len() - 1) / last];
+    (0..=last).map(nth).collect()
 }
 
 /// The state of a comparison at the clock's time, before which a step longer than the clock's ends: it moves on as it
@@ -169,6 +183,27 @@ mod tests {
         let overlaid = shown(&run, Layout::Overlaid);
         assert!(overlaid.iter().all(|s| s.offset == Vec3::ZERO));
         assert_eq!(shown(&run, Layout::Solo).len(), 1);
+    }
+
+    /// Of more comparisons than views, the smallest, the median and the largest error are shown.
+    #[test]
+    fn views_show_the_range_of_errors() {
+        let setup = Scenario::find("throw").expect("a scene").setup;
+        let mut run = Run::new(&setup, None, Integrator::Split, 1.0 / 60.0);
+        for (compared, wanted) in [(2, vec![0, 1]), (3, vec![0, 1, 2]), (7, vec![0, 3, 6])] {
+            let others = || {
+                Integrator::ALL
+                    .iter()
+                    .copied()
+                    .filter(|i| *i != Integrator::Split)
+            };
+            run.choose(others().take(compared));
+            let views = shown(&run, Layout::Views);
+            let views: Vec<_> = views.iter().map(|t| t.integrator).collect();
+            let others: Vec<_> = others().collect();
+            let wanted = wanted.into_iter().map(|k: usize| others[k]);
+            assert!([Integrator::Split].into_iter().chain(wanted).eq(views));
+        }
     }
 
     /// A comparison with longer steps is drawn at the time of all others.

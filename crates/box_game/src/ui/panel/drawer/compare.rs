@@ -1,10 +1,10 @@
-//! Error and energy of every trajectory over time, with a common time axis and cursor, and vertical
-//! lines where something happened.
+//! Error and energy of every trajectory over time, with a common time axis and cursor, and marks
+//! where something happened.
 
 use bevy_egui::egui::{
-    Align2, Color32, FontId, Label, Rect, RichText, Sense, Theme, Ui, pos2, vec2,
+    Align2, Color32, FontId, Label, Rect, RichText, Sense, Stroke, Theme, Ui, pos2, vec2,
 };
-use egui_plot::{Axis, HLine, LineStyle, PlotPoint, PlotUi, Span, Text, VLine};
+use egui_plot::{Axis, HLine, LineStyle, PlotPoint, PlotTransform, PlotUi, Span, Text, VLine};
 
 use super::super::axis::{from_axis, to_axis};
 use super::super::format::number;
@@ -23,7 +23,9 @@ const ROOM_FOR_BARS: f32 = 760.0;
 /// Height of the time axis, and width of a letter of the upright axis's label [points].
 const AXIS: f32 = 36.0;
 const LETTER: f32 = 5.6;
-/// Marks of the time axis that are shown at most.
+/// Height of the tick of a contact or flip [points].
+const TICK: f32 = 8.0;
+/// Lines of events that are shown at most.
 const MOST_RULES: usize = 200;
 /// The common axis of all curves.
 const TIME: &str = "time of the trajectories";
@@ -200,14 +202,15 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
             }
         }
     };
-    let response = plot.show(ui, draw).response;
+    let shown = plot.show(ui, draw);
+    ticks(ui, &shown.transform, view);
     let figures = view.trajectories.iter().map(|trajectory| {
         let figure = number(scale * trajectory.get(quantity));
         format!("{} {figure}", trajectory.integrator.name())
     });
     let figures = figures.collect::<Vec<_>>().join(", ");
     let words = format!("{label} over simulated time, now {figures}");
-    describe(&response, &words);
+    describe(&shown.response, &words);
 }
 
 /// On a logarithmic axis of errors: the floor of rounding, and the band in which an error can be seen.
@@ -226,15 +229,17 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
     // At the oldest sample: at the plot's edge a text would widen the plot in every frame.
     for (text, at) in [("rounding", ROUNDING), ("visible to the eye", visible)] {
         let place = PlotPoint::new(start, to_axis(at));
-        let label = Text::new(text, place, RichText::new(text).small());
+        // Spaces keep it off the curves, which rise from there.
+        let label = Text::new(text, place, RichText::new(format!("  {text}")).small());
         plot.text(label.anchor(Align2::LEFT_BOTTOM).allow_hover(false));
     }
 }
 
-/// Name and color of the line of an event.
+/// Name and color of an event.
 const fn looks(kind: RuleKind) -> (&'static str, [u8; 3]) {
     match kind {
-        RuleKind::Contact => ("contact", [105; 3]),
+        RuleKind::Contact => ("contact", [140; 3]),
+        RuleKind::Flip => ("flip", [180; 3]),
         RuleKind::Input => ("push or change", [150, 110, 150]),
         RuleKind::Step => ("dt changed", [90, 140, 170]),
         RuleKind::Integrator => ("integrator changed", [170, 140, 80]),
@@ -242,18 +247,36 @@ const fn looks(kind: RuleKind) -> (&'static str, [u8; 3]) {
     }
 }
 
-/// A thin line for each event since `start`.
+/// Contacts and flips repeat: ticks do not cover the curves.
+const fn repeats(kind: RuleKind) -> bool {
+    matches!(kind, RuleKind::Contact | RuleKind::Flip)
+}
+
+/// A dashed line for each other event since `start`.
 fn rules(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
-    let newest = view.rules.len().saturating_sub(MOST_RULES);
-    for rule in view.rules[newest..].iter().filter(|r| r.t >= start) {
+    let lines = view.rules.iter().filter(|r| !repeats(r.kind));
+    for rule in lines.rev().take(MOST_RULES).filter(|r| r.t >= start) {
         let (name, rgb) = looks(rule.kind);
         let color = style::ink(rgb, plot.ctx().theme());
-        let dash = match rule.kind {
-            RuleKind::Contact => LineStyle::Solid,
-            _ => LineStyle::Dashed { length: 4.0 },
-        };
         let line = VLine::new(name, rule.t).color(color).width(1.0);
-        plot.vline(line.style(dash).allow_hover(false));
+        let dashed = line.style(LineStyle::Dashed { length: 4.0 });
+        plot.vline(dashed.allow_hover(false));
+    }
+}
+
+/// A tick at the top edge for each contact and flip.
+fn ticks(ui: &Ui, transform: &PlotTransform, view: &CompareView) {
+    let frame = *transform.frame();
+    let painter = ui.painter_at(frame);
+    for rule in view.rules.iter().filter(|r| repeats(r.kind)) {
+        let x = transform
+            .position_from_point(&PlotPoint::new(rule.t, 0.0))
+            .x;
+        if frame.x_range().contains(x) {
+            let color = style::ink(looks(rule.kind).1, ui.ctx().theme());
+            let tick = frame.top()..=frame.top() + TICK;
+            painter.vline(x, tick, Stroke::new(2.0, color));
+        }
     }
 }
 

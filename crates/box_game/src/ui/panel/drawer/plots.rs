@@ -114,8 +114,8 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
             });
         let draw = |plot: &mut PlotUi<'_>| {
             for (name, points, looks) in [
-                ("● this process", process, style::PROCESS),
-                ("○ whole system", system, style::SYSTEM),
+                ("this process", process, style::PROCESS),
+                ("whole system", system, style::SYSTEM),
             ] {
                 line(plot, name, &decimate(MAX_POINTS, &points), looks, 2.0);
             }

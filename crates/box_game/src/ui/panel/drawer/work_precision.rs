@@ -1,9 +1,9 @@
 //! Error against cost, both logarithmic: down and left is better. The dots are the comparisons as they run;
 //! the lines are the sweep over step sizes.
 
-use bevy_egui::egui::{ProgressBar, RichText, Ui, vec2};
+use bevy_egui::egui::{Align2, ProgressBar, RichText, Ui, vec2};
 use box_scenarios::statistics::Fitted;
-use egui_plot::{Line, PlotPoints, PlotUi, Points};
+use egui_plot::{Line, PlotPoint, PlotPoints, PlotUi, Points, Text as PlotText};
 
 use super::super::axis::{from_axis, to_axis};
 use super::super::decimate::segments;
@@ -18,6 +18,8 @@ use crate::view::style;
 /// Width of the legend beside the plot, and what the plot keeps beside it [points].
 const LEGEND: f32 = 235.0;
 const PLOT: f32 = 260.0;
+/// On more lines than this, marks of the usual step size would cover each other.
+const MARKED: usize = 4;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
@@ -99,6 +101,15 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                 plot.line(line.color(looks.ink(theme)).style(looks.dash));
                 let dots = Points::new(&name, PlotPoints::new(stretch.to_vec())).radius(3.5);
                 plot.points(dots.shape(looks.marker).color(looks.ink(theme)));
+            }
+        }
+        for sweep in view.sweep.lines.iter().take(MARKED) {
+            let usual = |p: &&SweepPoint| (60.0 * p.dt - 1.0).abs() < 1e-6;
+            let at = sweep.points.iter().find(usual).map(|p| place(p, position));
+            if let Some([x, y]) = at.filter(|at| at.iter().all(|v| v.is_finite())) {
+                let words = RichText::new("  1/60 s").small();
+                let mark = PlotText::new("dt", PlotPoint::new(x, y), words);
+                plot.text(mark.anchor(Align2::LEFT_CENTER).allow_hover(false));
             }
         }
         for trajectory in &view.trajectories {

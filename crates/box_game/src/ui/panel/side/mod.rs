@@ -7,10 +7,11 @@ use bevy_egui::egui::{CollapsingHeader, Grid, Label, ScrollArea, Ui, style::Scro
 
 use super::format::{grouped, quantity};
 use super::view::FIGURES;
-use super::widgets::{Panel, id_of, identify, text};
+use super::widgets::{Panel, id_of, identify, mark, text};
 use crate::action::Action;
+use crate::parameters::Parameter;
 use crate::platform;
-use parameters::{load, push, size, step, world};
+use parameters::{BOX, WORLD, load, push, size, step, world};
 
 /// Heading, whether it is open at first, and content of each section.
 const SECTIONS: [(&str, bool, fn(&mut Ui, &mut Panel<'_>)); 9] = [
@@ -27,11 +28,16 @@ const SECTIONS: [(&str, bool, fn(&mut Ui, &mut Panel<'_>)); 9] = [
 
 /// Draws every section.
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let now = ui.input(|i| i.time);
+    let marked = &mut panel.memory.marked;
+    marked.take_if(|(_, until)| *until < now);
+    let marked = marked.map(|(name, _)| section_of(name));
     // A bar of its own beside the widgets, not over them.
     ui.spacing_mut().scroll = ScrollStyle::solid();
     let sections = |ui: &mut Ui| {
         for (title, open, content) in SECTIONS {
             let header = CollapsingHeader::new(title).default_open(open || panel.memory.all_open);
+            let header = header.open((marked == Some(title)).then_some(true));
             let header = header.show_unindented(ui, |ui| {
                 content(ui, panel);
                 ui.add_space(4.0);
@@ -41,6 +47,19 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     };
     let area = ScrollArea::vertical().auto_shrink([false, false]);
     area.show(ui, sections);
+}
+
+/// The section with this parameter or figure.
+fn section_of(name: &str) -> &'static str {
+    let parameter = Parameter::ALL.into_iter().find(|p| p.info().label == name);
+    match parameter {
+        None => "NOW",
+        Some(Parameter::Impulse) => "PUSH",
+        Some(Parameter::Boxes) => "LOAD",
+        Some(p) if WORLD.contains(&p) => "WORLD",
+        Some(p) if BOX.contains(&p) => "BOX",
+        Some(_) => "STEP",
+    }
 }
 
 /// What is drawn.
@@ -94,8 +113,9 @@ fn now(ui: &mut Ui, panel: &mut Panel<'_>) {
     let grid = Grid::new("now").num_columns(2).spacing([12.0, 2.0]);
     grid.show(ui, |ui| {
         for ((name, unit), value) in FIGURES.into_iter().zip(view.figures) {
-            ui.label(name);
-            ui.monospace(format!("{:>10} {unit}", quantity(value)));
+            let label = ui.label(name);
+            let value = ui.monospace(format!("{:>10} {unit}", quantity(value)));
+            mark(ui, panel.memory, name, &(label | value));
             ui.end_row();
         }
         let fallbacks = "Body-steps taken by split because the integrator is not applicable.";

@@ -5,7 +5,7 @@ use box_physics::prelude::DVec3;
 
 use super::super::format::{number, step_size};
 use super::super::row::row;
-use super::super::widgets::{Panel, button, identify, text};
+use super::super::widgets::{Panel, button, identify, mark, text};
 use crate::action::{Action, Push};
 use crate::parameters::Parameter;
 
@@ -13,7 +13,7 @@ use crate::parameters::Parameter;
 const RATES: [u32; 4] = [30, 60, 120, 240];
 
 /// Gravity, floor and drag.
-const WORLD: &[Parameter] = &[
+pub(super) const WORLD: &[Parameter] = &[
     Parameter::Gravity,
     Parameter::Restitution,
     Parameter::RestitutionLaw,
@@ -22,7 +22,7 @@ const WORLD: &[Parameter] = &[
     Parameter::AngularDamping,
 ];
 /// Size and mass.
-const BOX: &[Parameter] = &[
+pub(super) const BOX: &[Parameter] = &[
     Parameter::HalfX,
     Parameter::HalfY,
     Parameter::HalfZ,
@@ -55,13 +55,14 @@ fn choices(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
         return;
     };
     let info = parameter.info();
-    ui.horizontal_wrapped(|ui| {
+    let row = ui.horizontal_wrapped(|ui| {
         ui.label(info.label).on_hover_text(info.hint);
         for (k, name) in info.choices.iter().enumerate() {
             let action = Action::Set(parameter, k as f64);
             panel.choice(ui, now == k as f64, text(name, info.hint), action);
         }
     });
+    mark(ui, panel.memory, info.label, &row.response);
 }
 
 /// A button that sets these parameters to the scene's own.

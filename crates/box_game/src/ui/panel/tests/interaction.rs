@@ -1,58 +1,103 @@
 //! Hints, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
 
-use bevy_egui::egui::{Event, Key};
-use box_scenarios::Scenario;
+use std::path::Path;
+
+use bevy_egui::egui::{Event, Key, accesskit::Role};
 use box_scenarios::dissertation::Stepper;
+use box_scenarios::{Scenario, scene_file};
 
 use super::{Person, TALL, demo, id_of, sample_view, with};
+use crate::action::compare::CompareAction;
 use crate::action::{Action, Plot};
 use crate::parameters::Parameters;
+use crate::platform::SHIPPED;
 use crate::ui::panel::PanelMemory;
 
 #[test]
 fn the_lesson_says_what_to_try() {
-    let person = with(|view| view.scenario.hints = ["Press [Push +x].", "Drop it."]);
-    assert!(person.sees("Try: Press Push +x.  ·  Drop it."));
+    let hints = ["Press [Push +x] or [Overlaid].", "Drop [it]."];
+    let mut person = with(|view| view.scenario.hints = hints);
+    // A control's name does not wrap.
+    assert!(person.sees("Try: Press Push\u{a0}+x or Overlaid.  ·  Drop it."));
+    let push = person.click("push +x");
+    assert_eq!((person.click("hint Push +x"), push.len()), (push, 1));
+    assert_eq!(person.click("hint Overlaid"), [], "already so");
+    assert!(!person.has("hint it"), "no control");
     assert!(!with(|_| {}).sees_part("Try:"));
 }
 
-/// Every hint of every scene names a control, in brackets, that is on the panel under this name: a widget, a slider
-/// with its unit, or a figure to read. One that is in a closed section comes after the section's name.
+/// Every hint of every scene names a control, in brackets, and asks for what that control asks for: the one on the panel
+/// with this name, if the view has it. A name of a number shows it, or sets it to the value behind the name.
 #[test]
-fn every_hint_names_a_control() {
-    for scene in Scenario::ALL.iter().map(|build| build()) {
-        let names = |all_open| {
-            let names = [Plot::Error, Plot::WorkPrecision].map(|plot| {
-                let mut view = sample_view();
-                view.parameters = Parameters::of(&scene);
-                view.plot = plot;
-                view.demo = (scene.id == crate::demo_2012::SCENE).then(demo);
-                let memory = PanelMemory {
-                    all_open,
-                    ..PanelMemory::default()
-                };
-                let person = Person::remembering(memory, view, TALL);
-                let names = person.nodes().into_iter().map(|(_, name, _)| name);
-                names.collect::<Vec<_>>()
-            });
-            names.concat()
-        };
-        let (at_first, opened) = (names(false), names(true));
+fn every_hint_does_what_it_names() {
+    let built_in = Scenario::ALL.iter().map(|build| (build(), true));
+    let files = SHIPPED.iter().filter(|(path, _)| path.contains("/scenes/"));
+    let files = files.map(|(path, text)| {
+        let scene = scene_file::parse(Path::new(path), text);
+        (scene.expect("a scene"), false)
+    });
+    for (scene, built_in) in built_in.chain(files) {
+        let mut person = with(|view| {
+            view.parameters = Parameters::of(&scene);
+            view.plot = Plot::Table;
+            view.demo = (scene.id == crate::demo_2012::SCENE).then(demo);
+        });
+        let mut count = 0;
         for hint in scene.hints {
-            let named = format!("{}: '{hint}'", scene.id);
-            let controls: Vec<&str> = hint.split(['[', ']']).skip(1).step_by(2).collect();
-            assert!(!controls.is_empty(), "{named} names no control");
-            let mut section = false;
-            for control in controls {
-                let with_unit = format!("{control} [");
-                let is_it = |n: &String| n == control || n.starts_with(&with_unit);
-                let seen = at_first.iter().any(is_it);
-                let there = seen || section && opened.iter().any(is_it);
-                assert!(there, "{named}: no control '{control}'");
-                section |= ["Add or switch", "NOW", "LOAD"].contains(&control);
+            person.view().scenario.hints = [hint, ""];
+            person.look();
+            let names: Vec<&str> = hint.split(['[', ']']).skip(1).step_by(2).collect();
+            assert!(!built_in || !names.is_empty(), "{}: '{hint}'", scene.id);
+            for name in names {
+                count += 1;
+                let at = format!("{}: '{hint}': '{name}'", scene.id);
+                assert!(person.has(&format!("hint {name}")), "{at}");
+                let asked = person.click(&format!("hint {name}"));
+                let marked = person.harness.state_mut().memory.marked.take();
+                if let Some((marked, _)) = marked {
+                    assert_eq!((marked, asked), (name, vec![]), "{at}");
+                    continue;
+                }
+                let compare = person.control(&format!("Compare {name}"));
+                match compare.or_else(|| person.control(name)) {
+                    Some(control) => assert_eq!(asked, person.click(&control), "{at}"),
+                    None => match &asked[..] {
+                        [Action::Set(parameter, _)] => {
+                            assert!(name.starts_with(parameter.info().label), "{at}");
+                        }
+                        [Action::SelectScene(id)] => {
+                            let title = Scenario::find(id).expect("a scene").title;
+                            assert_eq!(title, name);
+                        }
+                        sweep => {
+                            let tab = Action::SelectPlot(Plot::WorkPrecision);
+                            assert_eq!(sweep, [tab, CompareAction::StartSweep.into()], "{at}");
+                        }
+                    },
+                }
             }
         }
+        assert!(count > 0, "{} names no control", scene.id);
     }
+}
+
+/// A number in a closed section is shown, and marked for a while.
+#[test]
+fn a_hint_opens_the_section_of_its_number() {
+    let mut view = sample_view();
+    view.scenario.hints = ["Read [Speed |v|].", "Raise [Mass]."];
+    let mut person = Person::remembering(PanelMemory::default(), view, TALL);
+    let figure = |person: &Person| {
+        let mut nodes = person.nodes().into_iter();
+        nodes.any(|(role, name, _)| role == Role::Label && name == "Speed |v|")
+    };
+    assert!(!figure(&person) && !person.has("mass"));
+    assert_eq!(person.click("hint Speed |v|"), []);
+    assert!(figure(&person));
+    assert_eq!(person.click("hint Mass"), []);
+    assert!(person.has("mass"));
+    (0..5).for_each(|_| person.look());
+    assert_eq!(person.harness.state().memory.marked, None);
 }
 
 #[test]

@@ -55,6 +55,7 @@ fn long() -> PanelView {
     }
     let kinds = [
         RuleKind::Contact,
+        RuleKind::Flip,
         RuleKind::Input,
         RuleKind::Step,
         RuleKind::Integrator,
@@ -110,9 +111,10 @@ fn check_layout(person: &Person, size: Vec2, what: &str) {
             let common = rect.shrink(1.0).intersect(there.shrink(1.0));
             // What is scrolled aside is out of sight.
             let hidden = aside || scrolls(&layout, *there, plot)[0];
-            // This plot has its legend inside.
-            let legend = [name, other].iter().any(|n| n.starts_with("CPU usage"));
-            let apart = hidden || legend || !common.is_positive();
+            // This plot has its legend inside, and hints their buttons.
+            let holds = |n: &String| ["CPU usage", "Try: "].iter().any(|s| n.starts_with(s));
+            let inside = holds(name) || holds(other);
+            let apart = hidden || inside || !common.is_positive();
             assert!(apart, "{what}: {name} at {rect:?} and {other} at {there:?}");
         }
     }

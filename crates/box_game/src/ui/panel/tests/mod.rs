@@ -122,6 +122,13 @@ impl Person {
         self.harness.query_all(by_id(id)).next().is_some()
     }
 
+    /// The id of the control with this name, outside of hints.
+    fn control(&self, name: &str) -> Option<String> {
+        let nodes = self.harness.query_all_by_label(name);
+        let mut ids = nodes.filter_map(|n| n.accesskit_node().author_id().map(str::to_owned));
+        ids.find(|id| !id.starts_with("hint "))
+    }
+
     fn sees(&self, name: &str) -> bool {
         self.harness.query_all_by_label(name).next().is_some()
     }
