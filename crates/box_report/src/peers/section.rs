@@ -35,7 +35,8 @@ pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
         ID,
         TITLE,
         format!(
-            "The same boxes in other engines with their default settings; box–box collisions are off. {} on {m}. \
+            "The same boxes in other engines; floor and boxes have the same friction and restitution in all, box–box collisions \
+             are off, other settings are the defaults. *Fine*: ten times the default number of substeps. {} on {m}. \
              To repeat: `cargo box-report peers`.",
             if fresh {
                 "Measured in this run"
@@ -209,8 +210,11 @@ fn look(id: &str) -> Style {
     let (color, dash, marker) = match id {
         OURS => return box_scenarios::style(Integrator::Split),
         "avian" => ([0x00, 0x72, 0xB2], Dash::Solid, Marker::Up),
-        "rapier" => ([0x00, 0x9E, 0x73], Dash::Dashed, Marker::Square),
-        "box3d" => ([0xCC, 0x79, 0xA7], Dash::Dotted, Marker::Diamond),
+        "avian-fine" => ([0x00, 0x72, 0xB2], Dash::Dotted, Marker::Up),
+        "rapier" => ([0x00, 0x9E, 0x73], Dash::Solid, Marker::Square),
+        "rapier-fine" => ([0x00, 0x9E, 0x73], Dash::Dotted, Marker::Square),
+        "box3d" => ([0xCC, 0x79, 0xA7], Dash::Solid, Marker::Diamond),
+        "box3d-fine" => ([0xCC, 0x79, 0xA7], Dash::Dotted, Marker::Diamond),
         _ => return plain(Dash::Solid, Marker::Cross),
     };
     Style {
@@ -271,7 +275,8 @@ fn verdicts(measured: &Measured) -> Vec<String> {
     let cheaper: Vec<String> = situations
         .iter()
         .filter_map(|s| {
-            let others = measured.engines.iter().filter_map(|e| {
+            let others = measured.engines.iter().filter(|e| !e.id.starts_with(OURS));
+            let others = others.filter_map(|e| {
                 let (_, ratio) = s.alone(&e.id)?;
                 let name = e.full_name();
                 (ratio < 1.0).then(|| format!("{name} {}×", text::significant(ratio, 2)))

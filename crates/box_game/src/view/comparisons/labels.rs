@@ -202,6 +202,7 @@ fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label>
             } else {
                 t.place(seen.tip)
             }),
+            stacked: false,
         };
         let near = |other: &&mut Label| {
             let distance = other.at.zip(label.at).map(|(a, b)| a.distance(b));
