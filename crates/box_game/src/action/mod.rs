@@ -31,20 +31,16 @@ pub enum ActionSystems {
 }
 
 /// Triggers the requested actions, one after the other.
-pub struct ActionPlugin;
-
-impl Plugin for ActionPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Actions>()
-            .configure_sets(
-                PreUpdate,
-                (ActionSystems::Request, ActionSystems::Trigger)
-                    .chain()
-                    .after(InputSystems),
-            )
-            .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger))
-            .add_observer(quit);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Actions>()
+        .configure_sets(
+            PreUpdate,
+            (ActionSystems::Request, ActionSystems::Trigger)
+                .chain()
+                .after(InputSystems),
+        )
+        .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger))
+        .add_observer(quit);
 }
 
 /// Triggers the requested actions.

@@ -19,50 +19,42 @@ use crate::scene::library::{self, SceneLibrary};
 use crate::scene::session::Session;
 use crate::scene::start::start_scene;
 
-/// Starts the scene of the command line, and ends the program as it says. Add it last.
-pub struct CommandLinePlugin {
-    /// The command line.
-    pub cli: Cli,
-}
-
-impl Plugin for CommandLinePlugin {
-    fn build(&self, app: &mut App) {
-        let cli = &self.cli;
-        let id = cli.scene.as_deref().unwrap_or(Scenario::ALL[0]().id);
-        let library = SceneLibrary::shipped(library::file_path(id));
-        // The command line has checked it.
-        let scenario = library.find(id).unwrap_or_default();
-        let mut session = Session::new(scenario, cli.seed);
-        session.plot = cli.plot.unwrap_or(session.scenario.view.plot);
-        for (parameter, value) in cli.parameters() {
-            if let Err(error) = session.parameters.set(parameter, value) {
-                session.notice(error);
-            }
+/// Starts the scene of the command line, and ends the program as it says. Call it last.
+pub fn start(app: &mut App, cli: &Cli) {
+    let id = cli.scene.as_deref().unwrap_or(Scenario::ALL[0]().id);
+    let library = SceneLibrary::shipped(library::file_path(id));
+    // The command line has checked it.
+    let scenario = library.find(id).unwrap_or_default();
+    let mut session = Session::new(scenario, cli.seed);
+    session.plot = cli.plot.unwrap_or(session.scenario.view.plot);
+    for (parameter, value) in cli.parameters() {
+        if let Err(error) = session.parameters.set(parameter, value) {
+            session.notice(error);
         }
-        if let Some(scale) = cli.ui_scale {
-            app.world_mut().resource_mut::<Preferences>().ui_scale = scale;
-        }
-        let mut comparison = match cli.integrator.as_slice() {
-            [_, others @ ..] => Comparison::with_comparisons(session.scenario.id, others),
-            [] => Comparison::default(),
-        };
-        comparison.settings.layout = cli.layout;
-        if let Some(&integrator) = cli.integrator.first() {
-            app.insert_resource(GlobalIntegrator(integrator));
-        }
-        if cli.plot == Some(Plot::WorkPrecision) {
-            comparison.request_sweep();
-        }
-        app.insert_resource(session)
-            .insert_resource(library)
-            .insert_resource(comparison)
-            .insert_resource(cli.clone())
-            .add_observer(command_line::on_action)
-            .add_systems(Update, end);
-        set_step(app.world_mut());
-        set_speed(app.world_mut(), cli.speed);
-        start_scene(app.world_mut());
     }
+    if let Some(scale) = cli.ui_scale {
+        app.world_mut().resource_mut::<Preferences>().ui_scale = scale;
+    }
+    let mut comparison = match cli.integrator.as_slice() {
+        [_, others @ ..] => Comparison::with_comparisons(session.scenario.id, others),
+        [] => Comparison::default(),
+    };
+    comparison.settings.layout = cli.layout;
+    if let Some(&integrator) = cli.integrator.first() {
+        app.insert_resource(GlobalIntegrator(integrator));
+    }
+    if cli.plot == Some(Plot::WorkPrecision) {
+        comparison.request_sweep();
+    }
+    app.insert_resource(session)
+        .insert_resource(library)
+        .insert_resource(comparison)
+        .insert_resource(cli.clone())
+        .add_observer(command_line::on_action)
+        .add_systems(Update, end);
+    set_step(app.world_mut());
+    set_speed(app.world_mut(), cli.speed);
+    start_scene(app.world_mut());
 }
 
 /// Opens the log and the script of the command line.

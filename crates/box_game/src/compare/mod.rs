@@ -8,7 +8,7 @@
 //!   memory.
 //! - `input`: what is done to all alike.
 //! - [`sweep`]: work–precision in its own thread; `view`: what the panel shows.
-//! - [`plugin`]: the Bevy side, [`ComparePlugin`].
+//! - [`plugin`]: the Bevy side, its plugin.
 
 mod copy;
 pub(crate) mod fill;
@@ -33,7 +33,6 @@ use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
-pub use plugin::ComparePlugin;
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
 pub use view::Settings;

@@ -20,28 +20,24 @@ use crate::compare::sampling::IntegratorSamples;
 use crate::scene::session::{MainBox, Session};
 
 /// Compares the main box, a body marked [`MainBox`], with other integrators. Needs `PhysicsPlugins`.
-pub struct ComparePlugin;
-
-impl Plugin for ComparePlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Comparison>()
-            .add_observer(on_action)
-            .add_systems(FixedPostUpdate, collect_pushes.ambiguous_with_all())
-            .add_systems(
-                PhysicsSchedule,
-                (
-                    collect_pushes
-                        .in_set(PhysicsSystems::First)
-                        .ambiguous_with_all(),
-                    before_step
-                        .after(PhysicsSystems::Forces)
-                        .before(PhysicsSystems::Integrate)
-                        .ambiguous_with_all(),
-                    after_step.in_set(PhysicsSystems::Last).ambiguous_with_all(),
-                ),
-            )
-            .add_systems(Update, follow);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Comparison>()
+        .add_observer(on_action)
+        .add_systems(FixedPostUpdate, collect_pushes.ambiguous_with_all())
+        .add_systems(
+            PhysicsSchedule,
+            (
+                collect_pushes
+                    .in_set(PhysicsSystems::First)
+                    .ambiguous_with_all(),
+                before_step
+                    .after(PhysicsSystems::Forces)
+                    .before(PhysicsSystems::Integrate)
+                    .ambiguous_with_all(),
+                after_step.in_set(PhysicsSystems::Last).ambiguous_with_all(),
+            ),
+        )
+        .add_systems(Update, follow);
 }
 
 /// Observes the actions of the comparison.

@@ -29,27 +29,23 @@ pub const FAULTS: [&str; 5] = [
 ];
 
 /// Moves the main box by the demo in its scene.
-pub struct Demo2012Plugin;
-
-impl Plugin for Demo2012Plugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Demo2012>()
-            .add_observer(on_action)
-            .add_observer(|opened: On<SceneOpened>, mut demo: ResMut<Demo2012>| {
-                if opened.new {
-                    demo.stepper = Demo2012::default().stepper;
-                }
-            })
-            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| {
-                (demo.state, demo.fault, demo.pushes) = (None, 0, 0);
-            })
-            .add_systems(
-                PhysicsSchedule,
-                run_cycle
-                    .after(PhysicsSystems::Writeback)
-                    .before(PhysicsSystems::Last),
-            );
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Demo2012>()
+        .add_observer(on_action)
+        .add_observer(|opened: On<SceneOpened>, mut demo: ResMut<Demo2012>| {
+            if opened.new {
+                demo.stepper = Demo2012::default().stepper;
+            }
+        })
+        .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| {
+            (demo.state, demo.fault, demo.pushes) = (None, 0, 0);
+        })
+        .add_systems(
+            PhysicsSchedule,
+            run_cycle
+                .after(PhysicsSystems::Writeback)
+                .before(PhysicsSystems::Last),
+        );
 }
 
 /// Observes the choice of a stepper and the switch of the log.

@@ -39,13 +39,9 @@ const MOST: Duration = Duration::from_millis(8);
 const HISTORY: usize = 3600;
 
 /// Times every integrator live.
-pub struct SamplingPlugin;
-
-impl Plugin for SamplingPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<IntegratorSamples>()
-            .add_systems(Update, sample_integrators);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<IntegratorSamples>()
+        .add_systems(Update, sample_integrators);
 }
 
 /// The recent samples of every integrator and of the plugin.
