@@ -192,11 +192,14 @@ fn apply(world: &mut World, action: CompareAction) {
         CompareAction::CompareAll => comparison.choose(Integrator::ALL.iter().copied()),
         CompareAction::CompareNone => comparison.choose([]),
         CompareAction::SetLayout(layout) => settings.layout = layout,
-        CompareAction::NextLayout => settings.layout = settings.layout.next(),
+        CompareAction::NextLayout => {
+            let next = (settings.layout as usize + 1) % Layout::ALL.len();
+            settings.layout = Layout::ALL[next].0;
+        }
         CompareAction::ToggleComparisons => {
             settings.layout = match settings.layout {
                 Layout::Solo => Layout::Overlaid,
-                Layout::Overlaid | Layout::SideBySide | Layout::Views => Layout::Solo,
+                _ => Layout::Solo,
             };
         }
         CompareAction::SetFairness(fairness) => settings.fairness = fairness,
