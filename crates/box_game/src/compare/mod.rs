@@ -11,7 +11,6 @@
 //! - [`plugin`]: the Bevy side, its plugin.
 
 mod copy;
-pub(crate) mod fill;
 pub mod flips;
 pub mod headless;
 mod input;

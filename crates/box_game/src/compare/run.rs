@@ -3,9 +3,6 @@
 
 mod past;
 mod ranking;
-mod rule;
-
-pub use rule::{Rule, RuleKind};
 
 use std::collections::VecDeque;
 use std::iter;
@@ -33,6 +30,32 @@ const RULES: usize = 512;
 const RULE_SPACING: f64 = 0.02;
 /// Simulation steps between two looks at the clock.
 const BATCH: u32 = 16;
+
+/// What a mark in the plots stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RuleKind {
+    /// The main box met the floor.
+    Contact,
+    /// The reference turned over.
+    Flip,
+    /// A push, a changed parameter, a placing by hand.
+    Input,
+    /// Another step size.
+    Step,
+    /// The main box got another integrator.
+    Integrator,
+    /// The comparisons were put into the reference's state.
+    Resync,
+}
+
+/// A mark in the plots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Simulated time \[s\].
+    pub t: f64,
+    /// What happened.
+    pub kind: RuleKind,
+}
 
 /// See the module.
 #[derive(Clone, Debug)]

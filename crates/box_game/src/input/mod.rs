@@ -1,6 +1,5 @@
 //! Keyboard, gamepad and scripts: sources of [`Action`](crate::action::Action)s.
 
-pub mod focus;
 #[cfg(feature = "gamepad")]
 mod gamepad;
 mod keys;
@@ -12,7 +11,7 @@ use crate::action::ActionSystems;
 
 /// Requests actions from scripts, keys and gamepads.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<focus::UiFocus>()
+    app.init_resource::<UiFocus>()
         .init_resource::<script::PendingPictures>()
         .add_systems(
             PreUpdate,
@@ -27,4 +26,15 @@ pub fn plugin(app: &mut App) {
             .after(keys::read_keys)
             .in_set(ActionSystems::Request),
     );
+}
+
+/// Focus of keyboard and mouse on the panel.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UiFocus {
+    /// A text field has the focus and takes letters.
+    pub text: bool,
+    /// A widget has the focus and takes Space, Enter and arrows.
+    pub widget: bool,
+    /// The pointer is over the panel, or the panel holds it.
+    pub pointer: bool,
 }

@@ -8,7 +8,7 @@ use super::grab::Grip;
 use super::pick::{Hit, hit};
 use super::pointer::Pointer;
 use crate::action::{Action, Actions, Hold, Poke};
-use crate::input::focus::UiFocus;
+use crate::input::UiFocus;
 use crate::scene::session::{MainBox, Session};
 
 /// A press that moves farther than this is a drag [logical pixels].

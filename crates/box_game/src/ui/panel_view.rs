@@ -12,8 +12,8 @@ use box_physics::prelude::{
 use box_scenarios::Status;
 
 use crate::compare::Comparison;
-use crate::compare::fill::compare_view;
 use crate::compare::sampling::IntegratorSamples;
+use crate::compare::view::compare_view;
 use crate::demo_2012::Demo2012;
 use crate::interaction::undo::UndoStack;
 use crate::platform;
