@@ -43,9 +43,7 @@ pub fn start(app: &mut App, cli: &Cli) {
     if let Some(&integrator) = cli.integrator.first() {
         app.insert_resource(GlobalIntegrator(integrator));
     }
-    if cli.plot == Some(Plot::WorkPrecision) {
-        comparison.request_sweep();
-    }
+    comparison.sweep_requested = cli.plot == Some(Plot::WorkPrecision);
     app.insert_resource(session)
         .insert_resource(library)
         .insert_resource(comparison)

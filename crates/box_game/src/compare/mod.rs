@@ -60,7 +60,7 @@ pub struct Comparison {
     /// The sweep.
     pub sweep: Sweep,
     /// A sweep was asked for. It starts when the scene has.
-    sweep_requested: bool,
+    pub sweep_requested: bool,
     /// What simulating and measuring cost in the last frame \[ms\].
     pub comparisons_ms: f64,
     chosen: Vec<Integrator>,
@@ -88,11 +88,6 @@ impl Comparison {
     /// A sweep runs, or begins in this frame.
     pub fn is_sweeping(&self) -> bool {
         self.sweep_requested || self.sweep.is_running()
-    }
-
-    /// Asks for a sweep of the scene that plays, or is about to.
-    pub fn request_sweep(&mut self) {
-        self.sweep_requested = true;
     }
 
     /// The compared integrators, in the order of the menu. The main box's own waits.

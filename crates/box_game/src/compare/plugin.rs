@@ -207,7 +207,7 @@ fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLogarithmic => settings.logarithmic ^= true,
         CompareAction::ToggleLogarithmicEnergy => settings.logarithmic_energy ^= true,
         CompareAction::ToggleLocal => settings.local ^= true,
-        CompareAction::StartSweep => comparison.request_sweep(),
+        CompareAction::StartSweep => comparison.sweep_requested = true,
         CompareAction::CancelSweep => comparison.sweep.cancel(),
         CompareAction::Resync | CompareAction::Copy => {}
     }
@@ -217,7 +217,7 @@ fn apply(world: &mut World, action: CompareAction) {
 fn start_sweep(world: &mut World) {
     let session = world.resource::<Session>();
     let (setup, truth) = (session.setup(), session.truth.clone());
-    let grain = world.resource::<IntegratorSamples>().grain();
+    let grain = world.resource::<IntegratorSamples>().grain;
     let boxes = world.query::<&RigidBox>().iter(world).count();
     let mut comparison = world.resource_mut::<Comparison>();
     let Some(run) = &comparison.run else {

@@ -113,16 +113,13 @@ pub struct PendingPictures(pub u32);
 
 /// Requests the actions that are due.
 pub fn play(
-    script: Option<ResMut<Script>>,
+    mut script: If<ResMut<Script>>,
     time: Res<Time<Real>>,
     pending: Res<PendingPictures>,
     comparison: Res<Comparison>,
     mut actions: ResMut<Actions>,
     mut exit: MessageWriter<AppExit>,
 ) {
-    let Some(mut script) = script else {
-        return;
-    };
     let now = time.elapsed_secs_f64();
     let began = *script.began.get_or_insert(now);
     let mut asking = false;

@@ -186,7 +186,6 @@ pub fn scene_folder() -> PathBuf {
 }
 
 /// Work beside the frames, in a thread.
-#[derive(Debug)]
 pub struct Worker(JoinHandle<()>);
 
 impl Worker {

@@ -296,12 +296,6 @@ pub struct Worker {
     running: bool,
 }
 
-impl core::fmt::Debug for Worker {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "running: {}", self.running)
-    }
-}
-
 impl Worker {
     /// Calls `work` once in each frame until it returns `false`.
     pub fn spawn(work: impl FnMut() -> bool + Send + 'static) -> io::Result<Self> {

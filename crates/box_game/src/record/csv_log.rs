@@ -74,9 +74,11 @@ fn id<S: serde::Serializer>(status: &Status, serializer: S) -> Result<S::Ok, S::
 /// An open log.
 #[derive(Resource)]
 pub struct CsvLog {
-    path: PathBuf,
+    /// Full path.
+    pub path: PathBuf,
+    /// Rows written.
+    pub rows: u64,
     file: Stream,
-    rows: u64,
     synced: Instant,
 }
 
@@ -99,20 +101,10 @@ impl CsvLog {
         let path = platform::absolute(path).map_err(named)?;
         Ok(Self {
             path,
-            file,
             rows: 0,
+            file,
             synced: Instant::now(),
         })
-    }
-
-    /// Full path.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Rows written.
-    pub fn rows(&self) -> u64 {
-        self.rows
     }
 
     /// Writes one row.

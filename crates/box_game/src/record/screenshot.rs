@@ -70,13 +70,10 @@ pub(crate) struct Capture<'w, 's> {
 
 /// Takes the requested picture.
 pub(crate) fn take_screenshot(
-    request: Option<Res<ScreenshotRequest>>,
+    request: If<Res<ScreenshotRequest>>,
     plot: Res<PlotArea>,
     mut capture: Capture,
 ) {
-    let Some(request) = request else {
-        return;
-    };
     capture.commands.remove_resource::<ScreenshotRequest>();
     let name = if request.plot { "plot" } else { "box_game" };
     // A file that was named needs no notice, which would be in the next picture.
@@ -94,10 +91,7 @@ pub(crate) fn take_screenshot(
 }
 
 /// Takes the pictures of a series that are due.
-pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
-    let Some(mut filming) = filming else {
-        return;
-    };
+pub(crate) fn film(mut filming: If<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
     let now = time.elapsed_secs_f64();
     let began = *filming.began.get_or_insert(now);
     if now < began + f64::from(filming.taken) / filming.film.rate - 1e-6 {
