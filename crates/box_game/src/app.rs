@@ -61,7 +61,6 @@ pub fn build(cli: &Cli) -> io::Result<App> {
     assemble(cli, renderer(cli.offscreen, cli.size))
 }
 
-/// The game on this renderer.
 fn assemble(cli: &Cli, renderer: PluginGroupBuilder) -> io::Result<App> {
     let (offscreen, size) = (cli.offscreen, cli.size);
     let mut app = App::new();

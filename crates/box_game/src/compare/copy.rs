@@ -35,7 +35,6 @@ fn window_csv(comparison: &Comparison) -> String {
     text
 }
 
-/// The lines of the sweep.
 fn sweep_csv(comparison: &Comparison) -> String {
     let mut text = String::from("integrator,dt_s,pos_err_m,rot_err_deg,cost_ns_per_s\n");
     for line in comparison.sweep.lines() {

@@ -180,7 +180,6 @@ fn follow(
     comparison.advance();
 }
 
-/// Carries out a request.
 fn apply(world: &mut World, action: CompareAction) {
     if action == CompareAction::Resync {
         return resync(world);

@@ -113,7 +113,6 @@ pub(crate) struct SweepView {
     pub lines: Vec<SweepLine>,
 }
 
-/// Which quantities a tab shows.
 fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
     match plot {
         Some(Plot::Error) if settings.local => &[Quantity::LocalPosition, Quantity::LocalAttitude],

@@ -18,7 +18,6 @@ use crate::scene::session::Session;
 /// Interval at which a held push repeats \[s\].
 const REPEAT: f32 = 0.1;
 
-/// The pushes: key and direction.
 const PUSHES: [(KeyCode, DVec3); 6] = [
     (KeyCode::KeyD, DVec3::X),
     (KeyCode::KeyA, DVec3::NEG_X),
@@ -40,7 +39,6 @@ const DIGITS: [KeyCode; 9] = [
     KeyCode::Digit9,
 ];
 
-/// Reads the keyboard.
 pub(super) fn read_keys(
     (keys, characters): (Res<ButtonInput<KeyCode>>, Res<ButtonInput<Key>>),
     focus: Res<UiFocus>,

@@ -26,7 +26,6 @@ pub(crate) enum Hand {
     Idle,
     /// The button went down on the box.
     Pressed {
-        /// The point of the surface.
         hit: Hit,
         /// Place on the screen [logical pixels].
         at: Vec2,

@@ -36,7 +36,6 @@ pub(crate) struct Filming {
     began: Option<f64>,
 }
 
-/// Observes requests for pictures.
 pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
     let (path, plot) = match &*action {
         Action::Screenshot => (None, false),
@@ -68,7 +67,6 @@ pub(crate) struct Capture<'w, 's> {
     commands: Commands<'w, 's>,
 }
 
-/// Takes the requested picture.
 pub(crate) fn take_screenshot(
     request: If<Res<ScreenshotRequest>>,
     plot: Res<PlotArea>,
@@ -135,7 +133,6 @@ impl Capture<'_, '_> {
     }
 }
 
-/// Writes a PNG.
 fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
     let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
     if let Some(URect { min, max }) = area {

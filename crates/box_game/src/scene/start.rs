@@ -155,7 +155,6 @@ pub fn apply_timed_impulses(
     }
 }
 
-/// Sets gravity, floor and walls.
 fn apply_world(world: &mut World, setup: &Setup) {
     world.insert_resource(WorldGravity(setup.forces.gravity));
     apply_walls(world, setup);

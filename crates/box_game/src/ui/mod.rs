@@ -27,7 +27,6 @@ pub fn panel_plugin(app: &mut App) {
         .add_systems(EguiPrimaryContextPass, show);
 }
 
-/// Observes the switches.
 fn switch(action: On<Action>, mut session: ResMut<Session>) {
     match *action {
         Action::ToggleHelp => session.show_help ^= true,

@@ -17,7 +17,6 @@ use crate::preferences::Preferences;
 use crate::record::screenshot::PlotArea;
 use crate::view::renderer::PictureTarget;
 
-/// The camera of the panel.
 #[derive(Component)]
 pub(super) struct PanelCamera;
 

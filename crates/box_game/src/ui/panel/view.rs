@@ -131,7 +131,6 @@ pub(crate) struct HistoryView {
     pub no_cpu: Option<&'static str>,
 }
 
-/// The CSV log being written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LogView {
     pub path: String,

@@ -67,7 +67,6 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) -> Rect {
     place
 }
 
-/// Options of the open tab.
 fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
     let (plot, settings) = (panel.view.plot, &panel.view.compare.settings);
     if plot == Plot::Error {

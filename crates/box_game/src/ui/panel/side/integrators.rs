@@ -14,7 +14,7 @@ use super::super::format::number;
 use super::super::view::PanelView;
 use super::super::widgets::{Panel, Text, button, describe, id_of, identify, note};
 use crate::action::Action;
-use crate::action::compare::{self, CompareAction, Fairness};
+use crate::action::compare::{CompareAction, Fairness, Layout as Layouts};
 use crate::compare::TrajectoryView;
 use crate::compare::verdict::short;
 use crate::view::style;
@@ -222,22 +222,11 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     }
 }
 
-/// Layout, fairness, re-sync.
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
-    let settings = view.settings;
-    panel.choices(
-        ui,
-        settings.layout,
-        compare::Layout::ALL,
-        CompareAction::SetLayout,
-    );
-    panel.choices(
-        ui,
-        settings.fairness,
-        Fairness::ALL,
-        CompareAction::SetFairness,
-    );
+    let now = view.settings;
+    panel.choices(ui, now.layout, Layouts::ALL, CompareAction::SetLayout);
+    panel.choices(ui, now.fairness, Fairness::ALL, CompareAction::SetFairness);
     #[rustfmt::skip]
     let buttons = [
         ("Compare all", "Compare every integrator.", CompareAction::CompareAll),

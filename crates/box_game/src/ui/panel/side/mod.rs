@@ -26,7 +26,6 @@ const SECTIONS: [(&str, bool, fn(&mut Ui, &mut Panel<'_>)); 9] = [
     ("LOG", false, log),
 ];
 
-/// Draws every section.
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let now = ui.input(|i| i.time);
     let marked = &mut panel.memory.marked;
@@ -120,7 +119,6 @@ fn now(ui: &mut Ui, panel: &mut Panel<'_>) {
     });
 }
 
-/// The CSV log.
 fn log(ui: &mut Ui, panel: &mut Panel<'_>) {
     let log = &panel.view.log;
     let name = ["Start log", "Stop log"][usize::from(log.is_some())];

@@ -27,7 +27,6 @@ const SIZES: [(f32, f32); 9] = [
     (1920.0, 1080.0),
 ];
 
-/// Everything at its longest.
 fn long() -> PanelView {
     let mut view = sample_view();
     view.scenario.title = "A scene with a title far longer than any list has room for";
