@@ -16,7 +16,7 @@ use box_game::interaction::rewind::{LONGEST, Rewind};
 use box_game::interaction::undo::UndoStack;
 use box_game::parameters::Parameter;
 use box_game::preferences::{self, Preferences};
-use box_game::scene::library::{SceneCard, SceneLibrary};
+use box_game::scene::library::SceneLibrary;
 use box_game::scene::session::MainBox;
 use box_physics::force::Gravity;
 use box_physics::prelude::*;

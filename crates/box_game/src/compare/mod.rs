@@ -35,7 +35,7 @@ pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
 pub use view::Settings;
-pub(crate) use view::{CompareView, SweepView, TrajectoryView};
+pub(crate) use view::{CompareView, TrajectoryView};
 
 use crate::scene::session::Session;
 use sweep::Sweep;

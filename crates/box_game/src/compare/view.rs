@@ -56,7 +56,10 @@ pub(crate) struct CompareView {
     pub rules: Vec<Rule>,
     /// Whether nothing but inputs should change the energy.
     pub conservative: bool,
-    pub sweep: SweepView,
+    /// The lines of the sweep so far.
+    pub sweep: Vec<SweepLine>,
+    /// Points done of points to do, while the sweep runs.
+    pub sweeping: Option<(u32, u32)>,
     /// What there is to say about this comparison, or nothing.
     pub note: String,
     /// What simulating and measuring the trajectories cost in the last frame \[ms\].
@@ -106,13 +109,6 @@ impl TrajectoryView {
     }
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct SweepView {
-    pub running: bool,
-    pub progress: (u32, u32),
-    pub lines: Vec<SweepLine>,
-}
-
 fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
     match plot {
         Some(Plot::Error) if settings.local => &[Quantity::LocalPosition, Quantity::LocalAttitude],
@@ -133,11 +129,8 @@ pub(crate) fn compare_view(
     let sweep = &comparison.sweep;
     let mut view = CompareView {
         settings,
-        sweep: SweepView {
-            running: sweep.is_running(),
-            progress: sweep.progress(),
-            lines: sweep.lines(),
-        },
+        sweep: sweep.lines(),
+        sweeping: sweep.is_running().then(|| sweep.progress()),
         comparisons_ms: comparison.comparisons_ms,
         ..CompareView::default()
     };

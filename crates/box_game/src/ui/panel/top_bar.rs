@@ -132,9 +132,9 @@ fn readouts(ui: &mut Ui, view: &PanelView, named: bool) {
         }
         _ => {}
     }
-    if let Some(log) = &view.log {
-        let hint = format!("Rows logged to {}", log.path);
-        read(&format!("● REC {}", grouped(log.rows)), &hint);
+    if let Some((path, rows)) = &view.log {
+        let hint = format!("Rows logged to {path}");
+        read(&format!("● REC {}", grouped(*rows)), &hint);
     }
     if view.software_rendering {
         let hint =

@@ -128,9 +128,9 @@ fn log(ui: &mut Ui, panel: &mut Panel<'_>) {
     let name = format!("Copy {what}");
     let hint = format!("Copy the {what} that restores this session to the clipboard.");
     panel.button(ui, text(&name, &hint), Action::CopyCommandLine);
-    if let Some(log) = log {
-        ui.add(Label::new(&log.path).wrap().selectable(true));
-        ui.label(format!("{} rows", grouped(log.rows)));
+    if let Some((path, rows)) = log {
+        ui.add(Label::new(path).wrap().selectable(true));
+        ui.label(format!("{} rows", grouped(*rows)));
     } else {
         ui.label("No log.");
     }
