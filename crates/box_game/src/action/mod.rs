@@ -39,8 +39,7 @@ pub fn plugin(app: &mut App) {
                 .chain()
                 .after(InputSystems),
         )
-        .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger))
-        .add_observer(quit);
+        .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger));
 }
 
 /// Triggers the requested actions.
@@ -48,12 +47,6 @@ pub fn trigger_actions(world: &mut World) {
     for action in core::mem::take(&mut world.resource_mut::<Actions>().0) {
         world.trigger(action);
         world.flush();
-    }
-}
-
-fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
-    if *action == Action::Quit {
-        exit.write(AppExit::Success);
     }
 }
 

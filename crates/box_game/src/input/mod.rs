@@ -11,14 +11,12 @@ use crate::action::ActionSystems;
 
 /// Requests actions from scripts, keys and gamepads.
 pub fn plugin(app: &mut App) {
-    app.init_resource::<UiFocus>()
-        .init_resource::<script::PendingPictures>()
-        .add_systems(
-            PreUpdate,
-            (script::play, keys::read_keys)
-                .chain()
-                .in_set(ActionSystems::Request),
-        );
+    app.init_resource::<UiFocus>().add_systems(
+        PreUpdate,
+        (script::play, keys::read_keys)
+            .chain()
+            .in_set(ActionSystems::Request),
+    );
     #[cfg(feature = "gamepad")]
     app.add_systems(
         PreUpdate,

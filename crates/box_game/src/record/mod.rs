@@ -13,6 +13,7 @@ use crate::compare::plugin::after_step;
 /// The CSV log and the time series of the plots.
 pub fn plugin(app: &mut App) {
     app.init_resource::<history::History>()
+        .init_resource::<screenshot::Pictures>()
         .add_observer(rows::on_action)
         .add_systems(
             PhysicsSchedule,
