@@ -135,14 +135,12 @@ fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
     mut demo: ResMut<Demo2012>,
-    mut main_box: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<MainBox>>,
+    main_box: Single<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<MainBox>>,
 ) {
     let Some(stepper) = demo.active(&session) else {
         return;
     };
-    let Ok((body, mut state, mut transform, mut aabb)) = main_box.single_mut() else {
-        return;
-    };
+    let (body, mut state, mut transform, mut aabb) = main_box.into_inner();
     let demo = &mut *demo;
     let floor = session.scenario.setup.floor.map(|f| f.height);
     let law = Demo::of(body, floor);
