@@ -8,7 +8,7 @@
 //!   memory.
 //! - `input`: what is done to all alike.
 //! - [`sweep`]: work–precision in its own thread; `view`: what the panel shows.
-//! - [`plugin`]: the Bevy side, its plugin.
+//! - [`plugin`]: the Bevy side.
 
 mod copy;
 pub mod flips;

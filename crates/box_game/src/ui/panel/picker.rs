@@ -11,6 +11,7 @@ use super::widgets::{Panel, id_of, identify};
 use crate::action::Action;
 use crate::scene::library::watch;
 
+/// Size of a card [points].
 const CARD: Vec2 = Vec2::new(290.0, 44.0);
 
 /// The menu over everything, if it is open. Arrows go through it, Enter takes one; Esc is left to the game's own keys.
