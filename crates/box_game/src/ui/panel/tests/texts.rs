@@ -118,20 +118,9 @@ fn the_table_has_a_row_for_every_integrator() {
         view.plot = Plot::Table;
         view.timings[1].0 = None;
     });
-    for words in [
-        "min [ns]",
-        "median [ns]",
-        "p95 [ns]",
-        "force evals",
-        "position error [m]",
-        "attitude error [°]",
-        "ΔE/E₀",
-        "Δ|L|/|L₀|",
-        "order",
-        "state",
-        "…",
-        "1.0e-6",
-    ] {
+    let words = "min [ns], median [ns], p95 [ns], force evals, position error [m], attitude error [°], ΔE/E₀, Δ|L|/|L₀|, \
+                 order, state, …, 1.0e-6";
+    for words in words.split(", ") {
         assert!(person.sees(words), "{words}");
     }
     let trajectories = person.view().compare.trajectories.clone();
