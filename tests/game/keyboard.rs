@@ -3,7 +3,7 @@
 use bevy::input::ButtonState;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use box_game::input::focus::UiFocus;
+use box_game::input::UiFocus;
 use box_physics::force::Gravity;
 use box_physics::prelude::*;
 

@@ -62,8 +62,8 @@ fn the_shipped_scene_files_are_in_the_menu_and_play() {
     app.insert_resource(SceneLibrary::new(root, None));
     let scenes = app.world().resource::<SceneLibrary>().scenes().to_vec();
     assert!(scenes.len() >= Scenario::ALL.len() + 3);
-    for SceneCard { id, .. } in scenes.into_iter().skip(Scenario::ALL.len()) {
-        ask(&mut app, Action::SelectScene(id.clone()));
+    for Scenario { id, .. } in scenes.into_iter().skip(Scenario::ALL.len()) {
+        ask(&mut app, Action::SelectScene(id.to_owned()));
         play(&mut app, 30);
         assert_eq!(session(&app).scenario.id, id);
         assert!(main_box(&mut app).is_valid(), "{id}");

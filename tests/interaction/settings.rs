@@ -9,7 +9,7 @@ use box_game::app::GamePlugin;
 #[ignore = "run by the test below, in a process of its own"]
 fn settings_child() {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, InputPlugin, PreferencesPlugin));
+    app.add_plugins((MinimalPlugins, InputPlugin, preferences::plugin));
     app.add_plugins(GamePlugin { cli: cli("throw") });
     app.update();
     let kept = *app.world().resource::<Preferences>();

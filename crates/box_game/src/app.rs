@@ -13,22 +13,12 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_egui::{EguiPlugin, EguiPostUpdateSet};
 use box_physics::prelude::PhysicsPlugins;
 
-use crate::action::ActionPlugin;
-use crate::camera::CameraPlugin;
-use crate::cli::Cli;
-use crate::cli::start::{CommandLinePlugin, open_files};
-use crate::compare::ComparePlugin;
-use crate::compare::sampling::SamplingPlugin;
-use crate::demo_2012::Demo2012Plugin;
-use crate::input::ControlsPlugin;
-use crate::interaction::{InteractionPlugin, MousePlugin};
-use crate::platform;
-use crate::preferences::PreferencesPlugin;
-use crate::record::{PicturesPlugin, RecordPlugin};
-use crate::scene::ScenePlugin;
-use crate::ui::{PanelPlugin, SwitchesPlugin};
-use crate::view::ViewPlugin;
+use crate::cli::{Cli, start};
+use crate::compare::{self, sampling};
 use crate::view::renderer::{TargetPlugin, renderer};
+use crate::{
+    action, camera, demo_2012, input, interaction, platform, preferences, record, scene, ui, view,
+};
 
 /// The whole game but window, picture and panel. Needs time and input; runs in a test under
 /// `MinimalPlugins` and `InputPlugin`.
@@ -41,19 +31,17 @@ impl Plugin for GamePlugin {
     fn build(&self, app: &mut App) {
         app.add_plugins((
             PhysicsPlugins::default(),
-            ActionPlugin,
-            ScenePlugin,
-            ControlsPlugin,
-            InteractionPlugin,
-            Demo2012Plugin,
-            ComparePlugin,
-            SamplingPlugin,
-            RecordPlugin,
-            SwitchesPlugin,
-            CommandLinePlugin {
-                cli: self.cli.clone(),
-            },
+            action::plugin,
+            scene::plugin,
+            input::plugin,
+            interaction::plugin,
+            demo_2012::plugin,
+            compare::plugin::plugin,
+            sampling::plugin,
+            record::plugin,
+            ui::switches_plugin,
         ));
+        start::start(app, &self.cli);
     }
 }
 
@@ -73,14 +61,13 @@ pub fn build(cli: &Cli) -> io::Result<App> {
     assemble(cli, renderer(cli.offscreen, cli.size))
 }
 
-/// The game on this renderer.
 fn assemble(cli: &Cli, renderer: PluginGroupBuilder) -> io::Result<App> {
     let (offscreen, size) = (cli.offscreen, cli.size);
     let mut app = App::new();
     app.add_plugins(renderer);
     // An offscreen picture does not depend on settings of the user.
     if !(cli.no_settings || offscreen) {
-        app.add_plugins(PreferencesPlugin);
+        app.add_plugins(preferences::plugin);
     }
     app.add_plugins((
         EguiPlugin::default(),
@@ -88,11 +75,11 @@ fn assemble(cli: &Cli, renderer: PluginGroupBuilder) -> io::Result<App> {
         platform::plugin,
         GamePlugin { cli: cli.clone() },
         TargetPlugin { offscreen, size },
-        CameraPlugin,
-        ViewPlugin,
-        MousePlugin,
-        PanelPlugin,
-        PicturesPlugin,
+        camera::plugin,
+        view::plugin,
+        interaction::mouse_plugin,
+        ui::panel_plugin,
+        record::pictures_plugin,
     ));
     // Labels follow the camera of this frame. The panel switches cameras on: then each needs its light to be visible, and
     // the light needs cascades. And a new glyph has to reach the screen in the frame that shows it, and so the picture of
@@ -112,7 +99,7 @@ fn assemble(cli: &Cli, renderer: PluginGroupBuilder) -> io::Result<App> {
         app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
             .add_plugins(ScheduleRunnerPlugin::run_loop(core::time::Duration::ZERO));
     }
-    open_files(&mut app, cli)?;
+    start::open_files(&mut app, cli)?;
     Ok(app)
 }
 

@@ -19,17 +19,9 @@ pub mod scene;
 pub mod ui;
 pub mod view;
 
-/// The programs of the README are compiled, and those without a window run.
+/// The programs of README, guide and migration page are compiled, and those without a window run.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
-struct Readme;
-
-/// The code blocks of the guide are compiled and run.
-#[cfg(doctest)]
 #[doc = include_str!("../../../docs/guide.md")]
-struct Guide;
-
-/// The code blocks of the page for users of Avian or Rapier are compiled and run.
-#[cfg(doctest)]
 #[doc = include_str!("../../../docs/migration.md")]
-struct Migration;
+struct Documents;

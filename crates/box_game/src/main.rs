@@ -63,7 +63,6 @@ fn fail(reason: &str, code: u8) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The comparison without a window.
 fn compare(cli: &Cli) -> ExitCode {
     let headless = match headless(cli) {
         Ok(headless) => headless,

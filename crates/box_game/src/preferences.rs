@@ -45,14 +45,10 @@ impl Default for Preferences {
 }
 
 /// Loads the preferences and saves them when they change. Add it before the game.
-pub struct PreferencesPlugin;
-
-impl Plugin for PreferencesPlugin {
-    fn build(&self, app: &mut App) {
-        app.register_type::<Preferences>()
-            .add_plugins(SettingsPlugin::new(APPLICATION))
-            .add_systems(Last, save);
-    }
+pub fn plugin(app: &mut App) {
+    app.register_type::<Preferences>()
+        .add_plugins(SettingsPlugin::new(APPLICATION))
+        .add_systems(Last, save);
 }
 
 /// Clamps the scale, which a settings file may set to anything.

@@ -56,29 +56,13 @@ pub enum Layout {
 
 impl Layout {
     /// In the order of the key, with the text of the button and its tooltip.
+    #[rustfmt::skip]
     pub const ALL: [(Self, &str, &str); 4] = [
         (Self::Solo, "Solo", "Show only the main box (G)."),
-        (
-            Self::Overlaid,
-            "Overlaid",
-            "All in one place, comparisons as wireframes (G).",
-        ),
-        (
-            Self::SideBySide,
-            "Side by side",
-            "Side by side; only the drawing is shifted (V).",
-        ),
-        (
-            Self::Views,
-            "Views",
-            "Up to four integrators in one view each, smallest error first (V).",
-        ),
+        (Self::Overlaid, "Overlaid", "All in one place, comparisons as wireframes (G)."),
+        (Self::SideBySide, "Side by side", "Side by side; only the drawing is shifted (V)."),
+        (Self::Views, "Views", "Up to four integrators in one view each, smallest error first (V)."),
     ];
-
-    /// The one after it.
-    pub fn next(self) -> Self {
-        Self::ALL[(self as usize + 1) % Self::ALL.len()].0
-    }
 }
 
 /// Quantity that is equal for all integrators.
@@ -96,22 +80,11 @@ pub enum Fairness {
 
 impl Fairness {
     /// In the order of the panel, with the text of the button and its tooltip.
+    #[rustfmt::skip]
     pub const ALL: [(Self, &str, &str); 3] = [
-        (
-            Self::Step,
-            "equal dt",
-            "Same step size for every integrator.",
-        ),
-        (
-            Self::Evaluations,
-            "equal evaluations",
-            "Same force evaluations per simulated second.",
-        ),
-        (
-            Self::Cost,
-            "equal cost",
-            "Same measured cost per simulated second.",
-        ),
+        (Self::Step, "equal dt", "Same step size for every integrator."),
+        (Self::Evaluations, "equal evaluations", "Same force evaluations per simulated second."),
+        (Self::Cost, "equal cost", "Same measured cost per simulated second."),
     ];
 }
 

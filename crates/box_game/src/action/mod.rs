@@ -31,20 +31,15 @@ pub enum ActionSystems {
 }
 
 /// Triggers the requested actions, one after the other.
-pub struct ActionPlugin;
-
-impl Plugin for ActionPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Actions>()
-            .configure_sets(
-                PreUpdate,
-                (ActionSystems::Request, ActionSystems::Trigger)
-                    .chain()
-                    .after(InputSystems),
-            )
-            .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger))
-            .add_observer(quit);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Actions>()
+        .configure_sets(
+            PreUpdate,
+            (ActionSystems::Request, ActionSystems::Trigger)
+                .chain()
+                .after(InputSystems),
+        )
+        .add_systems(PreUpdate, trigger_actions.in_set(ActionSystems::Trigger));
 }
 
 /// Triggers the requested actions.
@@ -52,12 +47,6 @@ pub fn trigger_actions(world: &mut World) {
     for action in core::mem::take(&mut world.resource_mut::<Actions>().0) {
         world.trigger(action);
         world.flush();
-    }
-}
-
-fn quit(action: On<Action>, mut exit: MessageWriter<AppExit>) {
-    if *action == Action::Quit {
-        exit.write(AppExit::Success);
     }
 }
 

@@ -14,21 +14,17 @@ const TONEMAPPING: Tonemapping = Tonemapping::SomewhatBoringDisplayTransform;
 
 /// Spawns and moves the cameras. Needs a renderer and its
 /// [`PictureTarget`](crate::view::renderer::PictureTarget).
-pub struct CameraPlugin;
-
-impl Plugin for CameraPlugin {
-    fn build(&self, app: &mut App) {
-        views::add_gizmos(app);
-        app.init_resource::<views::PictureArea>()
-            .add_observer(orbit::on_action)
-            .add_observer(orbit::go_home)
-            .add_systems(Startup, (orbit::spawn_camera, views::spawn_views))
-            .add_systems(
-                Update,
-                (orbit::move_camera.after(use_mouse), views::follow_main).chain(),
-            )
-            .add_systems(EguiPrimaryContextPass, views::arrange_views);
-        #[cfg(feature = "gamepad")]
-        app.add_systems(Update, orbit::turn_camera.before(orbit::move_camera));
-    }
+pub fn plugin(app: &mut App) {
+    views::add_gizmos(app);
+    app.init_resource::<views::PictureArea>()
+        .add_observer(orbit::on_action)
+        .add_observer(orbit::go_home)
+        .add_systems(Startup, (orbit::spawn_camera, views::spawn_views))
+        .add_systems(
+            Update,
+            (orbit::move_camera.after(use_mouse), views::follow_main).chain(),
+        )
+        .add_systems(EguiPrimaryContextPass, views::arrange_views);
+    #[cfg(feature = "gamepad")]
+    app.add_systems(Update, orbit::turn_camera.before(orbit::move_camera));
 }

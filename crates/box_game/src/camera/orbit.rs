@@ -11,7 +11,7 @@ use box_scenarios::SceneView;
 
 use super::TONEMAPPING;
 use crate::action::Action;
-use crate::input::focus::UiFocus;
+use crate::input::UiFocus;
 use crate::interaction::mouse::Hand;
 use crate::interaction::pointer::{NOTCH, Pointer};
 use crate::scene::session::{MainBox, Session};

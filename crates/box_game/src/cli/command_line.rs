@@ -71,15 +71,16 @@ fn parameters(now: &Parameters, scene: &Parameters) -> Vec<(String, String)> {
 /// Puts it on the clipboard, and shows it.
 fn copy(world: &mut World) {
     let line = of(world);
-    let copied = world
-        .get_resource_mut::<Clipboard>()
-        .is_some_and(|mut clipboard| clipboard.set_text(line.as_str()).is_ok());
-    let text = if copied {
-        format!("copied: {line}")
-    } else {
-        line
-    };
-    world.resource_mut::<Session>().notice(text);
+    let copied = to_clipboard(world, &line);
+    let prefix = if copied { "copied: " } else { "" };
+    let mut session = world.resource_mut::<Session>();
+    session.notice(format!("{prefix}{line}"));
+}
+
+/// Copies a text; returns whether there is a clipboard that took it.
+pub(crate) fn to_clipboard(world: &mut World, text: &str) -> bool {
+    let clipboard = world.get_resource_mut::<Clipboard>();
+    clipboard.is_some_and(|mut clipboard| clipboard.set_text(text).is_ok())
 }
 
 /// A rate where it is a whole number.

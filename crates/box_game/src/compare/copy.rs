@@ -1,11 +1,11 @@
 //! What the open tab shows, as text for the clipboard.
 
-use bevy::clipboard::Clipboard;
 use bevy::prelude::*;
 
 use super::Comparison;
 use super::series::Quantity;
 use crate::action::Plot;
+use crate::cli::command_line::to_clipboard;
 use crate::scene::session::Session;
 
 /// A number, or nothing where it is not known.
@@ -35,7 +35,6 @@ fn window_csv(comparison: &Comparison) -> String {
     text
 }
 
-/// The lines of the sweep.
 fn sweep_csv(comparison: &Comparison) -> String {
     let mut text = String::from("integrator,dt_s,pos_err_m,rot_err_deg,cost_ns_per_s\n");
     for line in comparison.sweep.lines() {
@@ -80,12 +79,9 @@ pub(crate) fn copy_plot(world: &mut World) {
         Plot::Error | Plot::Energy | Plot::Timing | Plot::Cpu => window_csv(comparison),
     };
     let rows = text.lines().count() - 1;
-    let said = match world.get_resource_mut::<Clipboard>() {
-        Some(mut clipboard) => match clipboard.set_text(text) {
-            Ok(()) => format!("copied {rows} rows as CSV"),
-            Err(_) => "nothing copied: the clipboard is not available".to_owned(),
-        },
-        None => "nothing copied: there is no clipboard".to_owned(),
+    let said = match to_clipboard(world, &text) {
+        true => format!("copied {rows} rows as CSV"),
+        false => "nothing copied: the clipboard is not available".to_owned(),
     };
     world.resource_mut::<Session>().notice(said);
 }

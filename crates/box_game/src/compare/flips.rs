@@ -8,7 +8,7 @@ use box_scenarios::Model;
 const SPINS_ABOUT: f64 = 0.8;
 /// A flip counts once the axis is this far through (share of |L|): a wobble at the equator is one flip.
 const THROUGH: f64 = 0.2;
-/// Flips kept.
+/// Flips kept at most: an hour of a box that turns over every few seconds.
 const MOST: usize = 1000;
 
 /// The flips of one trajectory.

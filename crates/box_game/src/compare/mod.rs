@@ -8,10 +8,9 @@
 //!   memory.
 //! - `input`: what is done to all alike.
 //! - [`sweep`]: work–precision in its own thread; `view`: what the panel shows.
-//! - [`plugin`]: the Bevy side, [`ComparePlugin`].
+//! - [`plugin`]: the Bevy side.
 
 mod copy;
-pub(crate) mod fill;
 pub mod flips;
 pub mod headless;
 mod input;
@@ -33,11 +32,10 @@ use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
-pub use plugin::ComparePlugin;
 pub use run::{Rule, RuleKind, Run};
 pub use series::Quantity;
 pub use view::Settings;
-pub(crate) use view::{CompareView, SweepView, TrajectoryView};
+pub(crate) use view::{CompareView, TrajectoryView};
 
 use crate::scene::session::Session;
 use sweep::Sweep;
@@ -62,7 +60,7 @@ pub struct Comparison {
     /// The sweep.
     pub sweep: Sweep,
     /// A sweep was asked for. It starts when the scene has.
-    sweep_requested: bool,
+    pub sweep_requested: bool,
     /// What simulating and measuring cost in the last frame \[ms\].
     pub comparisons_ms: f64,
     chosen: Vec<Integrator>,
@@ -90,11 +88,6 @@ impl Comparison {
     /// A sweep runs, or begins in this frame.
     pub fn is_sweeping(&self) -> bool {
         self.sweep_requested || self.sweep.is_running()
-    }
-
-    /// Asks for a sweep of the scene that plays, or is about to.
-    pub fn request_sweep(&mut self) {
-        self.sweep_requested = true;
     }
 
     /// The compared integrators, in the order of the menu. The main box's own waits.

@@ -20,28 +20,24 @@ use crate::compare::sampling::IntegratorSamples;
 use crate::scene::session::{MainBox, Session};
 
 /// Compares the main box, a body marked [`MainBox`], with other integrators. Needs `PhysicsPlugins`.
-pub struct ComparePlugin;
-
-impl Plugin for ComparePlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Comparison>()
-            .add_observer(on_action)
-            .add_systems(FixedPostUpdate, collect_pushes.ambiguous_with_all())
-            .add_systems(
-                PhysicsSchedule,
-                (
-                    collect_pushes
-                        .in_set(PhysicsSystems::First)
-                        .ambiguous_with_all(),
-                    before_step
-                        .after(PhysicsSystems::Forces)
-                        .before(PhysicsSystems::Integrate)
-                        .ambiguous_with_all(),
-                    after_step.in_set(PhysicsSystems::Last).ambiguous_with_all(),
-                ),
-            )
-            .add_systems(Update, follow);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Comparison>()
+        .add_observer(on_action)
+        .add_systems(FixedPostUpdate, collect_pushes.ambiguous_with_all())
+        .add_systems(
+            PhysicsSchedule,
+            (
+                collect_pushes
+                    .in_set(PhysicsSystems::First)
+                    .ambiguous_with_all(),
+                before_step
+                    .after(PhysicsSystems::Forces)
+                    .before(PhysicsSystems::Integrate)
+                    .ambiguous_with_all(),
+                after_step.in_set(PhysicsSystems::Last).ambiguous_with_all(),
+            ),
+        )
+        .add_systems(Update, follow);
 }
 
 /// Observes the actions of the comparison.
@@ -184,7 +180,6 @@ fn follow(
     comparison.advance();
 }
 
-/// Carries out a request.
 fn apply(world: &mut World, action: CompareAction) {
     if action == CompareAction::Resync {
         return resync(world);
@@ -196,11 +191,14 @@ fn apply(world: &mut World, action: CompareAction) {
         CompareAction::CompareAll => comparison.choose(Integrator::ALL.iter().copied()),
         CompareAction::CompareNone => comparison.choose([]),
         CompareAction::SetLayout(layout) => settings.layout = layout,
-        CompareAction::NextLayout => settings.layout = settings.layout.next(),
+        CompareAction::NextLayout => {
+            let next = (settings.layout as usize + 1) % Layout::ALL.len();
+            settings.layout = Layout::ALL[next].0;
+        }
         CompareAction::ToggleComparisons => {
             settings.layout = match settings.layout {
                 Layout::Solo => Layout::Overlaid,
-                Layout::Overlaid | Layout::SideBySide | Layout::Views => Layout::Solo,
+                _ => Layout::Solo,
             };
         }
         CompareAction::SetFairness(fairness) => settings.fairness = fairness,
@@ -208,7 +206,7 @@ fn apply(world: &mut World, action: CompareAction) {
         CompareAction::ToggleLogarithmic => settings.logarithmic ^= true,
         CompareAction::ToggleLogarithmicEnergy => settings.logarithmic_energy ^= true,
         CompareAction::ToggleLocal => settings.local ^= true,
-        CompareAction::StartSweep => comparison.request_sweep(),
+        CompareAction::StartSweep => comparison.sweep_requested = true,
         CompareAction::CancelSweep => comparison.sweep.cancel(),
         CompareAction::Resync | CompareAction::Copy => {}
     }
@@ -218,7 +216,7 @@ fn apply(world: &mut World, action: CompareAction) {
 fn start_sweep(world: &mut World) {
     let session = world.resource::<Session>();
     let (setup, truth) = (session.setup(), session.truth.clone());
-    let grain = world.resource::<IntegratorSamples>().grain();
+    let grain = world.resource::<IntegratorSamples>().grain;
     let boxes = world.query::<&RigidBox>().iter(world).count();
     let mut comparison = world.resource_mut::<Comparison>();
     let Some(run) = &comparison.run else {

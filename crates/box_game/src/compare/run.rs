@@ -3,9 +3,6 @@
 
 mod past;
 mod ranking;
-mod rule;
-
-pub use rule::{Rule, RuleKind};
 
 use std::collections::VecDeque;
 use std::iter;
@@ -17,7 +14,6 @@ use box_physics::floor::ContactState;
 use box_physics::prelude::{BodyState, Integrator, IntegratorMemory};
 use box_scenarios::{
     Change, Divergence, LiveReference, Model, Reason, ReferenceSolution, Setup, TimedImpulse,
-    local_error,
 };
 
 use super::flips::{Flips, lateness};
@@ -33,6 +29,32 @@ const RULES: usize = 512;
 const RULE_SPACING: f64 = 0.02;
 /// Simulation steps between two looks at the clock.
 const BATCH: u32 = 16;
+
+/// What a mark in the plots stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RuleKind {
+    /// The main box met the floor.
+    Contact,
+    /// The reference turned over.
+    Flip,
+    /// A push, a changed parameter, a placing by hand.
+    Input,
+    /// Another step size.
+    Step,
+    /// The main box got another integrator.
+    Integrator,
+    /// The comparisons were put into the reference's state.
+    Resync,
+}
+
+/// A mark in the plots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Simulated time \[s\].
+    pub t: f64,
+    /// What happened.
+    pub kind: RuleKind,
+}
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -243,28 +265,22 @@ impl Run {
         }
         self.set_step(h);
         self.clock = t;
-        let main_box = &mut self.main_box;
-        let own = &mut main_box.simulation;
+        let own = &mut self.main_box.simulation;
         own.balance.step(&self.law, &self.before.0, h);
-        let to = self.reference.at(t);
-        let flips = self.reference_flips.times().len();
-        if let Some(to) = &to {
-            self.reference_flips.observe(to, t);
-        }
-        let flip = self.reference_flips.times().get(flips).copied();
-        let ends = main_box.reference.zip(to).filter(|_| !self.before.1);
-        let local = ends.map(|(from, to)| local_error(integrator, &self.law, from, &to, h));
         if own.diverged.is_none() && own.balance.is_exceeded(&self.law, state) {
             let reason = Reason::Energy;
             own.diverged = Some(Divergence { t, reason });
         }
-        let books = (&*self.law, &own.balance);
-        main_box.track.observe(books, state, t, to.as_ref(), local);
         (own.driver.state, own.driver.time) = (*state, t);
         own.driver.contact.clone_from(contact);
-        main_box.reference = to;
-        if let Some(flip) = flip {
-            self.rule(flip, RuleKind::Flip);
+        let to = self.reference.at(t);
+        self.main_box.observe(&self.law, to, !self.before.1, h);
+        if let Some(to) = &to {
+            let flips = self.reference_flips.times().len();
+            self.reference_flips.observe(to, t);
+            if let Some(&flip) = self.reference_flips.times().get(flips) {
+                self.rule(flip, RuleKind::Flip);
+            }
         }
     }
 

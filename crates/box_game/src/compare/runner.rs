@@ -86,15 +86,22 @@ impl Runner {
         if !goes_on {
             return;
         }
-        let (now, integrator) = (driver.time, driver.integrator);
+        let now = driver.time;
         let to = shared.reference.at(now);
         let smooth = !scene && !shared.inputs.any_within(t, now, DUE * h);
-        let simulation = &self.simulation;
-        let model = &*simulation.model;
+        let model = self.simulation.model.clone();
+        self.observe(&model, to, smooth, h);
+    }
+
+    /// Measures the state after a step of `h` \[s\] under `model`, where the reference is `to`. The step is `smooth` if
+    /// nothing was done to the box on its way.
+    pub(crate) fn observe(&mut self, model: &Model, to: Option<BodyState>, smooth: bool, h: f64) {
+        let driver = &self.simulation.driver;
         let ends = self.reference.zip(to).filter(|_| smooth);
-        let local = ends.map(|(from, to)| local_error(integrator, model, from, &to, h));
-        let (books, state) = ((model, &simulation.balance), &simulation.driver.state);
-        self.track.observe(books, state, now, to.as_ref(), local);
+        let local = ends.map(|(from, to)| local_error(driver.integrator, model, from, &to, h));
+        let books = (model, &self.simulation.balance);
+        let (state, t) = (&driver.state, driver.time);
+        self.track.observe(books, state, t, to.as_ref(), local);
         self.reference = to;
     }
 

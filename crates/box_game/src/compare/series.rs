@@ -98,22 +98,16 @@ impl Sample {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    from: f64,
-    to: f64,
-    low: [f64; Quantity::ALL.len()],
-    high: [f64; Quantity::ALL.len()],
-}
+/// Smallest values, with the time of the first sample, and largest, with that of the last.
+type Stretch = (Sample, Sample);
 
-impl Stretch {
-    fn add(&mut self, other: &Self) {
-        self.to = other.to;
-        for k in 0..self.low.len() {
-            // `min` and `max` pass over NaN.
-            self.low[k] = self.low[k].min(other.low[k]);
-            self.high[k] = self.high[k].max(other.high[k]);
-        }
+/// Appends a stretch to the one before it.
+fn extend((low, high): &mut Stretch, next: &Stretch) {
+    high.t = next.1.t;
+    for k in 0..Quantity::ALL.len() {
+        // `min` and `max` pass over NaN.
+        low.values[k] = low.values[k].min(next.0.values[k]);
+        high.values[k] = high.values[k].max(next.1.values[k]);
     }
 }
 
@@ -140,26 +134,20 @@ impl Series {
             self.recent.pop_front();
         }
         self.length = self.length.max(1);
-        let stretch = Stretch {
-            from: sample.t,
-            to: sample.t,
-            low: sample.values,
-            high: sample.values,
-        };
         match self.whole.last_mut() {
             Some(last) if self.filled < self.length => {
-                last.add(&stretch);
+                extend(last, &(sample, sample));
                 self.filled += 1;
             }
             _ => {
-                self.whole.push(stretch);
+                self.whole.push((sample, sample));
                 self.filled = 1;
             }
         }
         if self.whole.len() > STRETCHES {
             let pairs = self.whole.chunks(2).map(|pair| {
                 let mut first = pair[0];
-                pair[1..].iter().for_each(|s| first.add(s));
+                pair[1..].iter().for_each(|s| extend(&mut first, s));
                 first
             });
             self.whole = pairs.collect();
@@ -172,7 +160,7 @@ impl Series {
     /// Forgets what was after `t` \[s\].
     pub fn rewind(&mut self, t: f64) {
         self.recent.retain(|s| s.t <= t);
-        while self.whole.last().is_some_and(|s| s.to > t) {
+        while self.whole.last().is_some_and(|s| s.1.t > t) {
             self.whole.pop();
             self.filled = self.length;
         }
@@ -181,9 +169,9 @@ impl Series {
     /// The last `window` \[s\] of one quantity, or everything.
     pub fn points(&self, quantity: Quantity, window: Option<f64>) -> Vec<[f64; 2]> {
         let k = quantity as usize;
-        let recent_is_all = self.whole.first().map(|s| s.from) == self.recent.front().map(|s| s.t);
+        let recent_is_all = self.whole.first().map(|s| s.0.t) == self.recent.front().map(|s| s.t);
         if window.is_none() && !recent_is_all {
-            let ends = |s: &Stretch| [[s.from, s.low[k]], [s.to, s.high[k]]];
+            let ends = |s: &Stretch| [&s.0, &s.1].map(|end| [end.t, end.values[k]]);
             return self.whole.iter().flat_map(ends).collect();
         }
         let recent = self.recent(window);

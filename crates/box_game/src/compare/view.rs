@@ -1,13 +1,15 @@
-//! What the panel shows of the comparison: plain data.
+//! What the panel shows of the comparison: plain data, filled once a frame.
 
 use box_bench::measure::Cost;
-use box_physics::prelude::Integrator;
+use box_physics::prelude::{Floor, Integrator};
 use box_scenarios::Status;
 
-use super::run::Rule;
-use super::series::Quantity;
+use super::runner::SAME;
+use super::sampling::IntegratorSamples;
 use super::sweep::SweepLine;
-use crate::action::compare::{Fairness, Layout, Window};
+use super::{Comparison, Fairness, Layout, Quantity, Rule, Window};
+use crate::action::Plot;
+use crate::ui::panel::decimate::{NARROW, decimate};
 
 /// What can be chosen about the comparison and its plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +56,10 @@ pub(crate) struct CompareView {
     pub rules: Vec<Rule>,
     /// Whether nothing but inputs should change the energy.
     pub conservative: bool,
-    pub sweep: SweepView,
+    /// The lines of the sweep so far.
+    pub sweep: Vec<SweepLine>,
+    /// Points done of points to do, while the sweep runs.
+    pub sweeping: Option<(u32, u32)>,
     /// What there is to say about this comparison, or nothing.
     pub note: String,
     /// What simulating and measuring the trajectories cost in the last frame \[ms\].
@@ -104,9 +109,72 @@ impl TrajectoryView {
     }
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct SweepView {
-    pub running: bool,
-    pub progress: (u32, u32),
-    pub lines: Vec<SweepLine>,
+fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
+    match plot {
+        Some(Plot::Error) if settings.local => &[Quantity::LocalPosition, Quantity::LocalAttitude],
+        Some(Plot::Error) => &[Quantity::Position, Quantity::Attitude],
+        Some(Plot::Energy) => &[Quantity::Energy, Quantity::Momentum, Quantity::Direction],
+        _ => &[],
+    }
+}
+
+/// The view of this frame, with the lines of the open `plot`; `boxes` are in the scene.
+pub(crate) fn compare_view(
+    comparison: &Comparison,
+    samples: &IntegratorSamples,
+    plot: Option<Plot>,
+    boxes: u32,
+) -> CompareView {
+    let settings = comparison.settings;
+    let sweep = &comparison.sweep;
+    let mut view = CompareView {
+        settings,
+        sweep: sweep.lines(),
+        sweeping: sweep.is_running().then(|| sweep.progress()),
+        comparisons_ms: comparison.comparisons_ms,
+        ..CompareView::default()
+    };
+    let Some(run) = &comparison.run else {
+        return view;
+    };
+    let shown = quantities(plot, &settings);
+    let window = settings.window.seconds();
+    for (k, runner) in run.trajectories().enumerate() {
+        let (integrator, track) = (runner.integrator(), &runner.track);
+        let (dt, time) = (runner.factor * run.step, runner.simulation.driver.time);
+        let behind = run.clock - time > dt * (1.0 + SAME);
+        let status = runner.simulation.status();
+        view.trajectories.push(TrajectoryView {
+            integrator,
+            main_box: k == 0,
+            dt,
+            skew: runner.skew,
+            status: if behind && !status.is_diverged() {
+                Status::CatchingUp(time / run.clock.max(1e-9))
+            } else {
+                status
+            },
+            cost: samples.cost(integrator),
+            run_cost: samples.mean_of_run(integrator).map(|ns| ns / dt),
+            evaluations: samples.evaluations(integrator),
+            now: track.now.sample.values,
+            worst: track.now.worst,
+            late: run.late(track),
+            energies: track.now.energies,
+            lines: shown
+                .iter()
+                .map(|&q| (q, decimate(NARROW, &track.series.points(q, window))))
+                .collect(),
+        });
+    }
+    view.attitude = run.attitude_says_more();
+    view.reference = run.reference.description();
+    view.horizon = run.reference.horizon();
+    view.rules = run.rules.iter().copied().collect();
+    let ideal = |f: Floor| f.restitution >= 1.0 && f.friction <= 0.0;
+    view.conservative = run.law.is_conservative() && run.law.floor.is_none_or(ideal);
+    if boxes > 1 {
+        view.note = "The comparisons simulate only the first box.".to_owned();
+    }
+    view
 }

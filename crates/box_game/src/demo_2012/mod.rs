@@ -29,27 +29,23 @@ pub const FAULTS: [&str; 5] = [
 ];
 
 /// Moves the main box by the demo in its scene.
-pub struct Demo2012Plugin;
-
-impl Plugin for Demo2012Plugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Demo2012>()
-            .add_observer(on_action)
-            .add_observer(|opened: On<SceneOpened>, mut demo: ResMut<Demo2012>| {
-                if opened.new {
-                    demo.stepper = Demo2012::default().stepper;
-                }
-            })
-            .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| {
-                (demo.state, demo.fault, demo.pushes) = (None, 0, 0);
-            })
-            .add_systems(
-                PhysicsSchedule,
-                run_cycle
-                    .after(PhysicsSystems::Writeback)
-                    .before(PhysicsSystems::Last),
-            );
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<Demo2012>()
+        .add_observer(on_action)
+        .add_observer(|opened: On<SceneOpened>, mut demo: ResMut<Demo2012>| {
+            if opened.new {
+                demo.stepper = Demo2012::default().stepper;
+            }
+        })
+        .add_observer(|_: On<SceneStarted>, mut demo: ResMut<Demo2012>| {
+            (demo.state, demo.fault, demo.pushes) = (None, 0, 0);
+        })
+        .add_systems(
+            PhysicsSchedule,
+            run_cycle
+                .after(PhysicsSystems::Writeback)
+                .before(PhysicsSystems::Last),
+        );
 }
 
 /// Observes the choice of a stepper and the switch of the log.
@@ -139,14 +135,12 @@ fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
     mut demo: ResMut<Demo2012>,
-    mut main_box: Query<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<MainBox>>,
+    main_box: Single<(&RigidBox, &mut BodyState, &mut Transform, &mut WorldAabb), With<MainBox>>,
 ) {
     let Some(stepper) = demo.active(&session) else {
         return;
     };
-    let Ok((body, mut state, mut transform, mut aabb)) = main_box.single_mut() else {
-        return;
-    };
+    let (body, mut state, mut transform, mut aabb) = main_box.into_inner();
     let demo = &mut *demo;
     let floor = session.scenario.setup.floor.map(|f| f.height);
     let law = Demo::of(body, floor);

@@ -35,13 +35,10 @@ pub(super) fn read_buttons(
             }
         }
         let count = Integrator::ALL.len();
-        let next = |by| Integrator::ALL[(integrator.0.index() + by) % count];
+        let next = |by| Action::SetIntegrator(Integrator::ALL[(integrator.0.index() + by) % count]);
         for (button, action) in [
-            (
-                GamepadButton::LeftTrigger,
-                Action::SetIntegrator(next(count - 1)),
-            ),
-            (GamepadButton::RightTrigger, Action::SetIntegrator(next(1))),
+            (GamepadButton::LeftTrigger, next(count - 1)),
+            (GamepadButton::RightTrigger, next(1)),
             (GamepadButton::Start, Action::TogglePause),
             (GamepadButton::Select, Action::Restart),
         ] {

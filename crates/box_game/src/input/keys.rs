@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use box_physics::prelude::DVec3;
 use box_scenarios::style::integrator_of_key;
 
-use super::focus::UiFocus;
+use super::UiFocus;
 use crate::action::compare::CompareAction;
 use crate::action::{Action, Actions, Push};
 use crate::interaction::grab::Grip;
@@ -18,7 +18,6 @@ use crate::scene::session::Session;
 /// Interval at which a held push repeats \[s\].
 const REPEAT: f32 = 0.1;
 
-/// The pushes: key and direction.
 const PUSHES: [(KeyCode, DVec3); 6] = [
     (KeyCode::KeyD, DVec3::X),
     (KeyCode::KeyA, DVec3::NEG_X),
@@ -40,7 +39,6 @@ const DIGITS: [KeyCode; 9] = [
     KeyCode::Digit9,
 ];
 
-/// Reads the keyboard.
 pub(super) fn read_keys(
     (keys, characters): (Res<ButtonInput<KeyCode>>, Res<ButtonInput<Key>>),
     focus: Res<UiFocus>,
@@ -66,27 +64,31 @@ pub(super) fn read_keys(
         })
     };
 
-    let pressed = |key: &(KeyCode, Action)| keys.just_pressed(key.0).then(|| key.1.clone());
-    let screenshot = platform::SCREENSHOT_KEY.map(|key| (key, Action::Screenshot));
-    let help = (KeyCode::F1, Action::ToggleHelp);
-    actions.extend(
-        [Some(help), screenshot]
-            .iter()
-            .flatten()
-            .filter_map(pressed),
-    );
-    if control {
-        let program = [
-            (KeyCode::KeyQ, Action::Quit),
-            (KeyCode::KeyO, Action::TogglePicker),
-        ];
-        actions.extend(program.iter().filter_map(pressed));
-        // A text field has an undo of its own.
-        if typed("z") && !focus.text {
-            actions.push(if shift { Action::Redo } else { Action::Undo });
+    let steps = if shift { 10 } else { 1 };
+    let free = !control && !focus.text;
+    // A focused widget keeps the keys that move within it.
+    let moves = free && !focus.widget;
+    let named = [
+        (KeyCode::F1, Action::ToggleHelp, true),
+        (KeyCode::KeyQ, Action::Quit, control),
+        (KeyCode::KeyO, Action::TogglePicker, control),
+        (KeyCode::Backspace, Action::Restart, free),
+        (KeyCode::Home, Action::HomeCamera, free),
+        (KeyCode::Space, Action::TogglePause, moves),
+        (KeyCode::ArrowRight, Action::Step(steps), moves),
+        (KeyCode::ArrowLeft, Action::StepBack(steps), moves),
+    ];
+    let screenshot = platform::SCREENSHOT_KEY.map(|key| (key, Action::Screenshot, true));
+    for (key, action, on) in named.into_iter().chain(screenshot) {
+        if on && keys.just_pressed(key) {
+            actions.push(action);
         }
-        if typed("y") && !focus.text {
-            actions.push(Action::Redo);
+    }
+    if control {
+        // A text field has an undo of its own.
+        if !focus.text && typed("yz") {
+            let redo = shift || typed("y");
+            actions.push(if redo { Action::Redo } else { Action::Undo });
         }
         return;
     }
@@ -133,7 +135,6 @@ pub(super) fn read_keys(
             Action::SetIntegrator(integrator)
         });
     }
-    let steps = if shift { 10 } else { 1 };
     for (characters, action) in [
         ("p", Action::TogglePause),
         // With Shift it is another character: > on a US keyboard, : on a German one.
@@ -159,19 +160,5 @@ pub(super) fn read_keys(
         if digit.is_none() && typed(characters) {
             actions.push(action);
         }
-    }
-    let view = [
-        (KeyCode::Backspace, Action::Restart),
-        (KeyCode::Home, Action::HomeCamera),
-    ];
-    actions.extend(view.iter().filter_map(pressed));
-    // A focused widget keeps the keys that move within it.
-    if !focus.widget {
-        let clock = [
-            (KeyCode::Space, Action::TogglePause),
-            (KeyCode::ArrowRight, Action::Step(steps)),
-            (KeyCode::ArrowLeft, Action::StepBack(steps)),
-        ];
-        actions.extend(clock.iter().filter_map(pressed));
     }
 }

@@ -1,6 +1,5 @@
 //! Keyboard, gamepad and scripts: sources of [`Action`](crate::action::Action)s.
 
-pub mod focus;
 #[cfg(feature = "gamepad")]
 mod gamepad;
 mod keys;
@@ -11,24 +10,29 @@ use bevy::prelude::*;
 use crate::action::ActionSystems;
 
 /// Requests actions from scripts, keys and gamepads.
-pub struct ControlsPlugin;
+pub fn plugin(app: &mut App) {
+    app.init_resource::<UiFocus>().add_systems(
+        PreUpdate,
+        (script::play, keys::read_keys)
+            .chain()
+            .in_set(ActionSystems::Request),
+    );
+    #[cfg(feature = "gamepad")]
+    app.add_systems(
+        PreUpdate,
+        gamepad::read_buttons
+            .after(keys::read_keys)
+            .in_set(ActionSystems::Request),
+    );
+}
 
-impl Plugin for ControlsPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<focus::UiFocus>()
-            .init_resource::<script::PendingPictures>()
-            .add_systems(
-                PreUpdate,
-                (script::play, keys::read_keys)
-                    .chain()
-                    .in_set(ActionSystems::Request),
-            );
-        #[cfg(feature = "gamepad")]
-        app.add_systems(
-            PreUpdate,
-            gamepad::read_buttons
-                .after(keys::read_keys)
-                .in_set(ActionSystems::Request),
-        );
-    }
+/// Focus of keyboard and mouse on the panel.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UiFocus {
+    /// A text field has the focus and takes letters.
+    pub text: bool,
+    /// A widget has the focus and takes Space, Enter and arrows.
+    pub widget: bool,
+    /// The pointer is over the panel, or the panel holds it.
+    pub pointer: bool,
 }

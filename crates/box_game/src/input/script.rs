@@ -28,9 +28,6 @@ use crate::platform;
 /// The longest script that is read \[bytes\].
 const MAX_BYTES: u64 = 1024 * 1024;
 
-/// Frames after which a picture that has not arrived is given up.
-const LONGEST_WAIT: u32 = 600;
-
 /// Actions of one moment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -87,8 +84,6 @@ pub struct Script {
     /// What is to come, with its time \[s\].
     rest: VecDeque<(f64, Action)>,
     began: Option<f64>,
-    /// Frames that `Quit` has waited for a picture.
-    waited: u32,
 }
 
 impl Script {
@@ -102,42 +97,22 @@ impl Script {
         Self {
             rest: beats.into_iter().flat_map(timed).collect(),
             began: None,
-            waited: 0,
         }
     }
 }
 
-/// Pictures that were asked for and are not on disk yet: a script does not quit before them.
-#[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct PendingPictures(pub u32);
-
 /// Requests the actions that are due.
 pub fn play(
-    script: Option<ResMut<Script>>,
+    mut script: If<ResMut<Script>>,
     time: Res<Time<Real>>,
-    pending: Res<PendingPictures>,
     comparison: Res<Comparison>,
     mut actions: ResMut<Actions>,
-    mut exit: MessageWriter<AppExit>,
 ) {
-    let Some(mut script) = script else {
-        return;
-    };
     let now = time.elapsed_secs_f64();
     let began = *script.began.get_or_insert(now);
-    let mut asking = false;
     while let Some((at, action)) = script.rest.front() {
         // A step of the clock is not always the same in its last digits.
         if now - began < at - 1e-6 {
-            return;
-        }
-        // A picture asked for in this frame is not counted before the next.
-        if *action == Action::Quit && (pending.0 > 0 || asking) {
-            script.waited += 1;
-            if script.waited > LONGEST_WAIT {
-                error!("{} screenshots were not written", pending.0);
-                exit.write(AppExit::from_code(1));
-            }
             return;
         }
         let picture = matches!(
@@ -149,7 +124,6 @@ pub fn play(
         }
         let sweep = *action == Action::Compare(CompareAction::StartSweep);
         actions.0.extend(script.rest.pop_front().map(|next| next.1));
-        asking = true;
         // What follows must not be in the picture, or must see that the sweep has begun: it waits for the next frame.
         if picture || sweep {
             return;
@@ -189,12 +163,11 @@ mod tests {
         assert_eq!(again, beats);
     }
 
-    /// Plays these actions at once, while `pictures` are not on disk yet.
-    fn playing(actions: &[Action], pictures: u32) -> App {
+    /// Plays these actions at once.
+    fn playing(actions: &[Action]) -> App {
         let actions = actions.to_vec();
         let mut app = App::new();
         app.init_resource::<Time<Real>>()
-            .insert_resource(PendingPictures(pictures))
             .init_resource::<Actions>()
             .init_resource::<Comparison>()
             .insert_resource(Script::new(vec![Beat { at: 0.0, actions }]))
@@ -210,8 +183,8 @@ mod tests {
     fn what_follows_a_picture_is_not_in_it() {
         let picture = Action::ScreenshotTo("a.png".into());
         let actions = [Action::TogglePause, picture, Action::Restart, Action::Quit];
-        let mut app = playing(&actions, 0);
-        for expected in [2, 3, 4] {
+        let mut app = playing(&actions);
+        for expected in [2, 4] {
             app.update();
             assert_eq!(requested(&app), expected);
         }
@@ -223,7 +196,7 @@ mod tests {
     fn a_picture_waits_for_the_sweep() {
         let setup = Scenario::find("heavy-top").expect("a scene").setup;
         let task = SweepTask::new(setup, 1, Integrator::ALL.to_vec());
-        let mut app = playing(&[Action::ScreenshotTo("a.png".into())], 0);
+        let mut app = playing(&[Action::ScreenshotTo("a.png".into())]);
         let mut comparison = app.world_mut().resource_mut::<Comparison>();
         comparison.sweep.start(task).expect("a thread");
         app.update();
@@ -231,18 +204,6 @@ mod tests {
         app.world_mut().resource_mut::<Comparison>().sweep.cancel();
         app.update();
         assert_eq!(requested(&app), 1);
-    }
-
-    #[test]
-    fn a_picture_that_never_arrives_ends_the_program_with_an_error() {
-        let mut app = playing(&[Action::Quit], 1);
-        for _ in 0..LONGEST_WAIT {
-            app.update();
-        }
-        assert_eq!(app.should_exit(), None);
-        app.update();
-        assert_eq!(app.should_exit(), Some(AppExit::from_code(1)));
-        assert_eq!(requested(&app), 0);
     }
 
     #[test]

@@ -17,41 +17,33 @@ use bevy::prelude::*;
 use crate::action::ActionSystems;
 
 /// Everything but the mouse: runs without a window.
-pub struct InteractionPlugin;
-
-impl Plugin for InteractionPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<grab::Grip>()
-            .init_resource::<rewind::Rewind>()
-            .init_resource::<undo::UndoStack>()
-            .add_observer(push::on_action)
-            .add_observer(grab::on_action)
-            .add_observer(grab::release)
-            .add_observer(rewind::on_action)
-            .add_observer(rewind::forget)
-            .add_observer(undo::on_action)
-            .add_observer(undo::forget)
-            .add_systems(
-                PreUpdate,
-                (
-                    undo::remember
-                        .after(ActionSystems::Request)
-                        .before(ActionSystems::Trigger),
-                    undo::keep.after(ActionSystems::Trigger),
-                ),
-            )
-            .add_systems(FixedUpdate, (rewind::record, grab::pull).chain());
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<grab::Grip>()
+        .init_resource::<rewind::Rewind>()
+        .init_resource::<undo::UndoStack>()
+        .add_observer(push::on_action)
+        .add_observer(grab::on_action)
+        .add_observer(grab::release)
+        .add_observer(rewind::on_action)
+        .add_observer(rewind::forget)
+        .add_observer(undo::on_action)
+        .add_observer(undo::forget)
+        .add_systems(
+            PreUpdate,
+            (
+                undo::remember
+                    .after(ActionSystems::Request)
+                    .before(ActionSystems::Trigger),
+                undo::keep.after(ActionSystems::Trigger),
+            ),
+        )
+        .add_systems(FixedUpdate, (rewind::record, grab::pull).chain());
 }
 
 /// The mouse on the box, and what it shows. Needs a camera and gizmos.
-pub struct MousePlugin;
-
-impl Plugin for MousePlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<mouse::Hand>()
-            .init_resource::<pointer::Pointer>()
-            .add_systems(PreUpdate, pointer::read.after(InputSystems))
-            .add_systems(Update, (mouse::use_mouse, mouse::draw_hand).chain());
-    }
+pub fn mouse_plugin(app: &mut App) {
+    app.init_resource::<mouse::Hand>()
+        .init_resource::<pointer::Pointer>()
+        .add_systems(PreUpdate, pointer::read.after(InputSystems))
+        .add_systems(Update, (mouse::use_mouse, mouse::draw_hand).chain());
 }

@@ -8,7 +8,7 @@ use super::grab::Grip;
 use super::pick::{Hit, hit};
 use super::pointer::Pointer;
 use crate::action::{Action, Actions, Hold, Poke};
-use crate::input::focus::UiFocus;
+use crate::input::UiFocus;
 use crate::scene::session::{MainBox, Session};
 
 /// A press that moves farther than this is a drag [logical pixels].
@@ -26,7 +26,6 @@ pub(crate) enum Hand {
     Idle,
     /// The button went down on the box.
     Pressed {
-        /// The point of the surface.
         hit: Hit,
         /// Place on the screen [logical pixels].
         at: Vec2,
@@ -45,13 +44,13 @@ pub(crate) enum Hand {
 }
 
 impl Hand {
-    /// After this frame of the pointer, which may be over the panel. `aim` gives the point of the box under the cursor, `anchor` the point of the
-    /// world under it at a depth.
+    /// After this frame of the pointer, which may be over the panel. `aim` is the point of the box under the cursor,
+    /// `anchor` gives the point of the world under it at a depth.
     pub(crate) fn next(
         self,
         pointer: &Pointer,
         over_panel: bool,
-        aim: impl FnOnce() -> Option<Hit>,
+        aim: Option<Hit>,
         anchor: impl FnOnce(f64) -> Option<DVec3>,
         depth: impl FnOnce(DVec3) -> f64,
         out: &mut Vec<Action>,
@@ -61,7 +60,7 @@ impl Hand {
             Self::Canceled if !pointer.left => Self::Idle,
             Self::Canceled => Self::Canceled,
             Self::Idle if over_panel || !pointer.left_pressed => Self::Idle,
-            Self::Idle => match (aim(), pointer.at) {
+            Self::Idle => match (aim, pointer.at) {
                 (Some(hit), Some(at)) => Self::Pressed {
                     hit,
                     at,
@@ -133,7 +132,7 @@ pub(crate) fn use_mouse(
     let next = hand.next(
         &pointer,
         focus.pointer,
-        || box_now.and_then(|(body, state)| hit(body, state, from, along)),
+        box_now.and_then(|(body, state)| hit(body, state, from, along)),
         |depth| {
             let slope = along.dot(forward);
             (slope > 1e-6).then(|| from + along * ((depth - (from - eye).dot(forward)) / slope))
@@ -149,12 +148,10 @@ pub(crate) fn draw_hand(
     hand: Res<Hand>,
     grip: Res<Grip>,
     session: Res<Session>,
-    main_box: Query<(&RigidBox, &BodyState), With<MainBox>>,
+    main_box: Single<(&RigidBox, &BodyState), With<MainBox>>,
     mut gizmos: Gizmos,
 ) {
-    let Some((body, state)) = main_box.iter().next() else {
-        return;
-    };
+    let (body, state) = *main_box;
     let color = Color::srgb_u8(240, 228, 66);
     if let Hand::Pressed { hit, strength, .. } = *hand {
         let tip = state.point(hit.point);
@@ -214,7 +211,7 @@ mod tests {
     ) -> (Hand, Vec<Action>) {
         let mut out = Vec::new();
         let anchor = |depth| Some(DVec3::Z * depth);
-        let next = hand.next(&pointer, over_panel, || aim, anchor, |_| 7.0, &mut out);
+        let next = hand.next(&pointer, over_panel, aim, anchor, |_| 7.0, &mut out);
         (next, out)
     }
 

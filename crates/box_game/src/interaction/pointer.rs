@@ -82,7 +82,6 @@ impl Fingers {
     }
 }
 
-/// Reads mouse and fingers.
 pub(super) fn read(
     buttons: Res<ButtonInput<MouseButton>>,
     (motion, scroll): (Res<AccumulatedMouseMotion>, Res<AccumulatedMouseScroll>),

@@ -7,7 +7,6 @@ use crate::action::{Action, Push};
 use crate::demo_2012;
 use crate::scene::session::{MainBox, Session};
 
-/// Observes pushes and pokes.
 pub(crate) fn on_action(
     action: On<Action>,
     main_box: Query<(Entity, &RigidBox, &BodyState), With<MainBox>>,

@@ -1,7 +1,6 @@
 //! The desktop: command line, standard output, file system, threads.
 
 mod display;
-mod synced_file;
 
 use std::ffi::OsString;
 use std::io::{self, Read as _, Write as _};
@@ -17,7 +16,6 @@ use bevy::log::tracing_subscriber::{self, Layer as _};
 use bevy::prelude::*;
 
 pub use display::{check, probe};
-pub use synced_file::SyncedFile;
 
 /// Reason why the CPU usage is unknown, if it is.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
@@ -109,11 +107,6 @@ pub fn exists(path: &Path) -> bool {
     path.exists()
 }
 
-/// Removes a file, if there is one.
-pub fn remove(path: &Path) {
-    let _ = std::fs::remove_file(path);
-}
-
 /// Creates a folder for files, if it is missing.
 pub fn create_folder(path: &Path) -> io::Result<()> {
     std::fs::create_dir_all(path)
@@ -122,6 +115,21 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
 /// Creates a file, or empties the one that is there.
 pub fn create(path: &Path) -> io::Result<Stream> {
     std::fs::File::create(path)
+}
+
+/// Waits until everything that was written is on disk.
+pub fn sync(file: &Stream) -> io::Result<()> {
+    file.sync_data()
+}
+
+/// Syncs without waiting: a disk must not block a frame.
+pub fn sync_later(file: &Stream) {
+    if let Ok(file) = file.try_clone() {
+        std::thread::spawn(move || {
+            file.sync_data()
+                .unwrap_or_else(|error| error!("a file was not synced: {error}"));
+        });
+    }
 }
 
 /// Writes a file beside its place and moves it there, so that no half-written one is ever seen.
@@ -173,7 +181,6 @@ pub fn scene_folder() -> PathBuf {
 }
 
 /// Work beside the frames, in a thread.
-#[derive(Debug)]
 pub struct Worker(JoinHandle<()>);
 
 impl Worker {
@@ -221,7 +228,7 @@ mod tests {
         }
         assert_eq!(read(&path, 2).expect("readable"), b"sh");
         assert_eq!(list(folder.path()), std::slice::from_ref(&path));
-        remove(&path);
+        std::fs::remove_file(&path).expect("there");
         assert!(!exists(&path) && stamp(&path).is_none());
         assert!(list(&path).is_empty());
     }

@@ -196,11 +196,6 @@ pub fn exists(path: &Path) -> bool {
     files().written.iter().any(|written| written == path)
 }
 
-/// Forgets that a file was written.
-pub fn remove(path: &Path) {
-    files().written.retain(|written| written != path);
-}
-
 /// Nothing to do.
 pub fn create_folder(_: &Path) -> io::Result<()> {
     Ok(())
@@ -231,25 +226,13 @@ impl Drop for Stream {
     }
 }
 
-/// A file of a log: kept until it is closed, then downloaded. There is no disk to sync.
-pub struct SyncedFile(Stream);
-
-impl SyncedFile {
-    /// Of a file that was created.
-    pub fn new(file: Stream) -> io::Result<Self> {
-        Ok(Self(file))
-    }
-
-    /// Keeps `bytes`.
-    pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
-        self.0.write_all(&bytes)
-    }
-
-    /// Does nothing.
-    pub fn sync(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+/// Does nothing: there is no disk.
+pub fn sync(_: &Stream) -> io::Result<()> {
+    Ok(())
 }
+
+/// Does nothing.
+pub fn sync_later(_: &Stream) {}
 
 /// Begins a download.
 pub fn create(path: &Path) -> io::Result<Stream> {
@@ -306,12 +289,6 @@ pub struct Worker {
     /// In a lock only because a resource must be one that threads could share.
     work: Mutex<Box<dyn FnMut() -> bool + Send>>,
     running: bool,
-}
-
-impl core::fmt::Debug for Worker {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "running: {}", self.running)
-    }
 }
 
 impl Worker {

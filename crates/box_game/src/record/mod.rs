@@ -11,29 +11,22 @@ use box_physics::prelude::{PhysicsSchedule, PhysicsSystems};
 use crate::compare::plugin::after_step;
 
 /// The CSV log and the time series of the plots.
-pub struct RecordPlugin;
-
-impl Plugin for RecordPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<history::History>()
-            .add_observer(rows::on_action)
-            .add_systems(
-                PhysicsSchedule,
-                rows::write_rows
-                    .in_set(PhysicsSystems::Last)
-                    .after(after_step),
-            )
-            .add_systems(Update, history::record);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<history::History>()
+        .init_resource::<screenshot::Pictures>()
+        .add_observer(rows::on_action)
+        .add_systems(
+            PhysicsSchedule,
+            rows::write_rows
+                .in_set(PhysicsSystems::Last)
+                .after(after_step),
+        )
+        .add_systems(Update, history::record);
 }
 
 /// Pictures. Needs a renderer.
-pub struct PicturesPlugin;
-
-impl Plugin for PicturesPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<screenshot::PlotArea>()
-            .add_observer(screenshot::on_action)
-            .add_systems(Update, (screenshot::take_screenshot, screenshot::film));
-    }
+pub fn pictures_plugin(app: &mut App) {
+    app.init_resource::<screenshot::PlotArea>()
+        .add_observer(screenshot::on_action)
+        .add_systems(Update, (screenshot::take_screenshot, screenshot::film));
 }

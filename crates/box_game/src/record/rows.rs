@@ -25,7 +25,7 @@ pub(super) fn on_action(
         return;
     }
     if let Some(mut log) = log {
-        let (path, rows) = (log.path().display().to_string(), log.rows());
+        let (path, rows) = (log.path.display().to_string(), log.rows);
         session.notice(match log.sync() {
             Ok(()) => format!("log closed: {path} ({rows} rows)"),
             Err(error) => format!("log closed: {path}: {error}"),
@@ -37,7 +37,7 @@ pub(super) fn on_action(
         .and_then(|path| CsvLog::create(&path, session.scenario.id, session.seed));
     match opened {
         Ok(log) => {
-            session.notice(format!("logging to {}", log.path().display()));
+            session.notice(format!("logging to {}", log.path.display()));
             commands.insert_resource(log);
         }
         Err(error) => session.notice(format!("log: {error}")),

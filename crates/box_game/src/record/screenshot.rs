@@ -9,7 +9,6 @@ use bevy::prelude::*;
 use bevy::render::view::window::screenshot::{Screenshot, ScreenshotCaptured};
 
 use crate::action::{Action, Film};
-use crate::input::script::PendingPictures;
 use crate::platform;
 use crate::scene::session::Session;
 use crate::view::renderer::PictureTarget;
@@ -17,6 +16,15 @@ use crate::view::renderer::PictureTarget;
 /// The open plot or table \[pixels\]; empty while the drawer is shut.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct PlotArea(pub URect);
+
+/// The pictures that were asked for.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(crate) struct Pictures {
+    /// Number of those that are not on disk yet: the program does not end before them.
+    pub pending: u32,
+    /// One of them could not be saved.
+    pub failed: bool,
+}
 
 /// A picture of the next frame.
 #[derive(Resource, Clone, Debug)]
@@ -36,7 +44,6 @@ pub(crate) struct Filming {
     began: Option<f64>,
 }
 
-/// Observes requests for pictures.
 pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut commands: Commands) {
     let (path, plot) = match &*action {
         Action::Screenshot => (None, false),
@@ -64,19 +71,15 @@ pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut co
 pub(crate) struct Capture<'w, 's> {
     target: Res<'w, PictureTarget>,
     session: ResMut<'w, Session>,
-    pending: ResMut<'w, PendingPictures>,
+    pictures: ResMut<'w, Pictures>,
     commands: Commands<'w, 's>,
 }
 
-/// Takes the requested picture.
 pub(crate) fn take_screenshot(
-    request: Option<Res<ScreenshotRequest>>,
+    request: If<Res<ScreenshotRequest>>,
     plot: Res<PlotArea>,
     mut capture: Capture,
 ) {
-    let Some(request) = request else {
-        return;
-    };
     capture.commands.remove_resource::<ScreenshotRequest>();
     let name = if request.plot { "plot" } else { "box_game" };
     // A file that was named needs no notice, which would be in the next picture.
@@ -94,10 +97,7 @@ pub(crate) fn take_screenshot(
 }
 
 /// Takes the pictures of a series that are due.
-pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
-    let Some(mut filming) = filming else {
-        return;
-    };
+pub(crate) fn film(mut filming: If<ResMut<Filming>>, time: Res<Time<Real>>, mut capture: Capture) {
     let now = time.elapsed_secs_f64();
     let began = *filming.began.get_or_insert(now);
     if now < began + f64::from(filming.taken) / filming.film.rate - 1e-6 {
@@ -124,24 +124,26 @@ pub(crate) fn film(filming: Option<ResMut<Filming>>, time: Res<Time<Real>>, mut 
 impl Capture<'_, '_> {
     /// Takes a picture, or the part `area` of it, and saves it at `path`.
     fn picture(&mut self, area: Option<URect>, path: PathBuf, named: bool) {
-        self.pending.0 += 1;
+        self.pictures.pending += 1;
         let picture = Screenshot(self.target.0.clone());
         self.commands.spawn(picture).observe(
             move |captured: On<ScreenshotCaptured>,
                   mut session: ResMut<Session>,
-                  mut pending: ResMut<PendingPictures>| {
-                pending.0 = pending.0.saturating_sub(1);
+                  mut pictures: ResMut<Pictures>| {
+                pictures.pending = pictures.pending.saturating_sub(1);
                 match save(&captured.image, area, &path) {
                     Ok(()) if named => info!("screenshot: {}", path.display()),
                     Ok(()) => session.notice(format!("screenshot: {}", path.display())),
-                    Err(error) => session.notice(format!("screenshot {}: {error}", path.display())),
+                    Err(error) => {
+                        pictures.failed = true;
+                        session.notice(format!("screenshot {}: {error}", path.display()));
+                    }
                 }
             },
         );
     }
 }
 
-/// Writes a PNG.
 fn save(image: &Image, area: Option<URect>, path: &Path) -> io::Result<()> {
     let mut picture = image.clone().try_into_dynamic().map_err(io::Error::other)?;
     if let Some(URect { min, max }) = area {

@@ -9,7 +9,6 @@ use super::session::Session;
 use crate::action::Action;
 use crate::parameters::SPEEDS;
 
-/// Observes pause and speed.
 pub(crate) fn on_action(
     action: On<Action>,
     session: Res<Session>,

@@ -22,32 +22,17 @@ pub struct SceneLibrary {
     /// The file of the command line, which may be anywhere.
     opened: Option<PathBuf>,
     files: Vec<SceneFile>,
-    menu: Vec<SceneCard>,
+    menu: Vec<Scenario>,
     looked: Option<f64>,
 }
 
-/// A scene in the menu.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SceneCard {
-    /// Its id.
-    pub id: String,
-    /// Its title.
-    pub title: String,
-    /// What there is to see: the first sentence of its lesson; may be empty.
-    pub watch: String,
-}
-
-impl SceneCard {
-    /// Of this scene.
-    pub fn of(scene: &Scenario) -> Self {
-        // An initial ends no sentence.
-        let word = |end: usize| scene.lesson[..end].rsplit(' ').next().unwrap_or_default();
-        let mut ends = scene.lesson.match_indices(". ").map(|(at, _)| at);
-        let end = ends.find(|&at| word(at).chars().count() > 1);
-        let watch = end.map_or(scene.lesson, |at| &scene.lesson[..=at]);
-        let [id, title, watch] = [scene.id, scene.title, watch].map(str::to_owned);
-        Self { id, title, watch }
-    }
+/// What there is to see in a scene: the first sentence of its lesson; may be empty.
+pub fn watch(scene: &Scenario) -> &'static str {
+    // An initial ends no sentence.
+    let word = |end: usize| scene.lesson[..end].rsplit(' ').next().unwrap_or_default();
+    let mut ends = scene.lesson.match_indices(". ").map(|(at, _)| at);
+    let end = ends.find(|&at| word(at).chars().count() > 1);
+    end.map_or(scene.lesson, |at| &scene.lesson[..=at])
 }
 
 /// A file and its last content.
@@ -84,7 +69,7 @@ impl SceneLibrary {
     }
 
     /// Every scene, in the order of the menu: built-in ones first.
-    pub fn scenes(&self) -> &[SceneCard] {
+    pub fn scenes(&self) -> &[Scenario] {
         &self.menu
     }
 
@@ -152,8 +137,7 @@ impl SceneLibrary {
         }
         let built_in = Scenario::ALL.iter().map(|build| build());
         let from_files = self.files.iter().filter_map(|f| f.scene.clone());
-        let scenes = built_in.chain(from_files);
-        self.menu = scenes.map(|scene| SceneCard::of(&scene)).collect();
+        self.menu = built_in.chain(from_files).collect();
         changed
     }
 
@@ -209,7 +193,7 @@ pub fn on_action(
         let playing = session.scenario.id;
         let at = scenes.iter().position(|s| s.id == playing).unwrap_or(0);
         let next = (at as isize + by).rem_euclid(scenes.len() as isize);
-        library.find(&scenes[next as usize].id)
+        Ok(scenes[next as usize].clone())
     };
     let scene = match &*action {
         Action::SelectScene(id) => library.find(id),

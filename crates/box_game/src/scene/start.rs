@@ -2,8 +2,8 @@
 
 use bevy::prelude::*;
 use box_physics::prelude::{
-    AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, DVec3, ExternalForce,
-    Floor, Friction, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
+    AngularDamping, AngularDrag, BodyState, BodyTorque, ContactSettings, ExternalForce, Floor,
+    Friction, GlobalIntegrator, LinearDrag, PhysicsClock, PointForces, QuadraticDrag,
     ReportPersisting, Restitution, RigidBox, Springs, StaticPlane, WorldGravity,
 };
 use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
@@ -155,7 +155,6 @@ pub fn apply_timed_impulses(
     }
 }
 
-/// Sets gravity, floor and walls.
 fn apply_world(world: &mut World, setup: &Setup) {
     world.insert_resource(WorldGravity(setup.forces.gravity));
     apply_walls(world, setup);
@@ -212,37 +211,21 @@ fn insert_forces(entity: &mut EntityWorldMut, forces: &ForceSet) {
         force: f.force,
         torque: f.world_torque,
     };
-    keep(entity, LinearDrag(f.linear_drag), f.linear_drag != 0.0);
-    keep(
-        entity,
-        QuadraticDrag(f.quadratic_drag),
-        f.quadratic_drag != 0.0,
-    );
-    keep(
-        entity,
-        AngularDamping(f.angular_damping),
-        f.angular_damping != 0.0,
-    );
-    keep(entity, AngularDrag(f.angular_drag), f.angular_drag != 0.0);
-    keep(entity, external, external != ExternalForce::default());
-    keep(
-        entity,
-        BodyTorque(f.body_torque),
-        f.body_torque != DVec3::ZERO,
-    );
-    keep(
-        entity,
-        PointForces(f.point_forces),
-        !forces.point_forces.is_empty(),
-    );
-    keep(entity, Springs(f.springs), !forces.springs.is_empty());
+    keep(entity, external);
+    keep(entity, LinearDrag(f.linear_drag));
+    keep(entity, QuadraticDrag(f.quadratic_drag));
+    keep(entity, AngularDamping(f.angular_damping));
+    keep(entity, AngularDrag(f.angular_drag));
+    keep(entity, BodyTorque(f.body_torque));
+    keep(entity, PointForces(f.point_forces));
+    keep(entity, Springs(f.springs));
 }
 
-/// Inserts a component if it is wanted, and removes it otherwise.
-fn keep<C: Component>(entity: &mut EntityWorldMut, component: C, wanted: bool) {
-    if wanted {
-        entity.insert(component);
-    } else {
+/// Inserts a force component, or removes it if the force is zero.
+fn keep<C: Component + Default + PartialEq>(entity: &mut EntityWorldMut, component: C) {
+    if component == C::default() {
         entity.remove::<C>();
+    } else {
+        entity.insert(component);
     }
 }

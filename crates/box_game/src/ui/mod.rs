@@ -13,29 +13,20 @@ use crate::preferences::{self, Preferences};
 use crate::scene::session::Session;
 
 /// The switches of the panel. Runs without a window.
-pub struct SwitchesPlugin;
-
-impl Plugin for SwitchesPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Preferences>()
-            .add_observer(switch)
-            .add_observer(preferences::on_action)
-            .add_systems(PreStartup, preferences::clamp_scale);
-    }
+pub fn switches_plugin(app: &mut App) {
+    app.init_resource::<Preferences>()
+        .add_observer(switch)
+        .add_observer(preferences::on_action)
+        .add_systems(PreStartup, preferences::clamp_scale);
 }
 
 /// The panel. Needs a renderer and egui.
-pub struct PanelPlugin;
-
-impl Plugin for PanelPlugin {
-    fn build(&self, app: &mut App) {
-        let show = show::show_panel.before(arrange_views);
-        app.add_systems(Startup, show::spawn_camera)
-            .add_systems(EguiPrimaryContextPass, show);
-    }
+pub fn panel_plugin(app: &mut App) {
+    let show = show::show_panel.before(arrange_views);
+    app.add_systems(Startup, show::spawn_camera)
+        .add_systems(EguiPrimaryContextPass, show);
 }
 
-/// Observes the switches.
 fn switch(action: On<Action>, mut session: ResMut<Session>) {
     match *action {
         Action::ToggleHelp => session.show_help ^= true,

@@ -12,8 +12,8 @@ use box_physics::prelude::{
 use box_scenarios::Status;
 
 use crate::compare::Comparison;
-use crate::compare::fill::compare_view;
 use crate::compare::sampling::IntegratorSamples;
+use crate::compare::view::compare_view;
 use crate::demo_2012::Demo2012;
 use crate::interaction::undo::UndoStack;
 use crate::platform;
@@ -22,7 +22,7 @@ use crate::record::csv_log::CsvLog;
 use crate::record::history::{History, frame_time};
 use crate::scene::library::SceneLibrary;
 use crate::scene::session::{MainBox, Session};
-use crate::ui::panel::{DemoView, FIGURES, HistoryView, LogView, PanelView};
+use crate::ui::panel::{DemoView, FIGURES, PanelView};
 use crate::view::renderer::PictureTarget;
 
 /// Sources of the view.
@@ -53,6 +53,7 @@ pub fn view(s: &Sources) -> PanelView {
     let session = &*s.session;
     let open = s.preferences.show_plots && !session.hidden;
     let (figures, state) = main_box(s).unwrap_or_default();
+    let timed = Integrator::ALL.iter().filter(|_| open);
     let device = s.adapter.as_ref().map(|adapter| adapter.device_type);
     PanelView {
         scenario: session.scenario.clone(),
@@ -77,15 +78,13 @@ pub fn view(s: &Sources) -> PanelView {
         stages_us: s.samples.plugin(),
         stage_history: s.samples.plugin_steps().collect(),
         grain: s.samples.is_coarse().then(|| {
-            let grain = s.samples.grain().as_secs_f64() * 1e6;
-            (grain, s.samples.uncertainty())
+            let grain = s.samples.grain.as_secs_f64() * 1e6;
+            (grain, s.samples.uncertainty)
         }),
         frame_time_ms: frame_time(s.diagnostics.as_deref()).unwrap_or(0.0),
-        history: if open {
-            history(s)
-        } else {
-            HistoryView::default()
-        },
+        timing_history: timed.map(|&i| s.samples.history(i).collect()).collect(),
+        cpu_history: s.history.cpu.iter().copied().filter(|_| open).collect(),
+        no_cpu: platform::CPU_USAGE.err(),
         compare: compare_view(
             &s.comparison,
             &s.samples,
@@ -95,10 +94,10 @@ pub fn view(s: &Sources) -> PanelView {
         show_help: session.show_help,
         hidden: session.hidden,
         plot: session.plot,
-        log: s.log.as_ref().map(|log| LogView {
-            path: log.path().display().to_string(),
-            rows: log.rows(),
-        }),
+        log: s
+            .log
+            .as_ref()
+            .map(|log| (log.path.display().to_string(), log.rows)),
         // An image offscreen is as good from a CPU.
         software_rendering: device == Some(wgpu::DeviceType::Cpu)
             && matches!(
@@ -141,17 +140,6 @@ fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
     let status = run.map_or(Status::Ok, |run| run.main_box.simulation.status());
     let frozen = quarantined.then_some(Status::Quarantined);
     Some((figures, frozen.unwrap_or(status)))
-}
-
-fn history(s: &Sources) -> HistoryView {
-    HistoryView {
-        timing: Integrator::ALL
-            .iter()
-            .map(|&i| s.samples.history(i).collect())
-            .collect(),
-        cpu: s.history.cpu.iter().copied().collect(),
-        no_cpu: platform::CPU_USAGE.err(),
-    }
 }
 
 fn demo(demo: &Demo2012) -> DemoView {

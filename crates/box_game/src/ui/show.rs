@@ -11,13 +11,12 @@ use super::panel_view::{self, Sources};
 use crate::action::Actions;
 use crate::action::compare::Layout;
 use crate::camera::views::{self, PictureArea};
-use crate::input::focus::UiFocus;
+use crate::input::UiFocus;
 use crate::parameters::UI_SCALES;
 use crate::preferences::Preferences;
 use crate::record::screenshot::PlotArea;
 use crate::view::renderer::PictureTarget;
 
-/// The camera of the panel.
 #[derive(Component)]
 pub(super) struct PanelCamera;
 

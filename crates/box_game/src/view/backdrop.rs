@@ -27,7 +27,6 @@ const REACH: i32 = 3;
 /// Cells of the grid on a wall, along it and up.
 const CELLS: UVec2 = UVec2::new(12, 2);
 
-/// The sky.
 #[derive(Component)]
 pub(super) struct Sky;
 

@@ -16,24 +16,20 @@ use crate::preferences::Preferences;
 use crate::scene::session::MainBox;
 
 /// Draws boxes, floor and comparisons. Needs a renderer and the cameras.
-pub struct ViewPlugin;
-
-impl Plugin for ViewPlugin {
-    fn build(&self, app: &mut App) {
-        app.add_plugins((BodyGizmosPlugin, comparisons::ComparisonsPlugin))
-            .add_systems(Startup, (visuals::set_up, backdrop::spawn_backdrop))
-            .add_systems(
-                Update,
-                (
-                    backdrop::draw_lattice.after(move_camera),
-                    backdrop::draw_walls,
-                    backdrop::place_backdrop.after(move_camera),
-                    visuals::place_floor,
-                    switch_gizmos.before(BodyGizmosSystems),
-                ),
-            );
-        add_dressing(app);
-    }
+pub fn plugin(app: &mut App) {
+    app.add_plugins((BodyGizmosPlugin, comparisons::plugin))
+        .add_systems(Startup, (visuals::set_up, backdrop::spawn_backdrop))
+        .add_systems(
+            Update,
+            (
+                backdrop::draw_lattice.after(move_camera),
+                backdrop::draw_walls,
+                backdrop::place_backdrop.after(move_camera),
+                visuals::place_floor,
+                switch_gizmos.before(BodyGizmosSystems),
+            ),
+        );
+    add_dressing(app);
 }
 
 /// After everything that spawns a box or switches its integrator in this frame.

@@ -19,7 +19,6 @@ use crate::view::style;
 /// Edge of the drawn floor \[m\].
 const FLOOR_SIZE: f32 = 400.0;
 
-/// The drawn floor.
 #[derive(Component)]
 pub(super) struct FloorSurface;
 
@@ -31,7 +30,6 @@ pub(super) struct BoxLook {
     meshes: Option<(Vec3, [Handle<Mesh>; 2])>,
 }
 
-/// Light, floor and materials.
 pub(super) fn set_up(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

@@ -39,13 +39,9 @@ const MOST: Duration = Duration::from_millis(8);
 const HISTORY: usize = 3600;
 
 /// Times every integrator live.
-pub struct SamplingPlugin;
-
-impl Plugin for SamplingPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<IntegratorSamples>()
-            .add_systems(Update, sample_integrators);
-    }
+pub fn plugin(app: &mut App) {
+    app.init_resource::<IntegratorSamples>()
+        .add_systems(Update, sample_integrators);
 }
 
 /// The recent samples of every integrator and of the plugin.
@@ -62,10 +58,10 @@ pub struct IntegratorSamples {
     turn: Turn,
     snapshot: Option<Snapshot>,
     load: Option<Load>,
-    /// Of the clock.
-    grain: Duration,
-    /// Standard deviation that the grain leaves in the last sample, relative.
-    uncertainty: f64,
+    /// The smallest difference that the clock shows.
+    pub grain: Duration,
+    /// Standard deviation of the last sample, relative, that comes from the grain of the clock.
+    pub uncertainty: f64,
     /// What tells the time of a sample.
     pub stopwatch: Stopwatch,
     /// Time for samples in a frame: at least one part of a sample is taken, at most each integrator has its turn.
@@ -124,16 +120,6 @@ impl IntegratorSamples {
     pub fn mean_of_run(&self, integrator: Integrator) -> Option<f64> {
         let (sum, count) = self.each[integrator.index()].run;
         (count > 0).then(|| sum / f64::from(count))
-    }
-
-    /// The smallest difference that the clock shows.
-    pub fn grain(&self) -> Duration {
-        self.grain
-    }
-
-    /// Standard deviation of a sample, relative, that comes from the grain of the clock.
-    pub fn uncertainty(&self) -> f64 {
-        self.uncertainty
     }
 
     /// A grain so long that a sample does not fit into a frame's budget.

@@ -87,14 +87,14 @@ impl SweepTask {
 }
 
 /// A sweep: none, running or done.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Sweep {
     shared: Arc<Shared>,
     worker: Option<Worker>,
     total: u32,
 }
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Shared {
     cancel: AtomicBool,
     done: AtomicU32,

@@ -32,7 +32,6 @@ pub(super) fn marks(log: bool, apart: f64) -> Box<dyn Fn(GridInput) -> Vec<GridM
     }
 }
 
-/// The label of a mark.
 pub(super) fn label(log: bool, mark: GridMark, range: &RangeInclusive<f64>) -> String {
     if log {
         tick(mark.value, range.end() - range.start())

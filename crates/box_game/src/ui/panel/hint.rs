@@ -176,7 +176,7 @@ fn listed(name: &str, view: &PanelView) -> Option<Action> {
     let integrator = Integrator::ALL.iter().find(|i| i.name() == name);
     let integrator = integrator.map(|&i| Action::Compare(CompareAction::ToggleComparison(i)));
     let scene = view.scenes.iter().find(|s| s.title == name);
-    let scene = scene.map(|s| Action::SelectScene(s.id.clone()));
+    let scene = scene.map(|s| Action::SelectScene(s.id.to_owned()));
     layout
         .or(fairness)
         .or(tab)

@@ -4,17 +4,12 @@
 pub(super) const SCREENSHOT: &str = "F12";
 
 /// Keys and their effect.
+#[rustfmt::skip]
 pub const KEYS: &[(&str, &str)] = &[
-    (
-        "W S · A D · E Q",
-        "push along the box's z · x · y axis (hold to repeat)",
-    ),
+    ("W S · A D · E Q", "push along the box's z · x · y axis (hold to repeat)"),
     ("Shift + these", "push off-center, so that the box spins"),
     ("Alt + these", "push along the world's axes"),
-    (
-        "Click the box · drag it",
-        "poke (scroll while holding to set the strength) · grab",
-    ),
+    ("Click the box · drag it", "poke (scroll while holding to set the strength) · grab"),
     ("1 … 9", "switch to the integrator with this key"),
     ("Shift + 1 … 9", "compare with that integrator, or stop"),
     ("G · V", "show or hide the comparisons · next layout"),
@@ -28,10 +23,7 @@ pub const KEYS: &[(&str, &str)] = &[
     ("Ctrl + O", "search scenes"),
     ("Ctrl + Z · Ctrl + Shift + Z", "undo · redo"),
     ("Ctrl + plus · Ctrl + minus", "scale the panel"),
-    (
-        "B · C · X",
-        "show the bounding box · contacts · axes and velocity",
-    ),
+    ("B · C · X", "show the bounding box · contacts · axes and velocity"),
     ("F", "center the view on the box"),
     ("Home", "reset the view"),
     ("Drag elsewhere · right drag · scroll", "orbit · pan · zoom"),

@@ -16,7 +16,6 @@ pub struct PanelMemory {
     pub(super) push_off_center: bool,
     /// Push buttons push along the world's axes.
     pub(super) push_world: bool,
-    /// Text of the scene search.
     pub(super) search: String,
     /// The marked one of the scenes found.
     pub(super) picked: usize,

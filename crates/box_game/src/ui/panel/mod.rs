@@ -34,7 +34,7 @@ pub use memory::PanelMemory;
 #[cfg(test)]
 pub(crate) use tests::sample::sample_view;
 pub use view::PanelView;
-pub(crate) use view::{DemoView, FIGURES, HistoryView, LogView};
+pub(crate) use view::{DemoView, FIGURES};
 
 use bevy_egui::egui::{self, Rect, Ui};
 

@@ -5,9 +5,11 @@ use bevy_egui::egui::{
     Vec2, WidgetInfo, WidgetType, text::LayoutJob,
 };
 
+use box_scenarios::Scenario;
+
 use super::widgets::{Panel, id_of, identify};
 use crate::action::Action;
-use crate::scene::library::SceneCard;
+use crate::scene::library::watch;
 
 /// Size of a card [points].
 const CARD: Vec2 = Vec2::new(290.0, 44.0);
@@ -64,14 +66,14 @@ pub(super) fn show(ui: &Ui, panel: &mut Panel<'_>) {
         chosen.copied()
     });
     if let Some(scene) = modal.inner.and_then(|k| view.scenes.get(k)) {
-        panel.ask(Action::SelectScene(scene.id.clone()));
+        panel.ask(Action::SelectScene(scene.id.to_owned()));
     } else if modal.backdrop_response.clicked() {
         panel.ask(Action::TogglePicker);
     }
 }
 
 /// Title over what there is to see; returns whether it was clicked.
-fn card(ui: &mut Ui, scene: &SceneCard, picked: bool, moved: bool) -> bool {
+fn card(ui: &mut Ui, scene: &Scenario, picked: bool, moved: bool) -> bool {
     let visuals = ui.visuals();
     let [strong, weak] = if picked {
         [visuals.selection.stroke.color; 2]
@@ -80,16 +82,16 @@ fn card(ui: &mut Ui, scene: &SceneCard, picked: bool, moved: bool) -> bool {
     };
     let mut job = LayoutJob::default();
     for (text, style, color) in [
-        (scene.title.as_str(), TextStyle::Body, strong),
+        (scene.title, TextStyle::Body, strong),
         ("\n", TextStyle::Small, weak),
-        (scene.watch.as_str(), TextStyle::Small, weak),
+        (watch(scene), TextStyle::Small, weak),
     ] {
         let format = TextFormat::simple(style.resolve(ui.style()), color);
         job.append(text, 0.0, format);
     }
     let card = Button::selectable(picked, job).frame_when_inactive(true);
     let card = ui.add(card.wrap_mode(TextWrapMode::Wrap).min_size(CARD));
-    identify(&card, id_of(&Action::SelectScene(scene.id.clone())));
+    identify(&card, id_of(&Action::SelectScene(scene.id.to_owned())));
     if picked && moved {
         card.scroll_to_me(None);
     }
@@ -97,10 +99,10 @@ fn card(ui: &mut Ui, scene: &SceneCard, picked: bool, moved: bool) -> bool {
 }
 
 /// Indices of the scenes whose card contains every word of `text`.
-fn search(text: &str, scenes: &[SceneCard]) -> Vec<usize> {
+fn search(text: &str, scenes: &[Scenario]) -> Vec<usize> {
     let text = text.to_lowercase();
-    let matches = |s: &SceneCard| {
-        let name = format!("{} {} {}", s.id, s.title, s.watch).to_lowercase();
+    let matches = |s: &Scenario| {
+        let name = format!("{} {} {}", s.id, s.title, watch(s)).to_lowercase();
         text.split_whitespace().all(|word| name.contains(word))
     };
     (0..scenes.len()).filter(|&k| matches(&scenes[k])).collect()
@@ -109,12 +111,10 @@ fn search(text: &str, scenes: &[SceneCard]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use box_scenarios::Scenario;
 
     #[test]
     fn words_find_a_scene() {
-        let scenes = Scenario::ALL.iter().map(|build| SceneCard::of(&build()));
-        let scenes: Vec<_> = scenes.collect();
+        let scenes: Vec<_> = Scenario::ALL.iter().map(|build| build()).collect();
         for (words, first) in [
             ("dzha", Some("dzhanibekov")),
             ("2012", Some("dissertation-2012")),
@@ -123,7 +123,7 @@ mod tests {
             ("xyzzy", None),
         ] {
             let found = search(words, &scenes);
-            let found = found.first().map(|&k| scenes[k].id.as_str());
+            let found = found.first().map(|&k| scenes[k].id);
             assert_eq!(found, first);
         }
         assert_eq!(search("", &scenes).len(), scenes.len());

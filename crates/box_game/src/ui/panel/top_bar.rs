@@ -53,24 +53,19 @@ fn scene(ui: &mut Ui, panel: &mut Panel<'_>, named: bool) {
 fn clock(ui: &mut Ui, panel: &mut Panel<'_>, named: bool) {
     let (paused, shift) = (panel.view.paused, ui.input(|i| i.modifiers.shift));
     let steps = if shift { 10 } else { 1 };
-    let mut button = |sign: &str, name: &str, hint: &str, action: Action| {
+    let (sign, name) = [("⏸", "Pause"), ("▶", "Resume")][usize::from(paused)];
+    #[rustfmt::skip]
+    let buttons = [
+        (sign, name, "Pause or resume (P or Space).", Action::TogglePause),
+        ("⏮", "Back", "Step back; pauses (,). With Shift: ten steps.", Action::StepBack(steps)),
+        ("⏭", "Step", "Step forward; pauses (.). With Shift: ten steps.", Action::Step(steps)),
+        ("⟲", "Restart", "Restart the scene with the current parameters (R).", Action::Restart),
+    ];
+    for (sign, name, hint, action) in buttons {
         let both = format!("{sign} {name}");
         let written = if named { both.as_str() } else { sign };
         panel.button(ui, Text(written, name, hint), action);
-    };
-    let pause = "Pause or resume (P or Space).";
-    let (sign, name) = if paused {
-        ("▶", "Resume")
-    } else {
-        ("⏸", "Pause")
-    };
-    button(sign, name, pause, Action::TogglePause);
-    let back = "Step back; pauses (,). With Shift: ten steps.";
-    button("⏮", "Back", back, Action::StepBack(steps));
-    let forward = "Step forward; pauses (.). With Shift: ten steps.";
-    button("⏭", "Step", forward, Action::Step(steps));
-    let restart = "Restart the scene with the current parameters (R).";
-    button("⟲", "Restart", restart, Action::Restart);
+    }
 }
 
 fn speed(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -137,9 +132,9 @@ fn readouts(ui: &mut Ui, view: &PanelView, named: bool) {
         }
         _ => {}
     }
-    if let Some(log) = &view.log {
-        let hint = format!("Rows logged to {}", log.path);
-        read(&format!("● REC {}", grouped(log.rows)), &hint);
+    if let Some((path, rows)) = &view.log {
+        let hint = format!("Rows logged to {path}");
+        read(&format!("● REC {}", grouped(*rows)), &hint);
     }
     if view.software_rendering {
         let hint =

@@ -12,7 +12,6 @@ use crate::action::Plot;
 use crate::compare::CompareView;
 use crate::parameters::Parameters;
 use crate::preferences::Preferences;
-use crate::scene::library::SceneCard;
 
 /// Names and units of the main box's figures; the potential energy is that over the floor, or the origin.
 pub(crate) const FIGURES: [(&str, &str); 10] = [
@@ -32,7 +31,7 @@ pub(crate) const FIGURES: [(&str, &str); 10] = [
 #[derive(Clone, Debug)]
 pub struct PanelView {
     /// Every scene, in the order of the menu.
-    pub(crate) scenes: Vec<SceneCard>,
+    pub(crate) scenes: Vec<Scenario>,
     /// The scene being played, which may be in the list no longer.
     pub(crate) scenario: Scenario,
     pub(crate) integrator: Integrator,
@@ -69,13 +68,19 @@ pub struct PanelView {
     pub(crate) grain: Option<(f64, f64)>,
     /// Time of the last frame \[ms\].
     pub(crate) frame_time_ms: f64,
-    pub(crate) history: HistoryView,
+    /// Past of every integrator, oldest first: (wall time \[s\], minimum ns per body-step).
+    pub(crate) timing_history: Vec<Vec<(f64, f64)>>,
+    /// Past of the CPU usage, oldest first: (wall time \[s\], process [% of all cores], system CPU \[%\]).
+    pub(crate) cpu_history: Vec<(f64, f64, f64)>,
+    /// Reason why the CPU usage is unknown, if it is.
+    pub(crate) no_cpu: Option<&'static str>,
     pub(crate) compare: CompareView,
     pub(crate) preferences: Preferences,
     pub(crate) show_help: bool,
     pub(crate) hidden: bool,
     pub(crate) plot: Plot,
-    pub(crate) log: Option<LogView>,
+    /// The CSV log being written, and its rows.
+    pub(crate) log: Option<(String, u64)>,
     /// The device renders in software, so frame times say nothing.
     pub(crate) software_rendering: bool,
     /// Messages for the person: the last error or file written, newest last.
@@ -118,22 +123,4 @@ pub(crate) struct DemoView {
     pub cycle_us: f64,
     /// The file of its cycle times and their number.
     pub log: Option<(String, u64)>,
-}
-
-/// Histories, oldest first; times are seconds since the start of the program or the scene.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct HistoryView {
-    /// Per integrator in the order of the menu: (wall time \[s\], minimum ns per body-step).
-    pub timing: Vec<Vec<(f64, f64)>>,
-    /// (wall time \[s\], process CPU [% of all cores], system CPU \[%\]).
-    pub cpu: Vec<(f64, f64, f64)>,
-    /// Reason why the CPU usage is unknown, if it is.
-    pub no_cpu: Option<&'static str>,
-}
-
-/// The CSV log being written.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct LogView {
-    pub path: String,
-    pub rows: u64,
 }

@@ -30,6 +30,19 @@ impl Panel<'_> {
         }
     }
 
+    /// Buttons in a row: text, tooltip, action.
+    pub(super) fn buttons<'a, A: Into<Action>>(
+        &mut self,
+        ui: &mut Ui,
+        buttons: impl IntoIterator<Item = (&'a str, &'a str, A)>,
+    ) {
+        ui.horizontal_wrapped(|ui| {
+            for (name, hint, action) in buttons {
+                self.button(ui, text(name, hint), action);
+            }
+        });
+    }
+
     /// A button that shows whether it is on, and asks for `action` to change that.
     pub(super) fn toggle(
         &mut self,
@@ -44,7 +57,7 @@ impl Panel<'_> {
         }
     }
 
-    /// One of several: it asks for `action` unless it is chosen already.
+    /// A toggle that asks for `action` unless it is chosen already.
     pub(super) fn choice(
         &mut self,
         ui: &mut Ui,
@@ -52,10 +65,27 @@ impl Panel<'_> {
         text: Text<'_>,
         action: impl Into<Action>,
     ) {
-        let action = action.into();
-        if toggle(ui, chosen, text, &id_of(&action)) && !chosen {
-            self.ask(action);
+        let before = self.out.len();
+        self.toggle(ui, chosen, text, action);
+        if chosen {
+            self.out.truncate(before);
         }
+    }
+
+    /// One of several in a row: value, text and tooltip of each, and the action that chooses it.
+    pub(super) fn choices<'a, T: PartialEq, A: Into<Action>>(
+        &mut self,
+        ui: &mut Ui,
+        chosen: T,
+        all: impl IntoIterator<Item = (T, &'a str, &'a str)>,
+        action: impl Fn(T) -> A,
+    ) {
+        ui.horizontal_wrapped(|ui| {
+            for (value, name, hint) in all {
+                let chosen = value == chosen;
+                self.choice(ui, chosen, text(name, hint), action(value));
+            }
+        });
     }
 }
 

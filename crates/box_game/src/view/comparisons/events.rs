@@ -43,7 +43,6 @@ pub(super) fn strip_place(seen: &Seen<'_>) -> Option<Rect> {
     Some(room.with_min_y(room.bottom() - height))
 }
 
-/// Draws rings and strip.
 pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
     let (run, trajectories) = (seen.run, &seen.trajectories);
     let layer = LayerId::new(Order::Background, "events".into());

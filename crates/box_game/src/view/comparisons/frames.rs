@@ -86,7 +86,6 @@ pub(super) fn draw_frames(
     }
 }
 
-/// Lines of one trajectory.
 struct Lines<'a> {
     run: &'a Run,
     /// It has a solid box, not edges alone.

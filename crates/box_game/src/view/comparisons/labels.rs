@@ -31,7 +31,6 @@ const MOST: usize = 5;
 /// Room around the text of a label.
 const MARGIN: Vec2 = vec2(7.0, 4.0);
 
-/// What a label says.
 #[derive(Default)]
 struct Label {
     marks: Vec<(char, Color32, String)>,

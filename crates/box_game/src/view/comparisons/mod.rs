@@ -19,24 +19,20 @@ use crate::demo_2012::Demo2012;
 use crate::scene::session::Session;
 
 /// Draws the comparisons of a [`Comparison`] over the picture of the first 3-D camera.
-pub(super) struct ComparisonsPlugin;
-
-impl Plugin for ComparisonsPlugin {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<frames::Trails>()
-            .add_systems(
-                Update,
-                (
-                    beside::place_pieces,
-                    beside::step_back,
-                    frames::lengthen_trails,
-                    frames::draw_frames,
-                    acting::draw_cones,
-                )
-                    .chain(),
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<frames::Trails>()
+        .add_systems(
+            Update,
+            (
+                beside::place_pieces,
+                beside::step_back,
+                frames::lengthen_trails,
+                frames::draw_frames,
+                acting::draw_cones,
             )
-            .add_systems(EguiPrimaryContextPass, draw_overlay);
-    }
+                .chain(),
+        )
+        .add_systems(EguiPrimaryContextPass, draw_overlay);
 }
 
 /// Draws labels, rings and the strip of flips over the picture.

@@ -18,7 +18,6 @@ use crate::view::style;
 /// Distance of two comparisons in radii of the box.
 const PITCH: f32 = 2.7;
 
-/// A trajectory that is drawn.
 #[derive(Clone, Copy)]
 pub(super) struct Shown<'a> {
     pub integrator: Integrator,

@@ -15,28 +15,13 @@ use crate::action::{Action, Plot};
 const THAW: f64 = 0.3;
 
 /// Every tab, with its name and tooltip.
+#[rustfmt::skip]
 pub(super) const TABS: [(Plot, &str, &str); 6] = [
-    (
-        Plot::Error,
-        "Error",
-        "Position and attitude error over simulated time.",
-    ),
-    (
-        Plot::Energy,
-        "Energy",
-        "Drift of energy and angular momentum over simulated time.",
-    ),
-    (
-        Plot::Timing,
-        "Timing",
-        "Cost per box and step of every integrator over time.",
-    ),
+    (Plot::Error, "Error", "Position and attitude error over simulated time."),
+    (Plot::Energy, "Energy", "Drift of energy and angular momentum over simulated time."),
+    (Plot::Timing, "Timing", "Cost per box and step of every integrator over time."),
     (Plot::Cpu, "CPU", "CPU usage over time."),
-    (
-        Plot::WorkPrecision,
-        "Work–precision",
-        "Error against cost, live and for a range of step sizes.",
-    ),
+    (Plot::WorkPrecision, "Work–precision", "Error against cost, live and for a range of step sizes."),
     (Plot::Table, "Table", "Current values of every integrator."),
 ];
 
@@ -82,7 +67,6 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) -> Rect {
     place
 }
 
-/// Options of the open tab.
 fn tools(ui: &mut Ui, panel: &mut Panel<'_>) {
     let (plot, settings) = (panel.view.plot, &panel.view.compare.settings);
     if plot == Plot::Error {

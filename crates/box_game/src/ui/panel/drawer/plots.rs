@@ -68,7 +68,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
         })
     });
     let draw = |plot: &mut PlotUi<'_>| {
-        for (&integrator, history) in Integrator::ALL.iter().zip(&view.history.timing) {
+        for (&integrator, history) in Integrator::ALL.iter().zip(&view.timing_history) {
             let points: Vec<_> = history.iter().map(|&(t, ns)| [t, ns]).collect();
             let points = decimate(MAX_POINTS, &points);
             let points: Vec<_> = points.iter().map(|&[t, ns]| [t, to_axis(ns)]).collect();
@@ -89,11 +89,11 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
 
 /// CPU use of the process and the system.
 pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
-    if let Some(reason) = view.history.no_cpu {
+    if let Some(reason) = view.no_cpu {
         ui.label(reason);
         return;
     }
-    let history = &view.history.cpu;
+    let history = &view.cpu_history;
     let process: Vec<_> = history
         .iter()
         .map(|&(t, process, _)| [t, process])

@@ -8,37 +8,20 @@ use super::super::format::{number, quantity, step_size};
 use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::view::style;
 
+#[rustfmt::skip]
 const HEADINGS: [(&str, &str); 12] = [
-    (
-        "integrator",
-        "Main box first, then comparisons, then all others.",
-    ),
-    (
-        "min [ns]",
-        "Fastest sample of the last two seconds per box and step, on this scene's boxes and the plugin's code path.",
-    ),
+    ("integrator", "Main box first, then comparisons, then all others."),
+    ("min [ns]", "Fastest sample of the last two seconds per box and step, on this scene's boxes and the plugin's code path."),
     ("median [ns]", "Median of these samples."),
     ("p95 [ns]", "95th percentile of these samples."),
     ("force evals", "Force evaluations per step, measured."),
     ("dt", "Step size."),
     ("position error [m]", "Current distance from the reference."),
     ("attitude error [°]", "Current angle to the reference."),
-    (
-        "ΔE/E₀",
-        "Energy change not caused by pushes, forces or contact.",
-    ),
-    (
-        "Δ|L|/|L₀|",
-        "Change of |L| not caused by pushes, forces or contact.",
-    ),
-    (
-        "order",
-        "The error of free rotation decreases with this power of dt.",
-    ),
-    (
-        "state",
-        "ok, contact, resting, catching up, or the time of divergence.",
-    ),
+    ("ΔE/E₀", "Energy change not caused by pushes, forces or contact."),
+    ("Δ|L|/|L₀|", "Change of |L| not caused by pushes, forces or contact."),
+    ("order", "The error of free rotation decreases with this power of dt."),
+    ("state", "ok, contact, resting, catching up, or the time of divergence."),
 ];
 
 /// `timings` are of every integrator; those that are not compared stand below.

@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let names = |ui: &mut Ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         for trajectory in &view.trajectories {
-            let mut lines = view.sweep.lines.iter();
+            let mut lines = view.sweep.iter();
             let line = lines.find(|l| l.integrator == trajectory.integrator);
             legend(ui, trajectory, line, position);
         }
@@ -37,11 +37,10 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 }
 
 fn controls(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let (sweep, attitude) = (&panel.view.compare.sweep, panel.view.compare.attitude);
-    if sweep.running {
+    let view = &panel.view.compare;
+    if let Some((done, total)) = view.sweeping {
         let cancel = text("Cancel sweep", "Stop and keep the finished lines.");
         panel.button(ui, cancel, CompareAction::CancelSweep);
-        let (done, total) = sweep.progress;
         let bar = ProgressBar::new(done as f32 / total.max(1) as f32);
         ui.add(bar.desired_width(140.0).text(format!("{done} of {total}")));
     } else {
@@ -53,7 +52,7 @@ fn controls(ui: &mut Ui, panel: &mut Panel<'_>) {
         (false, "attitude", "Largest angle to the reference."),
         (true, "position", "Largest distance from the reference."),
     ] {
-        let chosen = panel.memory.sweep_position.unwrap_or(!attitude) == position;
+        let chosen = panel.memory.sweep_position.unwrap_or(!view.attitude) == position;
         let accessible = format!("{name} error");
         if toggle(ui, chosen, Text(name, &accessible, hint), &accessible) {
             panel.memory.sweep_position = Some(position);
@@ -92,7 +91,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
         });
     let draw = |plot: &mut PlotUi<'_>| {
         let theme = plot.ctx().theme();
-        for sweep in &view.sweep.lines {
+        for sweep in &view.sweep {
             let looks = style::of(sweep.integrator);
             let name = style::marked_name(sweep.integrator);
             let points: Vec<_> = sweep.points.iter().map(|p| place(p, position)).collect();
@@ -103,7 +102,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                 plot.points(dots.shape(looks.marker).color(looks.ink(theme)));
             }
         }
-        for sweep in view.sweep.lines.iter().take(MARKED) {
+        for sweep in view.sweep.iter().take(MARKED) {
             let usual = |p: &&SweepPoint| (60.0 * p.dt - 1.0).abs() < 1e-6;
             let at = sweep.points.iter().find(usual).map(|p| place(p, position));
             if let Some([x, y]) = at.filter(|at| at.iter().all(|v| v.is_finite())) {

@@ -12,9 +12,9 @@ use box_scenarios::dissertation::Stepper;
 
 use super::super::format::number;
 use super::super::view::PanelView;
-use super::super::widgets::{Panel, Text, button, describe, id_of, identify, note, text};
+use super::super::widgets::{Panel, Text, button, describe, id_of, identify, note};
 use crate::action::Action;
-use crate::action::compare::{self, CompareAction, Fairness};
+use crate::action::compare::{CompareAction, Fairness, Layout as Layouts};
 use crate::compare::TrajectoryView;
 use crate::compare::verdict::short;
 use crate::view::style;
@@ -222,31 +222,18 @@ fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     }
 }
 
-/// Layout, fairness, re-sync.
 fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
-    ui.horizontal_wrapped(|ui| {
-        for (layout, name, hint) in compare::Layout::ALL {
-            let chosen = view.settings.layout == layout;
-            let action = CompareAction::SetLayout(layout);
-            panel.choice(ui, chosen, text(name, hint), action);
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        for (fairness, name, hint) in Fairness::ALL {
-            let chosen = view.settings.fairness == fairness;
-            let action = CompareAction::SetFairness(fairness);
-            panel.choice(ui, chosen, text(name, hint), action);
-        }
-    });
-    ui.horizontal_wrapped(|ui| {
-        let all = text("Compare all", "Compare every integrator.");
-        panel.button(ui, all, CompareAction::CompareAll);
-        let none = text("Compare none", "Remove all comparisons.");
-        panel.button(ui, none, CompareAction::CompareNone);
-        let hint = "Set the main box and all comparisons to the reference state.";
-        panel.button(ui, text("Re-sync", hint), CompareAction::Resync);
-    });
+    let now = view.settings;
+    panel.choices(ui, now.layout, Layouts::ALL, CompareAction::SetLayout);
+    panel.choices(ui, now.fairness, Fairness::ALL, CompareAction::SetFairness);
+    #[rustfmt::skip]
+    let buttons = [
+        ("Compare all", "Compare every integrator.", CompareAction::CompareAll),
+        ("Compare none", "Remove all comparisons.", CompareAction::CompareNone),
+        ("Re-sync", "Set the main box and all comparisons to the reference state.", CompareAction::Resync),
+    ];
+    panel.buttons(ui, buttons);
     if !view.note.is_empty() {
         ui.small(&view.note);
     }

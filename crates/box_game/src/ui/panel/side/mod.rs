@@ -26,7 +26,6 @@ const SECTIONS: [(&str, bool, fn(&mut Ui, &mut Panel<'_>)); 9] = [
     ("LOG", false, log),
 ];
 
-/// Draws every section.
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let now = ui.input(|i| i.time);
     let marked = &mut panel.memory.marked;
@@ -65,46 +64,31 @@ fn section_of(name: &str) -> &'static str {
 /// What is drawn.
 fn drawn(ui: &mut Ui, panel: &mut Panel<'_>) {
     let preferences = panel.view.preferences;
-    let mut switch = |mut on: bool, name: &str, hint: &str, action: Action| {
+    #[rustfmt::skip]
+    let switches = [
+        (preferences.show_aabb, "Bounding box (B)", "Axis-aligned bounding box of every body.", Action::ToggleAabb),
+        (preferences.show_contacts, "Contacts (C)", "Contact points with their impulses and friction cones.",
+            Action::ToggleContacts),
+        (preferences.show_axes, "Axes and velocity (X)", "Body axes and velocity.", Action::ToggleAxes),
+    ];
+    for (mut on, name, hint, action) in switches {
         let switch = ui.checkbox(&mut on, name);
         identify(&switch, id_of(&action));
         if switch.on_hover_text(hint).changed() {
             panel.ask(action);
         }
+    }
+    let screenshot = match platform::SCREENSHOT_KEY {
+        Some(_) => "Save a screenshot (F12).",
+        None => "Save a screenshot.",
     };
-    let hint = "Axis-aligned bounding box of every body.";
-    switch(
-        preferences.show_aabb,
-        "Bounding box (B)",
-        hint,
-        Action::ToggleAabb,
-    );
-    let hint = "Contact points with their impulses and friction cones.";
-    switch(
-        preferences.show_contacts,
-        "Contacts (C)",
-        hint,
-        Action::ToggleContacts,
-    );
-    let hint = "Body axes and velocity.";
-    switch(
-        preferences.show_axes,
-        "Axes and velocity (X)",
-        hint,
-        Action::ToggleAxes,
-    );
-    ui.horizontal_wrapped(|ui| {
-        let frame = text("Frame", "Center the view on the box (F).");
-        panel.button(ui, frame, Action::FrameCamera);
-        let home = text("Home", "Reset the view (Home).");
-        panel.button(ui, home, Action::HomeCamera);
-        let hint = match platform::SCREENSHOT_KEY {
-            Some(_) => "Save a screenshot (F12).",
-            None => "Save a screenshot.",
-        };
-        let screenshot = text("Screenshot", hint);
-        panel.button(ui, screenshot, Action::Screenshot);
-    });
+    #[rustfmt::skip]
+    let buttons = [
+        ("Frame", "Center the view on the box (F).", Action::FrameCamera),
+        ("Home", "Reset the view (Home).", Action::HomeCamera),
+        ("Screenshot", screenshot, Action::Screenshot),
+    ];
+    panel.buttons(ui, buttons);
 }
 
 /// The main box in numbers.
@@ -135,7 +119,6 @@ fn now(ui: &mut Ui, panel: &mut Panel<'_>) {
     });
 }
 
-/// The CSV log.
 fn log(ui: &mut Ui, panel: &mut Panel<'_>) {
     let log = &panel.view.log;
     let name = ["Start log", "Stop log"][usize::from(log.is_some())];
@@ -145,9 +128,9 @@ fn log(ui: &mut Ui, panel: &mut Panel<'_>) {
     let name = format!("Copy {what}");
     let hint = format!("Copy the {what} that restores this session to the clipboard.");
     panel.button(ui, text(&name, &hint), Action::CopyCommandLine);
-    if let Some(log) = log {
-        ui.add(Label::new(&log.path).wrap().selectable(true));
-        ui.label(format!("{} rows", grouped(log.rows)));
+    if let Some((path, rows)) = log {
+        ui.add(Label::new(path).wrap().selectable(true));
+        ui.label(format!("{} rows", grouped(*rows)));
     } else {
         ui.label("No log.");
     }

@@ -21,7 +21,6 @@ pub(super) const WORLD: &[Parameter] = &[
     Parameter::LinearDrag,
     Parameter::AngularDamping,
 ];
-/// Size and mass.
 pub(super) const BOX: &[Parameter] = &[
     Parameter::HalfX,
     Parameter::HalfY,

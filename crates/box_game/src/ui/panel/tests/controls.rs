@@ -45,8 +45,7 @@ fn tools_of_the_tabs() {
     person.asks_for([CompareAction::StartSweep]);
     assert_eq!(person.click("position error"), [], "the panel's own");
     assert_eq!(person.harness.state().memory.sweep_position, Some(true));
-    let sweep = &mut person.view().compare.sweep;
-    (sweep.running, sweep.progress) = (true, (3, 24));
+    person.view().compare.sweeping = Some((3, 24));
     person.look();
     person.asks_for([CompareAction::CancelSweep]);
 }

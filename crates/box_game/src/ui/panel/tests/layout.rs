@@ -8,7 +8,7 @@ use box_scenarios::dissertation::Stepper;
 use box_scenarios::{Divergence, Reason, Scenario, Status};
 
 use super::super::drawer::TABS;
-use super::super::{FIGURES, HistoryView, LogView, PanelLayout, PanelMemory, PanelView, SHARE};
+use super::super::{FIGURES, PanelLayout, PanelMemory, PanelView, SHARE};
 use super::{Person, TALL, USUAL, demo, sample_view, with};
 use crate::action::{Action, Plot};
 use crate::compare::{CompareView, Rule, RuleKind};
@@ -27,21 +27,18 @@ const SIZES: [(f32, f32); 9] = [
     (1920.0, 1080.0),
 ];
 
-/// Everything at its longest.
 fn long() -> PanelView {
     let mut view = sample_view();
     view.scenario.title = "A scene with a title far longer than any list has room for";
-    view.scenes[0].title = view.scenario.title.into();
+    view.scenes[0].title = view.scenario.title;
     view.scenario.lesson = "A lesson of some length that must wrap onto a second line in a narrow window. \
          A lesson of some length that must wrap onto a second line in a narrow window. ";
     (view.time, view.steps) = (12_345.678, 9_999_999_999);
     (view.parameters.step, view.parameters.substeps) = (0.012_345, 64.0);
     (view.speed, view.actual_speed) = (0.25, Some(0.12));
     let folder = "very-long-folder".repeat(6);
-    view.log = Some(LogView {
-        path: format!("/home/somebody/{folder}/run-0007-of-a-long-name-indeed.csv"),
-        rows: 123_456_789,
-    });
+    let path = format!("/home/somebody/{folder}/run-0007-of-a-long-name-indeed.csv");
+    view.log = Some((path, 123_456_789));
     view.software_rendering = true;
     view.notices = vec!["cannot write /a/b/c.csv: no space left on device".into()];
     view.parameters.linear_drag = 1.234e-5;
@@ -229,16 +226,13 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     }
     let times = (0..10_000).map(f64::from);
     let runs = times.zip((0..10_000).map(long_run));
-    broken.history = HistoryView {
-        timing: vec![runs.clone().collect(); integrators],
-        cpu: runs.map(|(t, run)| (t, run, nan)).collect(),
-        no_cpu: None,
-    };
+    broken.timing_history = vec![runs.clone().collect(); integrators];
+    broken.cpu_history = runs.map(|(t, run)| (t, run, nan)).collect();
     broken.grain = Some((1e300, nan));
     let mut empty = sample_view();
     empty.scenes.clear();
     empty.timings.clear();
-    empty.history = HistoryView::default();
+    (empty.timing_history, empty.cpu_history) = (vec![], vec![]);
     empty.compare = CompareView::default();
     (empty.actual_speed, empty.scenario.lesson) = (None, "");
     (empty.parameters.restitution, empty.parameters.friction) = (None, None);
@@ -246,8 +240,8 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     for trajectory in &mut one_point.compare.trajectories {
         trajectory.lines.iter_mut().for_each(|(_, p)| p.truncate(1));
     }
-    one_point.history.cpu = vec![(f64::INFINITY, 1.0, 1.0)];
-    one_point.history.no_cpu = Some("CPU usage is not available in a browser");
+    one_point.cpu_history = vec![(f64::INFINITY, 1.0, 1.0)];
+    one_point.no_cpu = Some("CPU usage is not available in a browser");
     for view in [broken, empty, one_point] {
         for (plot, ..) in TABS {
             for hidden in [false, true] {

@@ -33,7 +33,6 @@ struct Person {
 
 /// Tall enough to show every section without scrolling.
 const TALL: Vec2 = Vec2::new(1280.0, 2400.0);
-/// A usual window.
 const USUAL: Vec2 = Vec2::new(1280.0, 720.0);
 
 /// Before the sample with a change.

@@ -4,12 +4,11 @@ use box_bench::measure::Cost;
 use box_physics::prelude::{DVec3, Integrator};
 use box_scenarios::{Scenario, Status};
 
-use super::super::view::{HistoryView, PanelView};
+use super::super::PanelView;
 use crate::action::Plot;
 use crate::compare::{CompareView, Quantity, TrajectoryView};
 use crate::parameters::Parameters;
 use crate::preferences::Preferences;
-use crate::scene::library::SceneCard;
 
 /// A plausible moment of a game: everything filled, nothing extreme.
 pub(crate) fn sample_view() -> PanelView {
@@ -23,6 +22,11 @@ pub(crate) fn sample_view() -> PanelView {
         impulse: 1.0,
         ..Parameters::of(&scenes[0])
     };
+    let scenario = Scenario {
+        lesson: "The box rests on the floor. Press D to push it, and watch the energy.",
+        hints: [""; 2],
+        ..scenes[0].clone()
+    };
     let median = |k: usize| 60.0 + 45.0 * k as f64;
     let timing = |integrator: &Integrator| {
         let samples = [0.9, 1.0, 1.3].map(|part| part * median(integrator.index()));
@@ -31,12 +35,8 @@ pub(crate) fn sample_view() -> PanelView {
     };
     let past = |k| (0..60).map(|n| (f64::from(n) / 4.0, median(k))).collect();
     PanelView {
-        scenes: scenes.iter().map(SceneCard::of).collect(),
-        scenario: Scenario {
-            lesson: "The box rests on the floor. Press D to push it, and watch the energy.",
-            hints: [""; 2],
-            ..scenes[0].clone()
-        },
+        scenario,
+        scenes: scenes.into(),
         integrator: Integrator::default(),
         paused: false,
         time: 12.35,
@@ -55,11 +55,9 @@ pub(crate) fn sample_view() -> PanelView {
         stage_history: vec![[0.5, 0.1, 0.1, 0.1]; 120],
         grain: None,
         frame_time_ms: 16.7,
-        history: HistoryView {
-            timing: (0..Integrator::ALL.len()).map(past).collect(),
-            cpu: (0..30).map(|k| (f64::from(k), 12.0, 30.0)).collect(),
-            ..HistoryView::default()
-        },
+        timing_history: (0..Integrator::ALL.len()).map(past).collect(),
+        cpu_history: (0..30).map(|k| (f64::from(k), 12.0, 30.0)).collect(),
+        no_cpu: None,
         compare: sample_comparison(),
         show_help: false,
         hidden: false,

@@ -7,7 +7,7 @@ use box_physics::prelude::Integrator;
 use egui_kittest::Node;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::super::{KEYS, LogView};
+use super::super::KEYS;
 use super::{Person, USUAL, sample_view, with};
 use crate::action::{Action, Plot};
 use crate::compare::TrajectoryView;
@@ -22,10 +22,7 @@ const ENERGY: &str =
 fn clock_speed_and_log_in_words() {
     let mut person = with(|view| {
         (view.paused, view.steps, view.software_rendering) = (true, 1741, true);
-        view.log = Some(LogView {
-            path: "/home/me/run-07.csv".into(),
-            rows: 1482,
-        });
+        view.log = Some(("/home/me/run-07.csv".into(), 1482));
     });
     for text in [
         "PAUSED",
@@ -47,7 +44,7 @@ fn clock_speed_and_log_in_words() {
 #[test]
 fn a_browser_says_what_it_cannot_measure() {
     let reason = "CPU usage is not available in a browser";
-    let person = with(|view| (view.plot, view.history.no_cpu) = (Plot::Cpu, Some(reason)));
+    let person = with(|view| (view.plot, view.no_cpu) = (Plot::Cpu, Some(reason)));
     assert!(person.sees(reason));
     let timing = |grain| {
         let person = with(|view| (view.plot, view.grain) = (Plot::Timing, grain));
@@ -121,20 +118,9 @@ fn the_table_has_a_row_for_every_integrator() {
         view.plot = Plot::Table;
         view.timings[1].0 = None;
     });
-    for words in [
-        "min [ns]",
-        "median [ns]",
-        "p95 [ns]",
-        "force evals",
-        "position error [m]",
-        "attitude error [°]",
-        "ΔE/E₀",
-        "Δ|L|/|L₀|",
-        "order",
-        "state",
-        "…",
-        "1.0e-6",
-    ] {
+    let words = "min [ns], median [ns], p95 [ns], force evals, position error [m], attitude error [°], ΔE/E₀, Δ|L|/|L₀|, \
+                 order, state, …, 1.0e-6";
+    for words in words.split(", ") {
         assert!(person.sees(words), "{words}");
     }
     let trajectories = person.view().compare.trajectories.clone();
