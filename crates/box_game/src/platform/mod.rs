@@ -32,9 +32,9 @@ use native as system;
 use web as system;
 
 pub use system::{
-    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, Worker, absolute, arguments, check, complain,
-    cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe, read, refuse,
-    reproduce, say, scene_folder, stamp, sync, sync_later, window, write,
+    COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
+    check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
+    read, refuse, reproduce, say, scene_folder, stamp, window, write,
 };
 
 use std::io;

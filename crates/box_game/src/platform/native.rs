@@ -1,6 +1,7 @@
 //! The desktop: command line, standard output, file system, threads.
 
 mod display;
+mod synced_file;
 
 use std::ffi::OsString;
 use std::io::{self, Read as _, Write as _};
@@ -16,6 +17,7 @@ use bevy::log::tracing_subscriber::{self, Layer as _};
 use bevy::prelude::*;
 
 pub use display::{check, probe};
+pub use synced_file::SyncedFile;
 
 /// Reason why the CPU usage is unknown, if it is.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
@@ -115,21 +117,6 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
 /// Creates a file, or empties the one that is there.
 pub fn create(path: &Path) -> io::Result<Stream> {
     std::fs::File::create(path)
-}
-
-/// Waits until everything that was written is on disk.
-pub fn sync(file: &Stream) -> io::Result<()> {
-    file.sync_data()
-}
-
-/// Syncs without waiting: a disk must not block a frame.
-pub fn sync_later(file: &Stream) {
-    if let Ok(file) = file.try_clone() {
-        std::thread::spawn(move || {
-            file.sync_data()
-                .unwrap_or_else(|error| error!("a file was not synced: {error}"));
-        });
-    }
 }
 
 /// Writes a file beside its place and moves it there, so that no half-written one is ever seen.
