@@ -212,7 +212,7 @@ mod tests {
             app.update();
             assert_eq!(on(&mut app), 0);
         }
-        let picture = crate::record::screenshot::ScreenshotRequest {
+        let picture = record::screenshot::ScreenshotRequest {
             path: Some("never-written.png".into()),
             plot: false,
         };
