@@ -40,7 +40,8 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
         // A name does not wrap.
         let text = part.replace(' ', [" ", "\u{a0}"][named]);
         let format = TextFormat::simple(font.clone(), colors[named]);
-        job.append(&text, 2.0 * named as f32, format);
+        // Room for the edge of the plate.
+        job.append(&text, if k > 0 { 4.0 } else { 0.0 }, format);
         let start = end;
         end += text.chars().count();
         if named == 1

@@ -40,10 +40,8 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
     let main = view.trajectories.iter().find(|t| t.main_box);
     let main = main.and_then(|t| t.cost).map_or(f64::NAN, |c| c.min);
     for trajectory in &view.trajectories {
+        let stepper = stepper.filter(|_| trajectory.main_box);
         ui.horizontal(|ui| {
-            let stepper = stepper.filter(|_| trajectory.main_box);
-            let name = name(ui, trajectory, stepper);
-            ui.add(Label::new(name).extend());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let integrator = trajectory.integrator;
                 if !trajectory.main_box {
@@ -53,16 +51,19 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
                         panel.ask(CompareAction::ToggleComparison(integrator));
                     }
                 }
-                if stepper.is_some() {
-                    return;
+                if stepper.is_none() {
+                    let mut cost = nanoseconds(trajectory.cost.map(|cost| cost.min));
+                    let ratio = trajectory.cost.map_or(f64::NAN, |cost| cost.min / main);
+                    if !trajectory.main_box && ratio.is_finite() {
+                        cost = format!("{}×  {cost}", short(ratio));
+                    }
+                    ui.add(Label::new(RichText::new(cost).monospace()).extend())
+                        .on_hover_text(COST);
                 }
-                let mut cost = nanoseconds(trajectory.cost.map(|cost| cost.min));
-                let ratio = trajectory.cost.map_or(f64::NAN, |cost| cost.min / main);
-                if !trajectory.main_box && ratio.is_finite() {
-                    cost = format!("{}×  {cost}", short(ratio));
-                }
-                ui.add(Label::new(RichText::new(cost).monospace()).truncate())
-                    .on_hover_text(COST);
+                // A long name is cut, not its cost.
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.add(Label::new(name(ui, trajectory, stepper)).truncate());
+                });
             });
         });
         let quality = trajectory.quality(view.attitude);
