@@ -337,18 +337,3 @@ pub(crate) struct NearFloor {
     /// contact.
     pub(crate) touched: bool,
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coefficients_are_checked() {
-        assert_eq!(LinearDrag::new(0.5), Ok(LinearDrag(0.5)));
-        let error = AngularDamping::new(-1.0).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "angular damping must be finite and not negative, but is -1"
-        );
-    }
-}

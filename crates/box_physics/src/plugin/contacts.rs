@@ -223,18 +223,16 @@ pub(crate) fn last_plane_removed(
 pub(crate) fn build(app: &mut App) {
     app.insert_resource(ContactEnabled)
         // Also runs when the body is despawned.
-        .add_observer(|end: On<Remove, RigidBox>, mut world: DeferredWorld| {
-            forget_contacts(&mut world, end.entity);
-        })
-        .add_observer(|end: On<Remove, ContactState>, mut world: DeferredWorld| {
-            forget_contacts(&mut world, end.entity);
-        })
-        .add_observer(|end: On<Add, Disabled>, mut world: DeferredWorld| {
-            end_contacts(&mut world, end.entity);
-        })
-        .add_observer(|end: On<Add, Quarantined>, mut world: DeferredWorld| {
-            end_contacts(&mut world, end.entity);
-        })
+        .add_observer(
+            |end: On<Remove, (RigidBox, ContactState)>, mut world: DeferredWorld| {
+                forget_contacts(&mut world, end.entity);
+            },
+        )
+        .add_observer(
+            |end: On<Add, (Disabled, Quarantined)>, mut world: DeferredWorld| {
+                end_contacts(&mut world, end.entity);
+            },
+        )
         .add_observer(
             |end: On<Remove, ReportContacts>, mut world: DeferredWorld| {
                 end_reports(&mut world, end.entity);
