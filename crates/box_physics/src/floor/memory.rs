@@ -7,7 +7,7 @@ use glam::{DMat3, DQuat, DVec3};
 use super::geometry::{Corners, each};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::force::{Dissipation, ForceModel, Wrench, wrench_of};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
@@ -123,7 +123,7 @@ impl ContactState {
             && rest.planes.map(|(fingerprint, _)| fingerprint) == planes
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
-            && rest.wrench == wrench(body, state, force)
+            && rest.wrench == wrench_of(body, state, force)
     }
 
     /// Carries a box at rest with the floor for `h` \[s\]. Its height over the floor stays to the last bit.
@@ -176,22 +176,12 @@ impl ContactState {
             mass: body.mass(),
             acceleration: force.acceleration(),
             dissipation: force.dissipation(),
-            wrench: wrench(body, state, force),
+            wrench: wrench_of(body, state, force),
             floor,
             planes,
             above: state.position.y - floor.height,
             reaction,
         });
-    }
-}
-
-/// The wrench that acts, zero where the force model has none: to lose one is a change as well.
-#[inline]
-fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrench {
-    if force.has_wrench() {
-        force.wrench(body, state)
-    } else {
-        Wrench::ZERO
     }
 }
 

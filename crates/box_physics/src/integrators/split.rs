@@ -171,13 +171,10 @@ fn translate(body: &RigidBox, state: &mut BodyState, a: DVec3, d: &Dissipation, 
     }
     let quadratic = d.quadratic_drag * body.inverse_mass();
     let (start, one) = halved(state, h, |state, h| {
-        state.velocity = d.in_air(state.velocity, |v| {
-            quadratic_drag_flow(v, quadratic, 0.5 * h)
-        });
+        let drag = |v| quadratic_drag_flow(v, quadratic, 0.5 * h);
+        state.velocity = d.in_air(state.velocity, drag);
         exponential_step(state, a, linear, h);
-        state.velocity = d.in_air(state.velocity, |v| {
-            quadratic_drag_flow(v, quadratic, 0.5 * h)
-        });
+        state.velocity = d.in_air(state.velocity, drag);
     });
     extrapolate_translation(&start, &one, state);
 }
