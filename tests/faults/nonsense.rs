@@ -97,7 +97,7 @@ fn nan_in_every_component() {
                     .map(|start| app.spawn((brick(), start)));
                 app.play(3);
                 if let Some(poison) = poison {
-                    poison(&mut app.world_mut().entity_mut(ids[1]));
+                    poison(&mut app.entity(ids[1]));
                 }
                 app.play(20);
                 assert_shown_sanely(&mut app);
@@ -194,7 +194,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
         for value in [-0.5, f64::NAN, f64::INFINITY] {
             let mut app = app();
             let body = app.spawn((brick(), tumbling()));
-            insert(&mut app.world_mut().entity_mut(body), value);
+            insert(&mut app.entity(body), value);
             app.play(10);
             let lines = log.take();
             let expected =
@@ -212,7 +212,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
                 now.attitude_difference(&without) < 1e-12,
                 "{field}: {value}"
             );
-            insert(&mut app.world_mut().entity_mut(body), 2.0);
+            insert(&mut app.entity(body), 2.0);
             app.play(10);
             log.is_silent();
             assert!(app.world().get::<Quarantined>(body).is_none());
@@ -294,7 +294,7 @@ fn an_invalid_material_is_logged_and_does_not_act() {
         app.insert_resource(Floor::default());
         let start = BodyState::at(DVec3::Y).with_velocity(DVec3::X * 10.0);
         let body = app.spawn((brick(), start));
-        insert(&mut app.world_mut().entity_mut(body));
+        insert(&mut app.entity(body));
         app.play(60);
         (body, app.state(body))
     };

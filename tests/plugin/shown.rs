@@ -168,8 +168,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
             assert_shown(&app, entity, &written);
         }
         // The same holds for another size.
-        app.world_mut()
-            .entity_mut(entity)
+        app.entity(entity)
             .insert(RigidBox::cube(3.0, 1.0).expect("valid"));
         app.update();
         let last = app.state(entity);
@@ -210,7 +209,7 @@ fn changes_to_an_absent_body_take_effect_when_it_returns() {
                 let neighbor = app.spawn((brick(), start));
                 app.play(3);
                 let before = app.state(body);
-                leave(&mut app.world_mut().entity_mut(body));
+                leave(&mut app.entity(body));
                 app.play(5);
                 assert_eq!(app.state(body), before, "{name}: it stays");
                 let mut expected = before;
@@ -224,7 +223,7 @@ fn changes_to_an_absent_body_take_effect_when_it_returns() {
                     let mut other = app.edit::<Transform>(neighbor);
                     other.translation.x += 1.0;
                 }
-                come_back(&mut app.world_mut().entity_mut(body));
+                come_back(&mut app.entity(body));
                 app.update();
                 expected.position += DVec3::Z * super::tick().as_secs_f64();
                 let found = app.state(body);
@@ -252,7 +251,7 @@ fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
             *app.edit(body) = Transform::from_translation(expected.as_vec3());
             app.update();
         }
-        app.world_mut().entity_mut(body).remove::<Disabled>();
+        app.entity(body).remove::<Disabled>();
         for _ in 0..3 {
             app.update();
             assert_eq!(app.state(body).position, expected, "{moved}");
