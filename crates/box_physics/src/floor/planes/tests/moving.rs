@@ -13,26 +13,6 @@ fn lying(turn: DQuat, theta: f64, mu: f64, velocity: DVec3) -> Scene {
     scene.turned(turn)
 }
 
-/// u⁺ = V − e (u⁻ − V) along the normal, whatever part of the step is left.
-#[test]
-fn restitution_is_relative_to_the_plane() {
-    let mut random = Random(31);
-    for fraction in [0.0, 0.3, 0.9] {
-        let turn = random.attitude();
-        let mut scene = lying(turn, 0.0, 0.5, DVec3::Y * 2.0);
-        scene.gravity.0 = DVec3::ZERO;
-        let normal = turn * DVec3::Y;
-        scene.state.velocity = -4.0 * normal;
-        scene.state.position += normal * (fraction * SIXTIETH * 6.0);
-        scene.run::<Split>(SIXTIETH, 2);
-        assert_eq!(scene.total.impacts, 1);
-        assert!((scene.state.velocity - 3.8 * normal).length() < 1e-12);
-        let (met, t) = (2.0 * fraction * SIXTIETH, (2.0 - fraction) * SIXTIETH);
-        let wanted = normal * (0.25 + met + 3.8 * t);
-        assert!((scene.state.position - wanted).length() < 1e-12);
-    }
-}
-
 /// A box at rest on an elevator that goes along or across a slope rides it without a hop, and at rest.
 #[test]
 fn a_resting_box_rides() {
