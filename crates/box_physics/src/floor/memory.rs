@@ -236,16 +236,6 @@ impl ContactReport {
         (0..8).map(|k| self.points[k] * weight(k)).sum()
     }
 
-    /// The corners of a body that touch the floor, with impulses of zero.
-    #[cfg(feature = "bevy")]
-    pub(crate) fn touching(corners: u8, points: [DVec3; 8]) -> Self {
-        Self {
-            corners,
-            points,
-            ..Self::default()
-        }
-    }
-
     /// Notes an impact at `time` \[s\] into the step, with this speed along the normal [m/s].
     pub(super) fn strike(&mut self, time: f64, speed: f64) {
         if self.approach_speed == 0.0 {

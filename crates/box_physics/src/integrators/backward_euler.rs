@@ -101,10 +101,6 @@ mod tests {
                 (v, h * v)
             });
         }
-    }
-
-    #[test]
-    fn closed_forms() {
         expect_new_velocities::<BackwardEuler>();
     }
 

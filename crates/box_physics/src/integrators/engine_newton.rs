@@ -131,10 +131,6 @@ mod tests {
                 (v, h * v)
             });
         }
-    }
-
-    #[test]
-    fn closed_forms() {
         expect_new_velocities::<EngineNewton>();
     }
 

@@ -65,10 +65,6 @@ mod tests {
             let v = v * (1.0 + z + 0.5 * z * z);
             (v, h * v)
         });
-    }
-
-    #[test]
-    fn closed_forms() {
         expect_new_velocities::<Heun2012>();
     }
 }

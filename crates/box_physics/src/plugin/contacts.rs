@@ -145,8 +145,11 @@ pub(crate) fn report_contacts(
 
 /// A report in which these corners touch, without impulses.
 fn touching_report(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
-    let points = aabb::corners(body.half_extents()).map(|c| state.point(c));
-    ContactReport::touching(corners, points)
+    ContactReport {
+        corners,
+        points: aabb::corners(body.half_extents()).map(|c| state.point(c)),
+        ..ContactReport::default()
+    }
 }
 
 /// Ends the contacts of a body: emits a message if they were reported, and an event if the body was at rest.

@@ -221,15 +221,6 @@ impl Plane {
         Ok(plane)
     }
 
-    /// The same plane with the coefficient of static friction, at least that of kinetic friction.
-    ///
-    /// # Errors
-    /// [`InvalidValue`] if it is smaller or not finite.
-    pub fn with_static_friction(mut self, coefficient: f64) -> Result<Self, InvalidValue> {
-        self.surface.static_friction = Some(coefficient);
-        self.surface.validate().map(|()| self)
-    }
-
     /// The plane as a body with these surfaces meets it ([`Floor::against`]).
     pub fn against(self, friction: Option<&Friction>, restitution: Option<&Restitution>) -> Self {
         Self {
