@@ -23,15 +23,9 @@ fn bodies_despawned_between_message_and_step() {
 #[test]
 fn bodies_despawned_during_the_step() {
     let log = Log::start();
+    use PhysicsSystems::{Contact, First, Forces, Impulses, Integrate, Last, Refit, Writeback};
     for set in [
-        PhysicsSystems::First,
-        PhysicsSystems::Impulses,
-        PhysicsSystems::Forces,
-        PhysicsSystems::Integrate,
-        PhysicsSystems::Contact,
-        PhysicsSystems::Refit,
-        PhysicsSystems::Writeback,
-        PhysicsSystems::Last,
+        First, Impulses, Forces, Integrate, Contact, Refit, Writeback, Last,
     ] {
         let mut app = app();
         app.insert_resource(Floor::default());

@@ -27,12 +27,7 @@ fn poisons() -> Vec<(&'static str, Poison)> {
         ("momentum", |e| { poison::<BodyState>(e, |s| s.angular_momentum.x = f64::NEG_INFINITY); }),
         ("everything", |e| {
             poison::<BodyState>(e, |s| {
-                *s = BodyState {
-                    position: NAN,
-                    rotation: DQuat::NAN,
-                    velocity: NAN,
-                    angular_momentum: NAN,
-                };
+                *s = BodyState { position: NAN, rotation: DQuat::NAN, velocity: NAN, angular_momentum: NAN };
             });
         }),
         ("velocity beyond 1e38", |e| { poison::<BodyState>(e, |s| s.velocity.z = 1e39); }),
@@ -51,28 +46,10 @@ fn poisons() -> Vec<(&'static str, Poison)> {
         ("torque", |e| { e.insert(ExternalForce { force: DVec3::ZERO, torque: NAN }); }),
         ("BodyTorque", |e| { e.insert(BodyTorque(NAN)); }),
         ("PointForces", |e| {
-            e.insert(PointForces(vec![PointForce {
-                body_point: NAN,
-                force: DVec3::X,
-                frame: Frame::World,
-            }]));
+            e.insert(PointForces(vec![PointForce { body_point: NAN, force: DVec3::X, ..default() }]));
         }),
-        ("Springs", |e| {
-            e.insert(Springs(vec![Spring {
-                body_point: DVec3::X,
-                anchor: DVec3::ZERO,
-                stiffness: f64::NAN,
-                damping: 1.0,
-            }]));
-        }),
-        ("damper", |e| {
-            e.insert(Springs(vec![Spring {
-                body_point: DVec3::X,
-                anchor: DVec3::ZERO,
-                stiffness: 1.0,
-                damping: f64::NAN,
-            }]));
-        }),
+        ("Springs", |e| { e.insert(Springs(vec![Spring { stiffness: f64::NAN, damping: 1.0, ..default() }])); }),
+        ("damper", |e| { e.insert(Springs(vec![Spring { stiffness: 1.0, damping: f64::NAN, ..default() }])); }),
         ("WorldAabb", |e| { e.insert(WorldAabb(Aabb3d { min: Vec3::NAN.into(), max: Vec3::NAN.into() })); }),
     ]
 }
@@ -134,13 +111,11 @@ fn a_body_that_starts_invalid() {
         let entity = app.spawn((brick(), bad, transform));
         app.play(3);
         assert_shown_sanely(&mut app);
-        let expected = transform.translation.is_finite();
-        let expected = if expected {
-            transform.translation
-        } else {
-            Vec3::ZERO
-        };
-        assert_eq!(app.state(entity).position.as_vec3(), expected);
+        let shown = Some(transform.translation).filter(|place| place.is_finite());
+        assert_eq!(
+            app.state(entity).position.as_vec3(),
+            shown.unwrap_or_default()
+        );
         assert!(app.world().get::<Quarantined>(entity).is_some());
         let lines = log.take();
         assert!((1..=2).contains(&lines.len()), "{lines:#?}");
@@ -266,26 +241,16 @@ fn an_invalid_material_of_a_plane_is_logged() {
 #[test]
 fn an_invalid_material_is_logged_and_does_not_act() {
     type Insert = fn(&mut EntityWorldMut, f64);
+    let coefficient = "finite and not negative";
+    #[rustfmt::skip]
     let materials: [(&str, &str, Insert); 3] = [
-        ("dynamic_coefficient", "finite and not negative", |e, c| {
-            e.insert(Friction {
-                dynamic_coefficient: c,
-                ..default()
-            });
+        ("dynamic_coefficient", coefficient, |e, c| {
+            e.insert(Friction { dynamic_coefficient: c, ..default() });
         }),
-        ("static_coefficient", "finite and not negative", |e, c| {
-            e.insert(Friction {
-                static_coefficient: c,
-                dynamic_coefficient: 0.9,
-                ..default()
-            });
+        ("static_coefficient", coefficient, |e, c| {
+            e.insert(Friction { static_coefficient: c, dynamic_coefficient: 0.9, ..default() });
         }),
-        ("coefficient", "between 0 and 1", |e, c| {
-            e.insert(Restitution {
-                coefficient: c,
-                ..default()
-            });
-        }),
+        ("coefficient", "between 0 and 1", |e, c| { e.insert(Restitution { coefficient: c, ..default() }); }),
     ];
     let log = Log::start();
     // Falls 0.75 m and slides on.

@@ -58,15 +58,10 @@ fn come(mut commands: Commands) {
 #[test]
 fn a_new_body_is_shown_in_the_frame_in_which_it_comes() {
     use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+    #[rustfmt::skip]
     let schedules: [InternedScheduleLabel; 9] = [
-        Startup.intern(),
-        PostStartup.intern(),
-        First.intern(),
-        PreUpdate.intern(),
-        RunFixedMainLoop.intern(),
-        Update.intern(),
-        PostUpdate.intern(),
-        Last.intern(),
+        Startup.intern(), PostStartup.intern(), First.intern(), PreUpdate.intern(), RunFixedMainLoop.intern(),
+        Update.intern(), PostUpdate.intern(), Last.intern(),
         // These frames have no tick; the tick of the first one below spawns the body.
         FixedUpdate.intern(),
     ];
@@ -133,24 +128,13 @@ struct Late([Entity; 2]);
 /// A written state is displayed in that frame, however the clock is stopped or slowed.
 #[test]
 fn a_written_state_is_shown_however_the_clock_is_stopped() {
+    #[rustfmt::skip]
     let stops: [(&str, fn(&mut World)); 5] = [
         ("running", |_| ()),
-        ("PhysicsClock", |world| {
-            world.resource_mut::<PhysicsClock>().paused = true;
-        }),
-        ("Time<Virtual>", |world| {
-            world.resource_mut::<Time<Virtual>>().pause();
-        }),
-        ("a tenth", |world| {
-            world
-                .resource_mut::<Time<Virtual>>()
-                .set_relative_speed(0.1);
-        }),
-        ("speed 0", |world| {
-            world
-                .resource_mut::<Time<Virtual>>()
-                .set_relative_speed(0.0);
-        }),
+        ("PhysicsClock", |world| world.resource_mut::<PhysicsClock>().paused = true),
+        ("Time<Virtual>", |world| world.resource_mut::<Time<Virtual>>().pause()),
+        ("a tenth", |world| world.resource_mut::<Time<Virtual>>().set_relative_speed(0.1)),
+        ("speed 0", |world| world.resource_mut::<Time<Virtual>>().set_relative_speed(0.0)),
     ];
     for (name, stop) in stops {
         let mut app = slow_app();
@@ -179,25 +163,10 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
 /// Changes to a body while it is disabled or has no `RigidBox` take effect when it returns.
 #[test]
 fn changes_to_an_absent_body_take_effect_when_it_returns() {
+    #[rustfmt::skip]
     let away: [(&str, fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
-        (
-            "Disabled",
-            |body| {
-                body.insert(Disabled);
-            },
-            |body| {
-                body.remove::<Disabled>();
-            },
-        ),
-        (
-            "no RigidBox",
-            |body| {
-                body.remove::<RigidBox>();
-            },
-            |body| {
-                body.insert(brick());
-            },
-        ),
+        ("Disabled", |body| { body.insert(Disabled); }, |body| { body.remove::<Disabled>(); }),
+        ("no RigidBox", |body| { body.remove::<RigidBox>(); }, |body| { body.insert(brick()); }),
     ];
     for (name, leave, come_back) in away {
         for touch_neighbor in [false, true] {
@@ -264,19 +233,13 @@ fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
 fn impulses_during_a_pause_are_kept_or_dropped_as_chosen() {
     let stops: [fn(&mut World, bool); 3] = [
         |world, stop| world.resource_mut::<PhysicsClock>().paused = stop,
-        |world, stop| {
-            let mut time = world.resource_mut::<Time<Virtual>>();
-            if stop {
-                time.pause();
-            } else {
-                time.unpause();
-            }
+        |world, stop| match stop {
+            true => world.resource_mut::<Time<Virtual>>().pause(),
+            false => world.resource_mut::<Time<Virtual>>().unpause(),
         },
         |world, stop| {
-            let speed = if stop { 0.0 } else { 1.0 };
-            world
-                .resource_mut::<Time<Virtual>>()
-                .set_relative_speed(speed);
+            let mut time = world.resource_mut::<Time<Virtual>>();
+            time.set_relative_speed(if stop { 0.0 } else { 1.0 });
         },
     ];
     for stop in stops {
