@@ -115,7 +115,7 @@ impl Friction {
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check_coefficient("dynamic_coefficient", self.dynamic_coefficient)?;
-        InvalidValue::check_coefficient("static_coefficient", self.static_coefficient).map(|_| ())
+        InvalidValue::check_coefficient("static_coefficient", self.static_coefficient)
     }
 }
 
@@ -170,8 +170,8 @@ impl Restitution {
     /// # Errors
     /// [`InvalidValue`] if it is not.
     pub fn validate(&self) -> Result<(), InvalidValue> {
-        let (e, field) = (self.coefficient, "coefficient");
-        InvalidValue::check((0.0..=1.0).contains(&e), field, e, "between 0 and 1").map(|_| ())
+        let e = self.coefficient;
+        InvalidValue::check_between((0.0, 1.0), "coefficient", e, "between 0 and 1")
     }
 }
 

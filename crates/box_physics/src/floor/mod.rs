@@ -161,12 +161,8 @@ impl Floor {
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check(self.height.is_finite(), "height", self.height, "finite")?;
-        InvalidValue::check(
-            (0.0..=1.0).contains(&self.restitution),
-            "restitution",
-            self.restitution,
-            "between 0 and 1",
-        )?;
+        let e = self.restitution;
+        InvalidValue::check_between((0.0, 1.0), "restitution", e, "between 0 and 1")?;
         InvalidValue::check_coefficient("friction", self.friction)?;
         if let Some(holds) = self.static_friction {
             let in_range = holds.is_finite() && holds >= self.friction;
@@ -238,20 +234,14 @@ impl ContactSettings {
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check_coefficient("restitution_threshold", self.restitution_threshold)?;
-        let counts = [
+        for (field, count) in [
             ("max_impacts", self.max_impacts),
             ("max_iterations", self.max_iterations),
-        ];
-        for (field, count) in counts {
+        ] {
             InvalidValue::check(count > 0, field, count.into(), "at least 1")?;
         }
-        InvalidValue::check(
-            (1e-15..=1e-3).contains(&self.tolerance),
-            "tolerance",
-            self.tolerance,
-            "between 1e-15 and 1e-3",
-        )?;
-        Ok(())
+        let (limits, allowed) = ((1e-15, 1e-3), "between 1e-15 and 1e-3");
+        InvalidValue::check_between(limits, "tolerance", self.tolerance, allowed)
     }
 }
 

@@ -61,7 +61,7 @@ impl Checked for Springs {
     fn check(&self) -> Result<(), InvalidValue> {
         self.0.iter().try_for_each(|spring| {
             InvalidValue::check_coefficient("spring stiffness", spring.stiffness)?;
-            InvalidValue::check_coefficient("spring damping", spring.damping).map(|_| ())
+            InvalidValue::check_coefficient("spring damping", spring.damping)
         })
     }
 }
@@ -93,14 +93,14 @@ macro_rules! coefficient {
             /// # Errors
             /// [`InvalidValue`] if it is negative or not finite.
             pub fn new(coefficient: f64) -> Result<Self, InvalidValue> {
-                InvalidValue::check_coefficient($field, coefficient).map(Self)
+                InvalidValue::check_coefficient($field, coefficient).map(|()| Self(coefficient))
             }
         }
 
         impl Checked for $name {
             #[inline(always)]
             fn check(&self) -> Result<(), InvalidValue> {
-                Self::new(self.0).map(|_| ())
+                InvalidValue::check_coefficient($field, self.0)
             }
         }
     };

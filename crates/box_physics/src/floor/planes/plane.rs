@@ -124,7 +124,7 @@ impl StaticPlane {
             InvalidValue::check(v.is_finite(), field, v.element_sum(), "finite")?;
         }
         let unit = (length - 1.0).abs() <= 1e-6;
-        InvalidValue::check(unit, "normal", length, "of length 1").map(|_| ())
+        InvalidValue::check(unit, "normal", length, "of length 1")
     }
 
     /// How far `point` is from the plane, along the normal \[m\].

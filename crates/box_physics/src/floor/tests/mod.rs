@@ -16,7 +16,7 @@ use super::operator::DelassusOperator;
 use super::planes::Gaps;
 use super::{
     ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, Plane,
-    PlanesContext, RestitutionLaw, step_on_floor, step_on_planes,
+    PlanesContext, step_on_floor, step_on_planes,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
