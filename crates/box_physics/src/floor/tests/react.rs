@@ -166,9 +166,7 @@ fn may_touch_is_conservative() {
         let half = random.half_extents(0.01, 1.0);
         let mut scene = Scene::new(half, 1.0, 0.0);
         scene.state.position.y = scene.body.radius() * random.range(0.2, 2.0);
-        scene.state.rotation = random.attitude();
-        scene.state.velocity = random.vector(3.0);
-        scene.spin(random.vector(10.0));
+        scene.throw(&mut random, 3.0, 10.0);
         scene.gravity.0 = random.vector(10.0);
         let h = random.magnitude(1e-4, 0.2);
         if may_touch(&scene.floor, &scene.body, &scene.state, &scene.gravity, h) {
