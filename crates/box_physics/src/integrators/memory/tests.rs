@@ -91,49 +91,30 @@ impl Scene {
 
 type Change = (&'static str, fn(&mut Scene));
 
+#[rustfmt::skip]
 const CHANGES: &[Change] = &[
     ("state: position", |s| s.state.position.x += 0.125),
     ("state: attitude", |s| s.state.rotation = -s.state.rotation),
     ("state: velocity", |s| s.state.velocity.y += 0.125),
     ("state: momentum", |s| s.state.angular_momentum *= 1.5),
-    ("body: size", |s| {
-        s.body = RigidBox::new(s.body.half_extents() * 2.0, s.body.mass()).expect("valid");
-    }),
-    ("body: inertia", |s| {
-        s.body = s.body.with_inertia(s.body.inertia() * 2.0).expect("valid");
-    }),
+    ("body: size", |s| s.body = RigidBox::new(s.body.half_extents() * 2.0, s.body.mass()).expect("valid")),
+    ("body: inertia", |s| s.body = s.body.with_inertia(s.body.inertia() * 2.0).expect("valid")),
     ("force: gravity", |s| s.forces.acceleration.x = 1.0),
     ("force: drag", |s| s.forces.dissipation.linear_drag += 1.0),
-    ("force: quadratic drag", |s| {
-        s.forces.dissipation.quadratic_drag += 1.0;
-    }),
-    ("force: damping", |s| {
-        s.forces.dissipation.angular_damping += 1.0;
-    }),
-    ("force: angular drag", |s| {
-        s.forces.dissipation.angular_drag += 1.0;
-    }),
+    ("force: quadratic drag", |s| s.forces.dissipation.quadratic_drag += 1.0),
+    ("force: damping", |s| s.forces.dissipation.angular_damping += 1.0),
+    ("force: angular drag", |s| s.forces.dissipation.angular_drag += 1.0),
     ("force: body torque", |s| s.forces.body_torque.x += 1.0),
     ("force: world torque", |s| s.forces.world_torque.x += 1.0),
     ("force: two signs", |s| {
         s.forces.body_torque.x *= -1.0;
         s.forces.body_torque.y *= -1.0;
     }),
-    ("force: points", |s| {
-        s.points.iter_mut().for_each(|p| p.body_point.y += 0.5);
-    }),
-    ("force: frame", |s| {
-        s.points.iter_mut().for_each(|p| p.frame = Frame::World);
-    }),
-    ("force: anchor", |s| {
-        s.springs.iter_mut().for_each(|p| p.anchor.x += 1.0);
-    }),
-    ("force: stiffness", |s| {
-        s.springs.iter_mut().for_each(|p| p.stiffness *= 2.0);
-    }),
-    ("force: damper", |s| {
-        s.springs.iter_mut().for_each(|p| p.damping *= 2.0);
-    }),
+    ("force: points", |s| s.points.iter_mut().for_each(|p| p.body_point.y += 0.5)),
+    ("force: frame", |s| s.points.iter_mut().for_each(|p| p.frame = Frame::World)),
+    ("force: anchor", |s| s.springs.iter_mut().for_each(|p| p.anchor.x += 1.0)),
+    ("force: stiffness", |s| s.springs.iter_mut().for_each(|p| p.stiffness *= 2.0)),
+    ("force: damper", |s| s.springs.iter_mut().for_each(|p| p.damping *= 2.0)),
     ("force: no springs", |s| s.springs.clear()),
     ("step: shorter", |s| s.h *= 0.5),
     ("step: backwards", |s| s.h = -s.h),
