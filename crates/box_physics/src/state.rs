@@ -261,16 +261,10 @@ impl BodyState {
     /// ```
     pub fn axis_towards(&self, direction: impl Into<DVec3>) -> DVec3 {
         let local = self.rotation.inverse() * direction.into();
-        let axes = [
-            DVec3::X,
-            DVec3::Y,
-            DVec3::Z,
-            DVec3::NEG_X,
-            DVec3::NEG_Y,
-            DVec3::NEG_Z,
-        ];
+        let opposite = [DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+        let axes = DVec3::AXES.into_iter().chain(opposite);
         let closer = |a: DVec3, b: DVec3| if b.dot(local) > a.dot(local) { b } else { a };
-        axes.into_iter().fold(DVec3::X, closer)
+        axes.fold(DVec3::X, closer)
     }
 
     /// Rotation angle between two attitudes \[rad\], 0 to π. Computed as 2 atan2(|vec|, |w|) of q₁* q₂, because `acos`
@@ -352,12 +346,8 @@ mod tests {
         a.apply_impulse_at_body_point(&body, -j, r);
         let ulp = 4.0 * f64::EPSILON;
         assert!((a.velocity - before.velocity).abs().max_element() <= ulp);
-        assert!(
-            (a.angular_momentum - before.angular_momentum)
-                .abs()
-                .max_element()
-                <= ulp
-        );
+        let dl = a.angular_momentum - before.angular_momentum;
+        assert!(dl.abs().max_element() <= ulp);
     }
 
     #[test]
