@@ -34,25 +34,19 @@ fn main() -> Result<(), InvalidValue> {
     // Over a floor: the same integrator, with impacts located in time.
     let floor = Floor::new(0.0, 0.3, 0.5)?;
     let settings = ContactSettings::default();
-    let gravity = Gravity(DVec3::NEG_Y * 9.81);
+    let over = FloorContext {
+        floor: &floor,
+        settings: &settings,
+        body: &brick,
+        force: &Gravity(DVec3::NEG_Y * 9.81),
+    };
     let (mut state, mut memory) = (start, IntegratorMemory::default());
     let mut contact = ContactState::default();
     let mut impacts = 0;
     for _ in 0..600 {
-        impacts += step_on_floor::<Split, _>(
-            &FloorContext {
-                floor: &floor,
-                settings: &settings,
-                body: &brick,
-                force: &gravity,
-            },
-            &mut state,
-            h,
-            &mut memory,
-            &mut contact,
-            None,
-        )
-        .impacts;
+        let state = &mut state;
+        let step = step_on_floor::<Split, _>(&over, state, h, &mut memory, &mut contact, None);
+        impacts += step.impacts;
     }
     println!(
         "after {impacts} impacts it is at {:.3}, resting: {}",

@@ -90,61 +90,43 @@ fn bodies_in_scenes() {
 
 #[test]
 fn everything_that_can_be_named_is_registered() {
-    let app = app_with(PhysicsPlugins::default());
-    let registry = app.world().resource::<AppTypeRegistry>().read();
-    let types: Vec<(&str, TypeId, bool)> = types_by_name();
-    for (name, id, is_component) in types {
-        let entry = registry.get(id);
-        let entry = entry.unwrap_or_else(|| panic!("{name} is not registered"));
-        assert_eq!(
-            entry.data::<ReflectComponent>().is_some(),
-            is_component,
-            "{name}: ReflectComponent"
-        );
-        if is_component {
-            assert!(entry.data::<ReflectDefault>().is_some(), "{name}: Default");
-            assert!(entry.data::<ReflectFromReflect>().is_some(), "{name}");
-        }
-    }
-}
-
-fn types_by_name() -> Vec<(&'static str, TypeId, bool)> {
     macro_rules! list {
-        ($is_component:literal: $($t:ty),+ $(,)?) => {
-            vec![$((stringify!($t), TypeId::of::<$t>(), $is_component)),+]
-        };
+        [type $($Type:ty),+ $(,)?] => { [$((stringify!($Type), TypeId::of::<$Type>())),+] };
     }
-    let mut all = list![true:
-        RigidBox, BodyState, IntegratorMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
-        QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, OneShotForce, BodyTorque, PointForces, Springs,
-        WorldAabb, ReportContacts, ReportPersisting, RestingSince, Quarantined,
+    let components = list![
+        type RigidBox, BodyState, IntegratorMemory, ContactState, BodyIntegrator, GravityScale, LinearDrag,
+        QuadraticDrag, AngularDamping, AngularDrag, ExternalForce, OneShotForce, BodyTorque, PointForces,
+        Springs, WorldAabb, ReportContacts, ReportPersisting, RestingSince, Quarantined,
     ];
-    all.extend(list![false:
-        ApplyImpulse, FloorContact, BodyQuarantined, QuarantineCause, ImpulsePoint, ContactPhase,
+    let resources = list![
+        type WorldGravity, GlobalIntegrator, PhysicsClock, PhysicsTimings, Floor, ContactSettings,
+        PhysicsThreads,
+    ];
+    let others = list![
+        type ApplyImpulse, FloorContact, BodyQuarantined, QuarantineCause, ImpulsePoint, ContactPhase,
         PointForce, Spring, Frame, Integrator, FloorOutcome, Stage, Dissipation, Wrench,
-        box_physics::force::Gravity, Explosion,
-        ContactReport, Landed, Settled, Woken,
-    ]);
-    all
-}
-
-#[test]
-fn resources_are_reflected() {
+        box_physics::force::Gravity, Explosion, ContactReport, Landed, Settled, Woken,
+    ];
     let app = app_with(PhysicsPlugins::default());
     let registry = app.world().resource::<AppTypeRegistry>().read();
-    for id in [
-        TypeId::of::<WorldGravity>(),
-        TypeId::of::<GlobalIntegrator>(),
-        TypeId::of::<PhysicsClock>(),
-        TypeId::of::<PhysicsTimings>(),
-        TypeId::of::<Floor>(),
-        TypeId::of::<ContactSettings>(),
-        TypeId::of::<PhysicsThreads>(),
-    ] {
-        let entry = registry.get(id).expect("registered");
-        let name = entry.type_info().type_path();
+    let entry = |(name, id): &(&str, TypeId)| {
+        let entry = registry.get(*id);
+        entry.unwrap_or_else(|| panic!("{name} is not registered"))
+    };
+    for named in &components {
+        let (entry, name) = (entry(named), named.0);
+        assert!(entry.data::<ReflectComponent>().is_some(), "{name}");
+        assert!(entry.data::<ReflectDefault>().is_some(), "{name}");
+        assert!(entry.data::<ReflectFromReflect>().is_some(), "{name}");
+    }
+    for named in &resources {
+        let (entry, name) = (entry(named), named.0);
         assert!(entry.data::<ReflectResource>().is_some(), "{name}");
         assert!(entry.data::<ReflectDefault>().is_some(), "{name}");
+    }
+    for named in &others {
+        let entry = entry(named);
+        assert!(entry.data::<ReflectComponent>().is_none(), "{}", named.0);
     }
 }
 

@@ -55,17 +55,13 @@ fn files() -> Vec<PathBuf> {
 /// The first samples of every file: short, so that mutations hit the relevant parts.
 fn short_files() -> &'static [String] {
     static FILES: OnceLock<Vec<String>> = OnceLock::new();
-    FILES.get_or_init(read_short_files)
-}
-
-fn read_short_files() -> Vec<String> {
     let shorten = |path: &PathBuf| {
         let text = std::fs::read_to_string(path).expect("readable");
         let mut json: serde_json::Value = serde_json::from_str(&text).expect("a good file");
         json["samples"].as_array_mut().expect("a list").truncate(3);
         json.to_string()
     };
-    files().iter().map(shorten).collect()
+    FILES.get_or_init(|| files().iter().map(shorten).collect())
 }
 
 /// Replacement text for mutations of a good file.

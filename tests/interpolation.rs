@@ -198,42 +198,6 @@ fn a_teleport_is_neither_lost_nor_interpolated() {
     }
 }
 
-/// The spin keeps its components in the chosen axes.
-#[test]
-fn a_teleport_keeps_the_spin_in_the_chosen_axes() {
-    for body_spin in [false, true] {
-        let mut app = app(64.0, 60.0);
-        let [smooth, _] = spawn(&mut app);
-        app.play(10);
-        let before = app.state(smooth);
-        let turn = DQuat::from_xyzw(0.6, 0.0, 0.0, 0.8);
-        let mut teleport = Teleport::to(smooth, DVec3::ONE).turned(turn);
-        if body_spin {
-            teleport = teleport.with_body_spin();
-        }
-        app.world_mut().commands().queue(teleport);
-        app.world_mut().flush();
-        let after = app.state(smooth);
-        assert_eq!((after.position, after.rotation), (DVec3::ONE, turn));
-        assert_eq!(transform(&app, smooth).translation, Vec3::ONE);
-        assert_eq!(transform(&app, smooth).rotation, turn.as_quat());
-        let changed = if body_spin {
-            after.angular_momentum - before.angular_momentum
-        } else {
-            after.angular_velocity(&brick()) - before.angular_velocity(&brick())
-        };
-        assert!(changed.length() < 1e-15, "{changed}");
-        // An invalid pose or an entity that is not a body changes nothing.
-        let nowhere = Teleport::to(smooth, DVec3::NAN);
-        app.world_mut().commands().queue(nowhere);
-        app.world_mut()
-            .commands()
-            .queue(Teleport::to(Entity::PLACEHOLDER, DVec3::ONE));
-        app.world_mut().flush();
-        assert_eq!(app.state(smooth), after);
-    }
-}
-
 /// A new body is not interpolated from the origin, even with a slow clock.
 #[test]
 fn a_new_body_is_not_interpolated_from_the_origin() {
@@ -265,13 +229,13 @@ fn a_smoothed_body_that_is_disabled_does_not_move() {
             app.update();
         }
         let before = app.state(smooth);
-        app.world_mut().entity_mut(smooth).insert(Disabled);
+        app.entity(smooth).insert(Disabled);
         app.play(20);
         assert_eq!(
             transform(&app, smooth).translation,
             before.position.as_vec3()
         );
-        app.world_mut().entity_mut(smooth).remove::<Disabled>();
+        app.entity(smooth).remove::<Disabled>();
         assert_eq!(app.state(smooth), before);
         // Enabled again, it continues from there.
         let steps = app.clock().steps();

@@ -34,22 +34,14 @@ fn setup_of(channel: Channel, half_extents: DVec3, gravity: f64) -> Setup {
     .with_body_angular_velocity(&body, spin);
     let none = ForceSet::none();
     let g = ForceSet::gravity(gravity);
+    let with = |mut forces: ForceSet, set: fn(&mut ForceSet)| {
+        set(&mut forces);
+        forces
+    };
     let (start, forces) = match channel {
         Channel::Gravity => (still, g),
-        Channel::LinearDrag => (
-            still,
-            ForceSet {
-                linear_drag: 3.0,
-                ..g
-            },
-        ),
-        Channel::QuadraticDrag => (
-            still,
-            ForceSet {
-                quadratic_drag: 0.5,
-                ..g
-            },
-        ),
+        Channel::LinearDrag => (still, with(g, |f| f.linear_drag = 3.0)),
+        Channel::QuadraticDrag => (still, with(g, |f| f.quadratic_drag = 0.5)),
         Channel::Rotation => (tumbling, none),
         Channel::Torque => (
             tumbling,
@@ -59,20 +51,8 @@ fn setup_of(channel: Channel, half_extents: DVec3, gravity: f64) -> Setup {
             tumbling,
             none.with_spring(DVec3::new(0.5, 0.2, 0.1), DVec3::ZERO, 6.0, 0.0),
         ),
-        Channel::AngularDamping => (
-            tumbling,
-            ForceSet {
-                angular_damping: 0.5,
-                ..none
-            },
-        ),
-        Channel::AngularDrag => (
-            tumbling,
-            ForceSet {
-                angular_drag: 0.1,
-                ..none
-            },
-        ),
+        Channel::AngularDamping => (tumbling, with(none, |f| f.angular_damping = 0.5)),
+        Channel::AngularDrag => (tumbling, with(none, |f| f.angular_drag = 0.1)),
     };
     Setup::new(body, start, forces, 2.0)
 }

@@ -4,9 +4,9 @@ use bevy::prelude::*;
 use box_physics::floor::ContactState;
 use box_physics::prelude::*;
 
-fn brick() -> RigidBox {
-    RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0).expect("valid")
-}
+mod world;
+
+use world::{Play, brick};
 
 /// Boxes on the floor at x = 0, 3, 6 m; the tests observe the middle one.
 struct Scene {
@@ -19,10 +19,7 @@ impl Scene {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
             .insert_resource(Floor::default());
-        let bodies = states.map(|(state, contact)| {
-            let parts = (brick(), state, contact);
-            app.world_mut().spawn(parts).id()
-        });
+        let bodies = states.map(|(state, contact)| app.spawn((brick(), state, contact)));
         Self { app, bodies }
     }
 
@@ -54,25 +51,30 @@ impl Scene {
     }
 
     fn step(&mut self, steps: u32) {
-        self.app.world_mut().commands().queue(StepPhysics(steps));
-        self.app.world_mut().flush();
+        self.app.step(steps);
     }
 
     fn get<C: Component + Clone>(&self, body: Entity) -> C {
-        self.app.world().get::<C>(body).expect("a body's").clone()
+        self.app.get::<C>(body).clone()
     }
 
     fn edit<C: Component<Mutability = bevy::ecs::component::Mutable>>(
         &mut self,
         edit: impl FnOnce(&mut C),
     ) {
-        let body = self.bodies[1];
-        edit(&mut self.app.world_mut().get_mut::<C>(body).expect("a body's"));
+        edit(&mut self.app.edit::<C>(self.bodies[1]));
     }
 
     fn insert(&mut self, parts: impl Bundle) {
-        let body = self.bodies[1];
-        self.app.world_mut().entity_mut(body).insert(parts);
+        self.app.entity(self.bodies[1]).insert(parts);
+    }
+
+    fn set_floor(&mut self, height: f64, friction: f64) {
+        self.app.insert_resource(Floor {
+            height,
+            friction,
+            ..default()
+        });
     }
 
     /// The visible state of the three boxes.
@@ -105,106 +107,69 @@ fn compare(what: &str, disturb: impl Fn(&mut Scene)) -> (bool, bool) {
     moved
 }
 
-const STILL: (bool, bool) = (false, false);
-const ONE: (bool, bool) = (true, false);
-const ALL: (bool, bool) = (true, true);
+/// What is done to the boxes, and which of them move: none, the middle one, all, or whichever.
+type Row = (&'static str, Option<(bool, bool)>, fn(&mut Scene));
+const NONE: Option<(bool, bool)> = Some((false, false));
+const ONE: Option<(bool, bool)> = Some((true, false));
+const ALL: Option<(bool, bool)> = Some((true, true));
+const ANY: Option<(bool, bool)> = None;
 
-#[test]
-fn nothing_moves_what_nothing_touches() {
-    assert_eq!(compare("nothing", |_| ()), STILL);
+fn check(rows: &[Row]) {
+    for &(what, expected, disturb) in rows {
+        let moved = compare(what, disturb);
+        assert_eq!(moved, expected.unwrap_or(moved), "{what}");
+    }
 }
 
 #[test]
 fn a_box_is_moved_by_what_is_done_to_it() {
-    let push = |scene: &mut Scene| {
-        let body = scene.bodies[1];
-        let impulse = ApplyImpulse::center(body, DVec3::new(2.0, 4.0, 0.0));
-        scene.app.world_mut().write_message(impulse);
-    };
-    assert_eq!(compare("an impulse", push), ONE);
-    let lift = |scene: &mut Scene| scene.edit::<Transform>(|t| t.translation.y += 1.0);
-    assert_eq!(compare("a teleport by its Transform", lift), ONE);
-    let kick = |scene: &mut Scene| scene.edit::<BodyState>(|state| state.velocity.x = 1.0);
-    assert_eq!(compare("a velocity", kick), ONE);
-    let grow =
-        |scene: &mut Scene| scene.insert(RigidBox::new(DVec3::splat(0.4), 3.0).expect("valid"));
-    assert_eq!(compare("another size", grow), ONE);
-    let heavier = |scene: &mut Scene| {
-        scene.insert(RigidBox::new(brick().half_extents(), 5.0).expect("valid"));
-    };
-    compare("another mass", heavier);
-    let pull = |scene: &mut Scene| {
-        scene.insert(ExternalForce {
-            force: DVec3::new(60.0, 0.0, 0.0),
-            torque: DVec3::ZERO,
-        });
-    };
-    assert_eq!(compare("a force", pull), ONE);
-    let float = |scene: &mut Scene| scene.insert(GravityScale(-0.5));
-    assert_eq!(compare("gravity of its own", float), ONE);
-    let forget = |scene: &mut Scene| scene.insert(ContactState::default());
-    compare("a contact that is forgotten", forget);
+    #[rustfmt::skip]
+    check(&[
+        ("nothing", NONE, |_| ()),
+        ("an impulse", ONE, |s| s.app.send(ApplyImpulse::center(s.bodies[1], DVec3::new(2.0, 4.0, 0.0)))),
+        ("a teleport by its Transform", ONE, |s| s.edit::<Transform>(|t| t.translation.y += 1.0)),
+        ("a velocity", ONE, |s| s.edit::<BodyState>(|state| state.velocity.x = 1.0)),
+        ("another size", ONE, |s| s.insert(RigidBox::cube(0.8, 3.0).expect("valid"))),
+        ("another mass", ANY, |s| s.insert(RigidBox::new(brick().half_extents(), 5.0).expect("valid"))),
+        ("a force", ONE, |s| s.insert(ExternalForce { force: DVec3::X * 60.0, torque: DVec3::ZERO })),
+        ("gravity of its own", ONE, |s| s.insert(GravityScale(-0.5))),
+        ("a contact that is forgotten", ANY, |s| s.insert(ContactState::default())),
+    ]);
 }
 
 #[test]
 fn boxes_are_moved_by_a_change_of_the_world() {
-    let lean = |scene: &mut Scene| {
-        scene
-            .app
-            .insert_resource(WorldGravity(DVec3::new(8.0, -6.0, 0.0)));
-    };
-    assert_eq!(compare("gravity aslant", lean), ALL);
-    let floor = |height: f64, friction: f64| {
-        move |scene: &mut Scene| {
-            scene.app.insert_resource(Floor {
-                height,
-                friction,
-                ..default()
-            });
-        }
-    };
-    assert_eq!(compare("a higher floor", floor(0.1, 0.5)), ALL);
-    assert_eq!(compare("a lower floor", floor(-0.1, 0.5)), ALL);
-    assert_eq!(compare("a smoother floor", floor(0.0, 0.1)), STILL);
-    let remove = |scene: &mut Scene| {
-        scene.app.world_mut().remove_resource::<Floor>();
-    };
-    assert_eq!(compare("no floor", remove), ALL);
-    let no_settings = |scene: &mut Scene| {
-        scene.app.world_mut().remove_resource::<ContactSettings>();
-    };
-    assert_eq!(compare("no settings of the contact", no_settings), STILL);
+    #[rustfmt::skip]
+    check(&[
+        ("gravity aslant", ALL, |s| { s.app.insert_resource(WorldGravity(DVec3::new(8.0, -6.0, 0.0))); }),
+        ("a higher floor", ALL, |s| s.set_floor(0.1, 0.5)),
+        ("a lower floor", ALL, |s| s.set_floor(-0.1, 0.5)),
+        ("a smoother floor", NONE, |s| s.set_floor(0.0, 0.1)),
+        ("no floor", ALL, |s| { s.app.world_mut().remove_resource::<Floor>(); }),
+        ("no settings of the contact", NONE, |s| { s.app.world_mut().remove_resource::<ContactSettings>(); }),
+    ]);
 }
 
 /// Changes to a box that is skipped take effect when it is processed again.
 #[test]
 fn a_box_that_was_left_out_is_looked_at_again() {
-    let meanwhile = |scene: &mut Scene, done: &dyn Fn(&mut Scene)| {
+    fn meanwhile(scene: &mut Scene, change: fn(&mut Scene)) {
         scene.insert(Quarantined { time: 0.0 });
         scene.step(2);
-        done(scene);
+        change(scene);
         scene.step(2);
-        let body = scene.bodies[1];
-        let mut body = scene.app.world_mut().entity_mut(body);
-        body.remove::<Quarantined>();
-    };
-    let higher = |scene: &mut Scene| {
-        scene.app.insert_resource(Floor {
-            height: 0.1,
-            ..default()
-        });
-    };
-    let rose = |scene: &mut Scene| meanwhile(scene, &higher);
-    assert_eq!(compare("the floor rose under it", rose), ALL);
-    let kick = |scene: &mut Scene| scene.edit::<BodyState>(|state| state.velocity.y = 1.0);
-    let kicked = |scene: &mut Scene| meanwhile(scene, &kick);
-    assert_eq!(compare("it was given a velocity", kicked), ONE);
-    let no_contact_meanwhile = |scene: &mut Scene| {
-        scene.app.world_mut().remove_resource::<Floor>();
-        scene.step(10);
-        scene.app.insert_resource(Floor::default());
-    };
-    assert_eq!(compare("there was no contact", no_contact_meanwhile), ALL);
+        scene.app.entity(scene.bodies[1]).remove::<Quarantined>();
+    }
+    #[rustfmt::skip]
+    check(&[
+        ("the floor rose under it", ALL, |s| meanwhile(s, |s| s.set_floor(0.1, 0.5))),
+        ("it was given a velocity", ONE, |s| meanwhile(s, |s| s.edit::<BodyState>(|state| state.velocity.y = 1.0))),
+        ("there was no contact", ALL, |s| {
+            s.app.world_mut().remove_resource::<Floor>();
+            s.step(10);
+            s.app.insert_resource(Floor::default());
+        }),
+    ]);
 }
 
 /// A force that held the box is removed.
@@ -224,11 +189,7 @@ fn a_box_that_was_held_is_let_go() {
     let before = scene.seen();
     let rests = |k: usize| before[k].3.is_resting(&before[k].0);
     assert!(rests(1) && !rests(0));
-    scene
-        .app
-        .world_mut()
-        .entity_mut(body)
-        .remove::<ExternalForce>();
+    scene.app.entity(body).remove::<ExternalForce>();
     scene.step(10);
     assert!(scene.seen()[1].0.position.x > before[1].0.position.x + 0.01);
 }
@@ -288,12 +249,8 @@ fn boxes_ride_an_elevator_and_a_conveyor() {
         floor.velocity = velocity;
     };
     let began = |scene: &mut Scene| {
-        let mut messages = scene
-            .app
-            .world_mut()
-            .resource_mut::<Messages<FloorContact>>();
-        let began = messages.drain().filter(|m| m.phase == ContactPhase::Began);
-        began.count()
+        let contacts = scene.app.drain::<FloorContact>().into_iter();
+        contacts.filter(|m| m.phase == ContactPhase::Began).count()
     };
     began(&mut scene);
     drive(&mut scene, velocity);

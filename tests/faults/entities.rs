@@ -23,15 +23,9 @@ fn bodies_despawned_between_message_and_step() {
 #[test]
 fn bodies_despawned_during_the_step() {
     let log = Log::start();
+    use PhysicsSystems::{Contact, First, Forces, Impulses, Integrate, Last, Refit, Writeback};
     for set in [
-        PhysicsSystems::First,
-        PhysicsSystems::Impulses,
-        PhysicsSystems::Forces,
-        PhysicsSystems::Integrate,
-        PhysicsSystems::Contact,
-        PhysicsSystems::Refit,
-        PhysicsSystems::Writeback,
-        PhysicsSystems::Last,
+        First, Impulses, Forces, Integrate, Contact, Refit, Writeback, Last,
     ] {
         let mut app = app();
         app.insert_resource(Floor::default());
@@ -82,7 +76,7 @@ fn components_removed_in_flight() {
             let entity = app.spawn((brick(), tumbling()));
             app.play(10);
             for _ in 0..3 {
-                remove(&mut app.world_mut().entity_mut(entity));
+                remove(&mut app.entity(entity));
                 app.update();
                 let one = app.state(entity);
                 app.update();
@@ -98,7 +92,7 @@ fn components_removed_in_flight() {
     let entity = app.spawn((brick(), tumbling()));
     app.play(10);
     let shown = *app.get::<Transform>(entity);
-    app.world_mut().entity_mut(entity).remove::<BodyState>();
+    app.entity(entity).remove::<BodyState>();
     app.update();
     let after = app.state(entity).position.as_vec3();
     assert!((after - shown.translation).length() < 0.01, "{after}");
@@ -111,14 +105,14 @@ fn without_its_rigid_box_a_body_is_left_alone() {
     let mut app = app();
     let entity = app.spawn((brick(), tumbling()));
     app.play(10);
-    app.world_mut().entity_mut(entity).remove::<RigidBox>();
+    app.entity(entity).remove::<RigidBox>();
     let mine = Transform::from_xyz(1.0, 2.0, 3.0).with_rotation(Quat::from_rotation_x(0.3));
     *app.edit(entity) = mine;
     let frozen = app.state(entity);
     app.play(10);
     assert_eq!(app.state(entity), frozen);
     assert_eq!(*app.get::<Transform>(entity), mine);
-    app.world_mut().entity_mut(entity).insert(brick());
+    app.entity(entity).insert(brick());
     app.update();
     assert!((app.state(entity).position - DVec3::new(1.0, 2.0, 3.0)).length() < 0.1);
     log.is_silent();
@@ -129,7 +123,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     let log = Log::start();
     let spawn_under = |app: &mut App, parent: Entity| {
         let child = app.spawn((brick(), tumbling()));
-        app.world_mut().entity_mut(parent).add_child(child);
+        app.entity(parent).add_child(child);
         child
     };
     // A parent at the origin, unrotated and unscaled, is a folder and needs no message.
@@ -146,14 +140,14 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     let mut app = super::app();
     let grandparent = app.spawn(Transform::from_scale(Vec3::splat(2.0)));
     let parent = app.spawn(Transform::IDENTITY);
-    app.world_mut().entity_mut(grandparent).add_child(parent);
+    app.entity(grandparent).add_child(parent);
     let child = spawn_under(&mut app, parent);
     app.play(5);
     log.says_once(&grandparent.to_string());
     // A grandparent that is scaled later.
     let mut later = super::app();
     let [grandparent, parent] = [(), ()].map(|()| later.spawn(Transform::IDENTITY));
-    later.world_mut().entity_mut(grandparent).add_child(parent);
+    later.entity(grandparent).add_child(parent);
     spawn_under(&mut later, parent);
     later.play(5);
     log.is_silent();
@@ -167,7 +161,7 @@ fn parents_that_displace_their_bodies_are_reported_once() {
     spawn_under(&mut moved, parent);
     moved.play(5);
     log.is_silent();
-    moved.world_mut().entity_mut(far).add_child(parent);
+    moved.entity(far).add_child(parent);
     moved.play(5);
     log.says_once(&far.to_string());
     // It is still simulated in world coordinates.

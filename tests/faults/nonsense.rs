@@ -27,12 +27,7 @@ fn poisons() -> Vec<(&'static str, Poison)> {
         ("momentum", |e| { poison::<BodyState>(e, |s| s.angular_momentum.x = f64::NEG_INFINITY); }),
         ("everything", |e| {
             poison::<BodyState>(e, |s| {
-                *s = BodyState {
-                    position: NAN,
-                    rotation: DQuat::NAN,
-                    velocity: NAN,
-                    angular_momentum: NAN,
-                };
+                *s = BodyState { position: NAN, rotation: DQuat::NAN, velocity: NAN, angular_momentum: NAN };
             });
         }),
         ("velocity beyond 1e38", |e| { poison::<BodyState>(e, |s| s.velocity.z = 1e39); }),
@@ -51,28 +46,10 @@ fn poisons() -> Vec<(&'static str, Poison)> {
         ("torque", |e| { e.insert(ExternalForce { force: DVec3::ZERO, torque: NAN }); }),
         ("BodyTorque", |e| { e.insert(BodyTorque(NAN)); }),
         ("PointForces", |e| {
-            e.insert(PointForces(vec![PointForce {
-                body_point: NAN,
-                force: DVec3::X,
-                frame: Frame::World,
-            }]));
+            e.insert(PointForces(vec![PointForce { body_point: NAN, force: DVec3::X, ..default() }]));
         }),
-        ("Springs", |e| {
-            e.insert(Springs(vec![Spring {
-                body_point: DVec3::X,
-                anchor: DVec3::ZERO,
-                stiffness: f64::NAN,
-                damping: 1.0,
-            }]));
-        }),
-        ("damper", |e| {
-            e.insert(Springs(vec![Spring {
-                body_point: DVec3::X,
-                anchor: DVec3::ZERO,
-                stiffness: 1.0,
-                damping: f64::NAN,
-            }]));
-        }),
+        ("Springs", |e| { e.insert(Springs(vec![Spring { stiffness: f64::NAN, damping: 1.0, ..default() }])); }),
+        ("damper", |e| { e.insert(Springs(vec![Spring { stiffness: 1.0, damping: f64::NAN, ..default() }])); }),
         ("WorldAabb", |e| { e.insert(WorldAabb(Aabb3d { min: Vec3::NAN.into(), max: Vec3::NAN.into() })); }),
     ]
 }
@@ -97,7 +74,7 @@ fn nan_in_every_component() {
                     .map(|start| app.spawn((brick(), start)));
                 app.play(3);
                 if let Some(poison) = poison {
-                    poison(&mut app.world_mut().entity_mut(ids[1]));
+                    poison(&mut app.entity(ids[1]));
                 }
                 app.play(20);
                 assert_shown_sanely(&mut app);
@@ -134,13 +111,11 @@ fn a_body_that_starts_invalid() {
         let entity = app.spawn((brick(), bad, transform));
         app.play(3);
         assert_shown_sanely(&mut app);
-        let expected = transform.translation.is_finite();
-        let expected = if expected {
-            transform.translation
-        } else {
-            Vec3::ZERO
-        };
-        assert_eq!(app.state(entity).position.as_vec3(), expected);
+        let shown = Some(transform.translation).filter(|place| place.is_finite());
+        assert_eq!(
+            app.state(entity).position.as_vec3(),
+            shown.unwrap_or_default()
+        );
         assert!(app.world().get::<Quarantined>(entity).is_some());
         let lines = log.take();
         assert!((1..=2).contains(&lines.len()), "{lines:#?}");
@@ -194,7 +169,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
         for value in [-0.5, f64::NAN, f64::INFINITY] {
             let mut app = app();
             let body = app.spawn((brick(), tumbling()));
-            insert(&mut app.world_mut().entity_mut(body), value);
+            insert(&mut app.entity(body), value);
             app.play(10);
             let lines = log.take();
             let expected =
@@ -212,7 +187,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
                 now.attitude_difference(&without) < 1e-12,
                 "{field}: {value}"
             );
-            insert(&mut app.world_mut().entity_mut(body), 2.0);
+            insert(&mut app.entity(body), 2.0);
             app.play(10);
             log.is_silent();
             assert!(app.world().get::<Quarantined>(body).is_none());
@@ -266,26 +241,16 @@ fn an_invalid_material_of_a_plane_is_logged() {
 #[test]
 fn an_invalid_material_is_logged_and_does_not_act() {
     type Insert = fn(&mut EntityWorldMut, f64);
+    let coefficient = "finite and not negative";
+    #[rustfmt::skip]
     let materials: [(&str, &str, Insert); 3] = [
-        ("dynamic_coefficient", "finite and not negative", |e, c| {
-            e.insert(Friction {
-                dynamic_coefficient: c,
-                ..default()
-            });
+        ("dynamic_coefficient", coefficient, |e, c| {
+            e.insert(Friction { dynamic_coefficient: c, ..default() });
         }),
-        ("static_coefficient", "finite and not negative", |e, c| {
-            e.insert(Friction {
-                static_coefficient: c,
-                dynamic_coefficient: 0.9,
-                ..default()
-            });
+        ("static_coefficient", coefficient, |e, c| {
+            e.insert(Friction { static_coefficient: c, dynamic_coefficient: 0.9, ..default() });
         }),
-        ("coefficient", "between 0 and 1", |e, c| {
-            e.insert(Restitution {
-                coefficient: c,
-                ..default()
-            });
-        }),
+        ("coefficient", "between 0 and 1", |e, c| { e.insert(Restitution { coefficient: c, ..default() }); }),
     ];
     let log = Log::start();
     // Falls 0.75 m and slides on.
@@ -294,7 +259,7 @@ fn an_invalid_material_is_logged_and_does_not_act() {
         app.insert_resource(Floor::default());
         let start = BodyState::at(DVec3::Y).with_velocity(DVec3::X * 10.0);
         let body = app.spawn((brick(), start));
-        insert(&mut app.world_mut().entity_mut(body));
+        insert(&mut app.entity(body));
         app.play(60);
         (body, app.state(body))
     };

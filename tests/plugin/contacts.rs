@@ -34,56 +34,22 @@ type Act = fn(&mut App, Entity);
 
 #[test]
 fn every_contact_that_began_ends_once() {
+    #[rustfmt::skip]
     let ends: [(&str, Act); 13] = [
-        ("thrown far", |app, entity| {
-            app.send(ApplyImpulse::center(entity, DVec3::Y * 3000.0));
-        }),
-        ("despawned", |app, entity| {
-            app.world_mut().despawn(entity);
-        }),
-        ("disabled", |app, entity| {
-            app.world_mut().entity_mut(entity).insert(Disabled);
-        }),
-        ("no RigidBox", |app, entity| {
-            app.world_mut().entity_mut(entity).remove::<RigidBox>();
-        }),
-        ("no body", |app, entity| {
-            app.world_mut()
-                .entity_mut(entity)
-                .remove_with_requires::<RigidBox>();
-        }),
-        ("no longer reported", |app, entity| {
-            app.world_mut()
-                .entity_mut(entity)
-                .remove::<ReportContacts>();
-        }),
-        ("no floor", |app, _| {
-            app.world_mut().remove_resource::<Floor>();
-        }),
-        ("a floor far below", |app, _| {
-            app.insert_resource(Floor {
-                height: -100.0,
-                ..default()
-            });
-        }),
-        ("teleported", |app, entity| {
-            app.world_mut()
-                .commands()
-                .queue(Teleport::to(entity, DVec3::Y * 50.0));
-        }),
-        ("another state", |app, entity| {
-            *app.edit(entity) = BodyState::at(DVec3::Y * 50.0);
-        }),
-        ("another Transform", |app, entity| {
-            *app.edit(entity) = Transform::from_xyz(0.0, 50.0, 0.0);
-        }),
-        ("quarantined", |app, entity| {
-            let mut state = app.edit::<BodyState>(entity);
-            state.velocity.x = f64::NAN;
-        }),
-        ("reset", |app, entity| {
-            let parts = (BodyState::at(DVec3::Y * 50.0), ContactState::default());
-            app.world_mut().entity_mut(entity).insert(parts);
+        ("thrown far", |app, body| app.send(ApplyImpulse::center(body, DVec3::Y * 3000.0))),
+        ("despawned", |app, body| { app.world_mut().despawn(body); }),
+        ("disabled", |app, body| { app.entity(body).insert(Disabled); }),
+        ("no RigidBox", |app, body| { app.entity(body).remove::<RigidBox>(); }),
+        ("no body", |app, body| { app.entity(body).remove_with_requires::<RigidBox>(); }),
+        ("no longer reported", |app, body| { app.entity(body).remove::<ReportContacts>(); }),
+        ("no floor", |app, _| { app.world_mut().remove_resource::<Floor>(); }),
+        ("a floor far below", |app, _| { app.insert_resource(Floor { height: -100.0, ..default() }); }),
+        ("teleported", |app, body| app.queue(Teleport::to(body, DVec3::Y * 50.0))),
+        ("another state", |app, body| *app.edit(body) = BodyState::at(DVec3::Y * 50.0)),
+        ("another Transform", |app, body| *app.edit(body) = Transform::from_xyz(0.0, 50.0, 0.0)),
+        ("quarantined", |app, body| app.edit::<BodyState>(body).velocity.x = f64::NAN),
+        ("reset", |app, body| {
+            app.entity(body).insert((BodyState::at(DVec3::Y * 50.0), ContactState::default()));
         }),
     ];
     for (name, end) in ends {
@@ -99,22 +65,18 @@ fn every_contact_that_began_ends_once() {
 #[test]
 fn reports_begin_when_somebody_asks_for_them() {
     let (mut app, entity) = lying();
-    app.world_mut()
-        .entity_mut(entity)
-        .remove::<ReportContacts>();
+    app.entity(entity).remove::<ReportContacts>();
     assert_eq!(reports(&mut app, entity, 20), [0; 3]);
-    app.world_mut().entity_mut(entity).insert(ReportContacts);
+    app.entity(entity).insert(ReportContacts);
     assert_eq!(reports(&mut app, entity, 1), [1, 0, 0]);
     assert_eq!(reports(&mut app, entity, 1), [0, 1, 0]);
     // A reset contact state of a resting body does not begin a second contact.
-    app.world_mut()
-        .entity_mut(entity)
-        .insert(ContactState::default());
+    app.entity(entity).insert(ContactState::default());
     assert_eq!(reports(&mut app, entity, 1), [0, 1, 0]);
     // Disabling ends the contact, enabling begins it.
-    app.world_mut().entity_mut(entity).insert(Disabled);
+    app.entity(entity).insert(Disabled);
     assert_eq!(reports(&mut app, entity, 1), [0, 0, 1]);
-    app.world_mut().entity_mut(entity).remove::<Disabled>();
+    app.entity(entity).remove::<Disabled>();
     assert_eq!(reports(&mut app, entity, 1), [1, 0, 0]);
 }
 
@@ -270,38 +232,28 @@ fn a_body_on_the_floor_does_not_thud() {
 /// Any cause that moves a resting body wakes it, with one event; it settles again.
 #[test]
 fn woken_once_and_settled_again() {
-    let wakes: [(&str, Act); 6] = [
-        ("pushed", |app, entity| {
-            let push = ApplyImpulse::center(entity, DVec3::new(0.5, 3.0, 0.0));
-            app.send(push);
-        }),
-        ("teleported", |app, entity| {
-            let teleport = Teleport::to(entity, DVec3::Y * 2.0);
-            app.world_mut().commands().queue(teleport);
-        }),
-        ("state", |app, entity| {
-            *app.edit(entity) = BodyState::at(DVec3::Y);
-        }),
-        ("gravity", |app, _| {
+    let lower = |app: &mut App| {
+        app.insert_resource(Floor {
+            height: -0.5,
+            ..default()
+        });
+    };
+    #[rustfmt::skip]
+    let wakes: [(&str, &dyn Fn(&mut App, Entity)); 6] = [
+        ("pushed", &|app, body| app.send(ApplyImpulse::center(body, DVec3::new(0.5, 3.0, 0.0)))),
+        ("teleported", &|app, body| app.queue(Teleport::to(body, DVec3::Y * 2.0))),
+        ("state", &|app, body| *app.edit(body) = BodyState::at(DVec3::Y)),
+        ("gravity", &|app, _| {
             // With half the load the brick gains in a tick what friction takes back in one and a half.
             app.insert_resource(WorldGravity(DVec3::new(9.81, -4.905, 0.0)));
             app.update();
-            app.init_resource::<WorldGravity>();
             app.insert_resource(WorldGravity::default());
         }),
-        ("floor", |app, _| {
-            app.insert_resource(Floor {
-                height: -0.5,
-                ..default()
-            });
-        }),
-        ("floor gone", |app, _| {
+        ("floor", &|app, _| lower(app)),
+        ("floor gone", &|app, _| {
             app.world_mut().remove_resource::<Floor>();
             app.update();
-            app.insert_resource(Floor {
-                height: -0.5,
-                ..default()
-            });
+            lower(app);
         }),
     ];
     for (what, wake) in wakes {

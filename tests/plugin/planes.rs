@@ -87,12 +87,10 @@ fn what_rests_falls_when_the_plane_goes() {
     let resting = |app: &App| app.get::<RestingSince>(body).0;
     assert!(resting(&app).is_some());
     // A smoother one does not hold it, and none lets it fall.
-    app.world_mut()
-        .entity_mut(ramp)
-        .insert(Friction::new(0.7).expect("valid"));
+    app.entity(ramp).insert(Friction::new(0.7).expect("valid"));
     app.update();
     assert!(resting(&app).is_none());
-    app.world_mut().entity_mut(ramp).despawn();
+    app.entity(ramp).despawn();
     let before = app.state(body).velocity;
     app.play(60);
     let fallen = app.state(body).velocity - before;

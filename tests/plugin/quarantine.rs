@@ -56,9 +56,7 @@ fn quarantine_is_reported_once_and_can_be_left() {
     }
     assert_eq!(told, 1);
     assert_eq!(app.state(entity), good, "frozen at its last good state");
-    app.world_mut()
-        .entity_mut(entity)
-        .remove::<(Quarantined, ExternalForce)>();
+    app.entity(entity).remove::<(Quarantined, ExternalForce)>();
     app.update();
     assert!(
         app.state(entity).position.y != good.position.y,

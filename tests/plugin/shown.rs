@@ -58,15 +58,10 @@ fn come(mut commands: Commands) {
 #[test]
 fn a_new_body_is_shown_in_the_frame_in_which_it_comes() {
     use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+    #[rustfmt::skip]
     let schedules: [InternedScheduleLabel; 9] = [
-        Startup.intern(),
-        PostStartup.intern(),
-        First.intern(),
-        PreUpdate.intern(),
-        RunFixedMainLoop.intern(),
-        Update.intern(),
-        PostUpdate.intern(),
-        Last.intern(),
+        Startup.intern(), PostStartup.intern(), First.intern(), PreUpdate.intern(), RunFixedMainLoop.intern(),
+        Update.intern(), PostUpdate.intern(), Last.intern(),
         // These frames have no tick; the tick of the first one below spawns the body.
         FixedUpdate.intern(),
     ];
@@ -133,24 +128,13 @@ struct Late([Entity; 2]);
 /// A written state is displayed in that frame, however the clock is stopped or slowed.
 #[test]
 fn a_written_state_is_shown_however_the_clock_is_stopped() {
+    #[rustfmt::skip]
     let stops: [(&str, fn(&mut World)); 5] = [
         ("running", |_| ()),
-        ("PhysicsClock", |world| {
-            world.resource_mut::<PhysicsClock>().paused = true;
-        }),
-        ("Time<Virtual>", |world| {
-            world.resource_mut::<Time<Virtual>>().pause();
-        }),
-        ("a tenth", |world| {
-            world
-                .resource_mut::<Time<Virtual>>()
-                .set_relative_speed(0.1);
-        }),
-        ("speed 0", |world| {
-            world
-                .resource_mut::<Time<Virtual>>()
-                .set_relative_speed(0.0);
-        }),
+        ("PhysicsClock", |world| world.resource_mut::<PhysicsClock>().paused = true),
+        ("Time<Virtual>", |world| world.resource_mut::<Time<Virtual>>().pause()),
+        ("a tenth", |world| world.resource_mut::<Time<Virtual>>().set_relative_speed(0.1)),
+        ("speed 0", |world| world.resource_mut::<Time<Virtual>>().set_relative_speed(0.0)),
     ];
     for (name, stop) in stops {
         let mut app = slow_app();
@@ -168,8 +152,7 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
             assert_shown(&app, entity, &written);
         }
         // The same holds for another size.
-        app.world_mut()
-            .entity_mut(entity)
+        app.entity(entity)
             .insert(RigidBox::cube(3.0, 1.0).expect("valid"));
         app.update();
         let last = app.state(entity);
@@ -180,25 +163,10 @@ fn a_written_state_is_shown_however_the_clock_is_stopped() {
 /// Changes to a body while it is disabled or has no `RigidBox` take effect when it returns.
 #[test]
 fn changes_to_an_absent_body_take_effect_when_it_returns() {
+    #[rustfmt::skip]
     let away: [(&str, fn(&mut EntityWorldMut), fn(&mut EntityWorldMut)); 2] = [
-        (
-            "Disabled",
-            |body| {
-                body.insert(Disabled);
-            },
-            |body| {
-                body.remove::<Disabled>();
-            },
-        ),
-        (
-            "no RigidBox",
-            |body| {
-                body.remove::<RigidBox>();
-            },
-            |body| {
-                body.insert(brick());
-            },
-        ),
+        ("Disabled", |body| { body.insert(Disabled); }, |body| { body.remove::<Disabled>(); }),
+        ("no RigidBox", |body| { body.remove::<RigidBox>(); }, |body| { body.insert(brick()); }),
     ];
     for (name, leave, come_back) in away {
         for touch_neighbor in [false, true] {
@@ -210,7 +178,7 @@ fn changes_to_an_absent_body_take_effect_when_it_returns() {
                 let neighbor = app.spawn((brick(), start));
                 app.play(3);
                 let before = app.state(body);
-                leave(&mut app.world_mut().entity_mut(body));
+                leave(&mut app.entity(body));
                 app.play(5);
                 assert_eq!(app.state(body), before, "{name}: it stays");
                 let mut expected = before;
@@ -224,7 +192,7 @@ fn changes_to_an_absent_body_take_effect_when_it_returns() {
                     let mut other = app.edit::<Transform>(neighbor);
                     other.translation.x += 1.0;
                 }
-                come_back(&mut app.world_mut().entity_mut(body));
+                come_back(&mut app.entity(body));
                 app.update();
                 expected.position += DVec3::Z * super::tick().as_secs_f64();
                 let found = app.state(body);
@@ -252,7 +220,7 @@ fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
             *app.edit(body) = Transform::from_translation(expected.as_vec3());
             app.update();
         }
-        app.world_mut().entity_mut(body).remove::<Disabled>();
+        app.entity(body).remove::<Disabled>();
         for _ in 0..3 {
             app.update();
             assert_eq!(app.state(body).position, expected, "{moved}");
@@ -265,19 +233,13 @@ fn a_body_that_is_spawned_disabled_starts_where_its_transform_says() {
 fn impulses_during_a_pause_are_kept_or_dropped_as_chosen() {
     let stops: [fn(&mut World, bool); 3] = [
         |world, stop| world.resource_mut::<PhysicsClock>().paused = stop,
-        |world, stop| {
-            let mut time = world.resource_mut::<Time<Virtual>>();
-            if stop {
-                time.pause();
-            } else {
-                time.unpause();
-            }
+        |world, stop| match stop {
+            true => world.resource_mut::<Time<Virtual>>().pause(),
+            false => world.resource_mut::<Time<Virtual>>().unpause(),
         },
         |world, stop| {
-            let speed = if stop { 0.0 } else { 1.0 };
-            world
-                .resource_mut::<Time<Virtual>>()
-                .set_relative_speed(speed);
+            let mut time = world.resource_mut::<Time<Virtual>>();
+            time.set_relative_speed(if stop { 0.0 } else { 1.0 });
         },
     ];
     for stop in stops {

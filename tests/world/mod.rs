@@ -5,6 +5,7 @@
 use bevy::app::Plugins;
 use bevy::ecs::component::Mutable;
 use bevy::ecs::message::Messages;
+use bevy::ecs::system::Command;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_physics::prelude::*;
@@ -53,6 +54,10 @@ pub(crate) trait Play {
     fn spawn(&mut self, parts: impl Bundle) -> Entity;
     /// Sends a message.
     fn send(&mut self, message: impl Message);
+    /// Applies a command at once.
+    fn queue(&mut self, command: impl Command<Out = ()>);
+    /// An entity, to insert and remove components.
+    fn entity(&mut self, entity: Entity) -> EntityWorldMut<'_>;
     /// Takes all messages of a kind.
     fn drain<M: Message>(&mut self) -> Vec<M>;
     /// A component of an entity that has it.
@@ -69,8 +74,7 @@ impl Play for App {
     }
 
     fn step(&mut self, steps: u32) {
-        self.world_mut().commands().queue(StepPhysics(steps));
-        self.world_mut().flush();
+        self.queue(StepPhysics(steps));
     }
 
     fn pause(&mut self) {
@@ -87,6 +91,15 @@ impl Play for App {
 
     fn send(&mut self, message: impl Message) {
         self.world_mut().write_message(message);
+    }
+
+    fn queue(&mut self, command: impl Command<Out = ()>) {
+        self.world_mut().commands().queue(command);
+        self.world_mut().flush();
+    }
+
+    fn entity(&mut self, entity: Entity) -> EntityWorldMut<'_> {
+        self.world_mut().entity_mut(entity)
     }
 
     fn drain<M: Message>(&mut self) -> Vec<M> {

@@ -74,36 +74,19 @@ mod tests {
     #[test]
     fn neighbors_are_those_of_the_standard_library() {
         let tiny = f64::from(f32::from_bits(1));
-        let mut numbers = vec![
-            0.0,
-            1.0,
-            1.0 + 1e-9,
-            0.1,
-            1e-50,
-            tiny,
-            1.5 * tiny,
-            1e-40,
-            3e38,
+        #[rustfmt::skip]
+        let numbers = [
+            0.0, 1.0, 1.0 + 1e-9, 0.1, 1e-50, tiny, 1.5 * tiny, 1e-40, 3e38, f64::from(f32::MAX), 3.5e38, 1e300,
+            f64::INFINITY, 16_777_217.0,
         ];
-        numbers.extend([
-            f64::from(f32::MAX),
-            3.5e38,
-            1e300,
-            f64::INFINITY,
-            16_777_217.0,
-        ]);
         for x in numbers.into_iter().flat_map(|x| [x, -x]) {
             let nearest = x as f32;
-            let down = if f64::from(nearest) > x {
-                nearest.next_down()
-            } else {
-                nearest
-            };
-            let up = if f64::from(nearest) < x {
-                nearest.next_up()
-            } else {
-                nearest
-            };
+            let (mut down, mut up) = (nearest, nearest);
+            if f64::from(nearest) > x {
+                down = nearest.next_down();
+            } else if f64::from(nearest) < x {
+                up = nearest.next_up();
+            }
             assert_eq!(below(x).to_bits(), down.to_bits(), "below {x:e}");
             assert_eq!(above(x).to_bits(), up.to_bits(), "above {x:e}");
         }

@@ -72,21 +72,11 @@ impl RigidBox {
             ("half_extents.y", h.y),
             ("half_extents.z", h.z),
         ] {
-            let (low, high) = SIZE_LIMITS;
-            InvalidValue::check(
-                (low..=high).contains(&value),
-                field,
-                value,
-                "finite and between 1e-6 and 1e6 m",
-            )?;
+            let allowed = "finite and between 1e-6 and 1e6 m";
+            InvalidValue::check_between(SIZE_LIMITS, field, value, allowed)?;
         }
-        let (low, high) = MASS_LIMITS;
-        InvalidValue::check(
-            (low..=high).contains(&mass),
-            "mass",
-            mass,
-            "finite and between 1e-12 and 1e12 kg",
-        )?;
+        let allowed = "finite and between 1e-12 and 1e12 kg";
+        InvalidValue::check_between(MASS_LIMITS, "mass", mass, allowed)?;
         // Solid cuboid: I_x = m/3 (h_y² + h_z²), cyclic.
         let squares = h * h;
         let inertia = (mass / 3.0)
@@ -119,25 +109,12 @@ impl RigidBox {
             ("inertia.y", i.y, i.z + i.x),
             ("inertia.z", i.z, i.x + i.y),
         ] {
-            let (low, high) = INERTIA_LIMITS;
-            InvalidValue::check(
-                (low..=high).contains(&value),
-                field,
-                value,
-                "finite and between 1e-25 and 1e25 kg m²",
-            )?;
-            InvalidValue::check(
-                i.max_element() <= INERTIA_RATIO * value,
-                field,
-                value,
-                "at least 1e-25 of the largest moment",
-            )?;
-            InvalidValue::check(
-                value <= others * (1.0 + 1e-9),
-                field,
-                value,
-                "at most the sum of the other two moments",
-            )?;
+            let allowed = "finite and between 1e-25 and 1e25 kg m²";
+            InvalidValue::check_between(INERTIA_LIMITS, field, value, allowed)?;
+            let ok = i.max_element() <= INERTIA_RATIO * value;
+            InvalidValue::check(ok, field, value, "at least 1e-25 of the largest moment")?;
+            let allowed = "at most the sum of the other two moments";
+            InvalidValue::check(value <= others * (1.0 + 1e-9), field, value, allowed)?;
         }
         Ok(Self::from_parts(self.half_extents, self.mass, i))
     }

@@ -3,9 +3,9 @@
 use glam::{DQuat, DVec3};
 
 use crate::body::RigidBox;
-use crate::floor::{ContactSettings, ContactState, Floor, FloorContext, step_on_floor};
+use crate::floor::{ContactSettings, ContactState, Floor, FloorContext};
 use crate::force::{Dissipation, Forces, Frame, PointForce, Spring};
-use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor};
+use crate::integrators::{Integrator, IntegratorMemory};
 use crate::state::BodyState;
 
 const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
@@ -58,96 +58,80 @@ pub fn state_digest<'a>(states: impl IntoIterator<Item = &'a BodyState>) -> u64 
 /// assert_ne!(fingerprint(Integrator::Exact), theirs);
 /// ```
 pub fn fingerprint(integrator: Integrator) -> u64 {
-    state_digest(&integrator.dispatch(FixedScene))
+    state_digest(&fixed_scene(integrator))
+}
+
+/// Steps of the fixed scene, and their size \[s\]: a power of two, so that n·dt is exact.
+const STEPS: u32 = 96;
+const DT: f64 = 1.0 / 64.0;
+
+fn fixed_body() -> RigidBox {
+    RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)
+        .expect("in range: a test computes every fingerprint")
+}
+
+fn fixed_start(body: &RigidBox, k: usize) -> BodyState {
+    let k = k as f64;
+    BodyState::at_pose(
+        DVec3::new(3.0 * k, 1.0 + 0.25 * k, -0.5),
+        DQuat::from_xyzw(0.25, 0.125 * k, -0.5, 1.0),
+    )
+    .with_velocity(DVec3::new(0.75, 0.5 - k, 1.25))
+    .with_angular_velocity(body, DVec3::new(1.5, 2.5 - k, 1.0))
 }
 
 /// Three bodies over a floor. Each has different terms in its force model, so that every part of a step runs.
-struct FixedScene;
-
-impl FixedScene {
-    const STEPS: u32 = 96;
-    /// A power of two, so that n·dt is exact \[s\].
-    const DT: f64 = 1.0 / 64.0;
-    const BODIES: usize = 3;
-
-    fn body() -> RigidBox {
-        RigidBox::new(DVec3::new(0.5, 0.25, 0.125), 3.0)
-            .expect("in range: a test computes every fingerprint")
-    }
-
-    fn start(body: &RigidBox, k: usize) -> BodyState {
-        let k = k as f64;
-        BodyState::at_pose(
-            DVec3::new(3.0 * k, 1.0 + 0.25 * k, -0.5),
-            DQuat::from_xyzw(0.25, 0.125 * k, -0.5, 1.0),
-        )
-        .with_velocity(DVec3::new(0.75, 0.5 - k, 1.25))
-        .with_angular_velocity(body, DVec3::new(1.5, 2.5 - k, 1.0))
-    }
-}
-
-impl IntegratorVisitor for FixedScene {
-    type Output = [BodyState; Self::BODIES];
-
-    fn visit<S: Integrate>(self) -> Self::Output {
-        let body = Self::body();
-        let springs = [Spring {
-            body_point: DVec3::new(0.5, 0.25, 0.125),
-            anchor: DVec3::new(6.0, 2.0, 0.0),
-            stiffness: 30.0,
-            damping: 0.25,
-        }];
-        let thrusters = [PointForce {
-            body_point: DVec3::new(0.25, 0.0, 0.125),
-            force: DVec3::new(0.0, 0.5, 1.0),
-            frame: Frame::Body,
-        }];
-        let weight = Forces {
-            acceleration: DVec3::new(0.0, -9.81, 0.0),
-            ..Forces::default()
+fn fixed_scene(integrator: Integrator) -> [BodyState; 3] {
+    let body = fixed_body();
+    let springs = [Spring {
+        body_point: DVec3::new(0.5, 0.25, 0.125),
+        anchor: DVec3::new(6.0, 2.0, 0.0),
+        stiffness: 30.0,
+        damping: 0.25,
+    }];
+    let thrusters = [PointForce {
+        body_point: DVec3::new(0.25, 0.0, 0.125),
+        force: DVec3::new(0.0, 0.5, 1.0),
+        frame: Frame::Body,
+    }];
+    let weight = Forces {
+        acceleration: DVec3::new(0.0, -9.81, 0.0),
+        ..Forces::default()
+    };
+    let laws = [
+        weight,
+        Forces {
+            dissipation: Dissipation {
+                linear_drag: 0.25,
+                quadratic_drag: 0.0625,
+                angular_damping: 0.125,
+                angular_drag: 0.015_625,
+                ..Dissipation::NONE
+            },
+            ..weight
+        },
+        Forces {
+            springs: &springs,
+            point_forces: &thrusters,
+            body_torque: DVec3::new(0.125, 0.0, 0.0),
+            world_torque: DVec3::new(0.0, 0.0625, 0.0),
+            ..weight
+        },
+    ];
+    core::array::from_fn(|k| {
+        let mut state = fixed_start(&body, k);
+        let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
+        let context = FloorContext {
+            floor: &Floor::default(),
+            settings: &ContactSettings::DEFAULT,
+            body: &body,
+            force: &laws[k],
         };
-        let laws: [Forces<'_>; Self::BODIES] = [
-            weight,
-            Forces {
-                dissipation: Dissipation {
-                    linear_drag: 0.25,
-                    quadratic_drag: 0.0625,
-                    angular_damping: 0.125,
-                    angular_drag: 0.015_625,
-                    ..Dissipation::NONE
-                },
-                ..weight
-            },
-            Forces {
-                springs: &springs,
-                point_forces: &thrusters,
-                body_torque: DVec3::new(0.125, 0.0, 0.0),
-                world_torque: DVec3::new(0.0, 0.0625, 0.0),
-                ..weight
-            },
-        ];
-        let (floor, settings) = (Floor::default(), ContactSettings::default());
-        core::array::from_fn(|k| {
-            let mut state = Self::start(&body, k);
-            let (mut memory, mut contact) = (IntegratorMemory::default(), ContactState::default());
-            for _ in 0..Self::STEPS {
-                step_on_floor::<S, _>(
-                    &FloorContext {
-                        floor: &floor,
-                        settings: &settings,
-                        body: &body,
-                        force: &laws[k],
-                    },
-                    &mut state,
-                    Self::DT,
-                    &mut memory,
-                    &mut contact,
-                    None,
-                );
-            }
-            state
-        })
-    }
+        for _ in 0..STEPS {
+            integrator.step_on_floor(&context, &mut state, DT, &mut memory, &mut contact, None);
+        }
+        state
+    })
 }
 
 #[cfg(test)]
@@ -158,12 +142,12 @@ mod tests {
     /// would prove nothing.
     #[test]
     fn the_fixed_scene_is_valid_and_moves_under_every_integrator() {
-        let body = FixedScene::body();
+        let body = fixed_body();
         for &integrator in Integrator::ALL {
-            let states = integrator.dispatch(FixedScene);
+            let states = fixed_scene(integrator);
             for (k, state) in states.iter().enumerate() {
                 assert!(state.is_valid(), "{integrator}, body {k}");
-                let start = FixedScene::start(&body, k);
+                let start = fixed_start(&body, k);
                 assert_ne!(start.rotation, state.rotation, "{integrator}, body {k}");
                 // In free fall it would be 11 m below.
                 assert!(state.position.y > 0.0, "{integrator}, body {k}");

@@ -19,43 +19,44 @@ pub struct InvalidValue {
 
 impl core::fmt::Display for InvalidValue {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self {
-            field,
-            value,
-            allowed,
-        } = self;
-        write!(f, "{field} must be {allowed}, but is {value}")
+        write!(
+            f,
+            "{} must be {}, but is {}",
+            self.field, self.allowed, self.value
+        )
     }
 }
 
 impl core::error::Error for InvalidValue {}
 
 impl InvalidValue {
-    /// Returns `Ok(value)` if `ok`, otherwise an error with these fields.
+    /// Returns an error with these fields unless `ok`.
     pub(crate) fn check(
         ok: bool,
         field: &'static str,
         value: f64,
         allowed: &'static str,
-    ) -> Result<f64, Self> {
-        if ok {
-            Ok(value)
-        } else {
-            Err(Self {
-                field,
-                value,
-                allowed,
-            })
-        }
+    ) -> Result<(), Self> {
+        let error = Self {
+            field,
+            value,
+            allowed,
+        };
+        ok.then_some(()).ok_or(error)
+    }
+
+    /// Accepts a value between the two limits.
+    pub(crate) fn check_between(
+        (low, high): (f64, f64),
+        field: &'static str,
+        value: f64,
+        allowed: &'static str,
+    ) -> Result<(), Self> {
+        Self::check((low..=high).contains(&value), field, value, allowed)
     }
 
     /// Accepts a finite value ≥ 0, for coefficients.
-    pub(crate) fn check_coefficient(field: &'static str, value: f64) -> Result<f64, Self> {
-        Self::check(
-            value.is_finite() && value >= 0.0,
-            field,
-            value,
-            "finite and not negative",
-        )
+    pub(crate) fn check_coefficient(field: &'static str, value: f64) -> Result<(), Self> {
+        Self::check_between((0.0, f64::MAX), field, value, "finite and not negative")
     }
 }

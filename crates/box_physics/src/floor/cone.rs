@@ -9,7 +9,6 @@ use edge::Edge;
 use glam::{DMat3, DVec3};
 
 use super::geometry::{Corner3, mask};
-use super::law::answered;
 use super::operator::DelassusOperator;
 use super::projection::Pair;
 
@@ -58,28 +57,19 @@ impl Cone<'_> {
         match blocks {
             Blocks::One(w) => p[0] = single::solve(w, b[0], self.friction, near[0])?,
             Blocks::Two(pair) => {
-                let edge = self.edge(pair, [b[0], b[1]], [near[0], near[1]]);
+                let edge = Edge {
+                    cone: self,
+                    pair,
+                    b: [b[0], b[1]],
+                    near: [near[0], near[1]],
+                };
                 [p[0], p[1]] = edge.solve()?;
             }
             Blocks::More => {
-                let two = self.two_alone(b);
-                let two = two.inspect(|_| answered("face: two corners as an edge"));
-                let stick = || self.all_stick(b);
-                *p = two.or_else(|| stick().inspect(|_| answered("face: all stick")))?;
+                *p = self.two_alone(b).or_else(|| self.all_stick(b))?;
             }
         }
         Some(())
-    }
-
-    fn edge<'p>(&self, pair: &'p Pair, b: [DVec3; 2], near: [DVec3; 2]) -> Edge<'p> {
-        Edge {
-            pair,
-            friction: self.friction,
-            norm: self.norm,
-            b,
-            near,
-            target: self.target,
-        }
     }
 
     /// The smallest impulses that stop three or more corners, if they are in the cones: about the center of the
@@ -130,7 +120,13 @@ impl Cone<'_> {
             norm: self.operator.part(strikes.into()).norm_bound(),
             ..*self
         };
-        [p[i], p[j]] = alone.edge(&pair, [b[i], b[j]], [DVec3::ZERO; 2]).solve()?;
+        let edge = Edge {
+            cone: &alone,
+            pair: &pair,
+            b: [b[i], b[j]],
+            near: [DVec3::ZERO; 2],
+        };
+        [p[i], p[j]] = edge.solve()?;
         let w = self.operator.after(b, &p);
         w[..n].iter().all(|w| w.y >= -target).then_some(p)
     }

@@ -1,4 +1,4 @@
-//! A step as a sequence of events: impacts, and segments of motion between them.
+//! A step as a sequence of impacts and segments of motion.
 
 use super::bounds::{acceleration_bound, spin_bound};
 use super::flight::Flown;
@@ -9,25 +9,23 @@ use super::motion::{limit_energy, longest_segment};
 use super::search::Search;
 use super::{FloorContext, FloorOutcome};
 
-/// Segments of sustained motion in a step; a body that needs more gets longer ones.
+/// Maximum number of segments of sustained motion in a step; beyond it, segments become longer.
 const MAX_SEGMENTS: u32 = 256;
-/// Depth of the dips that are looked for, over the tolerance, and evaluations that the search for one event may take. In
-/// flight dips count as deep as a corner may ever be below the floor (1e-9 of the scale); with corners held, where the
-/// motion itself is of second order, 1e-6.
+/// Smallest depth of a dip that the search finds, relative to the tolerance, and maximum number of evaluations per search.
+/// In flight the depth is 1e-9 of the scale; with held corners, where the motion has order 2, 1e-6.
 const FREE: (f64, u32) = (1e3, 4096);
 const HELD: (f64, u32) = (1e6, 128);
-/// Tries to find the moment at which a slip stops: one is enough where the deceleration is constant.
+/// Trials for the end of a slip; one suffices for a constant deceleration.
 const STOP_TRIES: u32 = 8;
-/// Part of a segment in which such a moment need not be found any better: at a constant deceleration, whose
-/// moment is found at once, that would be a way of 5e-5 of what the deceleration makes in the segment.
+/// Shortest trial, relative to the segment: a way of 5e-5 of that by a constant deceleration over the segment.
 const SHORTEST_STOP: f64 = 1e-2;
-/// Rounds of the loop in one step.
+/// Maximum number of rounds in one step.
 const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
-/// Solver iterations in one step, over all events: what bounds the work when nothing converges.
+/// Maximum number of solver iterations in one step.
 const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 
-/// Event after event in the last `remaining` \[s\] of a step, from where the corners are at `places` on. `flown` is the
-/// plain step, if it is known. Returns the forces at the corners along the normals \[N\] if it ends at rest.
+/// Takes the last `remaining` \[s\] of a step event by event, from the corners at `places`. `flown` is the plain step, if
+/// known. Returns the normal forces at the corners \[N\] if the step ends at rest.
 #[inline(never)] // its large frame is not for boxes that rest or fly
 pub(super) fn between_events<G: Ground<N>, const N: usize>(
     ground: &G,
@@ -67,7 +65,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         level.frame.to_world(&mut in_world, elapsed);
         let pull = acceleration_bound(body, &in_world, force);
         let speed = step.state.velocity.length() + body.radius() * spin_bound(body, step.state);
-        // A hop u²/2A lower than the tolerance does not count.
+        // Normal speeds whose hop u²/2A is below the tolerance count as zero.
         let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
 
         if touching & set::<N>(|i| normal[i] < -hold) != 0 {
@@ -145,7 +143,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
     loads
 }
 
-/// What is left when the caps are reached: one plain step, out of what is met, no approach, no gain.
+/// Fallback when a cap is reached: one plain step with penetration recovery, without approach and gain of energy.
 pub(super) fn give_way<G: Ground<N>, const N: usize>(
     ground: &G,
     step: &mut BodyStep<'_>,
@@ -167,8 +165,8 @@ pub(super) fn give_way<G: Ground<N>, const N: usize>(
 }
 
 impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
-    /// The motion until a corner that is not held touches, a slip vanishes, or `time` is over. `flown` is the plain
-    /// step over `time`, if it is known, with its memory in `whole`; it and `other` are overwritten.
+    /// The motion until a free corner touches, a slip ends, or `time` is over. `flown` is the plain step over `time`, if
+    /// known, with its memory in `whole`; both `whole` and `other` are overwritten.
     fn until_event<'a>(
         &self,
         time: f64,
@@ -187,8 +185,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             None => self.spent(outcome, tau, whole),
         }
         if held {
-            // The part found from the whole segment is exact for a constant deceleration; otherwise the
-            // next try starts from a better guess.
+            // Exact for a constant deceleration; otherwise each trial improves the guess.
             let mut before = None;
             for _ in 0..STOP_TRIES {
                 if whole.still || tau <= self.shortest {
@@ -225,7 +222,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             return (tau, whole);
         }
         if !held {
-            // With corners held it tells no more than the velocities at the start.
+            // With held corners it would not improve the first guess.
             search.end_rate = ground.normal_velocities(ground.twist(&whole.state), &whole.places);
         }
         let (tau, segment, capped) = search.run(whole, height, other(), |t, segment| {
@@ -236,7 +233,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         (tau, segment)
     }
 
-    /// [`Start::advance`], its cost counted; a bare integrator step if nothing may be held.
+    /// [`Start::advance`] with its cost counted, or a plain integrator step if no corner may be held.
     fn spent(&self, outcome: &mut FloorOutcome, tau: f64, segment: &mut Segment<N>) {
         segment.memory.clone_from(self.memory);
         if self.candidates == 0 {
@@ -253,7 +250,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         outcome.step += segment.outcome;
     }
 
-    /// Free flight for `tau` \[s\] to where it is known to lead.
+    /// Stores the known end of a free flight of `tau` \[s\].
     fn fly_to(&self, end: Flown, tau: f64, segment: &mut Segment<N>) {
         segment.clear();
         segment.outcome = end.outcome;

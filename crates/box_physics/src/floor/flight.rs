@@ -1,4 +1,4 @@
-//! The commonest steps of a box near the floor: it is out of reach, or flies by.
+//! The most frequent steps of a box near the floor: out of reach, or in free flight.
 
 use glam::DVec3;
 
@@ -10,10 +10,11 @@ use crate::force::{Dissipation, ForceModel};
 use crate::integrators::{Integrate, IntegratorMemory, StepOutcome};
 use crate::state::BodyState;
 
-/// Whether the box can reach the floor within `h` \[s\]; `false` means that a plain integrator step is safe.
-/// Conservative and cheap: the center's height, less the reach of the lowest corner at any attitude it
-/// can take, less the farthest drop. A box that touched the floor at the end of the last step should be
-/// given to [`step_on_floor`](super::step_on_floor) in any case, so that the end of its contact is reported.
+/// Returns `false` if the box cannot reach the floor within `h` \[s\], so that a plain integrator step is safe.
+///
+/// The test is conservative and cheap: the center's height, minus the extent of the box at any attitude of the step, minus
+/// the largest drop. Use [`step_on_floor`](super::step_on_floor) for a box that touched the floor at the end of the last
+/// step, so that the end of its contact is reported.
 #[inline]
 pub fn may_touch<F: ForceModel>(
     floor: &Floor,
@@ -27,8 +28,8 @@ pub fn may_touch<F: ForceModel>(
     may_touch_plane(plane, reach, body, state, force, h)
 }
 
-/// The same for a plane with this normal, height of the body's center over it \[m\] and velocity along the normal [m/s];
-/// `reach` is how far the box goes from its center against the normal \[m\].
+/// The same for a plane with this normal, height of the center over it \[m\] and velocity along the normal [m/s]. `reach`
+/// is the extent of the box from its center against the normal \[m\].
 #[inline(always)]
 pub(super) fn may_touch_plane<F: ForceModel>(
     (normal, clearance, rise): (DVec3, f64, f64),
@@ -42,7 +43,7 @@ pub(super) fn may_touch_plane<F: ForceModel>(
     let mut pull = (-force.acceleration().dot(normal)).max(0.0);
     let wrench = force.has_wrench();
     if wrench {
-        // Springs pull harder on the way: the larger of the force here and where the center will be, twice.
+        // Spring forces grow on the way: twice the larger of the forces here and at the end of the center's path.
         let mut ahead = *state;
         ahead.position += h * state.velocity;
         let here = force.wrench(body, state).force.length();
@@ -51,7 +52,7 @@ pub(super) fn may_touch_plane<F: ForceModel>(
     }
     let d = force.dissipation();
     if d.wind != DVec3::ZERO {
-        // Air that sinks pulls the body along.
+        // Sinking air drags the body down.
         let drag = drag_coefficient(&d, state) * (state.velocity - d.wind).length();
         pull += body.inverse_mass() * drag;
     }
@@ -77,23 +78,23 @@ fn drag_coefficient(d: &Dissipation, state: &BodyState) -> f64 {
     d.linear_drag + d.quadratic_drag * (state.velocity - d.wind).length()
 }
 
-/// A plain step from off the floor.
+/// Result of a plain step from above the floor.
 pub(super) enum Flight {
-    /// It ends off the floor and cannot have dipped in between: it is made.
+    /// The step was taken: it ends above the floor and cannot have dipped in between.
     Clear(StepOutcome),
-    /// It may meet the floor: nothing has changed, and this is where it would have led.
+    /// The step may meet the floor: nothing has changed, and this is its end.
     Meets(Flown),
-    /// It did not start off the floor.
+    /// The box was not above the floor.
     Low,
 }
 
-/// The end of a plain step, its memory aside.
+/// End of a plain step, without its memory.
 pub(super) struct Flown {
     pub(super) state: BodyState,
     pub(super) outcome: StepOutcome,
 }
 
-/// The commonest case. The lowest corner stands for all. `spare` gets the memory of what is not made.
+/// Takes a plain step if its lowest corner stays clear of the floor. `spare` receives the memory of a rejected step.
 #[inline(always)]
 pub(super) fn fly<S: Integrate, F: ForceModel>(
     context: &FloorContext<'_, F>,
@@ -122,8 +123,8 @@ pub(super) fn fly<S: Integrate, F: ForceModel>(
     })
 }
 
-/// Whether no corner can have been below the floor between the heights `before` and `after` of the lowest: as in
-/// the event search √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 is enough.
+/// Returns `true` if no corner can have been below the floor between the heights `before` and `after` of the lowest one.
+/// As in the event search: √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 suffices.
 fn clears<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
@@ -149,8 +150,8 @@ fn clearance(body: &RigidBox, state: &BodyState, height: f64) -> f64 {
     state.position.y - height - world_half_extents(state.rotation, body.half_extents()).y
 }
 
-/// A bound M of the upward acceleration of every corner in free flight, larger than that of the event search, without
-/// a root [m/s²].
+/// A bound M of the upward acceleration of every corner in free flight [m/s²], without a root, larger than that of the
+/// event search.
 #[inline(always)]
 fn curvature_ahead(body: &RigidBox, state: &BodyState, gravity: DVec3) -> f64 {
     let spin = SWING_AHEAD * state.body_angular_velocity(body).length_squared();
@@ -160,16 +161,16 @@ fn curvature_ahead(body: &RigidBox, state: &BodyState, gravity: DVec3) -> f64 {
 /// The floor below bodies in free flight, for the loop over many of them.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorBelow {
-    /// Its height at the beginning and at the end of the step \[m\].
+    /// Height at the beginning and at the end of the step \[m\].
     start: f64,
     end: f64,
     tolerance: f64,
-    /// Its distance from the origin, for the tolerance \[m\].
+    /// Distance from the origin, for the tolerance \[m\].
     distance: f64,
 }
 
 impl FloorBelow {
-    /// So far below that nothing meets it.
+    /// A floor out of reach.
     pub(crate) const NONE: Self = Self {
         start: -1e300,
         end: -1e300,
@@ -187,8 +188,8 @@ impl FloorBelow {
         }
     }
 
-    /// Whether a body that flew from `before` to `after` under `gravity` in `h` \[s\] was clear of the floor all the time:
-    /// the test of [`step_on_floor`](super::step_on_floor), but for a root. `false` means that it may have met it.
+    /// Returns `false` if a body that flew from `before` to `after` under `gravity` in `h` \[s\] may have met the floor:
+    /// the test of [`step_on_floor`](super::step_on_floor) without a root.
     #[inline(always)]
     pub(crate) fn is_clear(
         &self,

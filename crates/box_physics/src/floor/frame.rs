@@ -1,6 +1,6 @@
-//! The frame of a surface, in which contact is solved: the surface is level and at rest in it, and energy is counted in
-//! it. It coincides with the world, or with the axes of a tilted plane, at the beginning of the step. The integrator and
-//! the forces stay in the world, where springs have their anchors and the air is at rest.
+//! The frame of a surface, in which the surface is level and at rest. Contact is solved in it and energy counted in it. At
+//! the beginning of the step it coincides with the world, or with the axes of a tilted plane. Integrator and forces stay
+//! in the world.
 
 use glam::{DQuat, DVec3};
 
@@ -14,7 +14,7 @@ use crate::state::BodyState;
 /// [`Integrate::step`] under the forces `F`.
 type Step<F> = fn(&RigidBox, &mut BodyState, &F, f64, &mut IntegratorMemory) -> StepOutcome;
 
-/// An integrator as the floor uses it: a value instead of a type parameter, so that the floor is compiled once for all.
+/// An integrator as a value instead of a type parameter, so that contact is compiled once for all integrators.
 pub(super) struct Method<F> {
     /// A step without the floor.
     pub(super) step: Step<F>,
@@ -26,7 +26,7 @@ pub(super) struct Method<F> {
         f64,
         &mut IntegratorMemory,
     ) -> StepOutcome,
-    /// Whether it is of first order in uniform gravity. A closed form would hide that error.
+    /// The integrator has order 1 in uniform gravity. A closed form would hide that error.
     pub(super) errs_in_gravity: bool,
 }
 
@@ -40,8 +40,8 @@ impl<F: ForceModel> Method<F> {
     }
 }
 
-/// The axes of a plane that is not level: y along its normal, the origin below the plane by `height`, so that the
-/// floor's tolerance is relative to the scene's size here as well.
+/// The axes of a tilted plane: y along its normal, the origin below the plane by `height`, so that the tolerance is
+/// relative to the size of the scene.
 #[derive(Clone, Copy)]
 pub(super) struct Axes {
     /// From these axes to the world.
@@ -50,12 +50,12 @@ pub(super) struct Axes {
     pub(super) height: f64,
 }
 
-/// From a frame to the world and back. Where the two are the same, no bit changes.
+/// Transformation between a frame and the world. If they coincide, no bit changes.
 pub(super) struct Frame {
     /// The velocity of the surface [m/s], world axes.
     velocity: DVec3,
     axes: Option<Axes>,
-    /// It moves, or is turned against the world.
+    /// The frame moves or is turned.
     differs: bool,
 }
 
@@ -73,12 +73,12 @@ impl Frame {
         !self.differs
     }
 
-    /// Whether the surface has a velocity.
+    /// Returns `true` if the surface has a velocity.
     pub(super) fn moves(&self) -> bool {
         self.velocity != DVec3::ZERO
     }
 
-    /// Whether the frame is turned against the world.
+    /// Returns `true` if the frame is turned.
     pub(super) fn is_turned(&self) -> bool {
         self.axes.is_some()
     }
@@ -110,7 +110,7 @@ impl Frame {
         }
     }
 
-    /// Where a point of the frame is in the world.
+    /// World position of a point of the frame.
     #[inline(always)]
     pub(super) fn point(&self, point: DVec3, elapsed: f64) -> DVec3 {
         if self.is_world() {
@@ -131,8 +131,7 @@ impl Frame {
     }
 }
 
-/// A level floor, in whose frame contact is solved. Among several planes one at rest, of which only the body and the
-/// forces count.
+/// A level floor, in whose frame contact is solved. Among several planes only its body and forces matter.
 pub(super) struct Level<'a, F> {
     /// The floor of the frame; the forces are in the world.
     pub(super) context: &'a FloorContext<'a, F>,
@@ -175,7 +174,7 @@ impl<F: ForceModel> Level<'_, F> {
         outcome
     }
 
-    /// Advances it without contact.
+    /// Advances a state of the frame without contact.
     pub(super) fn fly(
         &self,
         state: &mut BodyState,
@@ -189,8 +188,7 @@ impl<F: ForceModel> Level<'_, F> {
         })
     }
 
-    /// Whether all forces but the surface's do no work in its frame except for a uniform acceleration, or take energy.
-    /// Air that moves relative to the surface may drag the body along.
+    /// Returns `true` if only the uniform acceleration can add energy in the frame. A wrench may, and so may moving air.
     pub(super) fn bounds_energy(&self) -> bool {
         let force = self.context.force;
         let blown = self.frame.moves() || force.dissipation().wind != DVec3::ZERO;

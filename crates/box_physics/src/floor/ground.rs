@@ -1,4 +1,4 @@
-//! The interface between the events of a step and the surfaces that a box may touch: the floor, or several planes.
+//! Interface between the events of a step and the surfaces: the floor, or several planes.
 
 use glam::{DMat3, DVec3};
 
@@ -13,7 +13,7 @@ use crate::integrators::{IntegratorMemory, StepOutcome};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// A step of one body: the columns that it changes, its length and its report.
+/// A step of one body: its mutable parts, its length and its report.
 pub(super) struct BodyStep<'a> {
     pub(super) state: &'a mut BodyState,
     /// \[s\]
@@ -26,7 +26,7 @@ pub(super) struct BodyStep<'a> {
 /// The floor, with `N` = 8 places where the box may touch, or several planes with a place for each corner over each.
 pub(super) trait Ground<const N: usize>: Sized {
     type Force: ForceModel;
-    /// What direct solutions of Coulomb's law need.
+    /// Data for direct solutions of Coulomb's law.
     type Blocks;
     /// The held contacts at the end of a segment.
     type Held;
@@ -35,7 +35,7 @@ pub(super) trait Ground<const N: usize>: Sized {
 
     /// The body, its forces, and the frame of its motion.
     fn level(&self) -> &Level<'_, Self::Force>;
-    /// The number of these places, and the places in the order of their contacts.
+    /// Number of these places, and the places in the order of their contacts.
     fn order(places: u64) -> (usize, [u8; N]);
     /// The normal at a place.
     fn normal(&self, k: usize) -> DVec3;
@@ -43,7 +43,7 @@ pub(super) trait Ground<const N: usize>: Sized {
     fn surface(&self, k: usize) -> &Floor;
     /// The velocity of the surface at a place, in the frame of the motion [m/s].
     fn drift(&self, k: usize) -> DVec3;
-    /// Returns whether nothing drifts: contact does no work then.
+    /// Returns `true` if nothing drifts, so that contact does no work.
     fn is_fixed(&self) -> bool;
 
     /// The positions of the corners `elapsed` \[s\] after the beginning of the step.
@@ -58,15 +58,15 @@ pub(super) trait Ground<const N: usize>: Sized {
     fn height(&self, center: DVec3) -> f64;
     /// Removes the approach from the velocity.
     fn separate(&self, state: &mut BodyState);
-    /// Those of the touching places that hold a face.
+    /// The touching places that hold a face.
     fn on_faces(&self, touching: u64) -> u64;
-    /// Returns whether a body that is held at these places and does not move stays.
+    /// Returns `true` if a body at rest that is held at these places stays at rest.
     fn supports(&self, places: &Places<N>, held: u64) -> bool;
 
-    /// What direct solutions of the law need of W.
+    /// Computes the data for direct solutions of the law.
     fn blocks(&self, operator: &DelassusOperator<N>) -> Self::Blocks;
-    /// Sets the impulses `p`, which are zero, to those that obey the law to |w| within `target`, if one of the likely
-    /// cases fits; `near` solves a similar problem, or is zero.
+    /// Sets the zero impulses `p` to those that obey the law to |w| within `target`, if one of the likely cases applies.
+    /// The second part of `problem` is the solution of a similar problem, or zero.
     fn direct(
         &self,
         law: &Law<'_, Self, N>,
@@ -74,12 +74,11 @@ pub(super) trait Ground<const N: usize>: Sized {
         target: f64,
         p: &mut [DVec3; N],
     ) -> Option<()>;
-    /// The smallest impulses p with u + Wp = 0 along the normals, and altogether at the places in `whole`.
+    /// The smallest impulses p with u + Wp = 0 along the normals, and in all components at the places in `whole`.
     fn cancel(&self, operator: &DelassusOperator<N>, u: &[DVec3; N], whole: u64) -> [DVec3; N];
     /// Moves and turns the body so that the corners of the places `held` lie on their surfaces.
     fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Places<N>, Self::Held);
-    /// Removes from the end of a segment what is left of the velocities `after` along the normals, if that can be done by
-    /// what is known of the contacts.
+    /// Removes the normal components of the velocities `after` at the end of a segment, if `contacts` suffices for that.
     fn stop(&self, segment: &mut Segment<N>, contacts: &Self::Held, after: &[DVec3; N]) -> bool;
 
     /// The contacts at these places of a body whose world axes are `attitude`.
@@ -119,14 +118,13 @@ pub(super) trait Ground<const N: usize>: Sized {
         u
     }
 
-    /// Where corner `k` of a state of the frame is in the world.
+    /// World position of corner `k` of a state of the frame.
     fn point(&self, state: &BodyState, places: &Places<N>, k: usize, elapsed: f64) -> DVec3 {
         let frame = &self.level().frame;
         frame.point(state.position, elapsed) + frame.vector(places.lever(k))
     }
 
-    /// Moves the body out of the deepest surface, until it is in none; never pushes it into one. Between planes that leave
-    /// no room for it that does not end.
+    /// Penetration recovery: moves the body out of the deepest surface until it is in none, at most `N` times.
     fn recover(&self, state: &mut BodyState, places: &mut Places<N>, elapsed: f64) {
         for _ in 0..N {
             if places.lowest() >= 0.0 {
@@ -141,8 +139,8 @@ pub(super) trait Ground<const N: usize>: Sized {
         }
     }
 
-    /// A step of Newton's method that brings the corners of the places `held`, which are at these heights \[m\], onto their
-    /// surfaces. The angular momentum keeps its body components.
+    /// One step of Newton's method toward corner heights of zero at the places `held`. The angular momentum keeps its body
+    /// components.
     fn lower(&self, state: &mut BodyState, held: u64, height: &[f64; N]) {
         let operator = self.operator(DMat3::from_quat(state.rotation), held);
         let mut gap = [DVec3::ZERO; N];
@@ -159,8 +157,7 @@ pub(super) trait Ground<const N: usize>: Sized {
         }
     }
 
-    /// Adds impulses at the places of a box in this state to a report. Until the end of the step its normal is the sum of
-    /// those along the normals.
+    /// Adds impulses, by place, to a report. Until the end of the step, its normal is the sum of the normal impulses.
     fn record(
         &self,
         report: &mut ContactReport,
@@ -188,13 +185,13 @@ pub(super) struct Start<'a, G, const N: usize> {
     pub(super) places: &'a Places<N>,
     /// The velocities at the places along the normals [m/s].
     pub(super) normal: [f64; N],
-    /// The places that may be held: touching, with no normal velocity to speak of.
+    /// The places that may be held: touching, with negligible normal velocity.
     pub(super) candidates: u64,
-    /// Slower than this is not moving [m/s].
+    /// Largest speed of a corner at rest [m/s].
     pub(super) still_speed: f64,
     /// Bound of the acceleration that acts [m/s²].
     pub(super) acceleration: f64,
-    /// Shortest segment \[s\] that is tried for the moment at which a slip vanishes.
+    /// Shortest segment in the search for the end of a slip \[s\].
     pub(super) shortest: f64,
 }
 
@@ -211,12 +208,12 @@ pub(super) struct Segment<const N: usize> {
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,
     pub(super) capped: bool,
-    /// Energy taken because the errors of integrator and projection had added it \[J\].
+    /// Removed energy that errors of integrator and projection had added \[J\].
     pub(super) repaired: Option<f64>,
 }
 
 impl<const N: usize> Segment<N> {
-    /// Yet to be made, with this memory to write to.
+    /// An empty segment that writes to this memory.
     pub(super) fn new(memory: IntegratorMemory) -> Self {
         Self {
             state: BodyState::default(),
@@ -232,7 +229,7 @@ impl<const N: usize> Segment<N> {
         }
     }
 
-    /// Forgets what was reported of it.
+    /// Clears the results.
     pub(super) fn clear(&mut self) {
         self.impulse = [DVec3::ZERO; N];
         self.slips = Slips::NONE;

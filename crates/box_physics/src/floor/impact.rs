@@ -1,4 +1,4 @@
-//! Impact: the velocities of all touching corners change at one instant.
+//! Impact resolution: the velocities of all touching corners change at one instant.
 
 use glam::{DMat3, DVec3};
 
@@ -9,22 +9,22 @@ use super::law::Law;
 use super::operator::DelassusOperator;
 use crate::state::BodyState;
 
-/// What an impact did.
+/// Result of an impact.
 pub(super) struct ImpactOutcome<const N: usize> {
     /// Impulses, by place \[N s\].
     pub(super) impulse: [DVec3; N],
-    /// Whether the solver ended at its cap.
+    /// `true` if the solver reached its maximum number of iterations.
     pub(super) capped: bool,
-    /// The energy that Newton's law alone would have gained, if it was scaled down \[J\].
+    /// Removed gain of energy under Newton's law \[J\].
     pub(super) repaired: Option<f64>,
     /// Solver iterations.
     pub(super) iterations: u32,
 }
 
-/// Solves it for the motion `twist` and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction in the
-/// round cone against the slip afterwards u⁺_t (Coulomb), within the energy that the [`RestitutionLaw`] allows, with the
-/// largest restitution of the surfaces that are struck faster than the threshold. If the impact is not `ordinary`,
-/// because there were too many in the step, all touching corners stop along the normal.
+/// Solves the impact for the motion `twist` and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction
+/// in the round cone against the slip afterwards u⁺_t (Coulomb). [`RestitutionLaw`] limits the energy, with the largest
+/// restitution of the surfaces that are hit faster than the threshold. If the impact is not `ordinary`, because the step
+/// has too many, all touching corners stop along the normal.
 pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     ground: &G,
     state: &mut BodyState,
@@ -80,9 +80,8 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
             repaired = (!energetic).then_some(way.gained);
         }
     }
-    // A landing on a face below the threshold, or the last impact allowed: whatever still leaves the
-    // floor by rocking is taken too. (A column rocks through ever smaller, ever more frequent impacts
-    // otherwise: Housner 1963.)
+    // A landing on a face below the threshold, or the last impact allowed, also stops rocking, which would otherwise go
+    // on in ever smaller, ever more frequent impacts (Housner 1963).
     let quiet = extreme < threshold;
     let stopped = match (ordinary, quiet) {
         (false, _) => touching,
@@ -105,16 +104,16 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     }
 }
 
-/// The kinetic energy between the plastic solution p₀ and Newton's p₁. Newton's law with friction or several corners may
-/// return more than the part e² of the energy, and even create some (Kane, Levinson 1985; Stronge 1990). Of p₀ + λd,
-/// d = p₁ − p₀, the energy is Aλ² + Bλ + C above that before, with A = ½ d·Wd, B = d·(u⁻ + Wp₀): a quadratic. Every
-/// λ in (0, 1) is inside the cones (they are convex), and not into the floor.
+/// Change of the kinetic energy by the impulses p₀ + λd between the plastic solution p₀ and Newton's p₁ = p₀ + d. With
+/// friction or several corners, Newton's law may return more than the part e² of the energy, and even create energy (Kane,
+/// Levinson 1985; Stronge 1990). The change is Aλ² + Bλ + C with A = ½ d·Wd, B = d·(u⁻ + Wp₀). Every λ in (0, 1) is
+/// inside the convex cones and does not lead into the floor.
 struct Way {
     a: f64,
     b: f64,
     /// C ≤ 0 \[J\].
     lost: f64,
-    /// What p₁ adds \[J\].
+    /// Change by p₁ \[J\].
     gained: f64,
 }
 

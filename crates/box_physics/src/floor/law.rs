@@ -1,4 +1,4 @@
-//! Coulomb's law for all contacts of a body at once, and what solves it.
+//! Coulomb's law for all contacts of a body, and its solver.
 //!
 //! Given velocities b and the operator W, find impulses p with w = b + Wp and, for every contact,
 //!
@@ -6,10 +6,10 @@
 //! 0 ≤ p_n ⊥ w_n ≥ 0,   |p_t| ≤ µ p_n,   p_t = −µ p_n w_t/|w_t| where it slips.
 //! ```
 //!
-//! Each contact sticks, slides or leaves. The likely cases at few corners of a floor are solved directly (`cone`).
-//! Everything else is Newton's method on the twist of the body (`newton`), which four contacts take as few steps as two.
-//! Without friction the law is a convex problem with an active set. Of the many distributions of load on four corners the
-//! smallest is found, so that a symmetric landing keeps its symmetry.
+//! Each contact sticks, slides or leaves. The likely cases at few corners of a floor are solved directly (`cone`), all
+//! others by Newton's method on the twist of the body (`newton`). Without friction the law is a convex problem with an
+//! active set. Of the possible distributions of load on four corners the smallest is chosen, so that a symmetric landing
+//! stays symmetric.
 
 use glam::DVec3;
 
@@ -18,34 +18,17 @@ use super::ground::Ground;
 use super::newton::descend;
 use super::operator::DelassusOperator;
 
-/// Gradient steps that lead to further starts of Newton's method, where neither zero nor the frictionless impulses led to
-/// the end.
+/// Numbers of gradient steps that lead to further starting points of Newton's method.
 const GRADIENT_STEPS: [u32; 3] = [50, 200, 1000];
 
-/// What a solver of the law found.
+/// Result of the solver.
 pub(super) struct Solution<const N: usize = 8> {
     /// The impulses p \[N s\].
     pub(super) p: [DVec3; N],
     /// Iterations used.
     pub(super) iterations: u32,
-    /// Whether the law holds to the tolerance.
+    /// `true` if the law holds to the tolerance.
     pub(super) converged: bool,
-}
-
-/// Notes in tests which case answered.
-#[inline(always)]
-pub(super) fn answered(case: &'static str) {
-    #[cfg(test)]
-    ANSWERS.with_borrow_mut(|answers| *answers.entry(case).or_default() += 1);
-    #[cfg(not(test))]
-    let _ = case;
-}
-
-#[cfg(test)]
-thread_local! {
-    /// How often each case answered.
-    pub(super) static ANSWERS: std::cell::RefCell<std::collections::BTreeMap<&'static str, u32>> =
-        std::cell::RefCell::default();
 }
 
 /// Coulomb's law at the contacts of an operator.
@@ -53,13 +36,13 @@ pub(super) struct Law<'a, G: Ground<N>, const N: usize> {
     ground: &'a G,
     /// The contacts, and the mass behind them.
     pub(super) operator: &'a DelassusOperator<N>,
-    /// What the ground needs of W for its direct solutions.
+    /// Data for direct solutions.
     pub(super) blocks: G::Blocks,
     /// A bound of W [1/kg].
     pub(super) norm: f64,
     /// Static friction acts.
     grips: bool,
-    /// The part of the friction that acts.
+    /// Factor on the friction.
     part: f64,
 }
 
@@ -104,10 +87,10 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
         n * normal + along * part
     }
 
-    /// Solves the law for the velocities `b`; `near` is the solution of a similar problem, or zero. The result always keeps
-    /// the normal law and never gains energy; `converged` tells whether friction had to give way: what does not converge
-    /// in half of the iterations is solved with a quarter of the friction in a quarter of them, and so on, and at last
-    /// with none, directly.
+    /// Solves the law for the velocities `b`; `near` is the solution of a similar problem, or zero. The result always obeys
+    /// the normal law and never gains energy. If half of the iterations do not converge, a quarter of them are spent with
+    /// a quarter of the friction, and so on, and finally the problem without friction is solved directly. `converged` is
+    /// `false` then.
     pub(super) fn solve(&mut self, b: &[DVec3; N], near: &[DVec3; N]) -> Solution<N> {
         let (operator, n) = (self.operator, self.operator.count);
         let mut solution = Solution {
@@ -136,13 +119,12 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
             self.part *= 0.25;
         }
         self.part = 1.0;
-        answered("gave way");
         solution.p = self.smooth(b);
         solution.converged = false;
         solution
     }
 
-    /// The impulses to |w| within `target`, unless `iterations` comes to `limit`.
+    /// Solves the law to |w| within `target`, unless `iterations` reaches `limit`.
     fn newton(
         &self,
         b: &[DVec3; N],
@@ -152,18 +134,13 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
     ) -> Option<[DVec3; N]> {
         let zero = [DVec3::ZERO; N];
         let mut found = descend(self, b, target, &zero, limit, iterations)
-            .inspect(|_| answered("Newton from zero"))
-            .or_else(|| {
-                descend(self, b, target, &self.smooth(b), limit, iterations)
-                    .inspect(|_| answered("Newton from the frictionless impulses"))
-            });
+            .or_else(|| descend(self, b, target, &self.smooth(b), limit, iterations));
         for steps in GRADIENT_STEPS {
             if found.is_none() {
                 let steps = steps.min(limit.saturating_sub(*iterations));
                 let start = self.gradient(b, steps);
                 *iterations += steps;
-                found = descend(self, b, target, &start, limit, iterations)
-                    .inspect(|_| answered("Newton after gradients"));
+                found = descend(self, b, target, &start, limit, iterations);
             }
         }
         found
@@ -214,9 +191,9 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
         p
     }
 
-    /// The impulses without friction: the smallest that stop all contacts along the normal, if they all push;
-    /// otherwise contact after contact is stopped as long as one approaches, and let go where it would have to pull
-    /// (Lawson, Hanson, *Solving Least Squares Problems*, 1974, §23: the energy falls with every round, so that it ends).
+    /// The impulses without friction: the smallest ones that stop all contacts along the normal, if all of them push.
+    /// Otherwise an active set: approaching contacts are added one by one, and those that would pull are removed (Lawson,
+    /// Hanson, *Solving Least Squares Problems*, 1974, §23; the energy falls with every round, so it terminates).
     pub(super) fn smooth(&self, b: &[DVec3; N]) -> [DVec3; N] {
         let (operator, n) = (self.operator, self.operator.count);
         let along = |i: usize, v: &[DVec3; N]| self.surface(i).0.dot(v[i]);
@@ -239,7 +216,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
             while stopped != 0 {
                 let wanted = self.stop(stopped, b);
                 let pulled = || each(stopped).filter(|&i| along(i, &wanted) <= 0.0);
-                // As far that way as no contact pulls.
+                // As far toward it as no contact pulls.
                 let mut way = 1.0_f64;
                 for i in pulled() {
                     let (here, there) = (along(i, &p), along(i, &wanted));
@@ -251,7 +228,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
                 if way == 1.0 {
                     break;
                 }
-                // Rounding may leave the one that stopped it a little above zero.
+                // Rounding may leave the limiting one slightly above zero.
                 let least = pulled().min_by(|&i, &j| along(i, &p).total_cmp(&along(j, &p)));
                 let out = |i: usize| along(i, &p) <= 0.0 || Some(i) == least;
                 let out = pulled().filter(|&i| out(i)).fold(0, |out, i| out | 1 << i);

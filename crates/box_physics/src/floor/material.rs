@@ -1,12 +1,11 @@
-//! The surface of a body: friction and restitution, combined with those of the floor. Names, formulas and
-//! priority of the rules are Avian's; Rapier has the same without the geometric mean.
+//! Surface of a body: friction and restitution, combined with those of the floor by Avian's rules.
 
 use super::Floor;
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
 use crate::error::InvalidValue;
 
-/// How the coefficients of body and floor combine. The floor has no rule: the body's decides.
+/// Rule for combining the coefficients of body and floor. The body's rule applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,7 +19,7 @@ pub enum CoefficientCombine {
     Min,
     /// ab
     Multiply,
-    /// The larger one. With a body's coefficient above the floor's, the body's own.
+    /// The larger one.
     Max,
 }
 
@@ -37,7 +36,7 @@ impl CoefficientCombine {
     }
 }
 
-/// Friction of a body's surface, combined with the floor's. Without it the floor's alone counts.
+/// Friction of a body, combined with the floor's. Without it the floor's friction applies.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -56,11 +55,11 @@ impl CoefficientCombine {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Friction {
-    /// Kinetic coefficient, ≥ 0: where the surfaces slip. Default 0.5.
+    /// Coefficient of kinetic friction, ≥ 0. Default 0.5.
     pub dynamic_coefficient: f64,
-    /// Static coefficient: where they do not. At least the dynamic one; a smaller one counts as that. Default 0.5.
+    /// Coefficient of static friction; a value below the dynamic one counts as that. Default 0.5.
     pub static_coefficient: f64,
-    /// How both combine with the floor's.
+    /// Rule for both coefficients.
     pub combine_rule: CoefficientCombine,
 }
 
@@ -76,7 +75,7 @@ impl Default for Friction {
 }
 
 impl Friction {
-    /// The same coefficient for both kinds, averaged with the floor's.
+    /// Creates friction with the same coefficient for both kinds, averaged with the floor's.
     ///
     /// # Errors
     /// [`InvalidValue`] if it is negative or not finite.
@@ -89,7 +88,7 @@ impl Friction {
         friction.validate().map(|()| friction)
     }
 
-    /// With another coefficient at rest.
+    /// Sets the static coefficient.
     ///
     /// # Errors
     /// [`InvalidValue`] if it is negative or not finite.
@@ -101,7 +100,7 @@ impl Friction {
         friction.validate().map(|()| friction)
     }
 
-    /// With another rule.
+    /// Sets the rule.
     pub fn with_combine_rule(self, combine_rule: CoefficientCombine) -> Self {
         Self {
             combine_rule,
@@ -109,17 +108,17 @@ impl Friction {
         }
     }
 
-    /// Whether the fields are in their ranges, however they were set.
+    /// Checks the fields.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check_coefficient("dynamic_coefficient", self.dynamic_coefficient)?;
-        InvalidValue::check_coefficient("static_coefficient", self.static_coefficient).map(|_| ())
+        InvalidValue::check_coefficient("static_coefficient", self.static_coefficient)
     }
 }
 
-/// Restitution of a body's surface, combined with the floor's. Without it the floor's alone counts.
+/// Restitution of a body, combined with the floor's. Without it the floor's restitution applies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -130,7 +129,7 @@ impl Friction {
 pub struct Restitution {
     /// 0 to 1. Default 0.3.
     pub coefficient: f64,
-    /// How it combines with the floor's.
+    /// Rule for the coefficient.
     pub combine_rule: CoefficientCombine,
 }
 
@@ -145,7 +144,7 @@ impl Default for Restitution {
 }
 
 impl Restitution {
-    /// Averaged with the floor's.
+    /// Creates restitution that is averaged with the floor's.
     ///
     /// # Errors
     /// [`InvalidValue`] if it is not between 0 and 1.
@@ -157,7 +156,7 @@ impl Restitution {
         restitution.validate().map(|()| restitution)
     }
 
-    /// With another rule.
+    /// Sets the rule.
     pub fn with_combine_rule(self, combine_rule: CoefficientCombine) -> Self {
         Self {
             combine_rule,
@@ -165,18 +164,18 @@ impl Restitution {
         }
     }
 
-    /// Whether the coefficient is in its range, however it was set.
+    /// Checks the coefficient.
     ///
     /// # Errors
     /// [`InvalidValue`] if it is not.
     pub fn validate(&self) -> Result<(), InvalidValue> {
-        let (e, field) = (self.coefficient, "coefficient");
-        InvalidValue::check((0.0..=1.0).contains(&e), field, e, "between 0 and 1").map(|_| ())
+        let e = self.coefficient;
+        InvalidValue::check_between((0.0, 1.0), "coefficient", e, "between 0 and 1")
     }
 }
 
 impl Floor {
-    /// The floor as a body with these surfaces meets it. One that is out of range counts as absent.
+    /// Combines the floor with the surface of a body. An invalid coefficient counts as absent.
     pub fn against(
         mut self,
         friction: Option<&Friction>,

@@ -1,4 +1,4 @@
-//! What the contact remembers of a body, and what it reports.
+//! Contact memory of a body, and the contact report of a step.
 
 #[cfg(feature = "bevy")]
 use crate::ecs::*;
@@ -7,19 +7,18 @@ use glam::{DMat3, DQuat, DVec3};
 use super::geometry::{Corners, each};
 use super::{Floor, FloorContext};
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::force::{Dissipation, ForceModel, Wrench, wrench_of};
 use crate::integrators::IntegratorMemory;
 use crate::state::BodyState;
 
-/// What the contact remembers of one body between steps: which corners touch, and for which state and
-/// forces it was found at rest. It is checked, not trusted: a box is at rest only as long as pose,
-/// velocities, body, floor and forces are bit for bit what they were. Empty is always valid.
+/// Contact memory of a body between steps: the touching corners, and the inputs with which it came to rest. A box rests
+/// only as long as pose, velocities, body, floor and forces equal these bit for bit. An empty memory is always valid.
 ///
 /// ```
 /// use bevy::prelude::*;
 /// use box_physics::floor::ContactState;
 /// use box_physics::prelude::*;
-/// /// The dice are cast when all of them rest.
+/// /// Returns `true` when the throw is over.
 /// fn all_rest(dice: Query<(&BodyState, &ContactState)>) -> bool {
 ///     dice.iter().all(|(state, contact)| contact.is_resting(state))
 /// }
@@ -43,7 +42,7 @@ pub struct ContactState {
     pub(super) spare: Spare,
 }
 
-/// Integrator memories for segments that are tried: kept for what they have allocated, not for what they say.
+/// Integrator memories for trial segments, kept for their allocations only.
 #[derive(Debug, Default)]
 pub(super) struct Spare(pub(super) [IntegratorMemory; 2]);
 
@@ -59,7 +58,7 @@ impl PartialEq for Spare {
     }
 }
 
-/// For what the box was found to lie still.
+/// The inputs with which the box came to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Rest {
@@ -68,12 +67,12 @@ pub(super) struct Rest {
     half_extents: DVec3,
     mass: f64,
     acceleration: DVec3,
-    /// Of the air, which a floor that moves carries the box through.
+    /// A moving floor carries the box through the air.
     dissipation: Dissipation,
     wrench: Wrench,
     floor: Floor,
-    /// A fingerprint of all planes, or of those that carry it, and the normal for the report, where it rests among several
-    /// or on one that is not the floor.
+    /// Among planes, or on one that is not the floor: a fingerprint of all planes, or of those that carry the box, and
+    /// the normal for the report.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) planes: Option<(u64, DVec3)>,
     /// Height of the center over the floor \[m\].
@@ -93,18 +92,17 @@ impl Rest {
 }
 
 impl ContactState {
-    /// The corners that touched the floor at the end of the last step; bit k is corner k.
+    /// Corners that touched the floor at the end of the last step; bit k is corner k.
     pub fn touching(&self) -> u8 {
         self.touching
     }
 
-    /// Whether `state` is the one in which the last step left the box at rest. `false` as soon as
-    /// another state is written: no step has to come in between.
+    /// Returns `true` if the last step left the box at rest in `state`. Writing another state makes this `false` at once.
     pub fn is_resting(&self, state: &BodyState) -> bool {
         self.rest.as_ref().is_some_and(|rest| rest.is_of(state))
     }
 
-    /// Whether it still does: nothing is different.
+    /// Returns `true` if the box still rests, because no input has changed.
     #[inline]
     pub(super) fn still_rests<F: ForceModel>(
         &self,
@@ -123,7 +121,7 @@ impl ContactState {
             && rest.planes.map(|(fingerprint, _)| fingerprint) == planes
             && rest.half_extents == body.half_extents()
             && rest.mass == body.mass()
-            && rest.wrench == wrench(body, state, force)
+            && rest.wrench == wrench_of(body, state, force)
     }
 
     /// Carries a box at rest with the floor for `h` \[s\]. Its height over the floor stays to the last bit.
@@ -157,7 +155,7 @@ impl ContactState {
         report.end(point, self.touching);
     }
 
-    /// Remembers that the box is at rest at the end of a step of `h` \[s\], with these forces \[N\] at its corners.
+    /// Stores that the box rests at the end of a step of `h` \[s\], with these forces \[N\] at its corners.
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
         context: &FloorContext<'_, F>,
@@ -176,7 +174,7 @@ impl ContactState {
             mass: body.mass(),
             acceleration: force.acceleration(),
             dissipation: force.dissipation(),
-            wrench: wrench(body, state, force),
+            wrench: wrench_of(body, state, force),
             floor,
             planes,
             above: state.position.y - floor.height,
@@ -185,34 +183,23 @@ impl ContactState {
     }
 }
 
-/// The wrench that acts, zero where the force model has none: to lose one is a change as well.
-#[inline]
-fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrench {
-    if force.has_wrench() {
-        force.wrench(body, state)
-    } else {
-        Wrench::ZERO
-    }
-}
-
-/// What the floor, or the planes, did to a body in one step.
+/// Contact of a body with the floor or planes in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct ContactReport {
-    /// The corners on which the floor acted, or which touch it at the end; bit k is corner k, as in
-    /// [`crate::aabb::corners`].
+    /// Corners on which the floor acted, or which touch it at the end; bit k is corner k of [`crate::aabb::corners`].
     pub corners: u8,
-    /// Where the floor last acted on each of these corners, in the world \[m\].
+    /// Last point of contact of each of these corners in the world \[m\].
     pub points: [DVec3; 8],
-    /// Impulse along the normal at each corner \[N s\], ≥ 0; of a corner that touches several planes the sum.
+    /// Impulse along the normal at each corner \[N s\], ≥ 0; the sum for a corner that touches several planes.
     pub normal_impulses: [f64; 8],
     /// The unit normal: +y at the floor. Among several planes the direction of the sum of their impulses.
     pub normal: DVec3,
-    /// Impulse of friction on the body \[N s\], world axes. Not known of a box at rest: 0.
+    /// Friction impulse on the body \[N s\], world axes; 0 for a box at rest.
     pub tangential_impulse: DVec3,
-    /// Largest speed along the normal with which a corner struck [m/s]; 0 without an impact.
+    /// Largest normal speed at which a corner hit the surface [m/s]; 0 without an impact.
     pub approach_speed: f64,
-    /// Time of the first impact after the beginning of the step \[s\]; 0 without an impact.
+    /// Time of the first impact since the beginning of the step \[s\]; 0 without an impact.
     pub impact_time: f64,
 }
 
@@ -246,17 +233,7 @@ impl ContactReport {
         (0..8).map(|k| self.points[k] * weight(k)).sum()
     }
 
-    /// The corners of a body that touch the floor, with impulses of zero.
-    #[cfg(feature = "bevy")]
-    pub(crate) fn touching(corners: u8, points: [DVec3; 8]) -> Self {
-        Self {
-            corners,
-            points,
-            ..Self::default()
-        }
-    }
-
-    /// Notes an impact at `time` \[s\] into the step, with this speed along the normal [m/s].
+    /// Records an impact at `time` \[s\] in the step, with this normal speed [m/s].
     pub(super) fn strike(&mut self, time: f64, speed: f64) {
         if self.approach_speed == 0.0 {
             self.impact_time = time;
@@ -264,14 +241,14 @@ impl ContactReport {
         self.approach_speed = self.approach_speed.max(speed);
     }
 
-    /// Adds an impulse along the normal at a corner, which is at `point`.
+    /// Adds a normal impulse at corner `k`, which is at `point`.
     pub(super) fn push(&mut self, k: usize, point: DVec3, impulse: f64) {
         self.normal_impulses[k] += impulse;
         self.points[k] = point;
         self.corners |= 1 << k;
     }
 
-    /// Adds what forces \[N\] at the corners, which are at these points, make in the time `h` \[s\].
+    /// Adds the impulses of forces \[N\] at the corners over `h` \[s\].
     pub(super) fn hold(&mut self, point: impl Fn(usize) -> DVec3, h: f64, load: &[f64; 8]) {
         for k in (0..8).filter(|&k| load[k] != 0.0) {
             self.push(k, point(k), load[k] * h);

@@ -1,21 +1,21 @@
-//! The floor: a plane, what happens when a box meets it, and what it costs when it does not.
+//! Contact with the floor and with planes.
 //!
 //! ```text
-//! may_touch?  no  → the integrator's plain step, no contact work at all
-//!             yes → step_on_floor: impact | motion until the next event | rest, until the time is over
+//! may_touch?  no  → the integrator's plain step, without contact work
+//!             yes → step_on_floor: impact | motion until the next event | rest, to the end of the step
 //! ```
 //!
-//! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part
-//! of the step; all touching corners are solved together, with Newton's restitution and a round friction cone; a corner
-//! that stays is held by a force over the segment of motion; a box at rest keeps its state bit for bit.
+//! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part of the step.
+//! All touching corners are solved together, with Newton's restitution and a round friction cone. A force holds a corner
+//! that stays, over a segment of motion. A box at rest keeps its state bit for bit.
 //!
 //! | modules, from top to bottom | task |
 //! |---|---|
-//! | `step`, `memory`, `flight`, `slide` | a step, and its short cuts: rest, free flight, sliding on a face |
+//! | `step`, `memory`, `flight`, `slide` | a step, and its shortcuts: rest, free flight, sliding on a face |
 //! | `planes` | walls and ramps: a step in the axes of one plane, or among several |
 //! | `events`, `impact`, `sustained`, `slips`, `search` | the events of a step, for one floor and several planes alike |
-//! | `ground` | the interface of these to the floor (`level`) and to several planes (`planes::among`) |
-//! | `law`, `newton`, `cone` | Coulomb's law: what solves it, Newton's method, the likely cases at one floor |
+//! | `ground` | their interface to the floor (`level`) and to several planes (`planes::among`) |
+//! | `law`, `newton`, `cone` | solvers of Coulomb's law: Newton's method, and direct solutions at one floor |
 //! | `projection`, `motion`, `frame`, `bounds`, `operator`, `geometry` | corrections, motion, corners |
 //!
 //! Literature: J. J. Moreau 1988; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical
@@ -67,12 +67,10 @@ use crate::ecs::*;
 use crate::error::InvalidValue;
 use crate::integrators::StepOutcome;
 
-/// The plane y = `height` and how it answers. A resource; without it there is no floor and no contact.
+/// The plane y = `height` with its restitution and friction. A resource; without it there is no floor.
 ///
 /// A floor with a `velocity` is an elevator or a conveyor belt: impacts, friction and rest are relative to it. The
-/// plugin advances `height` by it in every step. The velocity is constant over a step; to change it wakes all bodies.
-///
-/// It is level, and there is only one; walls and ramps are [`StaticPlane`]s.
+/// plugin advances `height` by it in every step. Changing it wakes all bodies. Walls and ramps are [`StaticPlane`]s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -83,12 +81,12 @@ use crate::integrators::StepOutcome;
 pub struct Floor {
     /// Height of the plane \[m\].
     pub height: f64,
-    /// Restitution e, 0 to 1: the part of the approach speed that comes back.
+    /// Coefficient of restitution e, 0 to 1.
     pub restitution: f64,
     /// Coulomb's coefficient of kinetic friction µ, ≥ 0.
     pub friction: f64,
-    /// Coefficient of static friction, at least `friction`: it holds a box of which no corner slips. Impacts know the
-    /// kinetic one alone. Default `None`: as `friction`.
+    /// Coefficient of static friction, at least `friction`: holds a box of which no corner slips. Impacts use kinetic
+    /// friction. Default `None`: the same as `friction`.
     #[cfg_attr(feature = "serde", serde(default))]
     pub static_friction: Option<f64>,
     /// Velocity of the floor [m/s], world axes. Default 0.
@@ -130,7 +128,7 @@ impl Floor {
         floor.validate().map(|()| floor)
     }
 
-    /// The same floor, moving with this velocity [m/s] in world axes.
+    /// Sets the velocity [m/s], world axes.
     ///
     /// ```
     /// use box_physics::prelude::*;
@@ -144,29 +142,25 @@ impl Floor {
         }
     }
 
-    /// Moves the plane on by `h` \[s\], to where it is after a step. The plugin does this; users of the core do it
-    /// after each step of all bodies.
+    /// Moves the plane to its place after a step of `h` \[s\]. The plugin does this; users of the core do it after each
+    /// step of all bodies.
     pub fn advance(&mut self, h: f64) {
         self.height += self.velocity.y * h;
     }
 
-    /// The coefficient of friction that holds.
+    /// The coefficient of static friction.
     fn grip(&self) -> f64 {
         self.static_friction.unwrap_or(self.friction)
     }
 
-    /// Whether the fields are in their ranges, however they were set.
+    /// Checks the fields.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check(self.height.is_finite(), "height", self.height, "finite")?;
-        InvalidValue::check(
-            (0.0..=1.0).contains(&self.restitution),
-            "restitution",
-            self.restitution,
-            "between 0 and 1",
-        )?;
+        let e = self.restitution;
+        InvalidValue::check_between((0.0, 1.0), "restitution", e, "between 0 and 1")?;
         InvalidValue::check_coefficient("friction", self.friction)?;
         if let Some(holds) = self.static_friction {
             let in_range = holds.is_finite() && holds >= self.friction;
@@ -181,23 +175,23 @@ impl Floor {
     }
 }
 
-/// How an impact with restitution e is limited in energy. Both are Newton's law u⁺_n = −e u⁻_n where one corner
-/// strikes without friction.
+/// The energy limit of an impact with restitution e. If one corner strikes without friction, both variants are Newton's
+/// law u⁺_n = −e u⁻_n.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RestitutionLaw {
-    /// At most the part e² of what a plastic impact would take comes back (after W. J. Stronge, Proc. R. Soc. A 431
-    /// (1990) 169, for the impact as a whole): T⁺ ≤ T₀ + e² (T⁻ − T₀), T₀ the energy after the impact with e = 0.
+    /// At most the part e² of the energy lost in a plastic impact is returned: T⁺ ≤ T₀ + e² (T⁻ − T₀), with T₀ the
+    /// energy after the impact with e = 0 (W. J. Stronge, Proc. R. Soc. A 431 (1990) 169, for the impact as a whole).
     /// Energy never grows.
     #[default]
     Energetic,
-    /// Newton's law alone: an impact that would gain energy is scaled down until it conserves it, and counted in
+    /// Newton's law alone. An impact that would gain energy is scaled to conserve it, and counted in
     /// [`FloorOutcome::energy_repairs`].
     Newton,
 }
 
-/// How hard the contact tries. The defaults suit boxes from millimeters to hundreds of meters.
+/// Settings of the contact solver. The defaults suit boxes from millimeters to hundreds of meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -206,19 +200,17 @@ pub enum RestitutionLaw {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactSettings {
-    /// Approach speed [m/s] below which nothing bounces. Default 0.01: a bounce of 5 µm, which nobody
-    /// sees; it ends a Zeno sequence of ever smaller bounces, and it is where bounces in earth's
-    /// gravity become too many for [`ContactSettings::max_impacts`] at 60 Hz (a hop takes 2u/g).
+    /// Approach speed [m/s] below which nothing bounces. It ends a Zeno sequence of ever smaller bounces. Default 0.01:
+    /// an invisible bounce of 5 µm. Slower ones would exceed [`ContactSettings::max_impacts`] at 60 Hz on Earth.
     pub restitution_threshold: f64,
-    /// Impacts in one step, ≥ 1; further ones stop what touches instead of letting it bounce, and are
-    /// counted. Default 16.
+    /// Impacts in one step, ≥ 1. Further ones stop the touching corners, and are counted. Default 16.
     pub max_impacts: u32,
-    /// Iterations of the contact solver for one problem, ≥ 1. Default 2000: one impact in a hundred needs 200.
+    /// Maximum number of iterations for one problem, ≥ 1. Default 2000; one impact in a hundred needs 200.
     pub max_iterations: u32,
-    /// Of the solver, relative to the fastest corner, and of a corner's height, relative to the size of
-    /// the scene (circumradius of the box plus |height of the floor|). 1e-15 to 1e-3; default 1e-12.
+    /// Tolerance of velocities, relative to the fastest corner, and of heights, relative to the circumradius of the box
+    /// plus |height of the floor|. 1e-15 to 1e-3; default 1e-12.
     pub tolerance: f64,
-    /// Which energy an impact may return. Default [`RestitutionLaw::Energetic`].
+    /// Energy limit of impacts. Default [`RestitutionLaw::Energetic`].
     pub restitution: RestitutionLaw,
 }
 
@@ -232,26 +224,20 @@ impl ContactSettings {
         restitution: RestitutionLaw::Energetic,
     };
 
-    /// Whether the fields are in their ranges.
+    /// Checks the fields.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         InvalidValue::check_coefficient("restitution_threshold", self.restitution_threshold)?;
-        let counts = [
+        for (field, count) in [
             ("max_impacts", self.max_impacts),
             ("max_iterations", self.max_iterations),
-        ];
-        for (field, count) in counts {
+        ] {
             InvalidValue::check(count > 0, field, count.into(), "at least 1")?;
         }
-        InvalidValue::check(
-            (1e-15..=1e-3).contains(&self.tolerance),
-            "tolerance",
-            self.tolerance,
-            "between 1e-15 and 1e-3",
-        )?;
-        Ok(())
+        let (limits, allowed) = ((1e-15, 1e-3), "between 1e-15 and 1e-3");
+        InvalidValue::check_between(limits, "tolerance", self.tolerance, allowed)
     }
 }
 
@@ -261,31 +247,31 @@ impl Default for ContactSettings {
     }
 }
 
-/// A body, its force model and the floor below it: what a step over the floor reads.
+/// The inputs of a step over the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorContext<'a, F> {
     /// The floor.
     pub floor: &'a Floor,
-    /// How contact is solved.
+    /// The contact settings.
     pub settings: &'a ContactSettings,
     /// The box.
     pub body: &'a RigidBox,
-    /// The forces on it, contact aside.
+    /// Its force model, without contact.
     pub force: &'a F,
 }
 
 impl<F> FloorContext<'_, F> {
-    /// |c| at which a corner touches \[m\].
+    /// Largest height of a touching corner \[m\].
     fn tolerated_height(&self) -> f64 {
         self.settings.tolerance * (self.body.radius() + self.floor.height.abs())
     }
 }
 
-/// What a step over the floor cost, and whether it had to give way. Nothing is limited silently.
+/// Cost of a step over the floor, and every limit that it reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct FloorOutcome {
-    /// The integrator's own account, over all segments.
+    /// Outcome of the integrator, over all segments.
     pub step: StepOutcome,
     /// Impacts resolved.
     pub impacts: u32,
@@ -293,22 +279,22 @@ pub struct FloorOutcome {
     pub impacts_capped: u32,
     /// Solves or event searches that ended at their cap.
     pub solves_capped: u32,
-    /// Segments, and impacts under [`RestitutionLaw::Newton`], whose energy would have grown and was put right.
+    /// Segments, and impacts under [`RestitutionLaw::Newton`], whose gain of energy was removed.
     pub energy_repairs: u32,
-    /// The energy that these repairs took \[J\].
+    /// The removed energy \[J\].
     pub energy_repaired: f64,
     /// The box is at rest. Of a sum: at least one is.
     pub resting: bool,
 }
 
 impl FloorOutcome {
-    /// However many segments and trials a step took: it gave way once.
+    /// Counts fallbacks and unconverged iterations once per step, not per segment.
     fn count_once(&mut self) {
         self.step.fallbacks = self.step.fallbacks.min(1);
         self.step.unconverged = self.step.unconverged.min(1);
     }
 
-    /// Counts a repair that took so much energy \[J\].
+    /// Counts a repair that removed this energy \[J\].
     fn repair(&mut self, taken: Option<f64>) {
         if let Some(energy) = taken {
             self.energy_repairs += 1;

@@ -1,4 +1,4 @@
-//! The motion of a segment: without contact, with the contact's force, and what its energy may be.
+//! The motion of a segment with and without the contact force, and its energy limit.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -9,7 +9,7 @@ use crate::integrators::impulse_step;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// The force model plus the floor's constant force and torque, world axes.
+/// The force model plus a constant contact force and torque, world axes.
 pub(super) struct Supported<'a, F> {
     pub(super) inner: &'a F,
     /// Contact force over mass [m/s²].
@@ -19,7 +19,7 @@ pub(super) struct Supported<'a, F> {
 }
 
 impl<F: ForceModel> Supported<'_, F> {
-    /// The torque of the contact, and what else acts.
+    /// Adds the contact torque to the inner wrench.
     fn add(&self, state: &BodyState, inner: impl FnOnce() -> Wrench) -> Wrench {
         let mut total = Wrench {
             force: DVec3::ZERO,
@@ -59,7 +59,7 @@ impl<F: ForceModel> ForceModel for Supported<'_, F> {
 }
 
 impl<F: ForceModel> Level<'_, F> {
-    /// Whether nothing but a uniform acceleration acts besides the floor.
+    /// Returns `true` if only a uniform acceleration acts besides contact.
     pub(super) fn is_uniform(&self) -> bool {
         !self.context.force.has_wrench() && !self.context.force.has_dissipation()
     }
@@ -117,7 +117,7 @@ impl<F: ForceModel> Level<'_, F> {
         if force.dissipation() == Dissipation::NONE {
             impulse_step(body, &mut free, force, tau);
         } else {
-            // The air resists what moves already. What the floor is going to prevent it does not resist.
+            // Drag acts on the present motion, not on motion that the floor will prevent.
             let pull = force.acceleration();
             let law = Supported {
                 inner: force,
@@ -153,8 +153,7 @@ pub(super) fn limit_energy(
     acceleration: DVec3,
 ) -> Option<f64> {
     let fall = body.mass() * acceleration.dot(state.position - start.position);
-    // Positions are rounded, and the height's last bit is worth this much: it must not stop a box that
-    // has just begun to fall off its edge.
+    // The energy of the last bit of a height. Without it a box that begins to fall off its edge would stop.
     let size = start.position.abs() + DVec3::splat(body.radius());
     let rounding = 4.0 * f64::EPSILON * body.mass() * acceleration.abs().dot(size);
     let allowed = start.kinetic_energy(body) + fall + rounding;
@@ -163,7 +162,7 @@ pub(super) fn limit_energy(
         return None;
     }
     if allowed < 0.0 {
-        // Not even at rest may it be where it is: it stays where it was.
+        // Its potential energy alone is too large: the pose is reset.
         *state = BodyState {
             velocity: DVec3::ZERO,
             angular_momentum: DVec3::ZERO,
@@ -177,7 +176,7 @@ pub(super) fn limit_energy(
     (scale < 1.0 - 1e-9).then_some(kinetic - allowed)
 }
 
-/// The attitude halfway between two states.
+/// The mean attitude of two states.
 fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
     let opposite = start.rotation.dot(end.rotation) < 0.0;
     let aligned = end.rotation * if opposite { -1.0 } else { 1.0 };

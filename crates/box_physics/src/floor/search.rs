@@ -1,12 +1,11 @@
-//! When the first corner touches: the integrator itself is re-run over part of the step, so its order
-//! survives the event (Hairer, Nørsett, Wanner, *Solving ODEs I*, II.6).
+//! Search for the first touch of a corner. The integrator itself is re-run over part of the step, so its order survives
+//! the event (Hairer, Nørsett, Wanner, *Solving ODEs I*, II.6).
 //!
-//! Where to look is told by the polynomial through what is known of a corner's height: its height and its
-//! velocity at the start, which every integrator keeps exactly as its time goes to zero, its height after each of the
-//! last segments tried, and, for the first guess in flight, its velocity at the end of the whole. Two or three segments
-//! bring it to 1e-12 of the scene; a bracket guards it.
+//! The next trial is the root of a polynomial through the known heights of a corner: height and velocity at the start, the
+//! heights of the last trials and, for the first guess in flight, the velocity at the end. Two or three trials reach 1e-12
+//! of the scene; a bracket guards them.
 
-/// What the search needs to know, of `N` heights: those of the corners over one plane or several.
+/// Inputs of the search for `N` heights, of the corners over one plane or several.
 pub(super) struct Search<const N: usize> {
     /// The corners to watch.
     pub(super) watch: u64,
@@ -14,46 +13,44 @@ pub(super) struct Search<const N: usize> {
     pub(super) start: [f64; N],
     /// Their velocities upwards at the start [m/s].
     pub(super) rate: [f64; N],
-    /// The same at the end of the motion over the whole time; NaN if it is not known.
+    /// The same at the end of the whole time; NaN if unknown.
     pub(super) end_rate: [f64; N],
-    /// The time there is \[s\].
+    /// The whole time \[s\].
     pub(super) time: f64,
     /// A bound of every corner's upward acceleration [m/s²].
     pub(super) curvature: f64,
-    /// |c| at which a corner touches \[m\].
+    /// Largest height of a touching corner \[m\].
     pub(super) tolerance: f64,
-    /// A dip no deeper than this does not count \[m\].
+    /// Smallest depth of a dip that counts \[m\].
     pub(super) dip: f64,
-    /// No corner comes higher than this over the floor \[m\].
+    /// Bound of the corners' heights \[m\].
     pub(super) highest: f64,
-    /// How many evaluations the search may take.
+    /// Maximum number of evaluations.
     pub(super) budget: u32,
 }
 
-/// A segment that was tried: how long, and the heights there.
+/// Length of a trial segment, and the heights at its end.
 #[derive(Clone, Copy)]
 struct Sample<const N: usize> {
     tau: f64,
     height: [f64; N],
 }
 
-/// Samples that the polynomial goes through, besides the start.
+/// Samples of the polynomial, besides the start.
 const NODES: usize = 3;
-/// Evaluations in which the bracket must have halved, or the next one halves it.
+/// Evaluations within which the bracket must halve; otherwise the next one bisects.
 const PATIENCE: usize = 3;
-/// How often that may fail before every segment halves the bracket: what jumps has no polynomial.
+/// Number of such failures after which every evaluation bisects: a jump has no polynomial.
 const LEAPS: u32 = 2;
-/// The most evaluations of one search between a good and a bad end: a jump takes up to 53 halvings. What is
-/// found then is below the floor by no more than the jump.
+/// Maximum number of evaluations between a good and a bad end: a jump takes up to 53 bisections.
 const LONGEST: usize = 64 + 4 * PATIENCE;
 
-/// The motion as the search sees it: every sample is remembered for the polynomial, and the best so far is kept
-/// while the next is tried.
+/// The motion with its last samples, and the best segment so far.
 struct Track<'a, T, M, const N: usize> {
     motion: M,
-    /// The motion to the earliest touch found so far, or else over the whole time.
+    /// The motion to the earliest touch so far, or over the whole time.
     best: &'a mut T,
-    /// The motion of the last sample, where that is not the best.
+    /// The motion of the last sample, if that is not the best.
     last: &'a mut T,
     used: u32,
     /// The last samples, the newest first.
@@ -73,12 +70,12 @@ impl<T, M: FnMut(f64, &mut T) -> [f64; N], const N: usize> Track<'_, T, M, N> {
         sample
     }
 
-    /// The last sample is the best.
+    /// Makes the last sample the best.
     fn keep(&mut self) {
         core::mem::swap(&mut self.best, &mut self.last);
     }
 
-    /// Those of `known` that are, at different times.
+    /// The samples that exist.
     fn nodes(&self) -> &[Sample<N>] {
         &self.known[..NODES.min(self.used as usize)]
     }
@@ -95,9 +92,9 @@ impl<const N: usize> Search<N> {
         self.watched().fold(f64::INFINITY, |a, k| a.min(height[k]))
     }
 
-    /// No watched corner can have been below the floor between two samples: a dip between heights
-    /// c₀ and c₁ needs an upward acceleration; the parabola of curvature M that just touches zero
-    /// has √c₀ + √c₁ = τ√(M/2), which c₀ + c₁ = τ²M/2 exceeds. The deepest there can be has Mτ²/8.
+    /// Returns `true` if no watched corner can have been below the floor between two samples. A dip between the heights c₀
+    /// and c₁ needs an upward acceleration. The parabola of curvature M that just touches zero has √c₀ + √c₁ = τ√(M/2),
+    /// and c₀ + c₁ = τ²M/2 is more. The depth is at most Mτ²/8.
     fn clear(&self, from: &[f64; N], to: &[f64; N], tau: f64) -> bool {
         let square = 0.5 * self.curvature * tau * tau;
         if square <= 4.0 * self.dip {
@@ -109,22 +106,21 @@ impl<const N: usize> Search<N> {
         })
     }
 
-    /// Whether the motion over the whole time, which ends at these heights, touches nothing.
+    /// Returns `true` if the motion over the whole time, which ends at these heights, touches nothing.
     pub(super) fn is_over(&self, height: &[f64; N]) -> bool {
         self.lowest(height) >= -self.tolerance && self.clear(&self.start, height, self.time)
     }
 
-    /// Whether looking for dips over so long would take more than the whole budget, however high the corners
-    /// are in between: each stretch of τ that is clear has 2√c ≥ τ√(M/2) for its higher end c, so that there are
-    /// at least τ√(M/2)/2√c of them.
+    /// Returns `true` if the search for dips over `tau` would exceed the budget for any heights in between. Each clear
+    /// stretch of τ has 2√c ≥ τ√(M/2) for its higher end c, so there are at least τ√(M/2)/2√c of them.
     fn is_hopeless(&self, tau: f64) -> bool {
         let stretch = 2.0 * self.highest.max(0.0).sqrt();
         tau * (0.5 * self.curvature).sqrt() > f64::from(self.budget) * stretch
     }
 
-    /// The first touch of a watched corner, or the whole time. `motion(τ, segment)` makes the motion over τ and
-    /// gives the heights there; `whole` is the one over the whole time, with its heights; `other` is overwritten. Returns
-    /// the time \[s\], the motion up to there, and whether the dip test ran out of evaluations.
+    /// Finds the first touch of a watched corner. `motion(τ, segment)` computes the motion over τ and returns the heights;
+    /// `whole` and `height` are those over the whole time; `other` is overwritten. Returns the time \[s\] of the touch or
+    /// the whole time, the motion up to there, and `true` if the budget was exceeded.
     pub(super) fn run<'a, T>(
         &self,
         whole: &'a mut T,
@@ -170,8 +166,8 @@ impl<const N: usize> Search<N> {
         (end.tau, track.best, capped)
     }
 
-    /// A root of the lowest watched height between `low` (at or above the floor) and `high` (below
-    /// it): the roots of polynomials, and bisection where they do not converge.
+    /// A root of the lowest watched height between `low` (not below the floor) and `high` (below it), by roots of
+    /// polynomials, or by bisection if they do not converge.
     fn locate<T>(
         &self,
         mut low: f64,
@@ -194,7 +190,7 @@ impl<const N: usize> Search<N> {
             };
             if !(tau > low && tau < high.tau) {
                 tau = low + 0.5 * gap;
-                // Neighboring numbers, which next to zero are far apart for their size.
+                // The bracket holds no further number.
                 if !(tau > low && tau < high.tau) {
                     break;
                 }
@@ -214,8 +210,8 @@ impl<const N: usize> Search<N> {
         high
     }
 
-    /// The earliest root, between `low` and `high`, of the polynomials of the corners that are below the
-    /// floor at `high`; infinity if there is none.
+    /// The earliest root between `low` and `high` of the polynomials of corners below the floor at `high`; infinity if
+    /// there is none.
     fn first_root(&self, low: f64, high: &Sample<N>, nodes: &[Sample<N>]) -> f64 {
         let mut first = f64::INFINITY;
         for k in self.watched().filter(|&k| high.height[k] < 0.0) {
@@ -247,7 +243,7 @@ impl<const N: usize> Search<N> {
             }
         }
         Polynomial {
-            // A corner that is just leaving the floor is to come back, not to be found there.
+            // For a corner that leaves the floor, its return counts, not the start.
             start: if self.start[k] <= 2.0 * self.tolerance {
                 0.0
             } else {
@@ -269,8 +265,7 @@ struct Polynomial {
 }
 
 impl Polynomial {
-    /// The root between `low` and `high` by Newton's method from `high`, inside a bracket. With c₀ = 0, of
-    /// c(t)/t.
+    /// The root of c(t), or of c(t)/t if c₀ = 0, by a bracketed Newton's method from `high`.
     fn root(&self, mut low: f64, mut high: f64) -> f64 {
         let mut t = high;
         for _ in 0..40 {
@@ -282,7 +277,7 @@ impl Polynomial {
             }
             let step = -value / slope;
             let mut next = t + step;
-            // The step after it would be the square of this one.
+            // Quadratic convergence: the next step would be negligible.
             let last = step.abs() <= 1e-8 * t;
             if !(next > low && next < high) {
                 next = if last { t } else { 0.5 * (low + high) };

@@ -1,4 +1,4 @@
-//! A box that slides on a face, level and without tipping: the commonest sustained motion, as a problem in the plane.
+//! Sliding on a face without tipping, the most frequent sustained motion, as a problem in the plane.
 //!
 //! The corners k bear N_k ≥ 0 and slip with w_k, so that the forces on them are N_k (n − µŵ_k), ŵ_k = w_k/|w_k|.
 //! There is no torque about the horizontal axes as long as the box does not tip, so that with the arms ρ_k in the
@@ -22,9 +22,9 @@ use crate::force::ForceModel;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// What a step of sliding did.
+/// Result of a step of sliding.
 pub(super) struct Slide {
-    /// How long it took \[s\]: less than the step if it stopped.
+    /// Duration \[s\]: less than the step if the box stopped.
     pub(super) time: f64,
     /// Mean normal force at each corner \[N\].
     pub(super) load: [f64; 8],
@@ -32,14 +32,13 @@ pub(super) struct Slide {
     pub(super) evaluations: u32,
 }
 
-/// Largest turn in one step \[rad\], and largest part of a corner's slip that a step may take: beyond, or where a
-/// slip may end, the events are looked for.
+/// Largest turn in one step \[rad\], and largest relative change of a corner's slip. Beyond, the step is solved by events.
 const LARGEST_TURN: f64 = 0.25;
 const LARGEST_CHANGE: f64 = 0.5;
 
-/// Slides a box that touches the floor with the four corners `touching` for `h` \[s\], if that is all it does:
-/// under a uniform force, level, without tipping, and, if it spins, without a pull along the floor. `None` leaves
-/// `state` as it was. An integrator of first order in uniform gravity is not taken: it has its own error there.
+/// Slides a box that touches the floor with the four corners `touching` for `h` \[s\]. Returns `None` and leaves `state`
+/// unchanged unless the force is uniform, the face is level, the box does not tip and, if it spins, nothing pulls it along
+/// the floor. Also `None` for an integrator of order 1 in uniform gravity, which has its own error there.
 pub(super) fn slide<F: ForceModel>(
     level: &Level<'_, F>,
     state: &mut BodyState,
@@ -107,7 +106,7 @@ pub(super) fn slide<F: ForceModel>(
         let turned = compose(state.rotation, exponential_map(axis(way.turn)));
         end.rotation = turned;
         end.renormalize();
-        // The way is made of velocities at both ends, each in its own axes.
+        // From the velocities at both ends, each in its own axes.
         let way = state.rotation * plane(way.first) + end.rotation * plane(way.second);
         end.position += way.with_y(0.0);
         end.velocity = (end.rotation * plane(next.truncate())).with_y(0.0);
@@ -146,7 +145,7 @@ struct Face {
     mass_over_inertia: f64,
 }
 
-/// What the corners do at one moment, in the axes of the box.
+/// Friction at one moment, in the axes of the box.
 struct Friction {
     /// Force over mass [m/s²], and torque over inertia [rad/s²].
     force: DVec2,
@@ -166,7 +165,7 @@ const SIGNS: [DVec2; 4] = [
 ];
 const PAIRS: [usize; 4] = [0, 3, 1, 2];
 
-/// The parts of a way: turn \[rad\], and displacement \[m\] along the axes at the start and at the end.
+/// A displacement: turn \[rad\], and its parts \[m\] in the axes at the start and at the end.
 struct Way {
     turn: f64,
     first: DVec2,
@@ -231,12 +230,12 @@ impl Face {
         (friction.force + turn).extend(friction.torque)
     }
 
-    /// Slides and turns from `x` for `h` \[s\] by the classical Runge–Kutta method, the way from the velocities and
-    /// accelerations at both ends (order 4). `None` where a slip may end or the box tip.
+    /// Slides and turns from `x` for `h` \[s\] by the classical Runge–Kutta method; the displacement follows from velocities
+    /// and accelerations at both ends (order 4). `None` if a slip may end or the box may tip.
     fn turning(&self, x: DVec3, h: f64) -> Option<(DVec3, Way, [f64; 4])> {
         let first = self.friction(x)?;
         let diagonal = self.half.length();
-        // How much a corner's slip can change: by friction at the center and at the arm, and by the turning arm.
+        // Bound of the change of a corner's slip by friction and by the turn of its arm.
         let grip =
             self.friction * self.pressure * (1.0 + diagonal * diagonal * self.mass_over_inertia);
         let change = h * (grip + x.z * x.z * diagonal);
@@ -261,8 +260,8 @@ impl Face {
         Some((end, way, share))
     }
 
-    /// Slides without turning for `h` \[s\], `pull` the acceleration along the floor, or until it stops; and how long
-    /// that took. `None` if the pull bends its way or moves it on.
+    /// Slides without turning until the stop, or for `h` \[s\]; `pull` is the acceleration along the floor. Also returns the
+    /// time. `None` if the pull bends the path or moves the box on after the stop.
     fn straight(&self, mut state: BodyState, pull: DVec3, h: f64) -> Option<(BodyState, f64)> {
         let speed = state.velocity.length();
         let t = state.velocity / speed;

@@ -1,18 +1,18 @@
-//! When the slips of held corners vanish: a segment of sustained motion ends there.
+//! End of the slips of held corners, where a segment of sustained motion ends.
 
 use glam::DVec3;
 
-/// A slip that is less than this part of what it was has stopped.
+/// A slip below this part of its start value has stopped.
 pub(super) const STOPPED: f64 = 1e-6;
-/// One that is this much larger than what is left of its part along its old way has not stopped but turned.
+/// A slip whose part across its old direction exceeds this multiple of the part along it has turned, not stopped.
 const TURNING: f64 = 10.0;
 
-/// What becomes of the slips of a segment, by corner index; NaN where it is not so.
+/// Slips at the end of a segment, by corner index; NaN if not applicable.
 #[derive(Clone, Copy)]
 pub(super) struct Slips<const N: usize = 8> {
-    /// Of a corner that slips on: its slip at the end along its slip at the start, in parts of that.
+    /// For a corner that still slips: its end slip along its start slip, relative to the latter.
     left: [f64; N],
-    /// Of one that slips at the start and has no mean slip: the part of its friction that this takes.
+    /// For a corner that slips at the start and has no mean slip: the used part of its friction.
     used: [f64; N],
 }
 
@@ -22,12 +22,12 @@ impl<const N: usize> Slips<N> {
         used: [f64::NAN; N],
     };
 
-    /// Corner `k` has no mean slip, by this part of its friction.
+    /// Records that corner `k` has no mean slip, with this part of its friction.
     pub(super) fn sticks(&mut self, k: usize, used: f64) {
         self.used[k] = used.min(1.0);
     }
 
-    /// Corner `k` ends with `slip`, `along` that from which it started with `speed` [m/s].
+    /// Records the end slip of corner `k`, its part `along` the start slip, and the `speed` of the latter [m/s].
     pub(super) fn slides(&mut self, k: usize, slip: DVec3, along: f64, speed: f64) {
         let across = (slip.length_squared() - along * along).max(0.0).sqrt();
         if across < TURNING * along.abs() || across <= STOPPED * speed {
@@ -35,18 +35,18 @@ impl<const N: usize> Slips<N> {
         }
     }
 
-    /// Whether corner `k` ends slipping the other way.
+    /// Returns `true` if the slip of corner `k` has reversed.
     pub(super) fn reversed(&self, k: usize) -> bool {
         self.left[k] < 0.0
     }
 
-    /// When in the segment, which takes `tau` \[s\], the first slip vanishes, if one does; `before` is what became
-    /// of them in the segment that was tried before, and its time.
+    /// Time at which the first slip vanishes in a segment of `tau` \[s\], if one does. `before` are the previous trial's time
+    /// and slips.
     ///
-    /// What is left of a slip is the parabola through what is known of it: 1 at the start, here, and before. A
-    /// corner that has no mean slip is turned round, which takes twice the friction that stops it: with all of
-    /// its friction it would take the time T = ½ used τ. Of used, a part that does not depend on τ may be
-    /// needed to hold the corner, so that with two segments used = a + (1 − a) 2T/τ tells T.
+    /// The slip is interpolated by the parabola through 1 at the start, this trial and the previous one. A corner without
+    /// mean slip is reversed, which takes twice the friction that stops it; with all of its friction it would stop after
+    /// T = ½ used τ. A part a of `used`, independent of τ, may hold the corner: two trials give T from
+    /// used = a + (1 − a) 2T/τ.
     pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, Self)>) -> Option<f64> {
         let mut first: Option<f64> = None;
         let mut found = |time: f64| first = Some(first.map_or(time, |t| t.min(time)));

@@ -10,14 +10,13 @@ use crate::force::ForceModel;
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
 use crate::state::BodyState;
 
-/// Advances `state` by `h` \[s\] over the floor, free flight included: event by event,
+/// Advances `state` by `h` \[s\] over the floor, including free flight, event by event:
 ///
 /// - **impact** if a touching corner approaches: all touching corners at once, at this instant;
-/// - else **motion** until the next corner touches or the time is over, with the floor holding the
-///   corners that would sink (none of them: free flight by the bare integrator);
-/// - **rest** if the box lies on a face and nothing moves it: the state stays bit for bit.
+/// - otherwise **motion** until the next corner touches or the step ends; the floor holds the corners that would sink;
+/// - **rest** if the box lies on a face and nothing moves it: the state does not change by a bit.
 ///
-/// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is left to the integrator.
+/// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is unchanged.
 ///
 /// ```
 /// use box_physics::floor::{ContactState, FloorContext, step_on_floor};
@@ -91,7 +90,7 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
 }
 
 impl Integrator {
-    /// [`step_on_floor`] by the chosen integrator.
+    /// [`step_on_floor`] with the chosen integrator.
     #[inline]
     pub fn step_on_floor<F: ForceModel>(
         self,
@@ -113,7 +112,7 @@ impl Integrator {
     }
 }
 
-/// A step by the chosen integrator.
+/// A step with the chosen integrator.
 pub(super) struct On<'a, C>(pub(super) &'a C, pub(super) BodyStep<'a>);
 
 impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {
@@ -126,8 +125,8 @@ impl<F: ForceModel> IntegratorVisitor for On<'_, FloorContext<'_, F>> {
 }
 
 impl<F: ForceModel> Level<'_, F> {
-    /// The step of a box that touches the surface or may. `flown` is the plain step, if it is known. Returns the forces at
-    /// the corners \[N\] if it ends at rest.
+    /// Steps a box that touches the surface or may touch it. `flown` is the plain step, if known. Returns the forces at the
+    /// corners \[N\] if the step ends at rest.
     pub(super) fn step(
         &self,
         step: &mut BodyStep<'_>,
@@ -193,7 +192,7 @@ impl<F: ForceModel> Level<'_, F> {
         self.by_events(step, remaining, flown, outcome)
     }
 
-    /// The last `remaining` \[s\] of the step, event after event.
+    /// Takes the last `remaining` \[s\] of the step event by event.
     #[inline(never)] // its large frame is not for boxes that rest or fly
     fn by_events(
         &self,
@@ -203,8 +202,7 @@ impl<F: ForceModel> Level<'_, F> {
         outcome: &mut FloorOutcome,
     ) -> Option<[f64; 8]> {
         let mut corners = self.places(step.state, 0.0);
-        // A box that starts below the floor (the floor was raised, the box was put there) is lifted out; its
-        // velocity stays what it was, so depth never turns into speed.
+        // Penetration recovery keeps the velocity, so depth never turns into speed.
         if corners.lowest() < -self.tolerance {
             self.recover(step.state, &mut corners, 0.0);
         }

@@ -1,20 +1,18 @@
-//! Sustained contact: the floor's force acts *during* a segment of the step, as a force, so that sliding
-//! and pivoting keep second order whatever the integrator.
+//! Sustained contact: a force acts during a segment of the step, so that sliding and pivoting have order 2 with any
+//! integrator.
 //!
-//! The contact force is constant over the segment and is found from the **mean** motion of the corners,
-//! in the attitude at its middle. With d_k the mean velocity of corner k without contact (displacement
-//! over time by the midpoint formula, under a wrench or drag by `impulse_step`, so that the force does not depend on
-//! the integrator),
+//! The force is constant over the segment. It follows from the **mean** motion of the corners, at the middle attitude.
+//! With d_k the mean velocity of corner k without contact (by the midpoint formula, under a wrench or drag by
+//! `impulse_step`, so that the force does not depend on the integrator),
 //!
 //! ```text
 //! ū_k = d_k + ½ W p,   0 ≤ p_n ⊥ ū_n ≥ 0,   friction in the cone against ū_t,
 //! ```
 //!
-//! since a constant force p/τ moves a body by half of what the impulse p at the start would. The
-//! same W on both sides makes the contact's work Σ p·ū ≤ 0 (θ = ½ of Moreau–Jean: Acary, Brogliato 2008,
-//! §10). The integrator then makes the segment with that force, and what its own error leaves is projected
-//! away: positions of the held corners onto the floor, velocities onto what the contact allows (as
-//! RATTLE does, Andersen 1983).
+//! because a constant force p/τ moves a body half as far as the impulse p at the start. The same W on both sides makes the
+//! work Σ p·ū ≤ 0 (θ = ½ of Moreau–Jean: Acary, Brogliato 2008, §10). The integrator then steps the segment with that
+//! force. Position projection moves the held corners onto the floor, and their velocities are corrected likewise (as in
+//! RATTLE, Andersen 1983).
 
 use glam::{DMat3, DVec3};
 
@@ -63,7 +61,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         segment.state = *start;
         segment.iterations = solution.iterations;
         segment.capped = !solution.converged;
-        // What was found is half of the impulses.
+        // The solution is half of the impulses.
         segment.impulse = operator.by_place(&solution.p.map(|p| 2.0 * p));
         let (force, torque) = (2.0 * half.0, 2.0 * half.1);
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
@@ -102,7 +100,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         self.settle(segment, held, stuck, tau);
     }
 
-    /// Whether a corner that may be held slips.
+    /// Returns `true` if a corner that may be held slips.
     fn slips(&self) -> bool {
         let ground = self.ground;
         let twist = ground.twist(&self.state);
@@ -112,7 +110,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         })
     }
 
-    /// Projects the end of a segment onto what the held corners allow; those in `stuck` have no mean slip.
+    /// Projects positions and velocities at the end of a segment. The corners in `stuck` have no mean slip.
     fn settle(&self, segment: &mut Segment<N>, held: u64, stuck: u64, tau: f64) {
         let (ground, end) = (self.ground, self.elapsed + tau);
         let body = ground.level().context.body;
@@ -149,8 +147,8 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
     }
 
-    /// Returns whether the slip of the held corner `k`, of which those at the start and at the end of the segment are given,
-    /// ends with it. Notes when it vanishes.
+    /// Returns `true` if the slip of the held corner `k` ends with the segment. Its slips at both ends are given. Records
+    /// when it vanishes.
     fn stops(
         &self,
         segment: &mut Segment<N>,
@@ -169,21 +167,18 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             let along = before.dot(after) / speed;
             segment.slips.slides(k, after, along, speed);
         } else if speed * tau > 1e-9 * ground.level().context.body.radius() {
-            // Unless it stops within no distance to speak of.
+            // Unless it stops within a negligible distance.
             let p = segment.impulse[k];
             let limit = surface.friction * ground.normal(k).dot(p);
             segment.slips.sticks(k, ground.along(k, p).length() / limit);
         }
-        // Where it ends if no better moment is found, or friction would turn the slip round: one that changed its way in
-        // no time has stopped.
+        // Friction does not reverse a slip: one that reverses within the shortest segment has stopped.
         let reversed = tau <= self.shortest && segment.slips.reversed(k);
         sticks || reversed || after.length() <= STOPPED * speed
     }
 
-    /// The end of an accepted segment of `tau` \[s\]: a corner that was let go and yet ended below the floor (by the error
-    /// of a segment) is lifted out. A contact only takes energy: what the errors of integrator and projection
-    /// have added is taken from the speed. That counts kinetic energy and that of the uniform
-    /// acceleration; under a wrench or in wind, whose work is not known, it is not applied.
+    /// Ends an accepted segment of `tau` \[s\]: penetration recovery, and removal of energy that integrator and projection
+    /// errors have added. The latter is not applied under a wrench or in wind, whose work is unknown.
     pub(super) fn finish(&self, segment: &mut Segment<N>, tau: f64) {
         let (ground, level) = (self.ground, self.ground.level());
         ground.recover(&mut segment.state, &mut segment.places, self.elapsed + tau);
@@ -191,7 +186,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             let (start, end) = (&self.state, &mut segment.state);
             segment.repaired = limit_energy(level.context.body, start, end, level.pull);
             if (end.position, end.rotation) == (start.position, start.rotation) {
-                segment.places = *self.places; // it may have been put back to where it was
+                segment.places = *self.places; // the pose may have been reset
             }
         }
     }

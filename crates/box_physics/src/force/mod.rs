@@ -294,6 +294,16 @@ impl ForceModel for Gravity {
     }
 }
 
+/// [`ForceModel::wrench`], zero if the model has none.
+#[inline(always)]
+pub(crate) fn wrench_of<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrench {
+    if force.has_wrench() {
+        force.wrench(body, state)
+    } else {
+        Wrench::ZERO
+    }
+}
+
 /// Time derivatives (v', L') of the whole force model at `state`: one force evaluation.
 #[inline(always)]
 pub fn rates<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> (DVec3, DVec3) {

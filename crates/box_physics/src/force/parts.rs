@@ -274,18 +274,12 @@ mod tests {
         // torque_world = (Rµ)×B
         let (body, state) = setting();
         let (moment, field) = (DVec3::new(0.0, -4.0, 1.0), DVec3::new(0.5, 1.0, 0.0));
-        let pair = [
-            PointForce {
-                body_point: moment,
-                force: field,
-                frame: Frame::World,
-            },
-            PointForce {
-                body_point: DVec3::ZERO,
-                force: -field,
-                frame: Frame::World,
-            },
-        ];
+        let force = |body_point, force| PointForce {
+            body_point,
+            force,
+            frame: Frame::World,
+        };
+        let pair = [force(moment, field), force(DVec3::ZERO, -field)];
         let law = Forces {
             point_forces: &pair,
             ..Default::default()
@@ -332,28 +326,15 @@ mod tests {
             }],
         );
         let (none, torque) = (Forces::default(), DVec3::new(0.3, 0.5, -0.2));
-        for law in [
-            Forces {
-                body_torque: torque,
-                ..none
-            },
-            Forces {
-                world_torque: torque,
-                ..none
-            },
-            Forces {
-                point_forces: &points[..1],
-                ..none
-            },
-            Forces {
-                point_forces: &points[1..],
-                ..none
-            },
-            Forces {
-                springs: &springs,
-                ..none
-            },
-        ] {
+        #[rustfmt::skip]
+        let laws = [
+            Forces { body_torque: torque, ..none },
+            Forces { world_torque: torque, ..none },
+            Forces { point_forces: &points[..1], ..none },
+            Forces { point_forces: &points[1..], ..none },
+            Forces { springs: &springs, ..none },
+        ];
+        for law in laws {
             let error = |size: f64| {
                 let (shift, turn) = (DVec3::new(1.0, 0.5, -2.0) * size, DVec3::ONE * size);
                 let mut displaced = state;
@@ -363,11 +344,8 @@ mod tests {
                 let near = law.displaced_wrench(&body, &state, shift, turn);
                 (near.force - exact.force).length() + (near.torque - exact.torque).length()
             };
-            assert!(
-                error(1e-4) < 2e-7 && error(1e-5) < 2e-9,
-                "{:e}",
-                error(1e-4)
-            );
+            let errors = [error(1e-4), error(1e-5)];
+            assert!(errors[0] < 2e-7 && errors[1] < 2e-9, "{errors:?}");
         }
     }
 

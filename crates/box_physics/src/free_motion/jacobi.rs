@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use super::elliptic::{complete_integral, nome};
 use super::phase::{nearest, sin_cos_of_phase};
-use super::theta::{Constants, SERIES, TERMS, alternating_sum, base_series, finish, odd, powers};
+use super::theta::{SERIES, TERMS, alternating_sum, base_series, constants, finish, odd, powers};
 
 /// Elliptic functions and Z of one motion (see [`Tumbling`](super::tumbling::Tumbling)).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,16 +68,11 @@ impl Series {
         }
         let slope = alternating_sum(&powers, |k| odd(k) * cosh[k]);
         let value = alternating_sum(&powers, |k| sinh[k]);
-        let mut base = base_series(&powers, 0, &cosh, &sinh);
-        let constants = Constants::new(&powers);
+        let base = base_series(&powers, 0, &cosh, &sinh);
         // sn = (θ₃/θ₂) θ₁(x)/θ₄(x), cn = (θ₄/θ₂) θ₂(x)/θ₄(x), dn = (θ₄/θ₃) θ₃(x)/θ₄(x)
-        let Constants {
-            theta2,
-            theta3,
-            theta4,
-        } = constants;
+        let [theta2, theta3, theta4] = constants(&powers);
         let factors = [theta4 / theta2, theta3 / theta2, theta4 / theta3];
-        let coefficients = finish(&mut base, amplitudes, factors, sigma);
+        let coefficients = finish(base, amplitudes, factors, sigma);
         let series = Self {
             scale,
             branch: Branch::Circular,
@@ -117,18 +112,13 @@ impl Series {
         let slope = alternating_sum(&powers, |k| odd(k) * cos[k]);
         let value = alternating_sum(&powers, |k| sin[k]);
         let mut base = base_series(&powers, 1, &cos, &sin);
-        let constants = Constants::new(&powers);
         // The same ratios with θ₂(x) and θ₄(x) exchanged: cn ∝ Θ₄/Θ₂, dn ∝ Θ₃/Θ₂, sn ∝ Θ₁/Θ₂.
-        let Constants {
-            theta2,
-            theta3,
-            theta4,
-        } = constants;
+        let [theta2, theta3, theta4] = constants(&powers);
         let factors = [theta2 / theta4, theta3 / theta4, theta2 / theta3];
         for row in &mut base {
             row.swap(0, 3);
         }
-        let coefficients = finish(&mut base, amplitudes, factors, sigma);
+        let coefficients = finish(base, amplitudes, factors, sigma);
         // p′ = exp(−πK/K′)
         let period = if nome > 0.0 {
             -2.0 * quarter / PI * libm::log(nome)

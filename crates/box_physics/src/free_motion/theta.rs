@@ -51,21 +51,13 @@ pub(super) fn alternating_sum(powers: &[f64; 13], f: impl Fn(usize) -> f64) -> f
 }
 
 /// θ₂(0)/2p^{1/4}, θ₃(0), θ₄(0).
-pub(super) struct Constants {
-    pub(super) theta2: f64,
-    pub(super) theta3: f64,
-    pub(super) theta4: f64,
-}
-
-impl Constants {
-    pub(super) fn new(p: &[f64; 13]) -> Self {
-        let (odd, even) = (p[1] + p[9], p[4]);
-        Self {
-            theta2: 1.0 + (p[2] + (p[6] + p[12])),
-            theta3: 1.0 + 2.0 * (even + odd),
-            theta4: 1.0 + 2.0 * (even - odd),
-        }
-    }
+pub(super) fn constants(p: &[f64; 13]) -> [f64; 3] {
+    let (odd, even) = (p[1] + p[9], p[4]);
+    [
+        1.0 + (p[2] + (p[6] + p[12])),
+        1.0 + 2.0 * (even + odd),
+        1.0 + 2.0 * (even - odd),
+    ]
 }
 
 /// θ₂(x), θ₁(x), θ₃(x), θ₄(x) over their leading factors, and the two series of Z with the given functions of
@@ -95,16 +87,16 @@ pub(super) fn base_series(
 
 /// Multiplies by the constant factors: amplitudes, ratios of theta constants, and the sign that conjugates Z.
 pub(super) fn finish(
-    rows: &mut [[f64; SERIES]; 4],
+    mut rows: [[f64; SERIES]; 4],
     amplitudes: [f64; 3],
     factors: [f64; 3],
     sigma: f64,
 ) -> [[f64; SERIES]; 4] {
-    for row in rows.iter_mut() {
+    for row in &mut rows {
         for k in 0..3 {
             row[k] *= amplitudes[k] * factors[k];
         }
         row[5] *= -sigma;
     }
-    *rows
+    rows
 }

@@ -79,21 +79,10 @@ fn turn_momentum(
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{Case, expect_damping, expect_new_velocities, run};
+    use super::super::testing::{Case, expect_new_velocities, run};
     use super::*;
     use crate::force::Gravity;
     use crate::rotation::exponential_map;
-
-    /// As `engine-newton`: v ← v/(1 + ch/m) + hg, x by the new velocity, L likewise, at any step.
-    #[test]
-    fn implicit_damping() {
-        for h in [0.1, 10.0, 1000.0 / 0.7] {
-            expect_damping::<Avian993>(h, DVec3::NEG_Y * 9.81, |v, g| {
-                let v = v / (1.0 + 0.7 * h) + h * g;
-                (v, h * v)
-            });
-        }
-    }
 
     #[test]
     fn closed_forms() {

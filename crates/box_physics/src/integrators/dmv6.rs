@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::flows::{FreeRotationFlow, kick_drift_kick};
 use super::{
-    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
-    MenuGroup, Order, Orders, Stability, StepOutcome,
+    Conserved, EnergyBehavior, Integrate, IntegratorInfo, MemorySlot, Order, Orders, StepOutcome,
+    SymmetricTop,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -34,24 +34,14 @@ impl Integrate for Dmv6 {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "dmv6",
         name: "DMV6",
-        group: MenuGroup::Ours,
         summary: "A sixth-order discrete rigid body that conserves energy and momentum: accurate while |ω|·dt stays below about 1.",
         source: "Moser, Veselov 1991; McLachlan, Zanna 2005; Hairer, Vilmart, J. Phys. A 39 (2006) 13225",
         orders: Orders {
-            gravity: Order::Exact,
-            linear_drag: Order::Exact,
             rotation: Order::Of(6),
-            angular_damping: Order::Exact,
-            ..Orders::all(2)
-        },
-        evaluations: Evaluations::fixed(1, 2),
-        stability: Stability {
-            rotation: Limit::None,
-            drag: Limit::None,
-            damper: Limit::None,
-            oscillator: Limit::Below(2.0),
+            ..SymmetricTop::INFO.orders
         },
         conserved: Conserved::all_else(EnergyBehavior::Exact),
+        ..SymmetricTop::INFO
     };
 
     const BRANCHES: bool = true;

@@ -8,7 +8,7 @@ use super::{
     MenuGroup, Orders, Stability, StepOutcome,
 };
 use crate::body::RigidBox;
-use crate::force::{Dissipation, ForceModel, Wrench};
+use crate::force::{Dissipation, ForceModel, wrench_of};
 use crate::math::Trigonometry;
 use crate::state::BodyState;
 
@@ -76,7 +76,7 @@ pub(super) fn velocities_first<F: ForceModel>(
     force: &F,
     h: f64,
 ) {
-    let (d, w) = (force.dissipation(), wrench(body, state, force));
+    let (d, w) = (force.dissipation(), wrench_of(body, state, force));
     let (c, gamma) = damping_rates(body, state, &d);
     if d != Dissipation::NONE {
         state.velocity = d.in_air(state.velocity, |v| v / (1.0 + h * c));
@@ -85,16 +85,6 @@ pub(super) fn velocities_first<F: ForceModel>(
     state.velocity += h * (force.acceleration() + w.force * body.inverse_mass());
     state.position += h * state.velocity;
     state.angular_momentum += h * w.torque;
-}
-
-/// The wrench, if there may be one.
-#[inline(always)]
-pub(super) fn wrench<F: ForceModel>(body: &RigidBox, state: &BodyState, force: &F) -> Wrench {
-    if force.has_wrench() {
-        force.wrench(body, state)
-    } else {
-        Wrench::ZERO
-    }
 }
 
 /// The damping rates c/m and γ_i [1/s], with the speed at the start of the step.
@@ -141,10 +131,6 @@ mod tests {
                 (v, h * v)
             });
         }
-    }
-
-    #[test]
-    fn closed_forms() {
         expect_new_velocities::<EngineNewton>();
     }
 

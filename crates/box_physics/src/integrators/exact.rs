@@ -1,11 +1,8 @@
 //! `exact`: the closed-form motion since the last event, without accumulated errors.
 
-use super::split;
+use super::split::{self, Split};
 use super::trajectory::{FlightForces, Trajectory};
-use super::{
-    Conserved, EnergyBehavior, Evaluations, ForcedGroup, Integrate, IntegratorInfo, Limit,
-    MemorySlot, MenuGroup, Order, Orders, Stability, StepOutcome,
-};
+use super::{ForcedGroup, Integrate, IntegratorInfo, MemorySlot, StepOutcome};
 use crate::body::RigidBox;
 use crate::force::ForceModel;
 use crate::math::Trigonometry;
@@ -33,24 +30,9 @@ impl Integrate for Exact {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "exact",
         name: "Exact",
-        group: MenuGroup::Ours,
         summary: "Free flight in closed form since the last event: the same at any step and frame rate; no gain over Split while |ω|·dt stays below about 0.3, or under forces.",
         source: "Jacobi 1849; van Zon, Schofield, J. Comput. Phys. 225 (2007) 145; Celledoni et al., SIAM J. Sci. Comput. 30 (2008) 2084; McLachlan, Perlmutter 2001 (damping)",
-        orders: Orders {
-            gravity: Order::Exact,
-            linear_drag: Order::Exact,
-            rotation: Order::Exact,
-            angular_damping: Order::Exact,
-            ..Orders::all(4)
-        },
-        evaluations: Evaluations::fixed(1, 4),
-        stability: Stability {
-            rotation: Limit::None,
-            drag: Limit::None,
-            damper: Limit::None,
-            oscillator: Limit::Below(3.464),
-        },
-        conserved: Conserved::all_else(EnergyBehavior::Exact),
+        ..Split::INFO
     };
 
     const BRANCHES: bool = true;
@@ -109,7 +91,6 @@ mod tests {
     use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces};
-    use crate::integrators::SymmetricTop;
     use crate::math::AnyArgument;
     use glam::{DQuat, DVec3};
 
@@ -166,27 +147,6 @@ mod tests {
         }
     }
 
-    /// `symmetric-top` at a step so small that only its error ∝ h² remains.
-    #[test]
-    fn agrees_with_a_splitting() {
-        let (body, start) = tumbling();
-        let law = damped();
-        let mut exact = start;
-        run(&body, &mut exact, &law, 1.0, 1);
-        let error = |n: usize| {
-            let (mut state, mut memory) = (start, IntegratorMemory::default());
-            for _ in 0..n {
-                SymmetricTop::step(&body, &mut state, &law, 1.0 / n as f64, &mut memory);
-            }
-            distance(&exact, &state)
-        };
-        let (coarse, fine) = (error(1000), error(10_000));
-        assert!(
-            coarse < 1e-6 && fine < 1.2e-2 * coarse,
-            "{coarse:e} {fine:e}"
-        );
-    }
-
     /// A change of step size keeps the event; any other change does not.
     #[test]
     fn an_event_is_a_change() {
@@ -213,27 +173,14 @@ mod tests {
     #[test]
     fn falls_back_to_split_under_torque() {
         let (body, start) = tumbling();
-        let terms = [
-            Forces {
-                body_torque: DVec3::X,
-                ..damped()
-            },
-            Forces {
-                dissipation: Dissipation {
-                    angular_drag: 0.1,
-                    ..Dissipation::NONE
-                },
-                ..damped()
-            },
-            Forces {
-                dissipation: Dissipation {
-                    quadratic_drag: 0.1,
-                    ..Dissipation::NONE
-                },
-                ..damped()
-            },
+        let terms: [fn(&mut Forces<'_>); 3] = [
+            |law| law.body_torque = DVec3::X,
+            |law| law.dissipation.angular_drag = 0.1,
+            |law| law.dissipation.quadratic_drag = 0.1,
         ];
-        for law in terms {
+        for add in terms {
+            let mut law = damped();
+            add(&mut law);
             let (mut a, mut b) = (start, start);
             let outcome = Exact::step(&body, &mut a, &law, 0.01, &mut IntegratorMemory::default());
             split::step(&body, &mut b, &law, 0.01, &mut AnyArgument);

@@ -2,8 +2,7 @@
 
 use super::slope::turn;
 use super::{
-    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
-    MenuGroup, Orders, Stability, StepOutcome,
+    Evaluations, Integrate, IntegratorInfo, MemorySlot, MenuGroup, SemiImplicitEuler, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::{ForceModel, rates};
@@ -24,15 +23,8 @@ impl Integrate for Heun2012 {
         group: MenuGroup::Dissertation2012,
         summary: "The dissertation's \"implicit Euler\": actually an explicit Heun step with a first-order position.",
         source: "Heun 1900; V. Stojanovic, dissertation 2012 (listing), extended to rotation",
-        orders: Orders::all(1),
         evaluations: Evaluations::fixed(2, 2),
-        stability: Stability {
-            rotation: Limit::AlwaysGrows,
-            drag: Limit::Below(2.0),
-            damper: Limit::Below(2.0),
-            oscillator: Limit::Below(2.0),
-        },
-        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
+        ..SemiImplicitEuler::INFO
     };
 
     type Memory = ();
@@ -73,10 +65,6 @@ mod tests {
             let v = v * (1.0 + z + 0.5 * z * z);
             (v, h * v)
         });
-    }
-
-    #[test]
-    fn closed_forms() {
         expect_new_velocities::<Heun2012>();
     }
 }

@@ -116,7 +116,7 @@ mod tests {
     };
     use super::*;
     use crate::energy::total_energy;
-    use crate::force::{Dissipation, Forces, Gravity};
+    use crate::force::{Forces, Gravity};
     use glam::DVec3;
 
     /// R = (1 + z/2)/(1 − z/2) on v and L, the position by the mean velocity, at any z; the parabola to rounding.
@@ -133,36 +133,6 @@ mod tests {
         let start = BodyState::default().with_velocity(v);
         let s = run::<ImplicitMidpoint>(&body, start, &Gravity(g), 4.0, 240);
         assert!((s.position - (4.0 * v + 8.0 * g)).length() < 1e-12);
-    }
-
-    /// All kinds of dissipation at once: the step satisfies its equations.
-    #[test]
-    fn solves_its_equations() {
-        let case = Case::free();
-        let d = Dissipation {
-            linear_drag: 0.5,
-            quadratic_drag: 0.7,
-            angular_damping: 0.3,
-            angular_drag: 0.1,
-            ..Dissipation::NONE
-        };
-        let g = DVec3::new(0.0, -9.81, 1.0);
-        let law = Forces {
-            acceleration: g,
-            dissipation: d,
-            ..Default::default()
-        };
-        let start = case.start.with_velocity(DVec3::new(3.0, -7.0, 20.0));
-        for h in [0.01, 1.0, 30.0] {
-            let s = run::<ImplicitMidpoint>(&case.body, start, &law, h, 1);
-            let v = 0.5 * (start.velocity + s.velocity);
-            let slope = g - (0.5 + 0.7 * v.length()) * v / 3.0;
-            assert!((s.velocity - start.velocity - h * slope).length() < 1e-12 * (1.0 + h * 10.0));
-            let l = 0.5 * (start.angular_momentum + s.angular_momentum);
-            let w = l * case.body.inverse_inertia();
-            let slope = l.cross(w) - 0.3 * l - 0.1 * w;
-            assert!((s.angular_momentum - start.angular_momentum - h * slope).length() < 1e-12);
-        }
     }
 
     /// A principal spin turns by 2 atan(ωh/2) per step, at any step.

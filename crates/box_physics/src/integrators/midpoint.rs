@@ -2,8 +2,7 @@
 
 use super::slope::Slope;
 use super::{
-    Conserved, EnergyBehavior, Evaluations, Integrate, IntegratorInfo, Limit, MemorySlot,
-    MenuGroup, Order, Orders, Stability, StepOutcome,
+    Evaluations, ExplicitEuler, Integrate, IntegratorInfo, MemorySlot, Order, Orders, StepOutcome,
 };
 use crate::body::RigidBox;
 use crate::force::ForceModel;
@@ -20,7 +19,6 @@ impl Integrate for Midpoint {
     const INFO: IntegratorInfo = IntegratorInfo {
         id: "midpoint",
         name: "Midpoint (RK2)",
-        group: MenuGroup::Textbook,
         summary: "The explicit midpoint rule: second order for two evaluations, but slowly gains energy.",
         source: "Runge 1895; Hairer, Nørsett, Wanner, Solving ODEs I, II.1",
         orders: Orders {
@@ -28,13 +26,7 @@ impl Integrate for Midpoint {
             ..Orders::all(2)
         },
         evaluations: Evaluations::fixed(2, 2),
-        stability: Stability {
-            rotation: Limit::AlwaysGrows,
-            drag: Limit::Below(2.0),
-            damper: Limit::Below(2.0),
-            oscillator: Limit::AlwaysGrows,
-        },
-        conserved: Conserved::nothing_else(EnergyBehavior::Gains),
+        ..ExplicitEuler::INFO
     };
 
     type Memory = ();

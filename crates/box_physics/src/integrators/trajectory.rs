@@ -92,14 +92,10 @@ impl Trajectory {
     /// The state at time `t` \[s\] since the event.
     #[inline]
     fn at(&self, flight: &FlightForces, t: f64) -> BodyState {
-        let FlightForces {
-            acceleration,
-            drag_rate,
-            damping_rate,
-        } = *flight;
         let (position, velocity) = (self.event.position, self.event.velocity);
-        let drag = Exponential::new(drag_rate * t);
-        let damping = Exponential::new(damping_rate * t);
+        let acceleration = flight.acceleration;
+        let drag = Exponential::new(flight.drag_rate * t);
+        let damping = Exponential::new(flight.damping_rate * t);
         let (rotation, momentum) = self.rotation.at(t * damping.phi1);
         BodyState {
             position: position + t * (drag.phi1 * velocity + (t * drag.phi2) * acceleration),

@@ -61,7 +61,7 @@ impl Checked for Springs {
     fn check(&self) -> Result<(), InvalidValue> {
         self.0.iter().try_for_each(|spring| {
             InvalidValue::check_coefficient("spring stiffness", spring.stiffness)?;
-            InvalidValue::check_coefficient("spring damping", spring.damping).map(|_| ())
+            InvalidValue::check_coefficient("spring damping", spring.damping)
         })
     }
 }
@@ -93,14 +93,14 @@ macro_rules! coefficient {
             /// # Errors
             /// [`InvalidValue`] if it is negative or not finite.
             pub fn new(coefficient: f64) -> Result<Self, InvalidValue> {
-                InvalidValue::check_coefficient($field, coefficient).map(Self)
+                InvalidValue::check_coefficient($field, coefficient).map(|()| Self(coefficient))
             }
         }
 
         impl Checked for $name {
             #[inline(always)]
             fn check(&self) -> Result<(), InvalidValue> {
-                Self::new(self.0).map(|_| ())
+                InvalidValue::check_coefficient($field, self.0)
             }
         }
     };
@@ -336,19 +336,4 @@ pub(crate) struct NearFloor {
     /// The body touched the floor at the end of the last step. *Contact* steps it once more, to report the end of the
     /// contact.
     pub(crate) touched: bool,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coefficients_are_checked() {
-        assert_eq!(LinearDrag::new(0.5), Ok(LinearDrag(0.5)));
-        let error = AngularDamping::new(-1.0).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "angular damping must be finite and not negative, but is -1"
-        );
-    }
 }

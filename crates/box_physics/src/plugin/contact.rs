@@ -161,15 +161,8 @@ pub(crate) fn contact(
                 let entity = table.entity[i];
                 commands.trigger(Woken { entity, time });
             }
-            tally.faults.sort_unstable();
-            for i in tally.faults {
-                quarantine.take(
-                    table.entity[i],
-                    integrator,
-                    &mut states[i],
-                    &table.published[i],
-                );
-            }
+            let (entities, published) = (table.entity, table.published);
+            quarantine.take(tally.faults, integrator, entities, states, published);
         }
     }
     Ok(())

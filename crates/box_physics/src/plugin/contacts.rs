@@ -145,8 +145,11 @@ pub(crate) fn report_contacts(
 
 /// A report in which these corners touch, without impulses.
 fn touching_report(corners: u8, body: &RigidBox, state: &BodyState) -> ContactReport {
-    let points = aabb::corners(body.half_extents()).map(|c| state.point(c));
-    ContactReport::touching(corners, points)
+    ContactReport {
+        corners,
+        points: aabb::corners(body.half_extents()).map(|c| state.point(c)),
+        ..ContactReport::default()
+    }
 }
 
 /// Ends the contacts of a body: emits a message if they were reported, and an event if the body was at rest.
@@ -223,18 +226,16 @@ pub(crate) fn last_plane_removed(
 pub(crate) fn build(app: &mut App) {
     app.insert_resource(ContactEnabled)
         // Also runs when the body is despawned.
-        .add_observer(|end: On<Remove, RigidBox>, mut world: DeferredWorld| {
-            forget_contacts(&mut world, end.entity);
-        })
-        .add_observer(|end: On<Remove, ContactState>, mut world: DeferredWorld| {
-            forget_contacts(&mut world, end.entity);
-        })
-        .add_observer(|end: On<Add, Disabled>, mut world: DeferredWorld| {
-            end_contacts(&mut world, end.entity);
-        })
-        .add_observer(|end: On<Add, Quarantined>, mut world: DeferredWorld| {
-            end_contacts(&mut world, end.entity);
-        })
+        .add_observer(
+            |end: On<Remove, (RigidBox, ContactState)>, mut world: DeferredWorld| {
+                forget_contacts(&mut world, end.entity);
+            },
+        )
+        .add_observer(
+            |end: On<Add, (Disabled, Quarantined)>, mut world: DeferredWorld| {
+                end_contacts(&mut world, end.entity);
+            },
+        )
         .add_observer(
             |end: On<Remove, ReportContacts>, mut world: DeferredWorld| {
                 end_reports(&mut world, end.entity);

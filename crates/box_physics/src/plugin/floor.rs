@@ -27,22 +27,9 @@ impl Plugin for FloorPlugin {
         }
         app.init_resource::<ContactSettings>()
             .add_message::<FloorContact>()
-            .add_message::<Landed>()
-            .register_type::<Floor>()
-            .register_type::<StaticPlane>()
-            .register_type::<ContactSettings>()
-            .register_type::<Friction>()
-            .register_type::<Restitution>()
-            .register_type::<ContactState>()
-            .register_type::<ReportContacts>()
-            .register_type::<ReportPersisting>()
-            .register_type::<RestingSince>()
-            .register_type::<FloorContact>()
-            .register_type::<ContactPhase>()
-            .register_type::<ContactReport>()
-            .register_type::<Landed>()
-            .register_type::<Settled>()
-            .register_type::<Woken>();
+            .add_message::<Landed>();
+        register![app: Floor, StaticPlane, ContactSettings, Friction, Restitution, ContactState, ReportContacts,
+            ReportPersisting, RestingSince, FloorContact, ContactPhase, ContactReport, Landed, Settled, Woken];
         faults::require::<RestingSince, RestingSince>(app);
         faults::require::<ContactState, ContactState>(app);
         app.add_systems(

@@ -81,7 +81,7 @@ pub(crate) fn integrate(
             } else {
                 FORCED_STEP_COST
             };
-            let mut tally = threads.share_out(
+            let tally = threads.share_out(
                 range.len() * each,
                 columns.chunks(range, CHUNK),
                 |(first, (bodies, states, memories, near))| {
@@ -102,16 +102,8 @@ pub(crate) fn integrate(
                 timings.record_stage(Stage::Integrate, time);
                 timings.record_integrator(integrator, tally.bodies, time, tally.outcome);
             }
-            // Sorted by row, so that the result does not depend on the threads.
-            tally.faults.sort_unstable();
-            for i in tally.faults {
-                quarantine.take(
-                    table.entity[i],
-                    integrator,
-                    &mut states[i],
-                    &table.published[i],
-                );
-            }
+            let (entities, published) = (table.entity, table.published);
+            quarantine.take(tally.faults, integrator, entities, states, published);
         }
     }
     Ok(())

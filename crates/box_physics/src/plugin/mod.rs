@@ -55,6 +55,11 @@
 //! setting that was removed is restored. After a hitch at most `Time<Virtual>::max_delta` is simulated, and the dropped
 //! time is counted ([`PhysicsClock::dropped`]).
 
+/// Registers types for inspectors, remote tools and scene files.
+macro_rules! register {
+    [$app:ident: $($Type:ty),+] => { $app$(.register_type::<$Type>())+ };
+}
+
 mod chunks;
 mod components;
 mod contact;
@@ -236,7 +241,10 @@ impl Plugin for PhysicsPlugin {
             .add_observer(transforms::LastWriteback::age)
             .add_message::<ApplyImpulse>()
             .add_message::<BodyQuarantined>();
-        register_types(app);
+        register![app: RigidBox, BodyState, IntegratorMemory, BodyIntegrator, GravityScale, LinearDrag, QuadraticDrag,
+            AngularDamping, AngularDrag, ExternalForce, OneShotForce, Explosion, BodyTorque, PointForces, Springs,
+            Quarantined, Wind, BodyWind, WorldGravity, GlobalIntegrator, PhysicsClock, PhysicsThreads, Dissipation,
+            Wrench, Gravity, ApplyImpulse, BodyQuarantined];
         placement::build(app);
         // A missing state is restored from the pose at which the body is displayed.
         faults::require::<BodyState, (BodyState, PublishedPose)>(app);
@@ -322,35 +330,4 @@ impl Plugin for PhysicsPlugin {
         app.add_systems(Startup, faults::warn_without_time);
         app.add_systems(PreUpdate, faults::count_dropped_time);
     }
-}
-
-/// Registers the types for inspectors, remote tools and scene files.
-fn register_types(app: &mut App) {
-    app.register_type::<RigidBox>()
-        .register_type::<BodyState>()
-        .register_type::<IntegratorMemory>()
-        .register_type::<BodyIntegrator>()
-        .register_type::<GravityScale>()
-        .register_type::<LinearDrag>()
-        .register_type::<QuadraticDrag>()
-        .register_type::<AngularDamping>()
-        .register_type::<AngularDrag>()
-        .register_type::<ExternalForce>()
-        .register_type::<OneShotForce>()
-        .register_type::<Explosion>()
-        .register_type::<BodyTorque>()
-        .register_type::<PointForces>()
-        .register_type::<Springs>()
-        .register_type::<Quarantined>()
-        .register_type::<Wind>()
-        .register_type::<BodyWind>()
-        .register_type::<WorldGravity>()
-        .register_type::<GlobalIntegrator>()
-        .register_type::<PhysicsClock>()
-        .register_type::<PhysicsThreads>()
-        .register_type::<Dissipation>()
-        .register_type::<Wrench>()
-        .register_type::<Gravity>()
-        .register_type::<ApplyImpulse>()
-        .register_type::<BodyQuarantined>();
 }

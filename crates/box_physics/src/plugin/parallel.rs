@@ -120,61 +120,7 @@ impl AddAssign for Done {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prelude::*;
-    use bevy::MinimalPlugins;
-    use bevy::app::App;
-    use bevy::ecs::system::Command;
-    use bevy::tasks::{TaskPool, TaskPoolBuilder};
-    use bevy::transform::components::Transform;
-
-    /// States after 90 steps of boxes that fly, fall, bounce, slide, roll and rest, some with their own gravity scale,
-    /// drag or integrator.
-    fn storm(max_threads: usize) -> Vec<(BodyState, Transform, WorldAabb)> {
-        let mut app = App::new();
-        app.add_plugins((MinimalPlugins, PhysicsPlugins::default()))
-            .insert_resource(Floor::default())
-            .insert_resource(PhysicsThreads {
-                max_threads,
-                bodies_per_thread: 100,
-            });
-        let bodies: Vec<_> = (0..1500)
-            .map(|i| {
-                let x = f64::from(i);
-                let half = DVec3::new(0.2 + 0.0001 * x, 0.3, 0.4 - 0.0001 * x);
-                let body = RigidBox::new(half, 1.0).expect("valid");
-                let state = BodyState::at(DVec3::new(x, 0.3 + 0.002 * x, 0.0))
-                    .with_velocity(DVec3::X * f64::from(i % 3))
-                    .with_angular_velocity(&body, DVec3::new(0.1, 0.2, 0.3) * f64::from(i % 7));
-                let mut entity = app.world_mut().spawn((body, state));
-                match i % 5 {
-                    0 => entity.insert(GravityScale(0.5)),
-                    1 => entity.insert(LinearDrag(0.1)),
-                    2 => entity.insert(BodyIntegrator(Integrator::Rk4)),
-                    _ => &mut entity,
-                }
-                .id()
-            })
-            .collect();
-        StepPhysics(90).apply(app.world_mut());
-        let world = app.world();
-        let get = |e| {
-            (
-                *world.get(e).expect("spawned"),
-                *world.get(e).expect("spawned"),
-                *world.get(e).expect("spawned"),
-            )
-        };
-        bodies.into_iter().map(get).collect()
-    }
-
-    #[test]
-    fn results_do_not_depend_on_the_number_of_threads() {
-        ComputeTaskPool::get_or_init(|| TaskPoolBuilder::new().num_threads(3).build());
-        let alone = storm(1);
-        for max_threads in [2, 4] {
-            assert!(storm(max_threads) == alone, "{max_threads} threads");
-        }
-    }
+    use bevy::tasks::TaskPool;
 
     #[test]
     fn every_chunk_is_done_once_by_any_number_of_threads() {

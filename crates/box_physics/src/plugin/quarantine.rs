@@ -24,31 +24,37 @@ pub(crate) struct Quarantine<'w, 's> {
 }
 
 impl Quarantine<'_, '_> {
-    /// Quarantines a body whose step led to an invalid state. `state` must be the state before that step.
+    /// Quarantines the bodies in these rows, whose step led to an invalid state. `states` are those before that step.
     pub(crate) fn take(
         &mut self,
-        entity: Entity,
+        mut rows: Vec<usize>,
         integrator: Integrator,
-        state: &mut BodyState,
-        published: &PublishedPose,
+        entities: &[Entity],
+        states: &mut [BodyState],
+        published: &[PublishedPose],
     ) {
-        let cause = if state.is_valid() {
-            QuarantineCause::Step
-        } else {
-            // The state was invalid before the step. The last displayed pose is the last valid one.
-            *state = published.state_at_rest();
-            QuarantineCause::State
-        };
         let time = self.clock.time();
-        self.commands
-            .entity(entity)
-            .try_insert(Quarantined { time });
-        self.messages.write(BodyQuarantined {
-            entity,
-            integrator,
-            time,
-            cause,
-        });
+        // Sorted, so that the result does not depend on the threads.
+        rows.sort_unstable();
+        for i in rows {
+            let cause = if states[i].is_valid() {
+                QuarantineCause::Step
+            } else {
+                // The state was invalid before the step. The last displayed pose is the last valid one.
+                states[i] = published[i].state_at_rest();
+                QuarantineCause::State
+            };
+            let entity = entities[i];
+            self.commands
+                .entity(entity)
+                .try_insert(Quarantined { time });
+            self.messages.write(BodyQuarantined {
+                entity,
+                integrator,
+                time,
+                cause,
+            });
+        }
     }
 }
 

@@ -74,10 +74,8 @@ pub struct GlobalIntegrator(pub Integrator);
 /// schedule does not run; queue [`StepPhysics`](super::StepPhysics) for a single step. For slow motion, run the
 /// schedule less often with `Time<Virtual>::set_relative_speed`.
 ///
-/// (This is a resource with a field `paused`, not a `Time<Physics>`. A Bevy clock has a relative speed; physics at a
-/// relative speed other than its schedule's would need steps of another size, which would change its results. Only the
-/// clock of the schedule has a speed. Time is counted in ticks and in f64, so that a replay reproduces the same bits;
-/// `Time` counts nanoseconds.)
+/// It is not a `Time<Physics>`, because a relative speed of its own would need steps of another size, which would change
+/// the results.
 ///
 /// ```
 /// use bevy::prelude::*;

@@ -1,9 +1,10 @@
 //! Snapshots of the complete state of the physics.
 
 use bevy::ecs::bundle::Bundle;
+use bevy::ecs::component::{Component, Mutable};
 use bevy::ecs::entity::Entity;
 use bevy::ecs::query::With;
-use bevy::ecs::world::World;
+use bevy::ecs::world::{EntityWorldMut, World};
 use glam::DVec3;
 
 use super::components::{NearFloor, OneShotForce, Quarantined, RestingSince};
@@ -75,6 +76,13 @@ struct Marks {
     one_shot: Option<OneShotForce>,
     quarantined: Option<Quarantined>,
     reported: Option<ReportedContacts>,
+}
+
+/// Replaces a component that the body has.
+fn put<C: Component<Mutability = Mutable>>(body: &mut EntityWorldMut, value: C) {
+    if let Some(mut component) = body.get_mut::<C>() {
+        *component = value;
+    }
 }
 
 impl PhysicsSnapshot {
@@ -158,23 +166,13 @@ impl PhysicsSnapshot {
             } else {
                 found.remove::<Quarantined>();
             }
-            if let Some(mut memory) = found.get_mut::<IntegratorMemory>() {
-                memory.clone_from(&body.memory);
-            }
-            if let Some(mut contact) = found.get_mut::<ContactState>() {
-                contact.clone_from(&body.contact);
-            }
-            if let Some(mut resting) = found.get_mut::<RestingSince>() {
-                *resting = body.resting;
-            }
+            put(&mut found, body.memory.clone());
+            put(&mut found, body.contact.clone());
+            put(&mut found, body.resting);
+            put(&mut found, marks.one_shot.unwrap_or_default());
+            put(&mut found, marks.reported.clone().unwrap_or_default());
             if let Some(mut near) = found.get_mut::<NearFloor>() {
                 near.touched = body.contact.touching() != 0;
-            }
-            if let Some(mut one_shot) = found.get_mut::<OneShotForce>() {
-                *one_shot = marks.one_shot.unwrap_or_default();
-            }
-            if let Some(mut reported) = found.get_mut::<ReportedContacts>() {
-                *reported = marks.reported.clone().unwrap_or_default();
             }
             show_jump(world, *entity, body.state);
         }

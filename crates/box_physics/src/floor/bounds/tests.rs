@@ -52,6 +52,5 @@ fn no_corner_is_accelerated_more() {
         };
         worst = worst.max(tightness(&body, omega));
     }
-    println!("the largest is {worst:.3} of its bound");
     assert!((0.9..=1.0).contains(&worst), "{worst}");
 }

@@ -13,7 +13,7 @@
 use glam::{DMat3, DVec3};
 
 use super::super::projection::Pair;
-use super::{answered, single};
+use super::{Cone, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
@@ -22,16 +22,12 @@ const LARGEST_TURN: f64 = 0.7;
 
 /// b + Ap for two corners.
 pub(super) struct Edge<'a> {
+    pub(super) cone: &'a Cone<'a>,
     /// With the blocks of A.
     pub(super) pair: &'a Pair,
-    pub(super) friction: f64,
-    /// A bound of A [1/kg].
-    pub(super) norm: f64,
     pub(super) b: [DVec3; 2],
     /// The impulses of a similar problem, or zero.
     pub(super) near: [DVec3; 2],
-    /// |w| to which the law is to hold [m/s].
-    pub(super) target: f64,
 }
 
 impl Edge<'_> {
@@ -48,7 +44,7 @@ impl Edge<'_> {
     fn is_fast(&self) -> bool {
         let fast = |u: DVec3| u.x * u.x + u.z * u.z;
         let approach = (-self.b[0].y).max(-self.b[1].y);
-        let bound = 4.0 * self.friction * approach;
+        let bound = 4.0 * self.cone.friction * approach;
         fast(self.b[0]).min(fast(self.b[1])) > bound * bound
     }
 
@@ -67,12 +63,9 @@ impl Edge<'_> {
             self.both_stick()
         };
         first
-            .inspect(|_| answered("edge: likeliest case"))
-            .or_else(|| self.slide(&start).inspect(|_| answered("edge: both slide")))
-            .or_else(|| {
-                let found = self.one_sticks(0).or_else(|| self.one_sticks(1));
-                found.inspect(|_| answered("edge: one sticks"))
-            })
+            .or_else(|| self.slide(&start))
+            .or_else(|| self.one_sticks(0))
+            .or_else(|| self.one_sticks(1))
     }
 
     /// The normal impulses that would stop both corners if there were no friction.
@@ -88,10 +81,10 @@ impl Edge<'_> {
     fn project(&self, p: DVec3) -> DVec3 {
         let n = p.y.max(0.0);
         let t = (p.x * p.x + p.z * p.z).sqrt();
-        if t <= self.friction * n {
+        if t <= self.cone.friction * n {
             DVec3::new(p.x, n, p.z)
         } else {
-            let scale = self.friction * n / t;
+            let scale = self.cone.friction * n / t;
             DVec3::new(scale * p.x, n, scale * p.z)
         }
     }
@@ -99,9 +92,9 @@ impl Edge<'_> {
     /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
     fn obeys(&self, p: [DVec3; 2]) -> bool {
         let w = self.velocities(p);
-        let step = 1.0 / self.norm;
+        let step = 1.0 / self.cone.norm;
         let wrong = |i: usize| (p[i] - self.project(p[i] - step * w[i])).length_squared();
-        self.norm * wrong(0).max(wrong(1)).sqrt() <= self.target
+        self.cone.norm * wrong(0).max(wrong(1)).sqrt() <= self.cone.target
     }
 
     fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {
@@ -112,14 +105,19 @@ impl Edge<'_> {
     fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
         let j = 1 - i;
         let mut p = [DVec3::ZERO; 2];
-        p[j] = single::solve(&self.pair.own[j], self.b[j], self.friction, self.near[j])?;
+        p[j] = single::solve(
+            &self.pair.own[j],
+            self.b[j],
+            self.cone.friction,
+            self.near[j],
+        )?;
         self.checked(p)
     }
 
     /// Both stick. Not checked further: two corners that keep their distance can be stopped, to the rounding of b. That
     /// may be more than the target, where b is what is left of large velocities.
     fn both_stick(&self) -> Option<[DVec3; 2]> {
-        let mu = self.friction;
+        let mu = self.cone.friction;
         let holds = |p: &DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
         Some(self.pair.stop(self.b, true)).filter(|p| p.iter().all(holds))
     }
@@ -128,7 +126,7 @@ impl Edge<'_> {
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
         let inverse = self.pair.own[i].inverse();
         let (reduced, b) = self.pair.without(i, &inverse, self.b);
-        let slide = single::slide(&reduced, b, self.friction, self.near[1 - i])?;
+        let slide = single::slide(&reduced, b, self.cone.friction, self.near[1 - i])?;
         let mut p = [slide; 2];
         p[i] = -(inverse * (self.b[i] + self.pair.other[i] * slide));
         self.checked(p)
@@ -138,7 +136,7 @@ impl Edge<'_> {
     /// fast; otherwise after the normal impulses alone. `None` if one does not.
     fn first_directions(&self, smooth: [f64; 2]) -> Option<[(f64, f64); 2]> {
         let plane = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
-        let full = |p: DVec3| plane(p) >= (1.0 - 1e-12) * self.friction * p.y && p.y > 0.0;
+        let full = |p: DVec3| plane(p) >= (1.0 - 1e-12) * self.cone.friction * p.y && p.y > 0.0;
         let slip = if full(self.near[0]) && full(self.near[1]) {
             [-self.near[0], -self.near[1]]
         } else if self.is_fast() {
@@ -148,7 +146,7 @@ impl Edge<'_> {
         };
         let speed = slip.map(plane);
         let direction = |i: usize| (slip[i].x / speed[i], slip[i].z / speed[i]);
-        (speed[0].min(speed[1]) > self.target).then(|| [direction(0), direction(1)])
+        (speed[0].min(speed[1]) > self.cone.target).then(|| [direction(0), direction(1)])
     }
 
     /// Both slide, first along these directions.
@@ -166,7 +164,7 @@ impl Edge<'_> {
                 return None;
             }
             if largest <= 1e-15 {
-                return (now.wrong <= self.target).then_some(now.p);
+                return (now.wrong <= self.cone.target).then_some(now.p);
             }
             let scale = (LARGEST_TURN / largest).min(1.0);
             for (t, turn) in t.iter_mut().zip(turn) {
@@ -176,7 +174,7 @@ impl Edge<'_> {
             now = self.sliding(t)?;
             // The next would be the square of this.
             if largest <= 1e-8 {
-                return (now.wrong <= self.target).then_some(now.p);
+                return (now.wrong <= self.cone.target).then_some(now.p);
             }
         }
         None
@@ -184,7 +182,7 @@ impl Edge<'_> {
 
     /// Everything as a function of the two directions: `None` if a normal impulse would not push.
     fn sliding(&self, t: [(f64, f64); 2]) -> Option<Sliding> {
-        let mu = self.friction;
+        let mu = self.cone.friction;
         // q_ij = A_ij s_j and its derivative by the angle of t̂_j
         let column = |a: &DMat3, (c, s): (f64, f64)| {
             (

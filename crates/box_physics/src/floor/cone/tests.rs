@@ -73,10 +73,8 @@ fn coulombs_law_holds_for_random_impacts() {
                 (DVec3::Y, mu)
             });
         });
-        solver.print(mu);
-        assert_eq!(solver.failed, 0, "mu {mu}");
         // The solver stops at 1e-12 in w; the friction's part of the law sees µ times that.
-        assert!(solver.worst <= 1e-10_f64.max(1e-12 * mu), "mu {mu}");
+        solver.check(mu, 1e-10_f64.max(1e-12 * mu));
     }
 }
 
@@ -104,7 +102,7 @@ fn the_cap_is_the_cap() {
                 assert!(gain <= 1e-12 * mass * scale * scale);
             });
         }
-        println!("at most {max_iterations} iterations: {unsolved} of 8000 gave way");
-        assert!(unsolved < 2000 && (unsolved > 0 || max_iterations > 10));
+        let enough = unsolved < 2000 && (unsolved > 0 || max_iterations > 10);
+        assert!(enough, "{unsolved} of 8000 gave way at {max_iterations}");
     }
 }

@@ -17,18 +17,18 @@ use crate::floor::{ContactReport, Floor, FloorOutcome};
 use crate::force::ForceModel;
 use crate::state::BodyState;
 
-/// Planes that may be near at once: as many as a closed box has.
+/// Maximum number of planes within reach: a closed box has six.
 pub(super) const PLANES: usize = 6;
 const PLACES: usize = 8 * PLANES;
 
 /// One vector a place.
 type Each = [DVec3; PLACES];
 
-/// Where all corners are over all planes.
+/// The corners over all planes.
 pub(in crate::floor) type Gaps = Places<PLACES>;
 
 impl Gaps {
-    /// `elapsed` \[s\] after the planes were where they say.
+    /// `elapsed` \[s\] after the beginning of the step.
     pub(in crate::floor) fn over(
         planes: &[Plane],
         body: &RigidBox,
@@ -40,7 +40,7 @@ impl Gaps {
         new
     }
 
-    /// The same attitude at the place of `state`.
+    /// The same attitude at the position of `state`.
     fn move_to(&mut self, planes: &[Plane], state: &BodyState, elapsed: f64) {
         for (j, plane) in planes.iter().enumerate() {
             let base = plane.height(state.position) - plane.rise() * elapsed;
@@ -53,7 +53,7 @@ impl Gaps {
 
 /// The body among the planes.
 pub(super) struct Among<'a, F> {
-    /// A floor at rest, which does not count.
+    /// A floor at rest without effect.
     pub(super) world: Level<'a, F>,
     pub(super) planes: &'a [Plane],
 }
@@ -64,9 +64,8 @@ impl<F: ForceModel> Among<'_, F> {
     }
 }
 
-/// One step among several planes: the events of the floor, with the contacts of all planes. Returns the normal forces at
-/// the corners \[N\] with the direction of their sum if it ends at rest. It is done in a frame with the velocity `carried`
-/// [m/s].
+/// One step among several planes: the events of the floor, with the contacts of all planes, in a frame with the velocity
+/// `carried` [m/s]. Returns the normal forces at the corners \[N\] and the direction of their sum if it ends at rest.
 pub(super) fn step<F: ForceModel>(
     context: &PlanesContext<'_, F>,
     planes: &[Plane],
@@ -189,7 +188,7 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         self.over_all(|plane| plane.height(center))
     }
 
-    /// Two planes after one another may bring the first one back: each twice.
+    /// The second plane may restore an approach to the first, so each is treated twice.
     fn separate(&self, state: &mut BodyState) {
         for plane in self.planes.iter().chain(self.planes) {
             let normal = plane.shape.normal;
@@ -202,7 +201,7 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         touching & set::<PLACES>(|i| spans_face((touching >> (8 * (i / 8))) as u8))
     }
 
-    /// The corners span a plane: then no turn leaves all of them where they are, and the body is not merely balanced.
+    /// The held corners must not lie on one line, about which the body could turn.
     fn supports(&self, gaps: &Gaps, held: u64) -> bool {
         let Some(first) = each(held).next() else {
             return false;
@@ -244,7 +243,7 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         })
     }
 
-    /// By Newton's method on their heights.
+    /// Newton's method on the heights.
     fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Gaps, ()) {
         let mut gaps = self.places(state, elapsed);
         let scale = self.world.context.body.radius() + state.position.abs().max_element();

@@ -1,10 +1,10 @@
-//! Several planes: walls, ramps, the tray of the dice.
+//! Contact with several planes: walls, ramps, trays.
 //!
 //! ```text
-//! reach: the planes that the box can come near in this step, whatever it strikes on the way
-//!   it may fly past all → the integrator's plain step
+//! reach: the planes that the box can come near in this step, after any impacts
+//!   none                → the integrator's plain step
 //!   one                 → step_on_floor, in the axes of that plane
-//!   several             → the same events with the contacts of all of them (among)
+//!   several             → the same events, with the contacts of all planes (among)
 //! ```
 //!
 //! A *contact* is a corner at a plane. Over several planes everything is in world axes, and each contact has its own
@@ -35,17 +35,16 @@ use crate::state::BodyState;
 pub(super) use among::Gaps;
 use among::PLANES;
 
-/// A body, its force model and the planes around it: what a step among planes reads. More than six that are within reach
-/// at once are not told from one another: the six nearest count.
+/// The inputs of a step among planes. Of the planes within reach the six nearest count.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanesContext<'a, F> {
     /// The planes.
     pub planes: &'a [Plane],
-    /// How contact is solved.
+    /// The contact settings.
     pub settings: &'a ContactSettings,
     /// The box.
     pub body: &'a RigidBox,
-    /// The forces on it, contact aside.
+    /// Its force model, without contact.
     pub force: &'a F,
 }
 
@@ -53,7 +52,7 @@ pub struct PlanesContext<'a, F> {
 struct Near {
     count: usize,
     planes: [Plane; PLANES],
-    /// Heights of the lowest corners over them, the center's motion aside \[m\].
+    /// Heights of the lowest corners over them at the start \[m\].
     gap: [f64; PLANES],
 }
 
@@ -62,7 +61,7 @@ impl Near {
         &self.planes[..self.count]
     }
 
-    /// The velocity with which all of them move, if it is one [m/s].
+    /// The common velocity of all of them, or zero [m/s].
     fn velocity(&self) -> DVec3 {
         let mut velocities = self.planes().iter().map(|plane| plane.shape.velocity);
         let first = velocities.next().unwrap_or(DVec3::ZERO);
@@ -72,7 +71,7 @@ impl Near {
         }
     }
 
-    /// Adds a plane; of too many the farthest is left out.
+    /// Adds a plane. If there are too many, the farthest is left out.
     fn add(&mut self, plane: &Plane, gap: f64) {
         let farther = |far: usize, k: usize| if self.gap[k] > self.gap[far] { k } else { far };
         let mut place = self.count;
@@ -89,8 +88,7 @@ impl Near {
 }
 
 impl<F: ForceModel> PlanesContext<'_, F> {
-    /// The planes that the box can come near within `h` \[s\], whatever it strikes on the way: an impact turns its
-    /// velocity and its spin, and gives no energy.
+    /// The planes that the box can come near within `h` \[s\], after any impacts, which add no energy.
     fn near(&self, state: &BodyState, h: f64) -> Near {
         let (body, radius) = (self.body, self.body.radius());
         let twice = 2.0 * state.kinetic_energy(body);
@@ -124,13 +122,13 @@ impl<F: ForceModel> PlanesContext<'_, F> {
         }
     }
 
-    /// |c| at which a corner touches a plane \[m\]: as at the floor, relative to the box and the scene.
+    /// Largest height of a corner that touches a plane \[m\].
     fn tolerance(&self, state: &BodyState, plane: &Plane) -> f64 {
         self.settings.tolerance * (self.body.radius() + plane.scale(state))
     }
 }
 
-/// How far the box reaches from its center against `normal` \[m\].
+/// Extent of the box from its center against `normal` \[m\].
 fn reach(body: &RigidBox, attitude: &DMat3, normal: DVec3) -> f64 {
     let half = body.half_extents();
     attitude.x_axis.dot(normal).abs() * half.x
@@ -138,7 +136,7 @@ fn reach(body: &RigidBox, attitude: &DMat3, normal: DVec3) -> f64 {
         + attitude.z_axis.dot(normal).abs() * half.z
 }
 
-/// Whether the box can reach a plane within `h` \[s\]: [`may_touch`](super::may_touch) for any of them.
+/// Returns `true` if the box may touch a plane within `h` \[s\]: [`may_touch`](super::may_touch) for any of them.
 pub fn may_touch_planes<F: ForceModel>(
     planes: &[Plane],
     body: &RigidBox,
@@ -154,11 +152,10 @@ pub fn may_touch_planes<F: ForceModel>(
     })
 }
 
-/// Advances `state` by `h` \[s\] among the planes, free flight included, as [`step_on_floor`] does over one floor. A box
-/// that can reach no more than one plane in the step is stepped by it, in the axes of that plane. In contact with
-/// several, all contacts are solved together, in impacts and while they last.
+/// Advances `state` by `h` \[s\] among planes, including free flight. A box that can reach only one plane in the step is
+/// stepped by [`step_on_floor`] in the axes of that plane. The contacts with several planes are solved together.
 ///
-/// The planes are those at the beginning of the step; [`Plane::advance`] those that move afterwards.
+/// The planes are those at the beginning of the step. Call [`Plane::advance`] after the step of all bodies.
 pub fn step_on_planes<S: Integrate, F: ForceModel>(
     context: &PlanesContext<'_, F>,
     state: &mut BodyState,
@@ -188,7 +185,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         return step_on_floor::<S, F>(&floor, state, h, memory, contact, report);
     }
     let carried = near.velocity();
-    // Planes that move and are far away do not disturb it either.
+    // Moving planes out of reach do not end the rest.
     if contact.rides(context, near.planes(), carried, state, h) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
@@ -256,8 +253,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
 }
 
 impl<F: ForceModel> PlanesContext<'_, F> {
-    /// Whether no corner touches one of these planes between `start` and `end`, `h` \[s\] later, as a flight over the
-    /// floor.
+    /// Returns `true` if no corner touches one of these planes between `start` and `end`, `h` \[s\] later.
     fn clears(&self, planes: &[Plane], start: &BodyState, end: &BodyState, h: f64) -> bool {
         let body = self.body;
         let bound = acceleration_bound(body, start, self.force);
@@ -278,7 +274,7 @@ impl<F: ForceModel> PlanesContext<'_, F> {
 }
 
 impl Integrator {
-    /// [`step_on_planes`] by the chosen integrator.
+    /// [`step_on_planes`] with the chosen integrator.
     pub fn step_on_planes<F: ForceModel>(
         self,
         context: &PlanesContext<'_, F>,

@@ -1,4 +1,4 @@
-//! A plane: where it is, and its surface.
+//! A plane and its surface.
 
 use glam::{DQuat, DVec3};
 
@@ -9,11 +9,11 @@ use crate::floor::frame::{Axes, Frame};
 use crate::floor::{Floor, Friction, Restitution};
 use crate::state::BodyState;
 
-/// A plane that bodies stay on one side of: a wall, a ramp, a ceiling. It is infinite, and no body moves it.
+/// An infinite plane that bodies cannot cross: a wall, a ramp, a ceiling.
 ///
-/// With the plugin it is a component of a separate entity, which may have a [`Friction`] and a [`Restitution`]
-/// (without them the coefficients are those of the default [`Floor`]). The rule of the body decides how they combine.
-/// Choose `point` near the place where bodies touch the plane: heights over it are as precise as coordinates relative to it.
+/// With the plugin it is a component of a separate entity, which may have a [`Friction`] and a [`Restitution`]; without
+/// them it has the coefficients of the default [`Floor`]. The rule of the body applies. Choose `point` near the place
+/// where bodies touch the plane: heights are as precise as coordinates relative to it.
 ///
 /// ```
 /// use box_physics::prelude::*;
@@ -24,7 +24,7 @@ use crate::state::BodyState;
 /// # Ok::<(), InvalidValue>(())
 /// ```
 ///
-/// On a ramp a box slides with g (sin θ − µ cos θ), and it holds where µ exceeds tan θ:
+/// On a ramp a box accelerates by g (sin θ − µ cos θ). It rests if µ exceeds tan θ:
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -54,8 +54,8 @@ use crate::state::BodyState;
 /// # Ok::<(), BevyError>(())
 /// ```
 ///
-/// A plane with a `velocity` is a conveyor belt on a slope, or a wall that pushes. The plugin moves `point` along the normal
-/// in every step; no body sleeps meanwhile.
+/// A plane with a `velocity` is a conveyor belt on a slope, or a wall that pushes. The plugin moves `point` along the
+/// normal in every step. Bodies do not sleep while a plane moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -86,7 +86,7 @@ impl Default for StaticPlane {
 }
 
 impl StaticPlane {
-    /// The plane through `point` \[m\] with this `normal`, of any length but zero.
+    /// Creates the plane through `point` \[m\] with this `normal` of any nonzero length.
     ///
     /// # Errors
     /// [`InvalidValue`] if the point is not finite, or the normal has no direction.
@@ -101,7 +101,7 @@ impl StaticPlane {
         plane.validate().map(|()| plane)
     }
 
-    /// The same plane, moving with this velocity [m/s] in world axes.
+    /// Sets the velocity [m/s], world axes.
     pub fn with_velocity(self, velocity: impl Into<DVec3>) -> Self {
         Self {
             velocity: velocity.into(),
@@ -109,12 +109,12 @@ impl StaticPlane {
         }
     }
 
-    /// Moves the plane on by `h` \[s\], to where it is after a step. The plugin does this.
+    /// Moves the plane to its place after a step of `h` \[s\]. The plugin does this.
     pub fn advance(&mut self, h: f64) {
         self.point += self.normal * (self.velocity.dot(self.normal) * h);
     }
 
-    /// Whether the fields are in their ranges, however they were set.
+    /// Checks the fields.
     ///
     /// # Errors
     /// [`InvalidValue`] if point or velocity is not finite, or the normal's length is not 1 within 1e-6.
@@ -124,16 +124,16 @@ impl StaticPlane {
             InvalidValue::check(v.is_finite(), field, v.element_sum(), "finite")?;
         }
         let unit = (length - 1.0).abs() <= 1e-6;
-        InvalidValue::check(unit, "normal", length, "of length 1").map(|_| ())
+        InvalidValue::check(unit, "normal", length, "of length 1")
     }
 
-    /// How far `point` is from the plane, along the normal \[m\].
+    /// Signed distance of `point` from the plane \[m\].
     pub fn distance(&self, point: DVec3) -> f64 {
         self.normal.dot(point - self.point)
     }
 }
 
-/// A plane and how it answers: the [`Floor`], or a [`StaticPlane`] with a surface. What the core takes.
+/// A plane with its surface, for the core: the [`Floor`], or a [`StaticPlane`].
 ///
 /// ```
 /// use box_physics::floor::{ContactState, Plane, PlanesContext};
@@ -157,7 +157,7 @@ impl StaticPlane {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     pub(super) shape: StaticPlane,
-    /// Its surface and velocity; of a level floor its height as well.
+    /// Surface and velocity; for the floor also the height.
     pub(super) surface: Floor,
     /// From axes in which the plane is level to the world; `None` for the floor.
     pub(super) axes: Option<DQuat>,
@@ -178,7 +178,7 @@ impl From<Floor> for Plane {
 }
 
 impl Plane {
-    /// A plane with restitution 0 to 1 and friction ≥ 0.
+    /// Creates a plane with restitution 0 to 1 and friction ≥ 0.
     ///
     /// # Errors
     /// [`InvalidValue`] names the first field out of range.
@@ -202,7 +202,7 @@ impl Plane {
         })
     }
 
-    /// A plane with these surfaces; one that is missing or out of range is the default [`Floor`]'s.
+    /// Creates a plane with this surface. Missing or invalid coefficients are those of the default [`Floor`].
     ///
     /// # Errors
     /// [`InvalidValue`] if `shape` is not valid.
@@ -221,16 +221,7 @@ impl Plane {
         Ok(plane)
     }
 
-    /// The same plane with the coefficient of static friction, at least that of kinetic friction.
-    ///
-    /// # Errors
-    /// [`InvalidValue`] if it is smaller or not finite.
-    pub fn with_static_friction(mut self, coefficient: f64) -> Result<Self, InvalidValue> {
-        self.surface.static_friction = Some(coefficient);
-        self.surface.validate().map(|()| self)
-    }
-
-    /// The plane as a body with these surfaces meets it ([`Floor::against`]).
+    /// Combines the plane with the surface of a body ([`Floor::against`]).
     pub fn against(self, friction: Option<&Friction>, restitution: Option<&Restitution>) -> Self {
         Self {
             surface: self.surface.against(friction, restitution),
@@ -238,7 +229,7 @@ impl Plane {
         }
     }
 
-    /// Moves the plane on by `h` \[s\], to where it is after a step of all bodies.
+    /// Moves the plane to its place after a step of `h` \[s\] of all bodies.
     pub fn advance(&mut self, h: f64) {
         match self.axes {
             None => {
@@ -249,12 +240,12 @@ impl Plane {
         }
     }
 
-    /// Where it is.
+    /// Place and velocity.
     pub fn shape(&self) -> StaticPlane {
         self.shape
     }
 
-    /// Height of a point over the plane \[m\], in the order of operations of the floor's.
+    /// Height of a point over the plane \[m\], with the floor's order of operations.
     pub(super) fn height(&self, point: DVec3) -> f64 {
         match self.axes {
             None => point.y - self.surface.height,
@@ -262,7 +253,7 @@ impl Plane {
         }
     }
 
-    /// Whether it has no velocity.
+    /// Returns `true` if it does not move.
     pub(super) fn is_fixed(&self) -> bool {
         self.shape.velocity == DVec3::ZERO
     }
@@ -274,7 +265,7 @@ impl Plane {
         self
     }
 
-    /// Its surface as a floor in the frame in which it is level and at rest.
+    /// Returns its surface as a floor, and the frame in which that floor is level and at rest.
     pub(super) fn level(&self, state: &BodyState) -> (Floor, Frame) {
         let axes = Axes {
             turn: self.axes.unwrap_or(DQuat::IDENTITY),
@@ -288,7 +279,7 @@ impl Plane {
         (floor, Frame::new(self.surface.velocity, Some(axes)))
     }
 
-    /// The same plane wherever it is.
+    /// The same plane without its place.
     pub(super) fn anywhere(mut self) -> Self {
         self.shape.point = DVec3::ZERO;
         self.surface.height = 0.0;
@@ -300,7 +291,7 @@ impl Plane {
         self.surface.velocity.dot(self.shape.normal)
     }
 
-    /// Of everything that a body at rest on it depends on.
+    /// All numbers on which rest on the plane depends.
     pub(super) fn numbers(self) -> impl Iterator<Item = f64> {
         let (shape, s) = (&self.shape, &self.surface);
         let vectors = [shape.point, shape.normal, s.velocity];
@@ -310,7 +301,7 @@ impl Plane {
         vectors.into_iter().flat_map(|v| v.to_array()).chain(rest)
     }
 
-    /// How large the numbers are that heights over it come from \[m\].
+    /// Scale of the numbers from which heights are computed \[m\].
     pub(super) fn scale(&self, state: &BodyState) -> f64 {
         match self.axes {
             None => self.surface.height.abs(),

@@ -1,4 +1,4 @@
-//! Planes that move and carry a box at rest.
+//! Moving planes that carry a box at rest.
 
 use glam::{DMat3, DVec3};
 
@@ -19,8 +19,8 @@ impl<'a, F> PlanesContext<'a, F> {
 }
 
 impl<F: ForceModel> PlanesContext<'_, F> {
-    /// What planes with one velocity are for a box that rests on them, wherever they are: a fingerprint of them and of which
-    /// of them it touches `elapsed` \[s\] after they were where they say. And the way back onto these \[m\].
+    /// A fingerprint of planes with a common velocity and of which of them the box touches, `elapsed` \[s\] after the
+    /// beginning of the step, independent of their place. Also returns the correction onto these \[m\].
     pub(super) fn support(
         &self,
         planes: &[Plane],
@@ -45,7 +45,7 @@ impl<F: ForceModel> PlanesContext<'_, F> {
 }
 
 impl ContactState {
-    /// If the box rests on these planes, which have this velocity [m/s], carries it along for `h` \[s\] and returns true.
+    /// If the box rests on these planes with this velocity [m/s], carries it for `h` \[s\] and returns `true`.
     pub(super) fn rides<F: ForceModel>(
         &mut self,
         context: &PlanesContext<'_, F>,

@@ -1,7 +1,6 @@
 //! The order of an integrator across bounces, and flat landings to the bit. (Cases 25 and 30 stand among the
 //! contact cases of `box_scenarios`.)
 use super::*;
-use crate::force::{Dissipation, Forces};
 use crate::integrators::{ExplicitEuler, Rk4, Split, SymmetricTop};
 
 /// Richardson: the observed order over halved steps with a fine reference, for the whole state.
@@ -30,12 +29,7 @@ fn order<S: Integrate>(half: DVec3, start: BodyState, e: f64, time: f64, impacts
         distance(&run(base), &exact),
         distance(&run(2 * base), &exact),
     );
-    let p = libm::log2(a / b);
-    println!(
-        "{} across {impacts}: {a:.2e} {b:.2e} order {p:.2}",
-        S::INFO.id
-    );
-    p
+    libm::log2(a / b)
 }
 
 #[test]
@@ -53,54 +47,6 @@ fn order_survives_bounces() {
     // Five tumbling bounces magnify any error ten-thousandfold: too much for order 1.
     assert!((order::<SymmetricTop>(half, start, 1.0, 2.8, 5) - 2.0).abs() < 0.15);
     assert!(order::<Rk4>(half, start, 1.0, 2.8, 5) > 3.7);
-}
-
-/// Five flat bounces of a spinning box in thick air, where every integrator has its plain order.
-#[test]
-fn order_survives_five_bounces_in_air() {
-    // Between the fifth impact and the sixth.
-    let time = 2.75;
-    fn run<S: Integrate>(time: f64, n: u32) -> BodyState {
-        let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.375), 0.9, 0.0);
-        scene.state.position.y = 1.0;
-        scene.state.velocity.x = 2.0;
-        scene.spin(DVec3::Y * 3.0);
-        let law = Forces {
-            acceleration: scene.gravity.0,
-            dissipation: Dissipation {
-                quadratic_drag: 0.3,
-                angular_drag: 0.2,
-                ..Dissipation::NONE
-            },
-            ..Default::default()
-        };
-        for _ in 0..n {
-            scene.step_under::<S>(&law, time / f64::from(n), None);
-        }
-        assert_eq!(scene.total.impacts, 5, "{}", S::INFO.id);
-        scene.state
-    }
-    let exact = run::<Rk4>(time, 4096);
-    let order = |a: BodyState, b: BodyState| {
-        let distance =
-            |s: &BodyState| (s.position - exact.position).length() + s.attitude_difference(&exact);
-        libm::log2(distance(&a) / distance(&b))
-    };
-    let orders = [
-        order(
-            run::<ExplicitEuler>(time, 1024),
-            run::<ExplicitEuler>(time, 2048),
-        ),
-        order(
-            run::<SymmetricTop>(time, 64),
-            run::<SymmetricTop>(time, 128),
-        ),
-        order(run::<Rk4>(time, 64), run::<Rk4>(time, 128)),
-    ];
-    println!("across 5 in air: {orders:.2?}");
-    for (observed, claimed) in orders.into_iter().zip([1.0, 2.0, 4.0]) {
-        assert!((observed - claimed).abs() < 0.3, "{orders:?}");
-    }
 }
 
 /// A flat drop starts no spin and no sideways motion, whatever the yaw: to the bit.
@@ -124,55 +70,4 @@ fn flat_landing_is_symmetric_to_the_bit() {
         assert!(scene.contact.is_resting(&scene.state));
         assert!((scene.state.position.y - 0.2).abs() < 1e-16);
     }
-}
-
-/// Random impacts of one corner, an edge or a face: what comes back is at most e² of what a plastic impact takes, which
-/// Newton's law exceeds; without friction on one corner both are the same.
-#[test]
-fn an_impact_returns_at_most_its_part_of_the_energy() {
-    let mut random = Random(23);
-    let mut newton_excess = 0.0_f64;
-    for i in 0..3000 {
-        let half = random.half_extents(0.1, 1.0);
-        let (e, mu) = (random.range(0.05, 1.0), random.magnitude(0.05, 5.0));
-        let mut scene = Scene::new(half, e, if i % 4 == 0 { 0.0 } else { mu });
-        scene.gravity.0 = DVec3::ZERO;
-        scene.state.rotation = match i % 3 {
-            0 => random.attitude(),
-            1 => about(DVec3::Y, random.range(0.0, 6.0)) * about(DVec3::Z, random.range(0.2, 1.3)),
-            _ => about(DVec3::Y, random.range(0.0, 6.0)),
-        };
-        scene.state.position.y -= scene.lowest();
-        scene.state.velocity = random.vector(2.0) - DVec3::Y * 2.0;
-        scene.spin(random.vector(3.0));
-        let before = scene.energy();
-        let after = |e: f64, law: RestitutionLaw| {
-            let mut scene = scene.clone();
-            (scene.floor.restitution, scene.settings.restitution) = (e, law);
-            scene.settings.max_impacts = 1;
-            let outcome = scene.step::<Split>(1e-12);
-            (
-                scene.energy(),
-                outcome.impacts == 1 && outcome.impacts_capped == 0,
-                scene.state,
-            )
-        };
-        let (plastic, _, _) = after(0.0, RestitutionLaw::Energetic);
-        let (energetic, one, end) = after(e, RestitutionLaw::Energetic);
-        let (newton, also_one, other) = after(e, RestitutionLaw::Newton);
-        if !one || !also_one {
-            continue;
-        }
-        let allowed = plastic + e * e * (before - plastic);
-        assert!(
-            energetic <= allowed + 1e-10 * before,
-            "{i}: {energetic} {allowed}"
-        );
-        newton_excess = newton_excess.max((newton - allowed) / before);
-        if i % 12 == 0 {
-            assert!((end.velocity - other.velocity).length() < 1e-9, "{i}");
-        }
-    }
-    println!("Newton's law returns up to {newton_excess:.3} of the energy too much");
-    assert!(newton_excess > 0.05);
 }

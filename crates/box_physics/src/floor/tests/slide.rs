@@ -18,11 +18,6 @@ fn pub17<S: Integrate>(h: f64, bound: f64) {
         }
     }
     let stopped = stopped.expect("stops");
-    println!(
-        "pub17 {} h={h:.4}: {worst:.2e}, stopped {stopped:.4}, resting {}",
-        S::INFO.id,
-        scene.contact.is_resting(&scene.state)
-    );
     assert!(worst <= bound, "{worst:e}");
     assert!((stopped - stop).abs() <= h * 1.0001, "{stopped}");
     assert!(scene.contact.is_resting(&scene.state));
@@ -89,6 +84,5 @@ fn a_turning_slide_stops_in_a_few_segments() {
         }
         assert!(scene.contact.is_resting(&scene.state) && scene.energy() <= energy);
     }
-    println!("a turning slide: at most {worst} evaluations a step");
     assert!(worst <= 400, "{worst}"); // up to five for each segment that is tried
 }

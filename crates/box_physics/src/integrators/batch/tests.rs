@@ -59,10 +59,8 @@ impl IntegratorVisitor for OverAFloor<'_> {
 
     fn visit<S: Integrate>(self) -> Option<Vec<bool>> {
         let gravity = DVec3::NEG_Y * 9.81;
-        let (own, mut meets) = (
-            vec![gravity; self.bodies.len()],
-            vec![false; self.bodies.len()],
-        );
+        let count = self.bodies.len();
+        let (own, mut meets) = (vec![gravity; count], vec![false; count]);
         let mut group = Group {
             bodies: self.bodies,
             states: self.states,
@@ -96,8 +94,7 @@ impl IntegratorVisitor for ByInstructionSets<'_> {
             return;
         }
         let Self { set, gravity, h } = self;
-        let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
-        let start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
+        let (bodies, start): (Vec<_>, Vec<_>) = set.iter().copied().unzip();
         let (mut plain, mut refused) = (start.clone(), [0.0; BLOCK]);
         step_each::<S>(&bodies, &mut plain, gravity, h, &mut refused);
         let (mut best, mut refused_there) = (start, [0.0; BLOCK]);
@@ -124,8 +121,8 @@ fn expect_forced<S: Integrate>(
     h: f64,
 ) {
     let (mut states, mut expected) = (start.to_vec(), start.to_vec());
-    let memories = || bodies.iter().map(|_| IntegratorMemory::default());
-    let (mut memories, mut own): (Vec<_>, Vec<_>) = (memories().collect(), memories().collect());
+    let mut memories = vec![IntegratorMemory::default(); bodies.len()];
+    let mut own = memories.clone();
     for _ in 0..3 {
         let (mut faults, mut expected_faults) = (Vec::new(), Vec::new());
         let columns = (bodies, &mut *states, &mut *memories);
@@ -172,11 +169,10 @@ proptest! {
     ) {
         let (floor, settings) = (Floor { height, ..Floor::default() }, ContactSettings::DEFAULT);
         let force = Gravity(DVec3::NEG_Y * 9.81);
-        let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
-        let start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
+        let (bodies, start): (Vec<_>, Vec<_>) = set.iter().copied().unzip();
         for &integrator in Integrator::ALL {
             let (mut states, mut free) = (start.clone(), start.clone());
-            let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
+            let mut memories = vec![IntegratorMemory::default(); bodies.len()];
             let Some(meets) = integrator.dispatch(OverAFloor {
                 bodies: &bodies,
                 states: &mut states,
@@ -248,16 +244,15 @@ proptest! {
         broken in 0_usize..300,
         h in prop_oneof![Just(1.0 / 60.0), Just(0.0), Just(-0.1), 0.001..0.5_f64],
     ) {
-        let bodies: Vec<_> = set.iter().map(|(body, _)| *body).collect();
-        let mut start: Vec<_> = set.iter().map(|(_, state)| *state).collect();
+        let (bodies, mut start): (Vec<_>, Vec<_>) = set.iter().copied().unzip();
         if let Some(state) = start.get_mut(broken) {
             state.angular_momentum.y = f64::INFINITY;
         }
         let law = Gravity(gravity);
         for &integrator in Integrator::ALL {
             let (mut states, mut expected) = (start.clone(), start.clone());
-            let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
-            let mut own: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
+            let mut memories = vec![IntegratorMemory::default(); bodies.len()];
+            let mut own = memories.clone();
             for _ in 0..3 {
                 let outcome = integrator.step_all(&bodies, &mut states, &mut memories, &law, h);
                 let mut total = StepOutcome::default();

@@ -3,15 +3,18 @@ use super::super::{Integrator, IntegratorMemory, Limit, Order, Split};
 use super::*;
 use crate::force::{Forces, Spring};
 
-fn springs(damping: f64) -> [Spring; 2] {
-    let spring = |body_point, damping| Spring {
+fn damper(body_point: DVec3, damping: f64) -> Spring {
+    Spring {
         body_point,
         damping,
         ..Spring::default()
-    };
+    }
+}
+
+fn springs(damping: f64) -> [Spring; 2] {
     [
-        spring(DVec3::new(0.5, 0.25, 0.125), damping),
-        spring(DVec3::new(-0.5, 0.0, 0.1), 0.3 * damping),
+        damper(DVec3::new(0.5, 0.25, 0.125), damping),
+        damper(DVec3::new(-0.5, 0.0, 0.1), 0.3 * damping),
     ]
 }
 
@@ -26,10 +29,7 @@ fn moving() -> BodyState {
 fn one_mode() {
     let body = brick();
     for z in [1e-6, 0.1, 1.0, 10.0, 1e6] {
-        let springs = [Spring {
-            damping: z * body.mass(),
-            ..Spring::default()
-        }];
+        let springs = [damper(DVec3::ZERO, z * body.mass())];
         let law = Forces {
             acceleration: DVec3::NEG_Y,
             ..on(&springs)
@@ -117,13 +117,9 @@ fn more_damping_is_more_damped() {
             }
             let springs = [Spring {
                 stiffness: 10.0,
-                damping: d,
-                ..Spring::default()
+                ..damper(DVec3::ZERO, d)
             }];
-            let law = Forces {
-                springs: &springs,
-                ..Default::default()
-            };
+            let law = on(&springs);
             let energy =
                 |s: &BodyState| s.kinetic_energy(&body) + 5.0 * s.position.length_squared();
             let mut s = BodyState::at(DVec3::X * 0.3);
@@ -152,15 +148,10 @@ fn a_held_corner_gains_nothing() {
     for half in [DVec3::splat(0.5), DVec3::new(0.5, 0.25, 0.125)] {
         let body = RigidBox::new(half, 3.0).expect("valid");
         let rise = |damping: f64, gravity: f64, rate: u32| {
-            let springs = [Spring {
-                body_point: half,
-                damping,
-                ..Spring::default()
-            }];
+            let springs = [damper(half, damping)];
             let law = Forces {
                 acceleration: DVec3::NEG_Y * gravity,
-                springs: &springs,
-                ..Default::default()
+                ..on(&springs)
             };
             let energy = |s: &BodyState| s.kinetic_energy(&body) + 3.0 * gravity * s.position.y;
             let mut s =
@@ -208,8 +199,7 @@ fn dampers_at_corners_settle() {
         for springs in [&one[..], &three[..]] {
             let law = Forces {
                 acceleration: DVec3::NEG_Y * 9.81,
-                springs,
-                ..Default::default()
+                ..on(springs)
             };
             let energy = |s: &BodyState| {
                 let stretch = |p: &Spring| (s.point(p.body_point) - p.anchor).length_squared();
