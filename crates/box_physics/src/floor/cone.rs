@@ -9,6 +9,7 @@ use edge::Edge;
 use glam::{DMat3, DVec3};
 
 use super::geometry::{Corner3, mask};
+use super::law::answered;
 use super::operator::DelassusOperator;
 use super::projection::Pair;
 
@@ -66,7 +67,10 @@ impl Cone<'_> {
                 [p[0], p[1]] = edge.solve()?;
             }
             Blocks::More => {
-                *p = self.two_alone(b).or_else(|| self.all_stick(b))?;
+                let two = self.two_alone(b);
+                let two = two.inspect(|_| answered("face: two corners as an edge"));
+                let stick = || self.all_stick(b);
+                *p = two.or_else(|| stick().inspect(|_| answered("face: all stick")))?;
             }
         }
         Some(())

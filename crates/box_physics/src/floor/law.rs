@@ -31,6 +31,22 @@ pub(super) struct Solution<const N: usize = 8> {
     pub(super) converged: bool,
 }
 
+/// Notes in tests which case answered.
+#[inline(always)]
+pub(super) fn answered(case: &'static str) {
+    #[cfg(test)]
+    ANSWERS.with_borrow_mut(|answers| *answers.entry(case).or_default() += 1);
+    #[cfg(not(test))]
+    let _ = case;
+}
+
+#[cfg(test)]
+thread_local! {
+    /// How often each case answered.
+    pub(super) static ANSWERS: std::cell::RefCell<std::collections::BTreeMap<&'static str, u32>> =
+        std::cell::RefCell::default();
+}
+
 /// Coulomb's law at the contacts of an operator.
 pub(super) struct Law<'a, G: Ground<N>, const N: usize> {
     ground: &'a G,
@@ -119,6 +135,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
             self.part *= 0.25;
         }
         self.part = 1.0;
+        answered("gave way");
         solution.p = self.smooth(b);
         solution.converged = false;
         solution
@@ -134,13 +151,18 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
     ) -> Option<[DVec3; N]> {
         let zero = [DVec3::ZERO; N];
         let mut found = descend(self, b, target, &zero, limit, iterations)
-            .or_else(|| descend(self, b, target, &self.smooth(b), limit, iterations));
+            .inspect(|_| answered("Newton from zero"))
+            .or_else(|| {
+                descend(self, b, target, &self.smooth(b), limit, iterations)
+                    .inspect(|_| answered("Newton from the frictionless impulses"))
+            });
         for steps in GRADIENT_STEPS {
             if found.is_none() {
                 let steps = steps.min(limit.saturating_sub(*iterations));
                 let start = self.gradient(b, steps);
                 *iterations += steps;
-                found = descend(self, b, target, &start, limit, iterations);
+                found = descend(self, b, target, &start, limit, iterations)
+                    .inspect(|_| answered("Newton after gradients"));
             }
         }
         found

@@ -8,7 +8,7 @@ use super::cone::{Blocks, Cone};
 use super::frame::Level;
 use super::geometry::{Corner3, Corners, each, has, in_pairs, spans_face};
 use super::ground::{Ground, Segment};
-use super::law::Law;
+use super::law::{Law, answered};
 use super::operator::DelassusOperator;
 use super::projection::{HeldNormals, cancel};
 use crate::force::ForceModel;
@@ -96,6 +96,7 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
     ) -> Option<()> {
         let (friction, norm) = (law.surface(0).1, law.norm);
         if friction == 0.0 {
+            answered("frictionless");
             *p = law.smooth(b);
             return Some(());
         }

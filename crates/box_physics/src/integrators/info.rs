@@ -226,6 +226,9 @@ pub struct Evaluations {
     pub free: u32,
     /// With a state-dependent force.
     pub forced: u32,
+    /// Maximum number of additional evaluations in a step without a complete memory, that is, at the start and after an
+    /// external change.
+    pub starting: u32,
     /// `true` if the integrator iterates; both numbers are then per iteration.
     pub per_iteration: bool,
 }
@@ -236,8 +239,15 @@ impl Evaluations {
         Self {
             free,
             forced,
+            starting: 0,
             per_iteration: false,
         }
+    }
+
+    /// Sets the number of additional evaluations of starting steps.
+    #[must_use]
+    pub const fn starting(self, starting: u32) -> Self {
+        Self { starting, ..self }
     }
 
     /// An integrator that iterates to convergence.
@@ -245,6 +255,7 @@ impl Evaluations {
         Self {
             free,
             forced,
+            starting: 0,
             per_iteration: true,
         }
     }

@@ -42,10 +42,17 @@ fn evaluations_as_claimed() {
             let (mut state, mut memory) = (start, IntegratorMemory::default());
             for step in 1..=8 {
                 let outcome = i.step(&body, &mut state, &law, 1.0 / 60.0, &mut memory);
-                let (spent, claim) = (outcome.evaluations, u64::from(claim));
+                let spent = outcome.evaluations;
+                // The first step needs the starting evaluations and the last does not; in between, a long memory fills.
+                let (least, most) = match step {
+                    1 => (claim + claimed.starting, claim + claimed.starting),
+                    8 => (claim, claim),
+                    _ => (claim, claim + claimed.starting),
+                };
+                let (least, most) = (u64::from(least), u64::from(most));
                 assert!(
-                    spent == claim || (spent > claim && claimed.per_iteration),
-                    "{i} claims {claim} evaluations in step {step}, {what}; measured: {spent}. \
+                    spent >= least && (spent <= most || claimed.per_iteration),
+                    "{i} claims {least} evaluations in step {step}, {what}; measured: {spent}. \
                      Claim what it spends in the `evaluations` of its INFO"
                 );
             }

@@ -13,7 +13,7 @@
 use glam::{DMat3, DVec3};
 
 use super::super::projection::Pair;
-use super::{Cone, single};
+use super::{Cone, answered, single};
 
 /// Newton steps for the two angles: slips that turn little take three.
 const STEPS: u32 = 12;
@@ -63,9 +63,12 @@ impl Edge<'_> {
             self.both_stick()
         };
         first
-            .or_else(|| self.slide(&start))
-            .or_else(|| self.one_sticks(0))
-            .or_else(|| self.one_sticks(1))
+            .inspect(|_| answered("edge: likeliest case"))
+            .or_else(|| self.slide(&start).inspect(|_| answered("edge: both slide")))
+            .or_else(|| {
+                let found = self.one_sticks(0).or_else(|| self.one_sticks(1));
+                found.inspect(|_| answered("edge: one sticks"))
+            })
     }
 
     /// The normal impulses that would stop both corners if there were no friction.

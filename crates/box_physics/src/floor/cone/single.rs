@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
+use super::answered;
+
 /// Directions all round that are tried if none of the likely ones leads to a root, and cosine and sine of the turn from
 /// one to the next.
 const DIRECTIONS: u32 = 16;
@@ -25,6 +27,7 @@ pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64, near: DVec3) -> Option<D
     let stick = -(w.inverse() * b);
     let tangential = stick.x * stick.x + stick.z * stick.z;
     if stick.y > 0.0 && tangential <= (friction * stick.y) * (friction * stick.y) {
+        answered("corner: sticks");
         return Some(stick);
     }
     slide(w, b, friction, near)
@@ -36,7 +39,8 @@ pub(super) fn slide(w: &DMat3, b: DVec3, friction: f64, near: DVec3) -> Option<D
         return None;
     }
     let slip = Slip { w, b, friction };
-    slip.near_to(-near).or_else(|| slip.near())
+    let found = slip.near_to(-near).or_else(|| slip.near());
+    found.inspect(|_| answered("corner: slides"))
 }
 
 /// The corner slips: everything as a function of the unit direction t = (c, s).

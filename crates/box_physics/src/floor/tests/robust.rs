@@ -127,6 +127,41 @@ fn storm_by_hand() {
     }
 }
 
+/// By hand: `cargo test --release -- --ignored which_case_answers_by_hand --nocapture`.
+#[test]
+#[ignore = "prints counts"]
+fn which_case_answers_by_hand() {
+    use super::super::law::ANSWERS;
+    for storms in [false, true] {
+        ANSWERS.take();
+        if storms {
+            storm(2, 5000, 30, Shapes::Any);
+        } else {
+            settle(300);
+        }
+        let answers = ANSWERS.take();
+        let all: u32 = answers.values().sum();
+        println!("{} problems:", all);
+        for (case, count) in answers {
+            let part = 100.0 * f64::from(count) / f64::from(all);
+            println!("{case:40} {part:6.2} %");
+        }
+    }
+}
+
+/// Drops `n` boxes and lets them settle for 3 s.
+fn settle(n: u32) {
+    let mut random = Random(5);
+    for _ in 0..n {
+        let mut half = || random.range(0.2, 0.5);
+        let mut scene = Scene::new(DVec3::new(half(), half(), half()), 0.3, 0.5);
+        let height = scene.body.radius() + random.range(0.5, 2.0);
+        scene.state = BodyState::at_pose(DVec3::Y * height, random.attitude());
+        scene.spin(random.vector(3.0));
+        scene.run::<Split>(SIXTIETH, 180);
+    }
+}
+
 /// The time of an impact is found in a few trials by every integrator, one that remembers derivatives included: the
 /// whole step and its parts belong to one motion.
 #[test]
