@@ -106,9 +106,15 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
             let usual = |p: &&SweepPoint| (60.0 * p.dt - 1.0).abs() < 1e-6;
             let at = sweep.points.iter().find(usual).map(|p| place(p, position));
             if let Some([x, y]) = at.filter(|at| at.iter().all(|v| v.is_finite())) {
-                let words = RichText::new("  1/60 s").small();
+                // Beside the dot of this run, on the side that has room.
+                let bounds = plot.plot_bounds();
+                let (words, anchor) = match x < bounds.min()[0] + 0.85 * bounds.width() {
+                    true => ("\u{a0}\u{a0}\u{a0}\u{a0}\u{a0}1/60 s", Align2::LEFT_CENTER),
+                    false => ("1/60 s\u{a0}\u{a0}\u{a0}\u{a0}\u{a0}", Align2::RIGHT_CENTER),
+                };
+                let words = RichText::new(words).small();
                 let mark = PlotText::new("dt", PlotPoint::new(x, y), words);
-                plot.text(mark.anchor(Align2::LEFT_CENTER).allow_hover(false));
+                plot.text(mark.anchor(anchor).allow_hover(false));
             }
         }
         for trajectory in &view.trajectories {
