@@ -27,9 +27,8 @@ impl Box3d {
     /// What it says.
     pub fn all() -> Result<Vec<Self>, String> {
         let foundation = Foundation::initialize_default().map_err(|e| e.to_string())?;
-        let all = crate::engine::all_threads() as u32;
-        let all = [(1, false), (all, false), (1, true)];
-        let all = all.map(|(workers, fine)| Self {
+        let threads = crate::engine::all_threads() as u32;
+        let all = [(1, false), (threads, false), (1, true)].map(|(workers, fine)| Self {
             foundation,
             workers,
             fine,

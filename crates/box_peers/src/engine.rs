@@ -38,9 +38,9 @@ pub struct Spec<'a> {
     pub bodies: &'a [Body],
 }
 
-/// Friction and restitution of floor and boxes, the same in every engine: those that our floor has by default.
+/// Coefficient of friction of floor and boxes, the same in every engine: that of our floor by default.
 pub const FRICTION: f32 = 0.5;
-/// See [`FRICTION`].
+/// Coefficient of restitution of floor and boxes, likewise.
 pub const RESTITUTION: f32 = 0.3;
 
 /// A world at work.
@@ -85,10 +85,9 @@ pub fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Factor of an engine's default number of substeps for a smaller error, and the number of bodies for which its cost is
-/// measured then.
+/// Factor of an engine's default number of substeps in its *fine* setting.
 pub const FINE: u32 = 10;
-/// See [`FINE`].
+/// Number of boxes in free flight for which the cost of the fine setting is measured.
 pub const FINE_BODIES: usize = 1000;
 
 /// The floor of engines that have no plane: half-extents \[m\] of a slab whose top is y = 0.

@@ -60,8 +60,12 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     let mut engines: Vec<Box<dyn Engine>> = vec![
-        Box::new(ours::Ours { rough: false }),
-        Box::new(ours::Ours { rough: true }),
+        Box::new(ours::Ours {
+            no_slow_bounces: false,
+        }),
+        Box::new(ours::Ours {
+            no_slow_bounces: true,
+        }),
         Box::new(avian::Avian { fine: false }),
         Box::new(avian::Avian { fine: true }),
     ];

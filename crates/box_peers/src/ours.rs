@@ -11,7 +11,7 @@ use crate::in_bevy;
 /// `box_physics` with its default integrator.
 pub struct Ours {
     /// Impacts slower than 1 m/s do not bounce, as in Avian and Box3D.
-    pub rough: bool,
+    pub no_slow_bounces: bool,
 }
 
 struct World {
@@ -22,7 +22,7 @@ struct World {
 impl Ours {
     fn settings(&self) -> ContactSettings {
         let mut settings = ContactSettings::default();
-        if self.rough {
+        if self.no_slow_bounces {
             settings.restitution_threshold = 1.0;
         }
         settings
@@ -31,7 +31,7 @@ impl Ours {
 
 impl Engine for Ours {
     fn id(&self) -> &'static str {
-        if self.rough {
+        if self.no_slow_bounces {
             "box_physics-rough"
         } else {
             "box_physics"
@@ -39,7 +39,7 @@ impl Engine for Ours {
     }
 
     fn name(&self) -> &'static str {
-        if self.rough {
+        if self.no_slow_bounces {
             "box_physics, slow impacts without a bounce"
         } else {
             "box_physics (split)"
@@ -47,7 +47,7 @@ impl Engine for Ours {
     }
 
     fn is_timed(&self, place: Place, _: usize) -> bool {
-        !self.rough || place == Place::Landing
+        !self.no_slow_bounces || place == Place::Landing
     }
 
     fn version(&self) -> String {

@@ -182,7 +182,10 @@ fn every_integrator_finds_an_impact_in_a_few_trials() {
             let worst = each.max().unwrap_or_default();
             assert!(scene.total.impacts > 5, "{integrator}: it bounces");
             // Up to 130 in steps with several impacts; implicit integrators iterate.
-            assert!(worst < 1000, "{integrator}: {worst} evaluations in a step");
+            assert!(
+                worst < 1000,
+                "{integrator}: {worst} evaluations in a step; does it need MULTISTEP?"
+            );
         }
     }
 }
