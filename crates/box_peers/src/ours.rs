@@ -32,7 +32,7 @@ impl Ours {
 impl Engine for Ours {
     fn id(&self) -> &'static str {
         if self.no_slow_bounces {
-            "box_physics-rough"
+            "box_physics-no-slow-bounces"
         } else {
             "box_physics"
         }
