@@ -30,6 +30,7 @@ use bevy::ecs::message::MessageCursor;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
+use box_scenarios::Scenario;
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
 pub use run::{Rule, RuleKind, Run};
@@ -49,6 +50,15 @@ const RECOMMENDED: usize = 2;
 const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
 /// Largest step of a comparison \[s\].
 const LONGEST_STEP: f64 = 0.5;
+
+/// The comparisons that a scene opens with: the first that it recommends beside the main box's integrator.
+pub(crate) fn default_comparisons(
+    scene: &Scenario,
+    main_box: Integrator,
+) -> impl Iterator<Item = Integrator> {
+    let others = scene.recommended().into_iter();
+    others.filter(move |&i| i != main_box).take(RECOMMENDED)
+}
 
 /// The comparison of the present scene.
 #[derive(Resource, Default)]
@@ -115,8 +125,7 @@ impl Comparison {
         let scene = &session.scenario;
         if self.scene != Some(scene.id) {
             self.scene = Some(scene.id);
-            let others = scene.recommended().into_iter().filter(|&i| i != main_box);
-            self.choose(others.take(RECOMMENDED));
+            self.choose(default_comparisons(scene, main_box));
             self.sweep.clear();
         }
         let (setup, truth) = (session.setup(), session.truth.clone());
