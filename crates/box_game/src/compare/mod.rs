@@ -33,7 +33,7 @@ use box_physics::prelude::{ApplyImpulse, Integrator};
 use box_scenarios::Scenario;
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
-pub use run::{Rule, RuleKind, Run};
+pub use run::{Mark, MarkKind, Run};
 pub use series::Quantity;
 pub use view::Settings;
 pub(crate) use view::{CompareView, TrajectoryView};
@@ -49,7 +49,7 @@ const RECOMMENDED: usize = 2;
 /// Smallest and largest step of a comparison over the clock's.
 const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
 /// Largest step of a comparison \[s\].
-const LONGEST_STEP: f64 = 0.5;
+const MAX_STEP: f64 = 0.5;
 
 /// The comparisons that a scene opens with: the first that it recommends beside the main box's integrator.
 pub(crate) fn default_comparisons(
@@ -182,7 +182,7 @@ impl Comparison {
         let (Some(own), Some(figures)) = (figure(key.2), figures) else {
             return;
         };
-        let most = FACTORS.1.min((LONGEST_STEP / run.step).max(1.0));
+        let most = FACTORS.1.min((MAX_STEP / run.step).max(1.0));
         let mut changed = false;
         for (runner, figure) in run.comparisons.iter_mut().zip(figures) {
             let factor = (figure / own).clamp(FACTORS.0, most);
@@ -190,7 +190,7 @@ impl Comparison {
             runner.factor = factor;
         }
         if changed && run.clock > 0.0 {
-            run.rule(run.clock, RuleKind::Step);
+            run.mark(run.clock, MarkKind::Step);
         }
         self.fair = Some(key);
     }
