@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use box_game::action::{Action, Plot};
 use box_game::compare::runner::Runner;
-use box_game::compare::{CompareAction, Comparison, Fairness, Layout, Quantity, RuleKind, Run};
+use box_game::compare::{CompareAction, Comparison, Fairness, Layout, MarkKind, Quantity, Run};
 use box_game::parameters::Parameter;
 use box_game::record::csv_log::CsvLog;
 use box_game::scene::session::MainBox;
@@ -114,7 +114,7 @@ fn the_reference_takes_every_push() {
     let euler = Integrator::ExplicitEuler;
     assert!(measured_of(&app, euler, Quantity::Position) > 0.05);
     assert!(measured_of(&app, euler, Quantity::Energy).abs() > 1e-4);
-    assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Input));
+    assert!(run(&app).marks.iter().any(|m| m.kind == MarkKind::Input));
     // A changed parameter, too.
     ask(&mut app, Action::Set(Parameter::Gravity, 1.5));
     play(&mut app, 30);
@@ -202,10 +202,10 @@ fn main_box_and_comparison_change_places() {
     let pose = of_main_box::<Transform>(&mut app);
     assert_eq!(pose.translation, state.position.as_vec3());
     assert_eq!(pose.rotation, state.rotation.as_quat());
-    let rules = run(&app).rules.len();
+    let marks = run(&app).marks.len();
     ask(&mut app, Action::Step(1));
-    let inputs = run(&app).rules.iter().skip(rules);
-    assert_eq!(inputs.filter(|r| r.kind == RuleKind::Input).count(), 0);
+    let inputs = run(&app).marks.iter().skip(marks);
+    assert_eq!(inputs.filter(|m| m.kind == MarkKind::Input).count(), 0);
 }
 
 /// With equal evaluations, the comparison's step is longer in proportion to its evaluations. Inputs take
@@ -263,7 +263,7 @@ fn the_log_has_a_row_for_every_comparison() {
         assert!(local < 0.2, "{local}");
     }
     assert!(rows.iter().any(|r| r["state"] == "contact"));
-    assert!(run(&app).rules.iter().any(|r| r.kind == RuleKind::Contact));
+    assert!(run(&app).marks.iter().any(|m| m.kind == MarkKind::Contact));
 }
 
 /// 5.7 no. 9: ten minutes at 60 Hz with five comparisons stay within a fixed budget of memory and points.

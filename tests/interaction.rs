@@ -12,7 +12,7 @@ use box_game::compare::Comparison;
 use box_game::compare::sweep::SweepLine;
 use box_game::demo_2012::Demo2012;
 use box_game::interaction::grab::Grip;
-use box_game::interaction::rewind::{LONGEST, Rewind};
+use box_game::interaction::rewind::{MAX_TICKS, Rewind};
 use box_game::interaction::undo::UndoStack;
 use box_game::parameters::Parameter;
 use box_game::preferences::{self, Preferences};
@@ -134,8 +134,8 @@ fn stepping_back_returns_every_state_and_the_future_repeats() {
 #[test]
 fn the_past_is_bounded_and_ends_at_the_start() {
     let mut app = game("dzhanibekov");
-    play(&mut app, LONGEST + 50);
-    assert_eq!(app.world().resource::<Rewind>().kept(), LONGEST);
+    play(&mut app, MAX_TICKS + 50);
+    assert_eq!(app.world().resource::<Rewind>().kept(), MAX_TICKS);
     ask(&mut app, Action::Restart);
     play(&mut app, 5);
     let start = session(&app).scenario.setup.initial;

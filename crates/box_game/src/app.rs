@@ -107,7 +107,7 @@ fn assemble(cli: &Cli, renderer: PluginGroupBuilder) -> io::Result<App> {
 mod tests {
     use super::*;
     use crate::action::compare::Layout;
-    use crate::camera::views::MOST;
+    use crate::camera::views::MAX_VIEWS;
     use crate::compare::Comparison;
     use bevy::ecs::schedule::{InternedSystemSet, SystemKey};
     use bevy::light::Cascades;
@@ -177,7 +177,7 @@ mod tests {
             });
         for (layout, views) in [
             (Layout::Overlaid, 1),
-            (Layout::Views, MOST),
+            (Layout::Views, MAX_VIEWS),
             (Layout::Solo, 1),
         ] {
             app.world_mut().resource_mut::<Comparison>().settings.layout = layout;
@@ -191,7 +191,7 @@ mod tests {
                 let mut lights = world.query::<&Cascades>();
                 let lit = |c: &Cascades| on.iter().all(|view| c.cascades.contains_key(view));
                 assert!(lights.iter(world).all(lit), "{layout:?}");
-                assert_eq!(lights.iter(world).count(), MOST);
+                assert_eq!(lights.iter(world).count(), MAX_VIEWS);
             }
         }
     }

@@ -50,7 +50,7 @@ pub enum Layout {
     Overlaid,
     /// Side by side; only the drawing is shifted.
     SideBySide,
-    /// The main box and up to three comparisons in one view each, smallest error first.
+    /// One view each: the main box, then up to three comparisons, smallest error first.
     Views,
 }
 
@@ -61,7 +61,7 @@ impl Layout {
         (Self::Solo, "Solo", "Show only the main box (G)."),
         (Self::Overlaid, "Overlaid", "All in one place, comparisons as wireframes (G)."),
         (Self::SideBySide, "Side by side", "Side by side; only the drawing is shifted (V)."),
-        (Self::Views, "Views", "Up to four integrators in one view each, smallest error first (V)."),
+        (Self::Views, "Views", "One view each: main box, then up to three comparisons, smallest error first (V)."),
     ];
 }
 

@@ -13,7 +13,7 @@ use crate::compare::Comparison;
 use crate::view::renderer::PictureTarget;
 
 /// Views at most.
-pub const MOST: usize = 4;
+pub const MAX_VIEWS: usize = 4;
 /// Gap between two views \[pixels\].
 const GAP: u32 = 2;
 
@@ -28,7 +28,7 @@ pub struct SplitView(pub usize);
 
 /// For what is seen in every view.
 pub fn everywhere() -> RenderLayers {
-    (0..MOST).collect()
+    (0..MAX_VIEWS).collect()
 }
 
 /// For what is seen in view `k` alone; 0 is also all that is said nothing of.
@@ -112,7 +112,7 @@ pub fn cells(area: URect, n: usize) -> Vec<URect> {
 pub fn count(comparison: &Comparison) -> usize {
     match &comparison.run {
         Some(run) if comparison.settings.layout == Layout::Views => {
-            (run.comparisons.len() + 1).min(MOST)
+            (run.comparisons.len() + 1).min(MAX_VIEWS)
         }
         _ => 1,
     }
@@ -120,7 +120,7 @@ pub fn count(comparison: &Comparison) -> usize {
 
 /// The cameras of the further views, which look as the main one does. They cost nothing while they are off.
 pub fn spawn_views(target: Res<PictureTarget>, mut commands: Commands) {
-    for k in 1..MOST {
+    for k in 1..MAX_VIEWS {
         commands.spawn((
             SplitView(k),
             Camera3d::default(),
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn views_share_the_picture() {
         for area in [URect::new(0, 96, 940, 462), URect::new(3, 5, 8, 8)] {
-            for n in 1..=MOST {
+            for n in 1..=MAX_VIEWS {
                 let cells = cells(area, n);
                 assert_eq!(cells.len(), n);
                 for (k, cell) in cells.iter().enumerate() {

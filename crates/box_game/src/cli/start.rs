@@ -10,6 +10,7 @@ use super::{Cli, DIVERGED, command_line};
 use crate::action::{Action, Plot};
 use crate::compare::{Comparison, Run};
 use crate::input::script::{self, Script};
+use crate::platform;
 use crate::preferences::Preferences;
 use crate::record::csv_log::CsvLog;
 use crate::record::screenshot::{Pictures, ScreenshotRequest};
@@ -19,7 +20,7 @@ use crate::scene::session::Session;
 use crate::scene::start::start_scene;
 
 /// Frames after which a picture that has not arrived is given up.
-const LONGEST_WAIT: u32 = 600;
+const MAX_WAIT: u32 = 600;
 
 /// The end of the program.
 #[derive(Resource, Default)]
@@ -108,6 +109,8 @@ fn end(
     if !ending.asked && (timed_out || limit.is_some_and(|n| *frames >= n)) {
         ending.asked = true;
         if let Some(path) = cli.screenshot.clone() {
+            // A picture of an earlier run must not pass for this one's.
+            platform::remove(&path);
             commands.insert_resource(ScreenshotRequest {
                 path: Some(path),
                 plot: false,
@@ -116,12 +119,16 @@ fn end(
         }
     }
     let waiting = request.is_some() || pictures.pending > 0;
-    if !ending.asked || (waiting && ending.waited < LONGEST_WAIT) {
+    if !ending.asked || (waiting && ending.waited < MAX_WAIT) {
         ending.waited += u32::from(ending.asked);
         return;
     }
-    exit.write(if waiting || pictures.failed {
-        error!("a screenshot was not written");
+    // Those that were not named, by F12, do not count.
+    let request = request.and_then(|request| request.path.clone());
+    let missing = pictures.missing.iter().chain(&request);
+    let missing: Vec<String> = missing.map(|path| path.display().to_string()).collect();
+    exit.write(if !missing.is_empty() {
+        error!("screenshots not written: {}", missing.join(", "));
         AppExit::from_code(1)
     } else if *diverged && cli.fail_on_divergence {
         AppExit::from_code(DIVERGED)
@@ -135,17 +142,44 @@ mod tests {
     use super::*;
     use crate::action::Actions;
     use clap::Parser;
+    use std::ffi::OsStr;
 
+    /// One that somebody took by hand is given up without an error.
     #[test]
-    fn a_picture_that_never_arrives_ends_the_program_with_an_error() {
-        let cli = Cli::try_parse_from(["box_game"]).expect("valid");
+    fn a_named_picture_that_never_arrives_ends_the_program_with_an_error() {
+        for (missing, code) in [
+            (vec!["a.png".into()], AppExit::from_code(1)),
+            (vec![], AppExit::Success),
+        ] {
+            let cli = Cli::try_parse_from(["box_game"]).expect("valid");
+            let mut app = crate::app::headless(cli);
+            let world = app.world_mut();
+            *world.resource_mut::<Pictures>() = Pictures {
+                pending: 1,
+                missing,
+            };
+            world.resource_mut::<Ending>().waited = MAX_WAIT - 1;
+            world.resource_mut::<Actions>().0.push(Action::Quit);
+            app.update();
+            assert_eq!(app.should_exit(), None);
+            app.update();
+            assert_eq!(app.should_exit(), Some(code));
+        }
+    }
+
+    /// Not even a picture of an earlier run passes for this one's.
+    #[test]
+    fn a_screenshot_that_was_not_taken_leaves_no_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, "old").expect("writable");
+        let line = ["box_game", "--frames", "1", "--screenshot"].map(OsStr::new);
+        let line = line.into_iter().chain([path.as_os_str()]);
+        let cli = Cli::try_parse_from(line).expect("valid");
         let mut app = crate::app::headless(cli);
-        let world = app.world_mut();
-        world.resource_mut::<Pictures>().pending = 1;
-        world.resource_mut::<Ending>().waited = LONGEST_WAIT - 1;
-        world.resource_mut::<Actions>().0.push(Action::Quit);
+        app.world_mut().resource_mut::<Ending>().waited = MAX_WAIT;
         app.update();
-        assert_eq!(app.should_exit(), None);
+        assert!(!path.exists());
         app.update();
         assert_eq!(app.should_exit(), Some(AppExit::from_code(1)));
     }

@@ -9,7 +9,7 @@ const SPINS_ABOUT: f64 = 0.8;
 /// A flip counts once the axis is this far through (share of |L|): a wobble at the equator is one flip.
 const THROUGH: f64 = 0.2;
 /// Flips kept at most: an hour of a box that turns over every few seconds.
-const MOST: usize = 1000;
+const MAX_FLIPS: usize = 1000;
 
 /// The flips of one trajectory.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +63,7 @@ impl Flips {
         let even = self.times.len().is_multiple_of(2);
         let side = if even { sign } else { -sign };
         let through = -now * side > THROUGH * state.angular_momentum.length();
-        if through && self.times.len() < MOST {
+        if through && self.times.len() < MAX_FLIPS {
             self.times.push(self.crossed);
         }
     }

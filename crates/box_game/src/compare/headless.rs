@@ -14,7 +14,7 @@ use super::verdict::short;
 use crate::record::csv_log::{CsvLog, Row};
 
 /// Rows of the CSV per integrator at most; a longer run is thinned to every `every`-th step.
-const MOST_ROWS: u64 = 100_000;
+const MAX_ROWS: u64 = 100_000;
 
 /// What to compare.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl Headless {
         let costs = self.costs();
         let run_id = format!("{}-{}", self.scenario.id, self.seed);
         let last = comparison.steps();
-        let every = last.div_ceil(MOST_ROWS).max(1);
+        let every = last.div_ceil(MAX_ROWS).max(1);
         let result = comparison.run(|now| {
             let due = now.step.is_multiple_of(every) || now.step == last;
             if !due && !now.status.is_diverged() {
@@ -284,12 +284,12 @@ mod tests {
     fn a_long_run_has_a_short_file() {
         let (table, _, csv) = table("throw", |c| {
             c.integrators = vec![Integrator::Exact];
-            c.scenario.setup.duration = 2.5 * MOST_ROWS as f64 / 60.0;
+            c.scenario.setup.duration = 2.5 * MAX_ROWS as f64 / 60.0;
         });
         assert_eq!(table.every, 3);
         let rows: Vec<_> = csv.lines().filter(|l| l.starts_with("throw-1,")).collect();
         let count = rows.len();
-        assert!((80_000..=MOST_ROWS as usize).contains(&count), "{count}");
+        assert!((80_000..=MAX_ROWS as usize).contains(&count), "{count}");
         assert!(rows[1].starts_with("throw-1,3,"));
         assert!(rows[count - 1].starts_with("throw-1,250000,"));
     }

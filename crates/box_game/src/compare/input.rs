@@ -6,7 +6,7 @@ use box_scenarios::Change;
 
 /// Inputs that are kept, so that a comparison chosen later can be simulated from the start. Ten pushes a
 /// second for an hour.
-const MOST: usize = 36_000;
+const MAX_INPUTS: usize = 36_000;
 
 /// A change and its time.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ impl Inputs {
     /// Appends; the oldest goes where there are too many.
     pub(crate) fn push(&mut self, input: Input) {
         self.kept.push_back(input);
-        if self.kept.len() > MOST {
+        if self.kept.len() > MAX_INPUTS {
             self.kept.pop_front();
             self.first += 1;
         }
@@ -82,14 +82,14 @@ mod tests {
     #[test]
     fn memory_is_bounded_and_numbers_stay() {
         let mut inputs = Inputs::default();
-        for k in 0..MOST as u64 + 10 {
+        for k in 0..MAX_INPUTS as u64 + 10 {
             inputs.push(at(k as f64));
         }
-        assert_eq!(inputs.kept.len(), MOST);
+        assert_eq!(inputs.kept.len(), MAX_INPUTS);
         assert!(!inputs.is_whole());
         assert!(inputs.get(9).is_none());
         assert_eq!(inputs.get(10).map(|i| i.t), Some(10.0));
-        assert_eq!(inputs.end(), MOST as u64 + 10);
+        assert_eq!(inputs.end(), MAX_INPUTS as u64 + 10);
     }
 
     #[test]

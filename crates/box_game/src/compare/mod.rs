@@ -30,9 +30,10 @@ use bevy::ecs::message::MessageCursor;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, Integrator};
+use box_scenarios::Scenario;
 
 pub use crate::action::compare::{CompareAction, Fairness, Layout, Window};
-pub use run::{Rule, RuleKind, Run};
+pub use run::{Mark, MarkKind, Run};
 pub use series::Quantity;
 pub use view::Settings;
 pub(crate) use view::{CompareView, TrajectoryView};
@@ -48,7 +49,16 @@ const RECOMMENDED: usize = 2;
 /// Smallest and largest step of a comparison over the clock's.
 const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
 /// Largest step of a comparison \[s\].
-const LONGEST_STEP: f64 = 0.5;
+const MAX_STEP: f64 = 0.5;
+
+/// The comparisons that a scene opens with: the first that it recommends beside the main box's integrator.
+pub(crate) fn default_comparisons(
+    scene: &Scenario,
+    main_box: Integrator,
+) -> impl Iterator<Item = Integrator> {
+    let others = scene.recommended().into_iter();
+    others.filter(move |&i| i != main_box).take(RECOMMENDED)
+}
 
 /// The comparison of the present scene.
 #[derive(Resource, Default)]
@@ -115,8 +125,7 @@ impl Comparison {
         let scene = &session.scenario;
         if self.scene != Some(scene.id) {
             self.scene = Some(scene.id);
-            let others = scene.recommended().into_iter().filter(|&i| i != main_box);
-            self.choose(others.take(RECOMMENDED));
+            self.choose(default_comparisons(scene, main_box));
             self.sweep.clear();
         }
         let (setup, truth) = (session.setup(), session.truth.clone());
@@ -173,7 +182,7 @@ impl Comparison {
         let (Some(own), Some(figures)) = (figure(key.2), figures) else {
             return;
         };
-        let most = FACTORS.1.min((LONGEST_STEP / run.step).max(1.0));
+        let most = FACTORS.1.min((MAX_STEP / run.step).max(1.0));
         let mut changed = false;
         for (runner, figure) in run.comparisons.iter_mut().zip(figures) {
             let factor = (figure / own).clamp(FACTORS.0, most);
@@ -181,7 +190,7 @@ impl Comparison {
             runner.factor = factor;
         }
         if changed && run.clock > 0.0 {
-            run.rule(run.clock, RuleKind::Step);
+            run.mark(run.clock, MarkKind::Step);
         }
         self.fair = Some(key);
     }

@@ -13,7 +13,7 @@ use box_physics::prelude::{
 use box_scenarios::{Change, Model};
 
 use super::sweep::SweepTask;
-use super::{Comparison, RuleKind, Run, copy};
+use super::{Comparison, MarkKind, Run, copy};
 use crate::action::Action;
 use crate::action::compare::{CompareAction, Layout};
 use crate::compare::sampling::IntegratorSamples;
@@ -143,7 +143,7 @@ pub(crate) fn after_step(
     let began = |c: &FloorContact| c.entity == entity && c.phase == ContactPhase::Began;
     let start = Instant::now();
     if contacts.read().filter(|c| began(c)).count() > 0 {
-        run.rule(t, RuleKind::Contact);
+        run.mark(t, MarkKind::Contact);
     }
     run.after_step(t, h, (&state, contact), scene.integrator.0);
     comparison.spent += start.elapsed();

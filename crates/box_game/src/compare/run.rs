@@ -24,15 +24,15 @@ use past::Checkpoint;
 use ranking::Ranking;
 
 /// Marks in the plots that are kept.
-const RULES: usize = 512;
-/// Contacts closer than this are one line \[s\].
-const RULE_SPACING: f64 = 0.02;
+const MAX_MARKS: usize = 512;
+/// Marks of one kind that are closer than this are one \[s\].
+const MARK_SPACING: f64 = 0.02;
 /// Simulation steps between two looks at the clock.
 const BATCH: u32 = 16;
 
 /// What a mark in the plots stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RuleKind {
+pub enum MarkKind {
     /// The main box met the floor.
     Contact,
     /// The reference turned over.
@@ -49,11 +49,11 @@ pub enum RuleKind {
 
 /// A mark in the plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rule {
+pub struct Mark {
     /// Simulated time \[s\].
     pub t: f64,
     /// What happened.
-    pub kind: RuleKind,
+    pub kind: MarkKind,
 }
 
 /// See the module.
@@ -74,7 +74,7 @@ pub struct Run {
     /// When the reference turned over.
     pub reference_flips: Flips,
     /// Marks in the plots, oldest first.
-    pub rules: VecDeque<Rule>,
+    pub marks: VecDeque<Mark>,
     start: (Arc<Model>, BodyState),
     /// The main box at the beginning of its last step, and whether that began with one of the scene's impulses.
     before: (BodyState, bool),
@@ -102,7 +102,7 @@ impl Run {
             comparisons: Vec::new(),
             reference: LiveReference::new(&law, state, &impulses, truth, step),
             reference_flips: Flips::new(&law, &state, 0.0),
-            rules: VecDeque::new(),
+            marks: VecDeque::new(),
             start: (law.clone(), state),
             before: (state, false),
             impulses,
@@ -183,13 +183,13 @@ impl Run {
     }
 
     /// Marks an event in the plots.
-    pub fn rule(&mut self, t: f64, kind: RuleKind) {
-        let repeats = |last: &Rule| last.kind == kind && t - last.t < RULE_SPACING;
-        if !self.rules.back().is_some_and(repeats) {
-            self.rules.push_back(Rule { t, kind });
+    pub fn mark(&mut self, t: f64, kind: MarkKind) {
+        let repeats = |last: &Mark| last.kind == kind && t - last.t < MARK_SPACING;
+        if !self.marks.back().is_some_and(repeats) {
+            self.marks.push_back(Mark { t, kind });
         }
-        if self.rules.len() > RULES {
-            self.rules.pop_front();
+        if self.marks.len() > MAX_MARKS {
+            self.marks.pop_front();
         }
     }
 
@@ -199,7 +199,7 @@ impl Run {
             self.step = step;
             self.reference.set_clock_step(step);
             if self.clock > 0.0 {
-                self.rule(self.clock, RuleKind::Step);
+                self.mark(self.clock, MarkKind::Step);
             }
         }
     }
@@ -208,7 +208,7 @@ impl Run {
     fn push(&mut self, t: f64, change: Change) {
         self.reference.push(t, &change);
         self.inputs.push(Input { t, change });
-        self.rule(t, RuleKind::Input);
+        self.mark(t, MarkKind::Input);
     }
 
     /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` applies
@@ -261,7 +261,7 @@ impl Run {
     ) {
         if integrator != self.main_box.integrator() {
             self.main_box.simulation.driver.integrator = integrator;
-            self.rule(self.clock, RuleKind::Integrator);
+            self.mark(self.clock, MarkKind::Integrator);
         }
         self.set_step(h);
         self.clock = t;
@@ -279,7 +279,7 @@ impl Run {
             let flips = self.reference_flips.times().len();
             self.reference_flips.observe(to, t);
             if let Some(&flip) = self.reference_flips.times().get(flips) {
-                self.rule(flip, RuleKind::Flip);
+                self.mark(flip, MarkKind::Flip);
             }
         }
     }
@@ -333,7 +333,7 @@ impl Run {
         }
         self.before = (state, false);
         self.reference_flips = Flips::new(&self.law, &state, t);
-        self.rule(t, RuleKind::Resync);
+        self.mark(t, MarkKind::Resync);
         Some(state)
     }
 
@@ -376,6 +376,6 @@ impl Run {
     /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
     pub fn kept(&self) -> usize {
         let samples: usize = self.trajectories().map(|r| r.track.series.kept()).sum();
-        samples + self.rules.len() + self.checkpoints.len()
+        samples + self.marks.len() + self.checkpoints.len()
     }
 }

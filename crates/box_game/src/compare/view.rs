@@ -7,7 +7,7 @@ use box_scenarios::Status;
 use super::runner::SAME;
 use super::sampling::IntegratorSamples;
 use super::sweep::SweepLine;
-use super::{Comparison, Fairness, Layout, Quantity, Rule, Window};
+use super::{Comparison, Fairness, Layout, Mark, Quantity, Window};
 use crate::action::Plot;
 use crate::ui::panel::decimate::{NARROW, decimate};
 
@@ -53,7 +53,7 @@ pub(crate) struct CompareView {
     pub reference: String,
     /// After this time \[s\] the motion is chaotic, and there are no errors.
     pub horizon: Option<f64>,
-    pub rules: Vec<Rule>,
+    pub marks: Vec<Mark>,
     /// Whether nothing but inputs should change the energy.
     pub conservative: bool,
     /// The lines of the sweep so far.
@@ -170,7 +170,7 @@ pub(crate) fn compare_view(
     view.attitude = run.attitude_says_more();
     view.reference = run.reference.description();
     view.horizon = run.reference.horizon();
-    view.rules = run.rules.iter().copied().collect();
+    view.marks = run.marks.iter().copied().collect();
     let ideal = |f: Floor| f.restitution >= 1.0 && f.friction <= 0.0;
     view.conservative = run.law.is_conservative() && run.law.floor.is_none_or(ideal);
     if boxes > 1 {

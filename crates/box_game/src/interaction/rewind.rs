@@ -16,11 +16,11 @@ use crate::scene::session::{BoxNumber, Session};
 use crate::scene::start::SceneOpened;
 
 /// The most ticks that are kept: half a minute at 60 Hz.
-pub const LONGEST: usize = 2000;
+pub const MAX_TICKS: usize = 2000;
 /// The most steps that one action takes.
-const MOST_STEPS: u32 = 10_000;
+const MAX_STEPS: u32 = 10_000;
 /// The most bodies of a scene that can go back.
-pub const MOST_BODIES: usize = 1000;
+pub const MAX_BODIES: usize = 1000;
 /// The most bodies in all that are kept, over every tick: some 50 MB.
 const BUDGET: usize = 80_000;
 
@@ -35,7 +35,7 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The present moment; `None` with more than [`MOST_BODIES`] bodies.
+    /// The present moment; `None` with more than [`MAX_BODIES`] bodies.
     pub fn now(world: &mut World) -> Option<Self> {
         let mut bodies = world.query::<(
             &BoxNumber,
@@ -44,7 +44,7 @@ impl Moment {
             &ContactState,
             &RestingSince,
         )>();
-        if bodies.iter(world).len() > MOST_BODIES {
+        if bodies.iter(world).len() > MAX_BODIES {
             return None;
         }
         let bodies = bodies
@@ -105,7 +105,7 @@ impl Rewind {
         while self.ring.pop_back_if(future).is_some() {}
         let bodies = moment.bodies.len().max(1);
         self.ring.push_back(moment);
-        while self.ring.len() > LONGEST.min(BUDGET / bodies) {
+        while self.ring.len() > MAX_TICKS.min(BUDGET / bodies) {
             self.ring.pop_front();
         }
     }
@@ -116,7 +116,7 @@ pub fn on_action(action: On<Action>, mut commands: Commands) {
     match *action {
         Action::Step(n) => commands.queue(move |world: &mut World| {
             world.resource_mut::<PhysicsClock>().paused = true;
-            for _ in 0..n.min(MOST_STEPS) {
+            for _ in 0..n.min(MAX_STEPS) {
                 keep(world);
                 StepPhysics(1).apply(world);
             }

@@ -12,7 +12,7 @@ use crate::scene::session::Session;
 use crate::scene::start::{SceneOpened, take_effect};
 
 /// The most changes that are kept.
-const MOST: usize = 100;
+const MAX_CHANGES: usize = 100;
 /// Changes of one thing closer than this are one: a slider being dragged.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
 
@@ -135,7 +135,7 @@ pub fn keep(world: &mut World) {
     stack.last = Some((entry.what, now));
     if !dragging {
         stack.past.push(entry);
-        if stack.past.len() > MOST {
+        if stack.past.len() > MAX_CHANGES {
             stack.past.remove(0);
         }
     }

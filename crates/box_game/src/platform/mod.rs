@@ -34,7 +34,7 @@ use web as system;
 pub use system::{
     COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
     check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
-    read, refuse, reproduce, say, scene_folder, stamp, window, write,
+    read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
 };
 
 use std::io;

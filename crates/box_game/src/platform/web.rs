@@ -196,6 +196,11 @@ pub fn exists(path: &Path) -> bool {
     files().written.iter().any(|written| written == path)
 }
 
+/// Forgets that a file was written.
+pub fn remove(path: &Path) {
+    files().written.retain(|written| written != path);
+}
+
 /// Nothing to do.
 pub fn create_folder(_: &Path) -> io::Result<()> {
     Ok(())

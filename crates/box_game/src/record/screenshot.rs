@@ -18,12 +18,12 @@ use crate::view::renderer::PictureTarget;
 pub(crate) struct PlotArea(pub URect);
 
 /// The pictures that were asked for.
-#[derive(Resource, Clone, Copy, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct Pictures {
     /// Number of those that are not on disk yet: the program does not end before them.
     pub pending: u32,
-    /// One of them could not be saved.
-    pub failed: bool,
+    /// Files that the command line or a script named and that are not on disk: not yet, or because of an error.
+    pub missing: Vec<PathBuf>,
 }
 
 /// A picture of the next frame.
@@ -125,17 +125,23 @@ impl Capture<'_, '_> {
     /// Takes a picture, or the part `area` of it, and saves it at `path`.
     fn picture(&mut self, area: Option<URect>, path: PathBuf, named: bool) {
         self.pictures.pending += 1;
+        if named {
+            self.pictures.missing.push(path.clone());
+        }
         let picture = Screenshot(self.target.0.clone());
         self.commands.spawn(picture).observe(
             move |captured: On<ScreenshotCaptured>,
                   mut session: ResMut<Session>,
                   mut pictures: ResMut<Pictures>| {
                 pictures.pending = pictures.pending.saturating_sub(1);
-                match save(&captured.image, area, &path) {
+                let saved = save(&captured.image, area, &path);
+                if saved.is_ok() {
+                    pictures.missing.retain(|missing| *missing != path);
+                }
+                match saved {
                     Ok(()) if named => info!("screenshot: {}", path.display()),
                     Ok(()) => session.notice(format!("screenshot: {}", path.display())),
                     Err(error) => {
-                        pictures.failed = true;
                         session.notice(format!("screenshot {}: {error}", path.display()));
                     }
                 }

@@ -13,7 +13,7 @@ use crate::platform::{self, Stamp};
 /// Interval between two looks at the files [s of real time].
 const INTERVAL: f64 = 0.5;
 /// The most files that are listed: a folder of thousands is a mistake.
-const MOST: usize = 200;
+const MAX_FILES: usize = 200;
 
 /// Every scene that can be chosen.
 #[derive(Resource, Debug, Default)]
@@ -100,7 +100,7 @@ impl SceneLibrary {
         let mut paths = platform::list(&self.folder);
         paths.retain(|path| path.extension().is_some_and(|e| e == "ron"));
         paths.sort();
-        paths.truncate(MOST);
+        paths.truncate(MAX_FILES);
         let listed = |path: &PathBuf| paths.iter().any(|p| same_file(p, path));
         if let Some(opened) = self.opened.clone().filter(|o| !listed(o)) {
             paths.push(opened);

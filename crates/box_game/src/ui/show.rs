@@ -42,7 +42,7 @@ pub(super) fn spawn_camera(
         PrimaryEguiContext,
         Camera2d,
         Camera {
-            order: views::MOST as isize,
+            order: views::MAX_VIEWS as isize,
             clear_color: ClearColorConfig::None,
             ..default()
         },

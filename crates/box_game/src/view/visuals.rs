@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use box_physics::prelude::{BodyIntegrator, Floor, GlobalIntegrator, RigidBox};
 
-use crate::camera::views::{MOST, everywhere, only};
+use crate::camera::views::{MAX_VIEWS, everywhere, only};
 use crate::demo_2012::Demo2012;
 use crate::scene::session::{MainBox, Session};
 use crate::view::marks::cuboid;
@@ -37,7 +37,7 @@ pub(super) fn set_up(
     mut images: ResMut<Assets<Image>>,
 ) {
     // A light casts shadows of what is on its layers: with one for all views, each would show the main box's shadow.
-    for view in 0..MOST {
+    for view in 0..MAX_VIEWS {
         commands.spawn((
             only(view),
             DirectionalLight {

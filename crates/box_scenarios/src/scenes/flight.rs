@@ -48,8 +48,8 @@ pub fn stiff_drag() -> Scenario {
         title: "Stiff drag",
         lesson: "Drag of 250 per second stops the throw in milliseconds. Explicit integrators diverge for c·dt/m above 2 (RK4: 2.79); implicit and exponential ones remain stable.",
         hints: [
-            "Press [Linear drag 300] and [Restart]: c·dt/m falls from 4.2 to 2.5, below the limit of RK4.",
-            "Open the [Error tab]: Implicit midpoint oscillates, because its amplification factor tends to −1.",
+            "Press [Linear drag 300] and [Restart]: c·dt/m falls to 2.5, below the limit of RK4.",
+            "Compare with [Implicit midpoint] and open the [Error tab]: it oscillates, as its amplification factor tends to −1.",
         ],
         setup: Setup::new(body, start, forces, 3.0),
         recommended: &["split", "rk4", "backward-euler", "implicit-midpoint"],

@@ -39,7 +39,7 @@ pub fn drop() -> Scenario {
         title: "Flat drop",
         lesson: "Bounce n reaches e^(2n) of the initial height. There are infinitely many bounces in a finite time, then rest. Locating the impact within the step preserves the order of the integrator.",
         hints: [
-            "Press [Restitution 1] or [Restitution 0]: it bounces forever or not at all.",
+            "Press [Restitution 1] or [Restitution 0] and [Restart]: it bounces forever or not at all.",
             "Read [Spin |ω|]: a flat landing must not cause spin.",
         ],
         setup: setup.with_floor(FloorSpec::at_zero(0.5, 0.0)),

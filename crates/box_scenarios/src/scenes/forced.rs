@@ -47,7 +47,7 @@ pub fn stiff_spring() -> Scenario {
         title: "Stiff spring",
         lesson: "A spring at a corner, stiff enough that ω·dt is 1 at 60 Hz. Velocity Verlet is stable up to 2, RK4 up to 2.83, Split up to 3.46; implicit integrators always, some by damping the motion.",
         hints: [
-            "Press [30 Hz]: ω·dt is 2, the limit of Velocity Verlet and Semi-implicit Euler.",
+            "Compare with [Velocity Verlet] and press [30 Hz]: ω·dt is 2, its limit.",
             "Open the [Energy tab]: Backward Euler is stable but damps the oscillation within a second.",
         ],
         setup: Setup::new(body, start, forces, 4.0),

@@ -38,7 +38,7 @@ pub fn stable_axis() -> Scenario {
         lesson: "Spin about the axis of the largest moment wobbles but never flips. Energy and angular momentum are constant, so any drift is an integrator error.",
         hints: [
             "Press [Faster] and open the [Energy tab] after a minute.",
-            "Compare with [Engine: rescaled]: it conserves |L| but not the energy, so it drifts and flips.",
+            "Press [Side by side]. Engine: rescaled conserves |L| but not the energy, so it drifts and flips.",
         ],
         setup: Setup::new(body, start, ForceSet::none(), 60.0),
         recommended: &[
@@ -122,7 +122,7 @@ pub fn damped_spin() -> Scenario {
         title: "Damped spin",
         lesson: "Damping proportional to the angular momentum only slows time down: the box tumbles freely in the time (1 − e^(−γt))/γ, so its final attitude is known in advance.",
         hints: [
-            "Press [Ang. damping 180] and [Restart]: γ·dt is 3. Explicit integrators diverge, Split and Exact remain exact.",
+            "Press [Ang. damping 180] and [Restart]: γ·dt is 3. Explicit integrators diverge, Split remains exact.",
             "Open the [Energy tab]: the direction of L never changes.",
         ],
         setup: Setup::new(body, start, forces, 10.0),

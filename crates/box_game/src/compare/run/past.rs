@@ -47,7 +47,7 @@ impl Run {
     pub fn rewind(&mut self, t: f64, state: &BodyState) {
         let end = t + SAME * self.step;
         self.inputs.rewind(t - SAME * self.step);
-        self.rules.retain(|r| r.t <= end);
+        self.marks.retain(|m| m.t <= end);
         self.checkpoints.retain(|c| c.t == 0.0 || c.t <= end);
         let Some(c) = self.checkpoints.back().cloned() else {
             return;

@@ -9,7 +9,7 @@ use crate::compare::verdict::Quality;
 /// Shortest simulated time between two changes of the order \[s\].
 const PERIOD: f64 = 1.0;
 /// The order changes if the errors of two comparisons in the wrong order differ by more than this factor.
-const CLEARLY: f64 = 2.0;
+const MIN_ERROR_RATIO: f64 = 2.0;
 
 /// An order that does not flicker.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +42,7 @@ impl Run {
         let ranked = self.ranked().into_iter();
         let mut ranked: Vec<_> = ranked.map(|r| (severity(r), r.integrator())).collect();
         let before = |k: usize| ranked[..k].iter();
-        let wrong = |k: usize| before(k).any(|other| CLEARLY * ranked[k].0 < other.0);
+        let wrong = |k: usize| before(k).any(|other| MIN_ERROR_RATIO * ranked[k].0 < other.0);
         if (1..ranked.len()).any(wrong) {
             ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         }

@@ -34,7 +34,7 @@ const BUDGET: Duration = Duration::from_micros(300);
 /// Share of a frame's time for samples, where that is more and the clock is coarse.
 const SHARE: f64 = 0.1;
 /// The most time for samples in a frame.
-const MOST: Duration = Duration::from_millis(8);
+const MAX_BUDGET: Duration = Duration::from_millis(8);
 /// Points of the plotted past per integrator: five minutes at least.
 const HISTORY: usize = 3600;
 
@@ -231,7 +231,7 @@ pub fn sample_integrators(
     samples.record_plugin(now, clock.steps(), &timings);
     let shortest = shortest_sample(samples.grain);
     let budget = if samples.is_coarse() {
-        time.delta().mul_f64(SHARE).clamp(BUDGET, MOST)
+        time.delta().mul_f64(SHARE).clamp(BUDGET, MAX_BUDGET)
     } else {
         BUDGET
     };

@@ -13,7 +13,7 @@ use super::format::number;
 pub(super) const UPRIGHT: f64 = 3.0;
 pub(super) const ALONG: f64 = 8.0;
 /// More marks than this are a plot that is not laid out yet.
-const MOST: f64 = 200.0;
+const MAX_GRID_MARKS: f64 = 200.0;
 
 /// Zero and less stand here, below anything a step can cost or miss.
 const FLOOR: f64 = 1e-17;
@@ -45,7 +45,7 @@ fn steps(input: &GridInput, apart: f64) -> [f64; 3] {
     let (low, high) = input.bounds;
     let (step, parts) = round_up(input.base_step_size * apart);
     let count = (high - low) / step;
-    if (0.0..MOST).contains(&count) {
+    if (0.0..MAX_GRID_MARKS).contains(&count) {
         [step / parts, step, step]
     } else {
         [f64::INFINITY; 3]

@@ -16,10 +16,10 @@ use crate::action::{Action, Plot, Push};
 use crate::parameters::Parameter;
 
 /// Time for which a control is marked that a hint shows \[s\].
-const MARKED: f64 = 2.0;
+const MARK_TIME: f64 = 2.0;
 
 /// What the button of a name does.
-enum Deed {
+enum HintTarget {
     /// It requests these actions.
     Ask(Vec<Action>),
     /// It shows the parameter or figure with this name in the side panel.
@@ -45,15 +45,15 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
         let start = end;
         end += text.chars().count();
         if named == 1
-            && let Some(deed) = deed(part, view)
+            && let Some(target) = target(part, view)
         {
-            buttons.push((part, deed, [start, end]));
+            buttons.push((part, target, [start, end]));
         }
     }
     let label = Label::new(job).wrap().selectable(false);
     let (corner, galley, response) = label.layout_in_ui(ui);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, galley.text()));
-    for (k, (name, deed, [start, end])) in buttons.into_iter().enumerate() {
+    for (k, (name, target, [start, end])) in buttons.into_iter().enumerate() {
         // At the start of a row, not at the end of the one above.
         let start = CCursor {
             prefer_next_row: true,
@@ -62,7 +62,8 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
         let [start, end] = [start, CCursor::new(end)].map(|at| galley.pos_from_cursor(at));
         let place = start.union(end).translate(corner.to_vec2());
         let place = place.expand2(vec2(3.0, 1.0));
-        let on = matches!(&deed, Deed::Ask(actions) if actions.iter().all(|a| done(a, view)));
+        let on =
+            matches!(&target, HintTarget::Ask(actions) if actions.iter().all(|a| is_done(a, view)));
         let button = ui.interact(place, response.id.with(k), Sense::click());
         button.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
         identify(&button, format!("hint {name}"));
@@ -73,13 +74,13 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
         if !button.clicked() {
             continue;
         }
-        match deed {
-            Deed::Ask(mut actions) => {
-                actions.retain(|action| !done(action, view));
+        match target {
+            HintTarget::Ask(mut actions) => {
+                actions.retain(|action| !is_done(action, view));
                 panel.out.extend(actions);
             }
-            Deed::Show(name) => {
-                panel.memory.marked = Some((name, ui.input(|i| i.time) + MARKED));
+            HintTarget::Show(name) => {
+                panel.memory.marked = Some((name, ui.input(|i| i.time) + MARK_TIME));
                 if !side {
                     panel.ask(Action::TogglePlots);
                 }
@@ -90,7 +91,7 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
 }
 
 /// Whether the action has nothing left to do; a second toggle would undo it.
-fn done(action: &Action, view: &PanelView) -> bool {
+fn is_done(action: &Action, view: &PanelView) -> bool {
     let (settings, trajectories) = (&view.compare.settings, &view.compare.trajectories);
     match action {
         Action::Set(parameter, value) => view.parameters.get(*parameter) == Some(*value),
@@ -106,27 +107,27 @@ fn done(action: &Action, view: &PanelView) -> bool {
 }
 
 /// What the button of this name does.
-fn deed(name: &str, view: &PanelView) -> Option<Deed> {
+fn target(name: &str, view: &PanelView) -> Option<HintTarget> {
     let mut figures = FIGURES.iter().map(|figure| figure.0);
-    let figure = figures.find(|figure| *figure == name).map(Deed::Show);
+    let figure = figures.find(|figure| *figure == name).map(HintTarget::Show);
     let actions = || button(name).or_else(|| listed(name, view).map(|action| vec![action]));
     figure
         .or_else(|| parameter(name, view))
-        .or_else(|| actions().map(Deed::Ask))
+        .or_else(|| actions().map(HintTarget::Ask))
 }
 
 /// A parameter, if the scene has it: shown, or set to the value behind its name, `Restitution 1`, `dt 1/10 s`.
-fn parameter(name: &str, view: &PanelView) -> Option<Deed> {
+fn parameter(name: &str, view: &PanelView) -> Option<HintTarget> {
     let present = |p: &Parameter| view.parameters.get(*p).is_some();
     Parameter::ALL.into_iter().filter(present).find_map(|p| {
         let label = p.info().label;
         let value = name.strip_prefix(label)?;
         if value.is_empty() {
-            return Some(Deed::Show(label));
+            return Some(HintTarget::Show(label));
         }
         let value = value.strip_prefix(' ')?;
         let value = p.parse(value).or_else(|| parse(value))?;
-        Some(Deed::Ask(vec![Action::Set(p, p.nearest(value)?)]))
+        Some(HintTarget::Ask(vec![Action::Set(p, p.nearest(value)?)]))
     })
 }
 

@@ -7,7 +7,7 @@ use bevy_egui::egui::{
 
 use super::shown::Seen;
 use crate::action::compare::Layout;
-use crate::compare::RuleKind;
+use crate::compare::MarkKind;
 use crate::compare::verdict::VISIBLE_LATENESS;
 use crate::view::style;
 
@@ -61,10 +61,10 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
                 ring(t.place(seen.tip), color, share);
             }
         }
-        let mut rules = run.rules.iter();
-        let impact = rules.rfind(|rule| rule.kind == RuleKind::Contact);
-        if let (Some(rule), Some(floor)) = (impact, run.law.floor)
-            && let Some(share) = growth(run.clock, rule.t)
+        let mut marks = run.marks.iter();
+        let impact = marks.rfind(|mark| mark.kind == MarkKind::Contact);
+        if let (Some(mark), Some(floor)) = (impact, run.law.floor)
+            && let Some(share) = growth(run.clock, mark.t)
         {
             let at = run.main_box.state().position.as_vec3();
             ring(at.with_y(floor.height as f32), Color32::WHITE, share);

@@ -22,7 +22,7 @@ const TRAIL_POINTS: usize = 96;
 /// Opacity of an edge behind a face.
 const HIDDEN: f32 = 0.3;
 /// Angle to the reference from which a comparison shows the marks on its faces \[°\].
-const MARKED: f64 = 2.0;
+const MIN_MARKED_ANGLE: f64 = 2.0;
 
 /// Past places of the marked point of every trajectory, with their times \[s\], newest last.
 #[derive(Resource, Default)]
@@ -125,7 +125,7 @@ impl Lines<'_> {
             }
         }
         let apart = trajectory.track.now.sample.get(Quantity::Attitude);
-        if !self.solid && (apart.is_nan() || apart > MARKED) {
+        if !self.solid && (apart.is_nan() || apart > MIN_MARKED_ANGLE) {
             for ends in marks::lines(half.as_vec3()) {
                 line(
                     ends.map(|p| trajectory.place(p.as_dvec3())),

@@ -27,7 +27,7 @@ const TOGETHER: f32 = 10.0;
 const REACH: [f32; 3] = [26.0, 52.0, 84.0];
 const TURNS: [f32; 7] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.6, -1.6];
 /// More labels than this are a legend.
-const MOST: usize = 5;
+const MAX_LABELS: usize = 5;
 /// Room around the text of a label.
 const MARGIN: Vec2 = vec2(7.0, 4.0);
 
@@ -148,11 +148,7 @@ fn left_out(seen: &Seen<'_>) -> Option<String> {
     let shown = |i: Integrator| seen.trajectories.iter().any(|t| t.integrator == i);
     let others = seen.run.integrators().filter(|&i| !shown(i));
     let marks: Vec<String> = others.map(|i| style::of(i).glyph.to_string()).collect();
-    let text = format!(
-        "{} not shown, errors in between: {}",
-        marks.len(),
-        marks.join(" ")
-    );
+    let text = format!("{} not shown: {}", marks.len(), marks.join(" "));
     (!marks.is_empty()).then_some(text)
 }
 
@@ -222,7 +218,7 @@ fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label>
 /// legend if there is no room.
 fn at_the_boxes(painter: &Painter, view: Rect, labels: &[Label], center: Option<Pos2>, reach: f32) {
     let sizes: Vec<Vec2> = labels.iter().map(|label| label.size(painter)).collect();
-    let center = center.filter(|_| labels.len() <= MOST);
+    let center = center.filter(|_| labels.len() <= MAX_LABELS);
     let places = center.and_then(|c| arrange(view.shrink(8.0), labels, &sizes, c, reach));
     let Some(places) = places else {
         let mut corner = view.min + vec2(10.0, 10.0);

@@ -89,8 +89,8 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
 /// the largest error.
 fn in_views(run: &Run) -> Vec<&Runner> {
     let ranked = run.ranked();
-    let last = views::MOST - 2;
-    if ranked.len() < views::MOST {
+    let last = views::MAX_VIEWS - 2;
+    if ranked.len() < views::MAX_VIEWS {
         return ranked;
     }
     let nth = |k: usize| ranked[k * (ranked.len() - 1) / last];

@@ -11,7 +11,7 @@ use super::super::format::number;
 use super::super::widgets::{describe, note, within};
 use super::plots::{LOWEST, frame, hover, line, scrolled};
 use crate::compare::verdict::{ROUNDING, short};
-use crate::compare::{CompareView, Quantity, RuleKind};
+use crate::compare::{CompareView, MarkKind, Quantity};
 use crate::view::style;
 use box_scenarios::Status;
 
@@ -26,7 +26,7 @@ const LETTER: f32 = 5.6;
 /// Height of the tick of a contact or flip [points].
 const TICK: f32 = 8.0;
 /// Lines of events that are shown at most.
-const MOST_RULES: usize = 200;
+const MAX_MARK_LINES: usize = 200;
 /// The common axis of all curves.
 const TIME: &str = "time of the trajectories";
 
@@ -99,11 +99,11 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str, still
             let text = style::in_ink(ui, trajectory.integrator, text);
             ui.add(Label::new(text.small()).extend());
         }
-        let mut kinds: Vec<RuleKind> = Vec::new();
-        for rule in &view.rules {
-            if !kinds.contains(&rule.kind) {
-                kinds.push(rule.kind);
-                let (name, rgb) = looks(rule.kind);
+        let mut kinds: Vec<MarkKind> = Vec::new();
+        for mark in &view.marks {
+            if !kinds.contains(&mark.kind) {
+                kinds.push(mark.kind);
+                let (name, rgb) = looks(mark.kind);
                 let color = style::ink(rgb, ui.ctx().theme());
                 let text = RichText::new(format!("| {name}")).small();
                 ui.add(Label::new(text.color(color)).extend());
@@ -182,7 +182,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
         let lines = view.trajectories.iter().flat_map(|t| &t.lines);
         let times = lines.filter_map(|(_, points)| points.first().map(|p| p[0]));
         let start = times.fold(f64::INFINITY, f64::min);
-        rules(plot, view, start);
+        mark_lines(plot, view, start);
         if let (Some(visible), true) = (quantity.visible(), log) {
             bands(plot, visible, start);
         }
@@ -236,29 +236,29 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
 }
 
 /// Name and color of an event.
-const fn looks(kind: RuleKind) -> (&'static str, [u8; 3]) {
+const fn looks(kind: MarkKind) -> (&'static str, [u8; 3]) {
     match kind {
-        RuleKind::Contact => ("contact", [140; 3]),
-        RuleKind::Flip => ("flip", [180; 3]),
-        RuleKind::Input => ("push or change", [150, 110, 150]),
-        RuleKind::Step => ("dt changed", [90, 140, 170]),
-        RuleKind::Integrator => ("integrator changed", [170, 140, 80]),
-        RuleKind::Resync => ("re-sync", [160; 3]),
+        MarkKind::Contact => ("contact", [140; 3]),
+        MarkKind::Flip => ("flip", [180; 3]),
+        MarkKind::Input => ("push or change", [150, 110, 150]),
+        MarkKind::Step => ("dt changed", [90, 140, 170]),
+        MarkKind::Integrator => ("integrator changed", [170, 140, 80]),
+        MarkKind::Resync => ("re-sync", [160; 3]),
     }
 }
 
 /// Contacts and flips repeat: ticks do not cover the curves.
-const fn repeats(kind: RuleKind) -> bool {
-    matches!(kind, RuleKind::Contact | RuleKind::Flip)
+const fn repeats(kind: MarkKind) -> bool {
+    matches!(kind, MarkKind::Contact | MarkKind::Flip)
 }
 
 /// A dashed line for each other event since `start`.
-fn rules(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
-    let lines = view.rules.iter().filter(|r| !repeats(r.kind));
-    for rule in lines.rev().take(MOST_RULES).filter(|r| r.t >= start) {
-        let (name, rgb) = looks(rule.kind);
+fn mark_lines(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
+    let lines = view.marks.iter().filter(|m| !repeats(m.kind));
+    for mark in lines.rev().take(MAX_MARK_LINES).filter(|m| m.t >= start) {
+        let (name, rgb) = looks(mark.kind);
         let color = style::ink(rgb, plot.ctx().theme());
-        let line = VLine::new(name, rule.t).color(color).width(1.0);
+        let line = VLine::new(name, mark.t).color(color).width(1.0);
         let dashed = line.style(LineStyle::Dashed { length: 4.0 });
         plot.vline(dashed.allow_hover(false));
     }
@@ -268,12 +268,12 @@ fn rules(plot: &mut PlotUi<'_>, view: &CompareView, start: f64) {
 fn ticks(ui: &Ui, transform: &PlotTransform, view: &CompareView) {
     let frame = *transform.frame();
     let painter = ui.painter_at(frame);
-    for rule in view.rules.iter().filter(|r| repeats(r.kind)) {
+    for mark in view.marks.iter().filter(|m| repeats(m.kind)) {
         let x = transform
-            .position_from_point(&PlotPoint::new(rule.t, 0.0))
+            .position_from_point(&PlotPoint::new(mark.t, 0.0))
             .x;
         if frame.x_range().contains(x) {
-            let color = style::ink(looks(rule.kind).1, ui.ctx().theme());
+            let color = style::ink(looks(mark.kind).1, ui.ctx().theme());
             let tick = frame.top()..=frame.top() + TICK;
             painter.vline(x, tick, Stroke::new(2.0, color));
         }

@@ -19,7 +19,7 @@ use crate::view::style;
 const LEGEND: f32 = 235.0;
 const PLOT: f32 = 260.0;
 /// On more lines than this, marks of the usual step size would cover each other.
-const MARKED: usize = 4;
+const MAX_MARKED_LINES: usize = 4;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
@@ -102,7 +102,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
                 plot.points(dots.shape(looks.marker).color(looks.ink(theme)));
             }
         }
-        for sweep in view.sweep.iter().take(MARKED) {
+        for sweep in view.sweep.iter().take(MAX_MARKED_LINES) {
             let usual = |p: &&SweepPoint| (60.0 * p.dt - 1.0).abs() < 1e-6;
             let at = sweep.points.iter().find(usual).map(|p| place(p, position));
             if let Some([x, y]) = at.filter(|at| at.iter().all(|v| v.is_finite())) {

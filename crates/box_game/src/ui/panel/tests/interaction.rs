@@ -9,6 +9,7 @@ use box_scenarios::{Scenario, scene_file};
 use super::{Person, TALL, demo, id_of, sample_view, with};
 use crate::action::compare::CompareAction;
 use crate::action::{Action, Plot};
+use crate::compare::{TrajectoryView, default_comparisons};
 use crate::parameters::Parameters;
 use crate::platform::SHIPPED;
 use crate::ui::panel::PanelMemory;
@@ -27,7 +28,8 @@ fn the_lesson_says_what_to_try() {
 }
 
 /// Every hint of every scene names a control, in brackets, and asks for what that control asks for: the one on the panel
-/// with this name, if the view has it. A name of a number shows it, or sets it to the value behind the name.
+/// with this name, if the view has it. A name of a number shows it, or sets it to the value behind the name. While
+/// the scene has the comparisons that it opens with, and another tab is open, every button has something to do.
 #[test]
 fn every_hint_does_what_it_names() {
     let built_in = Scenario::ALL.iter().map(|build| (build(), true));
@@ -41,6 +43,15 @@ fn every_hint_does_what_it_names() {
             view.parameters = Parameters::of(&scene);
             view.plot = Plot::Table;
             view.demo = (scene.id == crate::demo_2012::SCENE).then(demo);
+            let trajectories = &mut view.compare.trajectories;
+            trajectories.truncate(1);
+            let main_box = trajectories[0].clone();
+            let others = default_comparisons(&scene, main_box.integrator);
+            trajectories.extend(others.map(|integrator| TrajectoryView {
+                integrator,
+                main_box: false,
+                ..main_box.clone()
+            }));
         });
         let mut count = 0;
         for hint in scene.hints {
@@ -58,6 +69,7 @@ fn every_hint_does_what_it_names() {
                     assert_eq!((marked, asked), (name, vec![]), "{at}");
                     continue;
                 }
+                assert!(!asked.is_empty(), "{at}: already so when the scene opens");
                 let compare = person.control(&format!("Compare {name}"));
                 match compare.or_else(|| person.control(name)) {
                     Some(control) => assert_eq!(asked, person.click(&control), "{at}"),

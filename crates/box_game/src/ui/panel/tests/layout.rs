@@ -11,7 +11,7 @@ use super::super::drawer::TABS;
 use super::super::{FIGURES, PanelLayout, PanelMemory, PanelView, SHARE};
 use super::{Person, TALL, USUAL, demo, sample_view, with};
 use crate::action::{Action, Plot};
-use crate::compare::{CompareView, Rule, RuleKind};
+use crate::compare::{CompareView, Mark, MarkKind};
 use crate::parameters::{Parameter, Parameters};
 
 /// 1280×720 at 75, 100, 125, 150 and 200 %, 1920×1080 at 75, 100 and 200 %, a narrow window: points.
@@ -51,13 +51,13 @@ fn long() -> PanelView {
         trajectory.now = [-1.234_567e-9; 7];
     }
     let kinds = [
-        RuleKind::Contact,
-        RuleKind::Flip,
-        RuleKind::Input,
-        RuleKind::Step,
-        RuleKind::Integrator,
+        MarkKind::Contact,
+        MarkKind::Flip,
+        MarkKind::Input,
+        MarkKind::Step,
+        MarkKind::Integrator,
     ];
-    view.compare.rules = kinds.map(|kind| Rule { t: 1.0, kind }).into();
+    view.compare.marks = kinds.map(|kind| Mark { t: 1.0, kind }).into();
     view.compare.note = "The comparisons simulate only the first box.".into();
     view.figures = [-1.234_567e-9; FIGURES.len()];
     for (cost, _) in &mut view.timings {
