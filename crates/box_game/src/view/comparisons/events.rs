@@ -63,7 +63,7 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
         }
         let mut rules = run.rules.iter();
         let impact = rules.rfind(|rule| rule.kind == RuleKind::Contact);
-        if let (Some(rule), Some(floor)) = (impact, run.law.floor)
+        if let (Some(rule), Some(floor)) = (impact, run.law.floor())
             && let Some(share) = growth(run.clock, rule.t)
         {
             let at = run.main_box.state().position.as_vec3();
