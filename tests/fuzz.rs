@@ -135,7 +135,7 @@ proptest! {
 
     /// Good files with parts overwritten, duplicated or removed.
     #[test]
-    fn spoilt_files(
+    fn spoiled_files(
         which in any::<prop::sample::Index>(),
         edits in prop::collection::vec(
             (any::<prop::sample::Index>(), 0..30_usize, prop::sample::select(SCRAPS)), 1..6),

@@ -153,6 +153,19 @@ fn errors_at_60_hz_and_the_order_behind_them() {
     );
 }
 
+/// Claims of the default under forces at 60 Hz over the whole duration, in position \[m\] or attitude \[rad\].
+#[test]
+fn the_default_is_of_fourth_order_under_forces() {
+    let measure = |prefix| case(prefix).measure(Integrator::Split, 1.0 / 60.0);
+    for (prefix, error, bound) in [
+        ("pub10", measure("pub10").position, 1e-7),
+        ("pub11", measure("pub11").position, 1e-7),
+        ("pub15", measure("pub15").attitude, 1e-6),
+    ] {
+        assert!(error <= bound, "{prefix}: {error:e}, promised: {bound:e}");
+    }
+}
+
 /// Our own formulas and numerical references compared with the files. They are two independent derivations,
 /// so only rounding may separate them; pub02 multiplies it by 6e3 (`attitude_sensitivity`).
 #[test]

@@ -26,7 +26,7 @@ use box_physics::force::{Forces, Gravity};
 use box_physics::plugin::{Stage, integrator_path};
 use box_physics::prelude::*;
 
-use world::{Play, app, brick, tumbling};
+use world::{Play, app, app_with, brick, tumbling};
 
 const WEIGHT: Gravity = Gravity(DVec3::new(0.0, -9.81, 0.0));
 const FREE: Gravity = Gravity(DVec3::ZERO);
@@ -225,6 +225,21 @@ fn changing_transform_teleports_and_keeps_the_motion() {
     app.update();
     assert_eq!(app.state(entity).position, after.position);
     assert_eq!(app.get::<Transform>(entity).translation.y, 1.0);
+}
+
+#[test]
+fn parts_can_be_left_out() {
+    let mut app = app_with(
+        PhysicsPlugins::default()
+            .build()
+            .disable::<AabbPlugin>()
+            .disable::<PhysicsDiagnosticsPlugin>(),
+    );
+    let entity = app.spawn((brick(), tumbling()));
+    app.update();
+    assert!(app.world().get::<WorldAabb>(entity).is_none());
+    assert!(app.world().get_resource::<PhysicsTimings>().is_none());
+    assert_ne!(app.state(entity), tumbling());
 }
 
 #[test]

@@ -169,12 +169,22 @@ fn turning_a_body_keeps_velocity_and_spin_in_the_chosen_axes() {
         let (mut app, entity) = floating(());
         app.update();
         let mut expected = app.state(entity);
+        if by_command {
+            expected.position = DVec3::ONE;
+        }
         let there = Teleport::to(entity, expected.position).turned(turned.as_dquat());
         expected.turn_to(&brick(), turned.as_dquat(), spin);
         match (by_command, spin) {
             (false, _) => app.edit::<Transform>(entity).rotation = turned,
             (true, Frame::World) => app.queue(there),
             (true, Frame::Body) => app.queue(there.with_body_spin()),
+        }
+        if by_command {
+            // It is shown at once.
+            assert_eq!(app.state(entity), expected);
+            let shown = Transform::from_translation(Vec3::ONE);
+            let shown = shown.with_rotation(expected.rotation.as_quat());
+            assert_eq!(*app.get::<Transform>(entity), shown);
         }
         // An invalid pose or an entity that is not a body changes nothing.
         app.queue(Teleport::to(entity, DVec3::NAN));

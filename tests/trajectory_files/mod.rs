@@ -94,7 +94,7 @@ fn every_key_of_the_force_model_has_an_effect() {
 #[test]
 fn bad_files_are_refused_by_name() {
     #[rustfmt::skip]
-    let spoilt = [
+    let spoiled = [
         ("/forces/wind", json!(1), "forces.wind | unknown | linear_drag_c"),
         ("/forces/dipole", json!({"moment_body": [1, 0, 0], "field_world": [0, 1, 0], "q": 1}), "forces.dipole.q"),
         ("/forces/zero_length_spring", json!({"k": 1, "anchor": [0, 0, 0]}),
@@ -120,7 +120,7 @@ fn bad_files_are_refused_by_name() {
         ("/samples/1/energy", json!("much"), "samples[1].energy | much"),
         ("/samples", json!([]), "samples | at least one"),
     ];
-    for (pointer, value, words) in spoilt {
+    for (pointer, value, words) in spoiled {
         let mut v = good();
         let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
         match v.pointer_mut(parent).expect("there") {

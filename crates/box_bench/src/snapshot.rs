@@ -98,7 +98,7 @@ impl Snapshot {
         let model = Model::of(setup);
         let start =
             std::iter::repeat_with(|| (&setup.body, &setup.initial, ContactState::default()));
-        let floor = model.floor.map(|f| (f, model.settings));
+        let floor = model.floor().map(|f| (f, model.settings));
         let this = Self::new(start.take(boxes), &setup.forces, floor, h)?;
         Some(Self { steps, ..this })
     }

@@ -183,9 +183,10 @@ mod tests {
         }
     }
 
-    /// FNV-1a of 104 zero bytes is BASIS · PRIME¹⁰⁴: nothing is xored.
+    /// A known vector. FNV-1a of 104 zero bytes is BASIS · PRIME¹⁰⁴: nothing is xored.
     #[test]
     fn it_is_fnv_1a() {
+        assert_eq!(fnv_1a(*b"foobar"), 0x8594_4171_f739_67e8);
         let mut zero = BodyState::at(DVec3::ZERO);
         zero.rotation = DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0);
         let expected = (0..104).fold(BASIS, |h, _| h.wrapping_mul(PRIME));

@@ -328,6 +328,28 @@ mod tests {
         assert!((w - DVec3::new(1.0, 2.0, -1.0)).length() < 1e-15);
     }
 
+    /// Turning keeps the spin in the chosen axes to rounding. Position and velocity do not change.
+    #[test]
+    fn turning_keeps_the_spin_in_the_chosen_axes() {
+        let (body, before) = (body(), tilted());
+        let (s, c) = sin_cos(0.3);
+        let turn = DQuat::from_xyzw(0.0, 2.0 * s, 0.0, 2.0 * c);
+        for spin in [Frame::World, Frame::Body] {
+            let mut after = before;
+            after.turn_to(&body, turn, spin);
+            assert!((after.rotation - turn * 0.5).length() < 1e-15);
+            assert_eq!(
+                (after.position, after.velocity),
+                (before.position, before.velocity)
+            );
+            let changed = match spin {
+                Frame::World => after.angular_velocity(&body) - before.angular_velocity(&body),
+                Frame::Body => after.angular_momentum - before.angular_momentum,
+            };
+            assert!(changed.length() < 1e-15, "{spin:?}: {changed}");
+        }
+    }
+
     #[test]
     fn impulse_bookkeeping() {
         let (body, before) = (body(), tilted());

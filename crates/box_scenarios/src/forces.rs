@@ -4,9 +4,9 @@ use box_physics::body::RigidBox;
 use box_physics::error::InvalidValue;
 use box_physics::force::{Dissipation, Forces, Frame, PointForce, Spring};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::limits::{self, ANY, COEFFICIENT, Limited};
+use crate::limits::{self, MAX_ITEMS};
 
 /// The owned counterpart of [`Forces`]: every term of the force model; 0 or empty means absent.
 ///
@@ -47,10 +47,10 @@ pub struct ForceSet {
     #[serde(deserialize_with = "limits::vector")]
     pub world_torque: DVec3,
     /// Forces at body points.
-    #[serde(deserialize_with = "limits::items")]
+    #[serde(deserialize_with = "points")]
     pub point_forces: Vec<PointForce>,
     /// Springs at body points.
-    #[serde(deserialize_with = "limits::items")]
+    #[serde(deserialize_with = "springs")]
     pub springs: Vec<Spring>,
 }
 
@@ -201,20 +201,46 @@ pub(crate) fn coefficient(field: &'static str, value: f64) -> Result<(), Invalid
     }
 }
 
-impl Limited for PointForce {
-    fn check(&self) -> Result<(), InvalidValue> {
-        limits::check("body_point", &self.body_point.to_array(), ANY)?;
-        limits::check("force", &self.force.to_array(), ANY)
-    }
+// The fields of the force types of `box_physics` with limits, so that an error has the location of the value.
+
+#[derive(Deserialize)]
+#[serde(remote = "PointForce", rename = "PointForce", deny_unknown_fields)]
+struct PointFields {
+    #[serde(deserialize_with = "limits::vector")]
+    body_point: DVec3,
+    #[serde(deserialize_with = "limits::vector")]
+    force: DVec3,
+    #[serde(default)]
+    frame: Frame,
 }
 
-impl Limited for Spring {
-    fn check(&self) -> Result<(), InvalidValue> {
-        limits::check("body_point", &self.body_point.to_array(), ANY)?;
-        limits::check("anchor", &self.anchor.to_array(), ANY)?;
-        limits::check("stiffness", &[self.stiffness], COEFFICIENT)?;
-        limits::check("damping", &[self.damping], COEFFICIENT)
-    }
+#[derive(Deserialize)]
+#[serde(remote = "Spring", rename = "Spring", deny_unknown_fields)]
+struct SpringFields {
+    #[serde(deserialize_with = "limits::vector")]
+    body_point: DVec3,
+    #[serde(deserialize_with = "limits::vector")]
+    anchor: DVec3,
+    #[serde(deserialize_with = "limits::coefficient")]
+    stiffness: f64,
+    #[serde(default, deserialize_with = "limits::coefficient")]
+    damping: f64,
+}
+
+fn points<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PointForce>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(transparent)]
+    struct Item(#[serde(deserialize_with = "PointFields::deserialize")] PointForce);
+    let items = limits::at_most(from, MAX_ITEMS)?;
+    Ok(items.into_iter().map(|Item(force)| force).collect())
+}
+
+fn springs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Spring>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(transparent)]
+    struct Item(#[serde(deserialize_with = "SpringFields::deserialize")] Spring);
+    let items = limits::at_most(from, MAX_ITEMS)?;
+    Ok(items.into_iter().map(|Item(spring)| spring).collect())
 }
 
 #[cfg(test)]

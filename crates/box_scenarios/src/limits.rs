@@ -3,7 +3,6 @@
 
 use core::ops::RangeInclusive;
 
-use box_physics::error::InvalidValue;
 use glam::DVec3;
 use serde::de::{Deserialize, Deserializer, Error};
 
@@ -13,35 +12,8 @@ const LARGEST: f64 = 1e6;
 /// Maximum number of springs, point forces or impulses in a file.
 pub(crate) const MAX_ITEMS: usize = 64;
 
-/// A range and its description.
-type Range = (RangeInclusive<f64>, &'static str);
-
-/// Any number in a file.
-pub(crate) const ANY: Range = (-LARGEST..=LARGEST, "between -1e6 and 1e6");
-/// A coefficient of a force or of friction.
-pub(crate) const COEFFICIENT: Range = (0.0..=LARGEST, "between 0 and 1e6");
-
-/// A type without limits of its own. Its numbers are checked when a file is read.
-pub(crate) trait Limited {
-    /// Checks every number.
-    fn check(&self) -> Result<(), InvalidValue>;
-}
-
-/// Checks the numbers of a field.
-pub(crate) fn check(
-    field: &'static str,
-    numbers: &[f64],
-    (range, allowed): Range,
-) -> Result<(), InvalidValue> {
-    match numbers.iter().copied().find(|n| !range.contains(n)) {
-        None => Ok(()),
-        Some(value) => Err(InvalidValue {
-            field,
-            value,
-            allowed,
-        }),
-    }
-}
+/// Range of any number in a file, and its description.
+const ANY: (RangeInclusive<f64>, &str) = (-LARGEST..=LARGEST, "between -1e6 and 1e6");
 
 /// Reads a number within `range`; `allowed` describes the range in the error.
 pub(crate) fn number<'de, D: Deserializer<'de>>(
@@ -66,7 +38,7 @@ pub(crate) fn any<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
 
 /// Reads a coefficient of a force or of friction.
 pub(crate) fn coefficient<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    number(from, COEFFICIENT.0, COEFFICIENT.1)
+    number(from, 0.0..=LARGEST, "between 0 and 1e6")
 }
 
 /// Reads a fraction, 0 to 1.
@@ -110,23 +82,5 @@ pub(crate) fn at_most<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
         Ok(list)
     } else {
         Err(D::Error::custom(format_args!("allowed: at most {most}")))
-    }
-}
-
-/// Reads a list of at most [`MAX_ITEMS`] elements and checks each, so that an error names it.
-pub(crate) fn items<'de, D: Deserializer<'de>, T: Deserialize<'de> + Limited>(
-    from: D,
-) -> Result<Vec<T>, D::Error> {
-    let items: Vec<Item<T>> = at_most(from, MAX_ITEMS)?;
-    Ok(items.into_iter().map(|item| item.0).collect())
-}
-
-struct Item<T>(T);
-
-impl<'de, T: Deserialize<'de> + Limited> Deserialize<'de> for Item<T> {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let item = T::deserialize(from)?;
-        item.check().map_err(D::Error::custom)?;
-        Ok(Self(item))
     }
 }

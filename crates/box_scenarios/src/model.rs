@@ -15,9 +15,8 @@ pub struct Model {
     pub body: RigidBox,
     /// The forces.
     pub forces: ForceSet,
-    /// The floor, if there is one.
-    pub floor: Option<Floor>,
     /// The floor of the setup, if it is valid.
+    pub(crate) floor: Option<Floor>,
     floor_spec: Option<FloorSpec>,
     /// Floor and walls of a tray; empty without walls.
     pub(crate) planes: Vec<Plane>,
@@ -48,6 +47,11 @@ impl Model {
     /// A model of `body` under `forces`, without a floor.
     pub fn without_floor(body: RigidBox, forces: ForceSet) -> Self {
         Self::of(&Setup::new(body, BodyState::default(), forces, 0.0))
+    }
+
+    /// The floor, if there is one.
+    pub fn floor(&self) -> Option<Floor> {
+        self.floor
     }
 
     /// A setup with this model that starts in `state` and lasts `duration` \[s\], without impulses.

@@ -98,3 +98,20 @@ pub(super) fn png(text: &str) -> Result<PathBuf, String> {
     platform::with_extension(text, "png")
         .ok_or_else(|| "allowed: a file name that ends in .png".to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is written is read by [`box_scenarios::parse_step`]; here is the range.
+    #[test]
+    fn steps_have_a_range() {
+        assert_eq!(step("1920 Hz"), Ok(1.0 / 1920.0));
+        for bad in ["0.6", "5000hz"] {
+            assert!(
+                step(bad).is_err_and(|said| said.contains("allowed")),
+                "{bad}"
+            );
+        }
+    }
+}

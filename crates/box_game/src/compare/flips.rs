@@ -27,7 +27,7 @@ impl Flips {
     /// Watches the axis that the box spins about in `state`; none over a floor, under a torque or at rest.
     pub fn new(model: &Model, state: &BodyState, t: f64) -> Self {
         let l = state.angular_momentum;
-        let free = model.floor.is_none() && model.is_uniform_acceleration();
+        let free = model.floor().is_none() && model.is_uniform_acceleration();
         let axis = (0..3)
             .find(|&k| free && l[k].abs() > SPINS_ABOUT * l.length())
             .map(|k| (k, l[k].signum()));

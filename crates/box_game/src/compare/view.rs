@@ -172,7 +172,7 @@ pub(crate) fn compare_view(
     view.horizon = run.reference.horizon();
     view.marks = run.marks.iter().copied().collect();
     let ideal = |f: Floor| f.restitution >= 1.0 && f.friction <= 0.0;
-    view.conservative = run.law.is_conservative() && run.law.floor.is_none_or(ideal);
+    view.conservative = run.law.is_conservative() && run.law.floor().is_none_or(ideal);
     if boxes > 1 {
         view.note = "The comparisons simulate only the first box.".to_owned();
     }

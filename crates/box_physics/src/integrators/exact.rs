@@ -91,6 +91,7 @@ mod tests {
     use super::super::IntegratorMemory;
     use super::*;
     use crate::force::{Dissipation, Forces};
+    use crate::integrators::SymmetricTop;
     use crate::math::AnyArgument;
     use glam::{DQuat, DVec3};
 
@@ -145,6 +146,27 @@ mod tests {
                 assert!(distance(&one, &many) < 2e-14, "{n}");
             }
         }
+    }
+
+    /// `symmetric-top` at a step so small that only its error ∝ h² remains.
+    #[test]
+    fn agrees_with_a_splitting() {
+        let (body, start) = tumbling();
+        let law = damped();
+        let mut exact = start;
+        run(&body, &mut exact, &law, 1.0, 1);
+        let error = |n: usize| {
+            let (mut state, mut memory) = (start, IntegratorMemory::default());
+            for _ in 0..n {
+                SymmetricTop::step(&body, &mut state, &law, 1.0 / n as f64, &mut memory);
+            }
+            distance(&exact, &state)
+        };
+        let (coarse, fine) = (error(1000), error(10_000));
+        assert!(
+            coarse < 1e-6 && fine < 1.2e-2 * coarse,
+            "{coarse:e} {fine:e}"
+        );
     }
 
     /// A change of step size keeps the event; any other change does not.

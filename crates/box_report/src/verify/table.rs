@@ -135,8 +135,8 @@ pub(super) fn write_table<'a>(
     Ok(())
 }
 
-fn status(status: Outcome) -> String {
-    match status {
+fn status(outcome: Outcome) -> String {
+    match outcome {
         Outcome::Ok => "ok".to_owned(),
         Outcome::Lost(quantity) => format!("lost ({quantity})"),
         Outcome::Diverged => "diverged".to_owned(),

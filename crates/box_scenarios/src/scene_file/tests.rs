@@ -176,12 +176,12 @@ fn complaints_name_file_line_column_and_field() {
         (
             "stiffness: 20.0",
             "stiffness: -1.0",
-            ":forces.springs[0]: stiffness must be between 0 and 1e6, but is -1",
+            ":forces.springs[0].stiffness: must be between 0 and 1e6, but is -1",
         ),
         (
             "stiffness: 20.0",
             "stiffness: inf",
-            ":forces.springs[0]: stiffness ",
+            ":forces.springs[0].stiffness: ",
         ),
         (
             "id: \"example\"",
@@ -203,19 +203,30 @@ fn complaints_name_file_line_column_and_field() {
         let rest = format!(":{}", place[2].trim_start());
         assert!(rest.starts_with(expected), "{to}: {said}");
         // The error is on the modified line, or on a later one if a field is missing.
-        let spoilt = text[..EXAMPLE.find(from).expect("there")]
+        let spoiled = text[..EXAMPLE.find(from).expect("there")]
             .matches('\n')
             .count()
             + 1;
         assert!(
-            (spoilt..=spoilt + 12).contains(&error.line),
-            "{to}: {said} {spoilt}"
+            (spoiled..=spoiled + 12).contains(&error.line),
+            "{to}: {said} {spoiled}"
         );
         if !to.is_empty() {
-            assert_eq!(error.line, spoilt, "{to}: {said}");
+            assert_eq!(error.line, spoiled, "{to}: {said}");
         }
         assert!(error.column > 0);
     }
+    // At the line of the value, also within a list.
+    let lines = EXAMPLE.replace("stiffness: 20.0", "\nstiffness: -1.0\n");
+    let line = 1 + lines
+        .split("stiffness: -1.0")
+        .next()
+        .map_or(0, |t| t.matches('\n').count());
+    let error = read(&lines).expect_err("negative");
+    assert_eq!(
+        (error.line, &*error.field),
+        (line, "forces.springs[0].stiffness")
+    );
     let said = load(Path::new("/nowhere/x.ron"))
         .expect_err("none")
         .to_string();
@@ -353,7 +364,7 @@ proptest! {
 
     /// The example with up to four numbers replaced is either rejected with a location or playable.
     #[test]
-    fn a_spoilt_example_is_refused_or_plays(
+    fn a_spoiled_example_is_refused_or_plays(
         changes in proptest::collection::vec((any::<prop::sample::Index>(), hostile()), 1..4)
     ) {
         let places = numbers();

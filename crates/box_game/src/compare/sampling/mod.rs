@@ -224,7 +224,7 @@ pub fn sample_integrators(
         scene: session.run_id(),
         h: run.step,
         boxes: boxes.iter().len(),
-        floor: run.law.floor.is_some(),
+        floor: run.law.floor().is_some(),
         forced: !run.law.forces.is_gravity_alone(),
     };
     samples.begin(now, load);
@@ -242,7 +242,7 @@ pub fn sample_integrators(
             let end = session.scenario.setup.duration.min(LONGEST_SCENE);
             let within = run.clock < end;
             samples.round = (clock.steps(), within && clock.steps() != samples.round.0);
-            let floor = run.law.floor.map(|floor| (floor, run.law.settings));
+            let floor = run.law.floor().map(|floor| (floor, run.law.settings));
             let boxes = boxes
                 .iter()
                 .map(|b| (b.0, b.1, b.2.cloned().unwrap_or_default()));

@@ -74,7 +74,7 @@ pub(super) fn draw_cones(
     else {
         return;
     };
-    let Some(floor) = run.law.floor.filter(|floor| floor.friction > 0.0) else {
+    let Some(floor) = run.law.floor().filter(|floor| floor.friction > 0.0) else {
         return;
     };
     let (state, body) = (run.main_box.state(), &run.law.body);

@@ -117,7 +117,7 @@ fn wanted(run: &Run, layout: Layout) -> Vec<(Piece, Transform, RenderLayers)> {
     // A strip of the floor along the motion.
     let (start, radius) = (run.start(), run.law.body.radius() as f32);
     let moving = start.velocity.length() > 0.1;
-    if let (Layout::SideBySide, Some(floor)) = (layout, run.law.floor) {
+    if let (Layout::SideBySide, Some(floor)) = (layout, run.law.floor()) {
         let origin = start.position.as_vec3();
         let height = floor.height as f32 + 0.004;
         let length = if moving { 40.0 } else { 3.5 };

@@ -63,7 +63,7 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
         }
         let mut marks = run.marks.iter();
         let impact = marks.rfind(|mark| mark.kind == MarkKind::Contact);
-        if let (Some(mark), Some(floor)) = (impact, run.law.floor)
+        if let (Some(mark), Some(floor)) = (impact, run.law.floor())
             && let Some(share) = growth(run.clock, mark.t)
         {
             let at = run.main_box.state().position.as_vec3();

@@ -160,7 +160,7 @@ fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label>
     if let (Some(reference), Layout::Overlaid) = (run.trusted(), layout) {
         let mut name = "Reference".to_owned();
         // The camera goes along with a box in flight: that it rises and falls is to be read.
-        if run.law.floor.is_none() && run.law.forces.gravity.length() > 0.0 {
+        if run.law.floor().is_none() && run.law.forces.gravity.length() > 0.0 {
             let rise = reference.position.y - run.start().position.y;
             let side = if rise < 0.0 { "below" } else { "above" };
             name += &format!(", {} m {side} the start", short(rise.abs()));

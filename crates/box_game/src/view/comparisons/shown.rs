@@ -121,7 +121,7 @@ fn place(k: usize) -> f32 {
 pub(super) fn sideways(run: &Run) -> Vec3 {
     let v = run.start().velocity.as_vec3();
     let along = Vec3::new(v.x, 0.0, v.z);
-    if along.length() > 0.1 && run.law.floor.is_some() {
+    if along.length() > 0.1 && run.law.floor().is_some() {
         along.cross(Vec3::Y).normalize()
     } else {
         Vec3::X
@@ -140,7 +140,7 @@ const PIN: f64 = 0.35;
 pub(super) fn pin(run: &Run) -> Option<[DVec3; 2]> {
     let start = run.start();
     let travels = start.velocity.length() > 0.1
-        || run.law.floor.is_some()
+        || run.law.floor().is_some()
         || run.law.forces.gravity.length() > 0.0;
     let half = run.law.body.half_extents();
     let axis = run.reference_flips.axis().unwrap_or(half.max_position());

@@ -114,6 +114,7 @@ fn dice_come_to_rest() {
 fn elastic_impacts_in_a_closed_box_conserve_energy() {
     let mut random = Random(7);
     let surface = Floor::new(0.0, 1.0, 0.0).expect("valid");
+    let mut worst = 0.0_f64;
     for _ in 0..20 {
         let sides = [DVec3::X, DVec3::Y, DVec3::Z].into_iter();
         let planes = sides.flat_map(|n| [wall(-n, n, &surface), wall(n, -n, &surface)]);
@@ -123,10 +124,12 @@ fn elastic_impacts_in_a_closed_box_conserve_energy() {
         for _ in 0..600 {
             scene.step::<Split>(SIXTIETH);
             let change = scene.energy() / start - 1.0;
+            worst = worst.max(change.abs());
             assert!(change.abs() < 1e-9 && scene.lowest() > -1e-11, "{change:e}");
         }
         assert!(scene.total.impacts > 50 && scene.total.solves_capped == 0);
     }
+    println!("a closed box: energy changes by {worst:.1e} at most");
 }
 
 /// Every integrator stays inside and comes to rest.

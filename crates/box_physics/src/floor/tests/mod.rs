@@ -296,6 +296,7 @@ impl Worst {
 /// How a solver of Coulomb's law fares in many problems.
 #[derive(Default)]
 pub(super) struct Solver {
+    iterations: Vec<u32>,
     failed: u32,
     /// The largest violation of a condition of the law, in units of speed and momentum.
     worst: f64,
@@ -310,6 +311,7 @@ impl Solver {
         found: &Solution<N>,
         surface: impl Fn(usize) -> (DVec3, f64),
     ) {
+        self.iterations.push(found.iterations);
         if !found.converged {
             self.failed += 1;
             return;
@@ -331,8 +333,15 @@ impl Solver {
         }
     }
 
-    pub(super) fn check(&self, mu: f64, bound: f64) {
+    pub(super) fn check(&mut self, mu: f64, bound: f64) {
         let (failed, worst) = (self.failed, self.worst);
+        self.iterations.sort_unstable();
+        let n = self.iterations.len();
+        println!(
+            "mu {mu}: Coulomb's law to {worst:.1e}; failed {failed} of {n}, iterations: median {}, 99 % {}",
+            self.iterations[n / 2],
+            self.iterations[n * 99 / 100]
+        );
         assert!(
             failed == 0 && worst <= bound,
             "mu {mu}: {failed}, {worst:e}"

@@ -15,6 +15,24 @@ fn riding(velocity: DVec3) -> Scene {
     scene
 }
 
+/// u⁺ = V − e (u⁻ − V), whatever part of the step is left.
+#[test]
+fn restitution_is_relative_to_the_floor() {
+    for fraction in [0.0, 0.3, 0.9] {
+        let mut scene = Scene::new(BRICK, 0.3, 0.5);
+        scene.gravity.0 = DVec3::ZERO;
+        scene.floor.velocity.y = 2.0;
+        scene.state.velocity.y = -4.0;
+        scene.state.position.y += fraction * SIXTIETH * 6.0;
+        scene.run::<Split>(SIXTIETH, 2);
+        assert_eq!(scene.total.impacts, 1);
+        assert!((scene.state.velocity - DVec3::Y * 3.8).length() < 1e-12);
+        // From where they met.
+        let (met, t) = (2.0 * fraction * SIXTIETH, (2.0 - fraction) * SIXTIETH);
+        assert!((scene.state.position.y - (0.25 + met + 3.8 * t)).abs() < 1e-12);
+    }
+}
+
 /// A box that stands on an elevator is on it, to the last bit of its height, and contact goes on.
 #[test]
 fn a_resting_box_rides() {
@@ -56,6 +74,31 @@ fn a_sudden_start_is_a_hop_and_no_storm() {
         "{highest} {hop}"
     );
     assert!(began <= 12, "{began} corners began to touch");
+}
+
+/// Friction carries a box up to the speed of a conveyor belt: at v = µgt, and then it rests on it.
+#[test]
+fn a_conveyor_carries_a_box_up_to_its_speed() {
+    for turn in [0.0, 0.4] {
+        let velocity = DVec3::new(2.0, 0.0, -1.0);
+        let mut scene = Scene::new(DVec3::new(0.5, 0.2, 0.5), 0.3, 0.5);
+        scene.state.rotation = about(DVec3::Y, turn);
+        scene.run::<Split>(SIXTIETH, 3);
+        scene.floor.velocity = velocity;
+        let (start, speed) = (scene.state.position, velocity.length());
+        let along = velocity / speed;
+        let stop = speed / (0.5 * G);
+        for i in 1..=60 {
+            scene.step::<Split>(SIXTIETH);
+            let t = f64::from(i) * SIXTIETH;
+            let s = t.min(stop);
+            let expected = start + along * (0.25 * G * s * s) + velocity * (t - s);
+            let off = (scene.state.position - expected).length();
+            assert!(off < 1e-12, "{i}: {off:e}");
+            assert_eq!(scene.contact.is_resting(&scene.state), t > stop);
+        }
+        assert_eq!(scene.state.velocity, velocity);
+    }
 }
 
 /// The same drop over a floor at rest, seen from a frame that moves, under several integrators.

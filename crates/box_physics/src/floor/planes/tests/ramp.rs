@@ -59,8 +59,8 @@ fn a_ramp_is_a_floor_under_tilted_gravity() {
         }
         thrown = thrown.max(ramp.apart());
     }
-    let apart = (sliding, thrown);
-    assert!(sliding < 1e-12 && thrown < 1e-8, "{apart:?}");
+    println!("a ramp: apart by {sliding:.1e} m sliding, {thrown:.1e} m thrown");
+    assert!(sliding < 1e-12 && thrown < 1e-8);
 }
 
 /// It holds below the angle of friction, to the last bit, and slides above.
