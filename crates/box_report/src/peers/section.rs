@@ -84,8 +84,19 @@ fn accuracy_table(measured: &Measured) -> Table {
     let cases = cases(measured);
     let mut columns = vec!["engine".to_owned()];
     columns.extend(cases.iter().map(|c| case_name(c)));
+    let in_flight = situations(measured);
+    let in_flight = in_flight.iter().find(|s| s.of("avian-fine").is_some());
     let row = |e: &Engine| {
-        let mut cells = vec![e.name.clone()];
+        let dearer = || {
+            let (fine, default) = (&e.id, e.id.strip_suffix("-fine")?);
+            let situation = in_flight?;
+            Some(situation.of(fine)?.alone() / situation.of(default)?.alone())
+        };
+        let mut name = e.name.clone();
+        if let Some(ratio) = dearer() {
+            name += &format!(" ({}× the cost)", text::significant(ratio, 2));
+        }
+        let mut cells = vec![name];
         cells.extend(cases.iter().map(|c| {
             let found = measured
                 .accuracy
@@ -174,7 +185,8 @@ fn cost_table(measured: &Measured) -> Table {
         let cells = situations.iter().map(|s| cell(s).unwrap_or_default());
         [name].into_iter().chain(cells).collect::<Vec<_>>()
     };
-    let alone = measured.engines.iter().map(|e| {
+    let shown = |e: &&Engine| !e.id.ends_with("-fine");
+    let alone = measured.engines.iter().filter(shown).map(|e| {
         row(e.full_name(), &|s| {
             let (ns, ratio) = s.alone(&e.id)?;
             let ns = text::significant(ns, 3);
@@ -186,7 +198,7 @@ fn cost_table(measured: &Measured) -> Table {
             })
         })
     });
-    let in_an_app = measured.engines.iter().filter(|e| {
+    let in_an_app = measured.engines.iter().filter(shown).filter(|e| {
         let mut rows = measured.cost.iter().filter(|c| c.engine == e.id);
         rows.any(|c| c.physics_ns_per_body_step_min.is_some())
     });
