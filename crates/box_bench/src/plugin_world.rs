@@ -126,6 +126,19 @@ mod tests {
         }
     }
 
+    /// From the throw to rest: impacts, contact and the events at its end. Bevy's queue for the events may grow once or
+    /// twice in the 200 steps.
+    #[test]
+    fn boxes_that_settle_allocate_nothing() {
+        let mut world = PluginWorld::new(Situation::Settling, Integrator::Split, 300);
+        world.use_threads(1);
+        world.call();
+        world.restart();
+        world.step();
+        let spent = allocation_counter::measure(|| (0..200).for_each(|_| world.step()));
+        assert!(spent.count_total <= 2, "{spent:?}");
+    }
+
     #[test]
     fn with_threads_allocations_do_not_depend_on_the_number_of_bodies() {
         let spent = [5_000, 50_000].map(|n| {

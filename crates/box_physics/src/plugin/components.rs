@@ -336,4 +336,6 @@ pub(crate) struct NearFloor {
     /// The body touched the floor at the end of the last step. *Contact* steps it once more, to report the end of the
     /// contact.
     pub(crate) touched: bool,
+    /// The body came to rest in this step, or no longer rests.
+    pub(crate) rest_changed: bool,
 }

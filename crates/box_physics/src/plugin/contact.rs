@@ -120,9 +120,9 @@ pub(crate) fn contact(
             // A few bodies at the floor are enough work for a thread; with larger chunks, the others would wait for the
             // last one.
             let chunk = (awake / 16).clamp(16, CHUNK);
-            let mut tally = threads.share_out(
+            let tally = threads.share_out(
                 awake * FLOOR_STEP_COST + range.len() / LIGHT_PASS_DIVISOR,
-                columns.chunks(range, chunk),
+                columns.chunks(range.clone(), chunk),
                 |(first, (bodies, states, memories, near, contacts, sleep, reported, resting))| {
                     integrator.dispatch(AtFloor {
                         step: &step,
@@ -148,18 +148,21 @@ pub(crate) fn contact(
                 timings.bodies_at_floor += tally.bodies;
             }
             let (now, time) = (changes.this_run(), step.time);
-            // Sorted by row, so that the result does not depend on the threads.
-            tally.settled.sort_unstable();
-            for &i in &tally.settled {
-                (resting[i].0, changes.changed_mut()[i]) = (Some(time), now);
+            // By row, so that the result does not depend on the threads.
+            let changed = range.filter(|&i| core::mem::take(&mut near[i].rest_changed));
+            for i in changed.take(tally.rest_changes) {
                 let entity = table.entity[i];
-                commands.trigger(Settled { entity, time });
-            }
-            tally.woken.sort_unstable();
-            for &i in &tally.woken {
-                (resting[i].0, changes.changed_mut()[i]) = (None, now);
-                let entity = table.entity[i];
-                commands.trigger(Woken { entity, time });
+                changes.changed_mut()[i] = now;
+                resting[i].0 = match resting[i].0 {
+                    None => {
+                        commands.trigger(Settled { entity, time });
+                        Some(time)
+                    }
+                    Some(_) => {
+                        commands.trigger(Woken { entity, time });
+                        None
+                    }
+                };
             }
             let (entities, published) = (table.entity, table.published);
             quarantine.take(tally.faults, integrator, entities, states, published);
@@ -277,10 +280,8 @@ impl AtFloor<'_, '_, '_> {
                     reported.clear();
                 }
             } else if outcome.resting != self.resting[i].0.is_some() {
-                match outcome.resting {
-                    true => tally.settled.push(row),
-                    false => tally.woken.push(row),
-                }
+                self.near[i].rest_changed = true;
+                tally.rest_changes += 1;
             }
         }
         tally

@@ -41,9 +41,8 @@ pub(crate) struct Tally {
     pub(crate) floor: FloorOutcome,
     /// Rows of bodies whose new state was invalid. They keep their previous state.
     pub(crate) faults: Vec<usize>,
-    /// Rows of bodies that came to rest on the floor, and of those that no longer rest.
-    pub(crate) settled: Vec<usize>,
-    pub(crate) woken: Vec<usize>,
+    /// Number of bodies that came to rest on the floor, or no longer rest.
+    pub(crate) rest_changes: usize,
 }
 
 impl core::ops::AddAssign for Tally {
@@ -52,8 +51,7 @@ impl core::ops::AddAssign for Tally {
         self.outcome += other.outcome;
         self.floor += other.floor;
         self.faults.append(&mut other.faults);
-        self.settled.append(&mut other.settled);
-        self.woken.append(&mut other.woken);
+        self.rest_changes += other.rest_changes;
     }
 }
 
