@@ -132,7 +132,7 @@ fn a_box_is_moved_by_what_is_done_to_it() {
         ("another size", ONE, |s| s.insert(RigidBox::cube(0.8, 3.0).expect("valid"))),
         ("another mass", ANY, |s| s.insert(RigidBox::new(brick().half_extents(), 5.0).expect("valid"))),
         ("a force", ONE, |s| s.insert(ExternalForce { force: DVec3::X * 60.0, torque: DVec3::ZERO })),
-        ("gravity of its own", ONE, |s| s.insert(GravityScale(-0.5))),
+        ("gravity scale", ONE, |s| s.insert(GravityScale(-0.5))),
         ("a contact that is forgotten", ANY, |s| s.insert(ContactState::default())),
     ]);
 }

@@ -6,7 +6,7 @@ use box_game::app::GamePlugin;
 
 /// Runs in a separate process with the settings folder of the test.
 #[test]
-#[ignore = "run by the test below, in a process of its own"]
+#[ignore = "run by the test below, in a separate process"]
 fn settings_child() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, InputPlugin, preferences::plugin));

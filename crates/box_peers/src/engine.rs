@@ -69,7 +69,7 @@ pub trait Engine {
     fn threads(&self) -> usize;
     /// How it is driven, in a few words.
     fn driven(&self) -> String;
-    /// Whether its cost is measured there: not of everything with settings of its own.
+    /// Returns whether the cost is measured in this situation. Special settings are measured in some only.
     fn is_timed(&self, _place: Place, _bodies: usize) -> bool {
         true
     }

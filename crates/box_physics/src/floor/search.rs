@@ -211,7 +211,7 @@ impl<const N: usize> Search<N> {
     }
 
     /// The earliest root between `low` and `high` of the polynomials of corners below the floor at `high`; infinity if
-    /// there is none.
+    /// they have no root there.
     fn first_root(&self, low: f64, high: &Sample<N>, nodes: &[Sample<N>]) -> f64 {
         let mut first = f64::INFINITY;
         for k in self.watched().filter(|&k| high.height[k] < 0.0) {

@@ -74,7 +74,7 @@ pub struct GlobalIntegrator(pub Integrator);
 /// schedule does not run; queue [`StepPhysics`](super::StepPhysics) for a single step. For slow motion, run the
 /// schedule less often with `Time<Virtual>::set_relative_speed`.
 ///
-/// It is not a `Time<Physics>`, because a relative speed of its own would need steps of another size, which would change
+/// It is not a `Time<Physics>`, because a second relative speed would need steps of another size, which would change
 /// the results.
 ///
 /// ```

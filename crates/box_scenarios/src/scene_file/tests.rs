@@ -203,10 +203,8 @@ fn complaints_name_file_line_column_and_field() {
         let rest = format!(":{}", place[2].trim_start());
         assert!(rest.starts_with(expected), "{to}: {said}");
         // The error is on the modified line, or on a later one if a field is missing.
-        let spoiled = text[..EXAMPLE.find(from).expect("there")]
-            .matches('\n')
-            .count()
-            + 1;
+        let before = &text[..EXAMPLE.find(from).expect("there")];
+        let spoiled = before.matches('\n').count() + 1;
         assert!(
             (spoiled..=spoiled + 12).contains(&error.line),
             "{to}: {said} {spoiled}"
@@ -218,10 +216,8 @@ fn complaints_name_file_line_column_and_field() {
     }
     // At the line of the value, also within a list.
     let lines = EXAMPLE.replace("stiffness: 20.0", "\nstiffness: -1.0\n");
-    let line = 1 + lines
-        .split("stiffness: -1.0")
-        .next()
-        .map_or(0, |t| t.matches('\n').count());
+    let before = &lines[..lines.find("stiffness: -1.0").expect("there")];
+    let line = before.matches('\n').count() + 1;
     let error = read(&lines).expect_err("negative");
     assert_eq!(
         (error.line, &*error.field),

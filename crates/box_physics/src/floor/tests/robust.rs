@@ -129,7 +129,7 @@ fn storm_by_hand() {
 
 /// By hand: `cargo test --release -- --ignored which_case_answers_by_hand --nocapture`.
 #[test]
-#[ignore = "prints counts"]
+#[ignore = "prints the counts of docs/contact.md and asserts none"]
 fn which_case_answers_by_hand() {
     use super::super::law::ANSWERS;
     for storms in [false, true] {
