@@ -112,7 +112,9 @@ impl Cone<'_> {
     /// leaves with the others.
     fn two_alone(&self, b: &Corner3) -> Option<Corner3> {
         let (n, target) = (self.operator.count, self.target);
-        let strikes = mask(|i| i < n && b[i].y < -target);
+        // Those that rest approach by rounding.
+        let fastest = b[..n].iter().fold(target, |a, b| a.max(-b.y));
+        let strikes = mask(|i| i < n && b[i].y < -1e-6 * fastest);
         if strikes.count_ones() != 2 {
             return None;
         }

@@ -85,6 +85,14 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         }
 
         let held = touching & set::<N>(|i| normal[i] <= hold);
+        if held == touching
+            && let Some(time) = ground.slide(step, elapsed, touching, outcome)
+        {
+            remaining = (remaining - time).max(0.0);
+            *places = ground.places(step.state, step.h - remaining);
+            flown = None;
+            continue;
+        }
         let mut time = remaining;
         if held != 0 {
             held_segments += 1;

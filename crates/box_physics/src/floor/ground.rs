@@ -7,7 +7,7 @@ use super::geometry::{Places, each, set};
 use super::law::Law;
 use super::operator::DelassusOperator;
 use super::slips::Slips;
-use super::{ContactReport, ContactState, Floor};
+use super::{ContactReport, ContactState, Floor, FloorOutcome};
 use crate::force::ForceModel;
 use crate::integrators::{IntegratorMemory, StepOutcome};
 use crate::rotation::{compose, exponential_map};
@@ -56,6 +56,17 @@ pub(super) trait Ground<const N: usize>: Sized {
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64;
     /// The largest height of the center over a surface \[m\].
     fn height(&self, center: DVec3) -> f64;
+    /// Slides a body that touches at these places alone from `elapsed` \[s\] on, if that is a problem in the plane. Returns
+    /// for how long \[s\].
+    fn slide(
+        &self,
+        _step: &mut BodyStep<'_>,
+        _elapsed: f64,
+        _touching: u64,
+        _outcome: &mut FloorOutcome,
+    ) -> Option<f64> {
+        None
+    }
     /// Removes the approach from the velocity.
     fn separate(&self, state: &mut BodyState);
     /// The touching places that hold a face.

@@ -2,16 +2,18 @@
 
 use glam::{DMat3, DVec3};
 
-use super::Floor;
 use super::bounds::curvature_bound;
 use super::cone::{Blocks, Cone};
 use super::frame::Level;
 use super::geometry::{Corner3, Corners, each, has, in_pairs, spans_face};
-use super::ground::{Ground, Segment};
+use super::ground::{BodyStep, Ground, Segment};
 use super::law::{Law, answered};
 use super::operator::DelassusOperator;
 use super::projection::{HeldNormals, cancel};
+use super::slide::slide;
+use super::{Floor, FloorOutcome};
 use crate::force::ForceModel;
+use crate::integrators::StepOutcome;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -61,6 +63,31 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
 
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64 {
         curvature_bound(self.context.body, state, acceleration, self.pull, DVec3::Y)
+    }
+
+    #[inline]
+    fn slide(
+        &self,
+        step: &mut BodyStep<'_>,
+        elapsed: f64,
+        touching: u64,
+        outcome: &mut FloorOutcome,
+    ) -> Option<f64> {
+        if touching.count_ones() != 4 {
+            return None;
+        }
+        let before = step.state.velocity;
+        let slide = slide(self, step.state, step.h - elapsed, touching as u8)?;
+        outcome.step += StepOutcome::plain(slide.evaluations);
+        if let Some(report) = &mut step.report {
+            let end = elapsed + slide.time;
+            let corners = self.places(step.state, end);
+            let point = |k| self.point(step.state, &corners, k, end);
+            report.hold(point, slide.time, &slide.load);
+            let change = step.state.velocity - before - self.pull * slide.time;
+            report.tangential_impulse += self.context.body.mass() * self.along(0, change);
+        }
+        Some(slide.time)
     }
 
     fn height(&self, center: DVec3) -> f64 {

@@ -11,14 +11,16 @@
 //! The second equation is the smallest distribution of load whose center of pressure is p (h_1, h_2 the half-extents
 //! of the face, σ_k = ±1 the signs of the corner). Two linear equations for p remain. Without spin all ŵ_k are one,
 //! and the deceleration is constant. Otherwise velocity and spin, in the axes of the box, obey a plain differential
-//! equation, since a face's normal is a principal axis.
+//! equation, since a face's normal is a principal axis. It is solved in parts, ever shorter ones towards a stop.
 
 use glam::{DVec2, DVec3};
 
 use super::frame::Level;
 use super::geometry::{has, mask};
 use super::ground::Ground;
+use super::slips::NEGLIGIBLE;
 use crate::force::ForceModel;
+use crate::math::sin_cos;
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
@@ -32,9 +34,15 @@ pub(super) struct Slide {
     pub(super) evaluations: u32,
 }
 
-/// Largest turn in one step \[rad\], and largest relative change of a corner's slip. Beyond, the step is solved by events.
+/// Largest turn \[rad\], and largest relative change of a corner's slip, in one part of a step.
 const LARGEST_TURN: f64 = 0.25;
-const LARGEST_CHANGE: f64 = 0.5;
+const LARGEST_CHANGE: f64 = 0.25;
+/// Largest number of parts. What is left then, because the slip of a corner vanishes, is solved by events.
+const PARTS: u32 = 16;
+/// A corner whose slip is a smaller part of the fastest one's does not stop together with the others.
+const ALONE: f64 = 0.25;
+/// Tries for the length of a part.
+const HALVINGS: u32 = 3;
 
 /// Slides a box that touches the floor with the four corners `touching` for `h` \[s\]. Returns `None` and leaves `state`
 /// unchanged unless the force is uniform, the face is level, the box does not tip and, if it spins, nothing pulls it along
@@ -65,7 +73,7 @@ pub(super) fn slide<F: ForceModel>(
     let omega = state.body_angular_velocity(body);
     let tilting = (omega[i].abs() + omega[j].abs()) * body.radius();
     let speed = v.length() + omega[c].abs() * body.radius();
-    if pull.y >= 0.0 || v[c].abs() + tilting > 1e-14 * speed || speed == 0.0 {
+    if pull.y >= 0.0 || v[c].abs() + tilting > 1e-12 * speed || speed == 0.0 {
         return None;
     }
     let face = Face {
@@ -91,7 +99,7 @@ pub(super) fn slide<F: ForceModel>(
             return None;
         }
         let start = DVec3::new(v[i], v[j], omega[c]);
-        let (next, way, share) = face.turning(start, h)?;
+        let turning = face.turning(start, h, NEGLIGIBLE * body.radius())?;
         let mut end = flat;
         let axis = |value: f64| {
             let mut vector = DVec3::ZERO;
@@ -103,17 +111,15 @@ pub(super) fn slide<F: ForceModel>(
             (vector[i], vector[j]) = (u.x, u.y);
             vector
         };
-        let turned = compose(state.rotation, exponential_map(axis(way.turn)));
-        end.rotation = turned;
+        end.rotation = compose(state.rotation, exponential_map(axis(turning.turn)));
         end.renormalize();
-        // From the velocities at both ends, each in its own axes.
-        let way = state.rotation * plane(way.first) + end.rotation * plane(way.second);
-        end.position += way.with_y(0.0);
-        end.velocity = (end.rotation * plane(next.truncate())).with_y(0.0);
-        end.angular_momentum = axis(next.z) * body.inertia();
-        let mut corners = level.places(&end, h);
-        level.recover(&mut end, &mut corners, h);
-        (end, h, share, 5)
+        end.position += (state.rotation * plane(turning.way)).with_y(0.0);
+        end.velocity = (end.rotation * plane(turning.end.truncate())).with_y(0.0);
+        end.angular_momentum = axis(turning.end.z) * body.inertia();
+        let mut corners = level.places(&end, turning.time);
+        level.recover(&mut end, &mut corners, turning.time);
+        let share = turning.load.map(|load| load / turning.time);
+        (end, turning.time, share, turning.evaluations)
     };
     *state = end;
     let weight = body.mass() * face.pressure;
@@ -152,8 +158,15 @@ struct Friction {
     torque: f64,
     /// The shares of the corners in the load.
     share: [f64; 4],
-    /// The slowest slip [m/s].
-    slowest: f64,
+    slip: [Slip; 4],
+}
+
+/// Slip of a corner.
+#[derive(Clone, Copy, Default)]
+struct Slip {
+    /// [m/s]
+    speed: f64,
+    direction: DVec2,
 }
 
 /// Signs of the corners of a face along its axes; opposite ones are neighbors in `PAIRS`.
@@ -165,11 +178,36 @@ const SIGNS: [DVec2; 4] = [
 ];
 const PAIRS: [usize; 4] = [0, 3, 1, 2];
 
-/// A displacement: turn \[rad\], and its parts \[m\] in the axes at the start and at the end.
-struct Way {
+/// A slide that turns.
+struct Turning {
+    /// Velocity [m/s] and spin [rad/s] at the end, in the axes of the box there.
+    end: DVec3,
+    /// \[rad\]
     turn: f64,
-    first: DVec2,
-    second: DVec2,
+    /// \[m\], in the axes of the box at the start.
+    way: DVec2,
+    /// \[s\]
+    time: f64,
+    /// The integrals of the corners' shares in the load \[s\].
+    load: [f64; 4],
+    evaluations: u32,
+}
+
+impl Turning {
+    /// Adds a part of `h` \[s\] with the friction at both ends, to the velocity and spin `end`.
+    fn add(&mut self, h: f64, [first, last]: [&Friction; 2], end: DVec3) {
+        let way = |turn: f64, v: DVec3, f: DVec2, sign: f64| {
+            let (s, c) = sin_cos(turn);
+            DVec2::new(c, s).rotate(0.5 * h * v.truncate() + (sign * h * h / 12.0) * f)
+        };
+        self.way += way(self.turn, self.end, first.force, 1.0);
+        self.turn += 0.5 * h * (self.end.z + end.z) + (h * h / 12.0) * (first.torque - last.torque);
+        self.way += way(self.turn, end, last.force, -1.0);
+        self.end = end;
+        for k in 0..4 {
+            self.load[k] += 0.5 * h * (first.share[k] + last.share[k]);
+        }
+    }
 }
 
 impl Face {
@@ -183,16 +221,15 @@ impl Face {
     fn friction(&self, x: DVec3) -> Option<Friction> {
         let (v, omega) = (x.truncate(), x.z);
         let arm = SIGNS.map(|s| s * self.half);
-        let mut slowest = f64::INFINITY;
-        let mut way = [DVec2::ZERO; 4];
+        let mut slip = [Slip::default(); 4];
         // Σ ŵ/4, and the same with the signs of the corners
         let mut sum = [DVec2::ZERO; 3];
         for k in PAIRS {
             let w = v + omega * arm[k].perp();
             let speed = w.length();
-            slowest = slowest.min(speed);
-            way[k] = w / speed;
-            let quarter = 0.25 * way[k];
+            let direction = w / speed;
+            slip[k] = Slip { speed, direction };
+            let quarter = 0.25 * direction;
             sum[0] += quarter;
             sum[1] += SIGNS[k].x * quarter;
             sum[2] += SIGNS[k].y * quarter;
@@ -211,7 +248,7 @@ impl Face {
         let scale = -self.friction * self.pressure;
         let (mut force, mut torque) = (DVec2::ZERO, 0.0);
         for k in PAIRS {
-            let f = (scale * share[k]) * way[k];
+            let f = (scale * share[k]) * slip[k].direction;
             force += f;
             torque += arm[k].perp_dot(f);
         }
@@ -220,7 +257,7 @@ impl Face {
             force,
             torque,
             share,
-            slowest,
+            slip,
         })
     }
 
@@ -230,34 +267,76 @@ impl Face {
         (friction.force + turn).extend(friction.torque)
     }
 
-    /// Slides and turns from `x` for `h` \[s\] by the classical Runge–Kutta method; the displacement follows from velocities
-    /// and accelerations at both ends (order 4). `None` if a slip may end or the box may tip.
-    fn turning(&self, x: DVec3, h: f64) -> Option<(DVec3, Way, [f64; 4])> {
-        let first = self.friction(x)?;
-        let diagonal = self.half.length();
-        // Bound of the change of a corner's slip by friction and by the turn of its arm.
-        let grip =
-            self.friction * self.pressure * (1.0 + diagonal * diagonal * self.mass_over_inertia);
-        let change = h * (grip + x.z * x.z * diagonal);
-        if change > LARGEST_CHANGE * first.slowest || h * x.z.abs() > LARGEST_TURN {
-            return None;
+    /// Slides and turns from `start` for at most `h` \[s\], part by part, with displacements from the velocities and
+    /// accelerations at both ends (order 4). Ends early with a stop, as soon as its place is known to `negligible` \[m\],
+    /// and where a single slip vanishes. `None` if that is so at the start, or if the box may tip there.
+    fn turning(&self, start: DVec3, h: f64, negligible: f64) -> Option<Turning> {
+        let mut done = Turning {
+            end: start,
+            turn: 0.0,
+            way: DVec2::ZERO,
+            time: 0.0,
+            load: [0.0; 4],
+            evaluations: 1,
+        };
+        let mut here = self.friction(start)?;
+        for _ in 0..PARTS {
+            let rate = self.rate(done.end, &here);
+            let (mut fastest, mut slowest, mut change) = (0.0_f64, f64::INFINITY, 0.0_f64);
+            for (slip, sign) in here.slip.iter().zip(SIGNS) {
+                let bend = rate.truncate() + rate.z * (sign * self.half).perp();
+                (fastest, slowest) = (fastest.max(slip.speed), slowest.min(slip.speed));
+                change = change.max(bend.length() / slip.speed);
+            }
+            if fastest <= 2.0 * negligible * change {
+                done.end = DVec3::ZERO;
+                break;
+            }
+            let largest = (LARGEST_CHANGE / change).min(LARGEST_TURN / done.end.z.abs());
+            let left = h - done.time;
+            if slowest < ALONE * fastest && largest < 0.25 * left {
+                break;
+            }
+            let mut part = largest.min(left);
+            let mut next = None;
+            for _ in 0..HALVINGS {
+                next = self.part(done.end, &here, rate, part);
+                done.evaluations += 4;
+                if next.is_some() {
+                    break;
+                }
+                part *= 0.5;
+            }
+            let Some((end, there)) = next else {
+                break;
+            };
+            done.add(part, [&here, &there], end);
+            here = there;
+            if part == left {
+                done.time = h;
+                break;
+            }
+            done.time += part;
         }
-        let a = self.rate(x, &first);
+        (done.time > 0.0).then_some(done)
+    }
+
+    /// A step of `h` \[s\] from `x`, where the friction is `first` and dx/dt is `a`, by the classical Runge–Kutta method.
+    /// `None` if the box may tip, or if a slip changes too much.
+    fn part(&self, x: DVec3, first: &Friction, a: DVec3, h: f64) -> Option<(DVec3, Friction)> {
         let at = |x: DVec3| Some(self.rate(x, &self.friction(x)?));
         let b = at(x + 0.5 * h * a)?;
         let c = at(x + 0.5 * h * b)?;
         let d = at(x + h * c)?;
         let end = x + (h / 6.0) * ((a + d) + 2.0 * (b + c));
         let last = self.friction(end)?;
-        let way = |v: DVec2, f: DVec2, sign: f64| 0.5 * h * v + (sign * h * h / 12.0) * f;
-        let turn = 0.5 * h * (x.z + end.z) + (h * h / 12.0) * (first.torque - last.torque);
-        let way = Way {
-            turn,
-            first: way(x.truncate(), first.force, 1.0),
-            second: way(end.truncate(), last.force, -1.0),
-        };
-        let share = [0, 1, 2, 3].map(|k| 0.5 * (first.share[k] + last.share[k]));
-        Some((end, way, share))
+        let mut slips = first.slip.iter().zip(&last.slip);
+        let steady = slips.all(|(old, new)| {
+            let turn = old.direction.dot(new.direction);
+            new.speed >= 0.25 * old.speed && turn >= 0.8
+        });
+        let energy = |x: DVec3| x.truncate().length_squared() + x.z * x.z / self.mass_over_inertia;
+        (steady && energy(end) <= energy(x)).then_some((end, last))
     }
 
     /// Slides without turning until the stop, or for `h` \[s\]; `pull` is the acceleration along the floor. Also returns the

@@ -4,6 +4,8 @@ use glam::DVec3;
 
 /// A slip below this part of its start value has stopped.
 pub(super) const STOPPED: f64 = 1e-6;
+/// A corner that slips a shorter way, relative to the size of the box, before it sticks, sticks at once.
+pub(super) const NEGLIGIBLE: f64 = 1e-8;
 /// A slip whose part across its old direction exceeds this multiple of the part along it has turned, not stopped.
 const TURNING: f64 = 10.0;
 
@@ -22,9 +24,9 @@ impl<const N: usize> Slips<N> {
         used: [f64::NAN; N],
     };
 
-    /// Records that corner `k` has no mean slip, with this part of its friction.
+    /// Records that corner `k` has no mean slip, with this part of its friction, 0 to 1.
     pub(super) fn sticks(&mut self, k: usize, used: f64) {
-        self.used[k] = used.min(1.0);
+        self.used[k] = used;
     }
 
     /// Records the end slip of corner `k`, its part `along` the start slip, and the `speed` of the latter [m/s].

@@ -4,7 +4,6 @@ use super::events::between_events;
 use super::flight::{Flight, Flown, fly};
 use super::frame::{Frame, Level, Method};
 use super::ground::{BodyStep, Ground};
-use super::slide::slide;
 use super::{ContactReport, ContactState, FloorContext, FloorOutcome};
 use crate::force::ForceModel;
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, StepOutcome};
@@ -172,20 +171,13 @@ impl<F: ForceModel> Level<'_, F> {
         if let Some(report) = &mut step.report {
             **report = ContactReport::default();
         }
-        if touching.count_ones() == 4
-            && let Some(slide) = slide(self, step.state, h, touching)
-        {
-            outcome.step = StepOutcome::plain(slide.evaluations);
-            remaining = h - slide.time;
-            if let Some(report) = &mut step.report {
-                let corners = self.places(step.state, slide.time);
-                let point = |k| self.point(step.state, &corners, k, slide.time);
-                report.hold(point, slide.time, &slide.load);
-                if remaining == 0.0 {
-                    report.end(point, touching);
-                }
-            }
+        if let Some(time) = self.slide(step, 0.0, touching.into(), outcome) {
+            remaining = h - time;
             if remaining == 0.0 {
+                if let Some(report) = &mut step.report {
+                    let corners = self.places(step.state, h);
+                    report.end(|k| self.point(step.state, &corners, k, h), touching);
+                }
                 return None;
             }
         }

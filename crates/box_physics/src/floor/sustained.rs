@@ -20,7 +20,7 @@ use super::geometry::{each, has};
 use super::ground::{Ground, Segment, Start};
 use super::law::{Law, Solution};
 use super::motion::{Supported, limit_energy};
-use super::slips::STOPPED;
+use super::slips::{NEGLIGIBLE, STOPPED};
 use crate::integrators::StepOutcome;
 use crate::state::BodyState;
 
@@ -163,14 +163,17 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         if speed.is_nan() || speed <= self.still_speed {
             return sticks;
         }
-        if !sticks {
-            let along = before.dot(after) / speed;
-            segment.slips.slides(k, after, along, speed);
-        } else if speed * tau > 1e-9 * ground.level().context.body.radius() {
-            // Unless it stops within a negligible distance.
+        if sticks {
             let p = segment.impulse[k];
             let limit = surface.friction * ground.normal(k).dot(p);
-            segment.slips.sticks(k, ground.along(k, p).length() / limit);
+            let used = (ground.along(k, p).length() / limit).min(1.0);
+            // Its way, by a constant deceleration.
+            if 0.25 * speed * used * tau > NEGLIGIBLE * ground.level().context.body.radius() {
+                segment.slips.sticks(k, used);
+            }
+        } else {
+            let along = before.dot(after) / speed;
+            segment.slips.slides(k, after, along, speed);
         }
         // Friction does not reverse a slip: one that reverses within the shortest segment has stopped.
         let reversed = tau <= self.shortest && segment.slips.reversed(k);

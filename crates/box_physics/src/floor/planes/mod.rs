@@ -91,7 +91,16 @@ impl<F: ForceModel> PlanesContext<'_, F> {
     /// The planes that the box can come near within `h` \[s\], after any impacts, which add no energy.
     fn near(&self, state: &BodyState, h: f64) -> Near {
         let (body, radius) = (self.body, self.body.radius());
-        let twice = 2.0 * state.kinetic_energy(body);
+        // Relative to planes that move alike.
+        let first = self
+            .planes
+            .first()
+            .map_or(DVec3::ZERO, |p| p.shape.velocity);
+        let alike = self.planes.iter().all(|p| p.shape.velocity == first);
+        let common = if alike { first } else { DVec3::ZERO };
+        let mut seen = *state;
+        seen.velocity -= common;
+        let twice = 2.0 * seen.kinetic_energy(body);
         let pull = 2.0 * h * acceleration_bound(body, state, self.force);
         let turn = h * (twice * body.inverse_inertia().max_element()).sqrt() + h * pull / radius;
         let way = h * ((twice * body.inverse_mass()).sqrt() + pull);
@@ -107,13 +116,15 @@ impl<F: ForceModel> PlanesContext<'_, F> {
                 let height = plane.height(state.position);
                 let now = reach(body, &attitude, plane.shape.normal);
                 let turned = (now + turn * radius).min(radius);
-                let carried = h * 2.0 * plane.shape.velocity.length().max(thrown);
+                let speed = (plane.shape.velocity - common).length();
+                let carried = h * 2.0 * speed.max(thrown);
                 if height - turned <= way + carried + 4.0 * self.tolerance(state, plane) {
                     near.add(plane, height - now);
                 }
             }
             // One that moves may throw the body at others.
-            let speeds = near.planes().iter().map(|p| p.shape.velocity.length());
+            let planes = near.planes().iter();
+            let speeds = planes.map(|p| (p.shape.velocity - common).length());
             let fastest = speeds.fold(0.0, f64::max);
             if fastest <= thrown {
                 return near;

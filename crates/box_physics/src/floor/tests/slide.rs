@@ -39,6 +39,26 @@ fn pub17_slides_to_a_stop() {
     pub17::<SemiImplicitEuler>(SIXTIETH, 0.05);
 }
 
+/// The reported impulses are the momentum, straight on and turning, until the box rests.
+#[test]
+fn a_slide_reports_its_friction() {
+    for spin in [0.0, 2.0] {
+        let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.5), 0.0, 0.5);
+        scene.state.velocity = DVec3::X * 2.0;
+        scene.spin(DVec3::Y * spin);
+        let gravity = scene.gravity;
+        for _ in 0..60 {
+            let before = scene.state.velocity;
+            let mut report = ContactReport::default();
+            scene.step_under::<Split>(&gravity, SIXTIETH, Some(&mut report));
+            let impulse = report.tangential_impulse + DVec3::Y * report.normal_impulse();
+            let change = 3.0 * (scene.state.velocity - before + DVec3::Y * G * SIXTIETH);
+            assert!((impulse - change).length() < 1e-9, "{impulse} {change}");
+        }
+        assert!(scene.contact.is_resting(&scene.state));
+    }
+}
+
 #[test]
 fn slope_holds_below_the_friction_angle_and_slides_above() {
     for mu in [0.1_f64, 0.5, 1.0] {
