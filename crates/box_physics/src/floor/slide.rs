@@ -118,7 +118,8 @@ pub(super) fn slide<F: ForceModel>(
         end.angular_momentum = axis(turning.end.z) * body.inertia();
         let mut corners = level.places(&end, turning.time);
         level.recover(&mut end, &mut corners, turning.time);
-        let share = turning.load.map(|load| load / turning.time);
+        let time = turning.time.max(f64::MIN_POSITIVE);
+        let share = turning.load.map(|load| load / time);
         (end, turning.time, share, turning.evaluations)
     };
     *state = end;
@@ -288,12 +289,12 @@ impl Face {
                 (fastest, slowest) = (fastest.max(slip.speed), slowest.min(slip.speed));
                 change = change.max(bend.length() / slip.speed);
             }
-            if fastest <= 2.0 * negligible * change {
+            let left = h - done.time;
+            if fastest <= 2.0 * negligible * change && 1.0 <= change * left {
                 done.end = DVec3::ZERO;
-                break;
+                return Some(done);
             }
             let largest = (LARGEST_CHANGE / change).min(LARGEST_TURN / done.end.z.abs());
-            let left = h - done.time;
             if slowest < ALONE * fastest && largest < 0.25 * left {
                 break;
             }
