@@ -184,7 +184,8 @@ impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
     fn linear(&self, i: usize, q: DVec3, f: DVec3) -> (DVec3, DMat3) {
         let ((normal, mu), rho) = (self.law.surface(i), self.rho);
         let height = normal.dot(q);
-        if height <= 0.0 {
+        // Within the tolerance rounding would decide.
+        if height <= self.tolerance {
             return (f, DMat3::ZERO);
         }
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);

@@ -26,7 +26,7 @@ use crate::state::BodyState;
 
 /// Result of a step of sliding.
 pub(super) struct Slide {
-    /// Duration \[s\]: less than the step if the box stopped.
+    /// Duration \[s\]: less than asked for if the box stopped, or if events must solve the rest.
     pub(super) time: f64,
     /// Mean normal force at each corner \[N\].
     pub(super) load: [f64; 8],
@@ -41,6 +41,9 @@ const LARGEST_CHANGE: f64 = 0.25;
 const PARTS: u32 = 16;
 /// A corner whose slip is a smaller part of the fastest one's does not stop together with the others.
 const ALONE: f64 = 0.25;
+/// Smallest part of a slip that is left after one part of a step, and the smallest cosine of its turn.
+const SMALLEST_LEFT: f64 = 0.25;
+const SMALLEST_COSINE: f64 = 0.8;
 /// Tries for the length of a part.
 const HALVINGS: u32 = 3;
 
@@ -118,7 +121,7 @@ pub(super) fn slide<F: ForceModel>(
         end.angular_momentum = axis(turning.end.z) * body.inertia();
         let mut corners = level.places(&end, turning.time);
         level.recover(&mut end, &mut corners, turning.time);
-        let time = turning.time.max(f64::MIN_POSITIVE);
+        let time = turning.time.max(f64::MIN_POSITIVE); // 0 for a stop at once
         let share = turning.load.map(|load| load / time);
         (end, turning.time, share, turning.evaluations)
     };
@@ -323,7 +326,7 @@ impl Face {
     }
 
     /// A step of `h` \[s\] from `x`, where the friction is `first` and dx/dt is `a`, by the classical Runge–Kutta method.
-    /// `None` if the box may tip, or if a slip changes too much.
+    /// `None` if the box may tip, if a slip changes too much, or if the energy would grow.
     fn part(&self, x: DVec3, first: &Friction, a: DVec3, h: f64) -> Option<(DVec3, Friction)> {
         let at = |x: DVec3| Some(self.rate(x, &self.friction(x)?));
         let b = at(x + 0.5 * h * a)?;
@@ -334,7 +337,7 @@ impl Face {
         let mut slips = first.slip.iter().zip(&last.slip);
         let steady = slips.all(|(old, new)| {
             let turn = old.direction.dot(new.direction);
-            new.speed >= 0.25 * old.speed && turn >= 0.8
+            new.speed >= SMALLEST_LEFT * old.speed && turn >= SMALLEST_COSINE
         });
         let energy = |x: DVec3| x.truncate().length_squared() + x.z * x.z / self.mass_over_inertia;
         (steady && energy(end) <= energy(x)).then_some((end, last))
