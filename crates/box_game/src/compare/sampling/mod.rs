@@ -75,6 +75,8 @@ struct Samples {
     /// Minima over time.
     history: VecDeque<(f64, f64)>,
     evaluations: f64,
+    /// A browser compiles and optimizes code while it runs: the first sample of all is not kept.
+    warm: bool,
     /// Sum and number in this run.
     run: (f64, u32),
 }
@@ -182,8 +184,11 @@ impl IntegratorSamples {
 
     fn record(&mut self, integrator: Integrator, time: f64, sample: Sample) {
         let samples = &mut self.each[integrator.index()];
-        samples.recent.push_back((time, sample.nanoseconds));
         samples.evaluations = sample.evaluations;
+        if !std::mem::replace(&mut samples.warm, true) {
+            return;
+        }
+        samples.recent.push_back((time, sample.nanoseconds));
         if self.round.1 {
             samples.run.0 += sample.nanoseconds;
             samples.run.1 += 1;
