@@ -227,11 +227,15 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
         return;
     }
     // At the oldest sample: at the plot's edge a text would widen the plot in every frame.
-    for (text, at) in [("rounding", ROUNDING), ("visible to the eye", visible)] {
+    // Between the two lines, since each may be an edge of the plot.
+    for (text, at, anchor) in [
+        ("rounding", ROUNDING, Align2::LEFT_BOTTOM),
+        ("visible to the eye", visible, Align2::LEFT_TOP),
+    ] {
         let place = PlotPoint::new(start, to_axis(at));
         // Spaces keep it off the curves, which rise from there.
         let label = Text::new(text, place, RichText::new(format!("  {text}")).small());
-        plot.text(label.anchor(Align2::LEFT_BOTTOM).allow_hover(false));
+        plot.text(label.anchor(anchor).allow_hover(false));
     }
 }
 
