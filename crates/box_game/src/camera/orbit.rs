@@ -6,6 +6,7 @@
 #[cfg(feature = "gamepad")]
 use bevy::input::gamepad::Gamepad;
 use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
 use box_physics::prelude::{BodyState, Floor};
 use box_scenarios::SceneView;
 
@@ -159,14 +160,18 @@ impl Gesture {
 }
 
 /// Spawns the camera with the scene's own view.
-pub fn spawn_camera(session: Res<Session>, target: Res<PictureTarget>, mut commands: Commands) {
+pub fn spawn_camera(
+    session: Res<Session>,
+    (target, adapter): (Res<PictureTarget>, Option<Res<RenderAdapterInfo>>),
+    mut commands: Commands,
+) {
     let orbit = OrbitCamera::home(&session);
     commands.spawn((
         Camera3d::default(),
         orbit,
         orbit.transform(),
         target.0.clone(),
-        Msaa::Sample4,
+        target.antialiasing(adapter.as_deref()),
         TONEMAPPING,
     ));
 }

@@ -5,6 +5,7 @@
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Viewport};
 use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
 
 use super::TONEMAPPING;
 use super::orbit::OrbitCamera;
@@ -119,7 +120,11 @@ pub fn count(comparison: &Comparison) -> usize {
 }
 
 /// The cameras of the further views, which look as the main one does. They cost nothing while they are off.
-pub fn spawn_views(target: Res<PictureTarget>, mut commands: Commands) {
+pub fn spawn_views(
+    target: Res<PictureTarget>,
+    adapter: Option<Res<RenderAdapterInfo>>,
+    mut commands: Commands,
+) {
     for k in 1..MAX_VIEWS {
         commands.spawn((
             SplitView(k),
@@ -133,7 +138,7 @@ pub fn spawn_views(target: Res<PictureTarget>, mut commands: Commands) {
             },
             only(k),
             target.0.clone(),
-            Msaa::Sample4,
+            target.antialiasing(adapter.as_deref()),
             TONEMAPPING,
         ));
     }

@@ -1,6 +1,5 @@
 //! Fills the panel's view from the world.
 
-use bevy::camera::RenderTarget;
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -54,7 +53,6 @@ pub fn view(s: &Sources) -> PanelView {
     let open = s.preferences.show_plots && !session.hidden;
     let (figures, state) = main_box(s).unwrap_or_default();
     let timed = Integrator::ALL.iter().filter(|_| open);
-    let device = s.adapter.as_ref().map(|adapter| adapter.device_type);
     PanelView {
         scenario: session.scenario.clone(),
         scenes: s.library.scenes().to_vec(),
@@ -98,12 +96,8 @@ pub fn view(s: &Sources) -> PanelView {
             .log
             .as_ref()
             .map(|log| (log.path.display().to_string(), log.rows)),
-        // An image offscreen is as good from a CPU.
-        software_rendering: device == Some(wgpu::DeviceType::Cpu)
-            && matches!(
-                s.target.as_deref(),
-                Some(PictureTarget(RenderTarget::Window(_)))
-            ),
+        software_rendering: (s.target.as_deref())
+            .is_some_and(|target| target.is_slow(s.adapter.as_deref())),
         notices: session.notices.iter().cloned().collect(),
         preferences: *s.preferences,
         scene_errors: s.library.errors(),

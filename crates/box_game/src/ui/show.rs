@@ -4,6 +4,7 @@ use bevy::camera::ClearColorConfig;
 use bevy::camera::visibility::RenderLayers;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy_egui::{EguiContexts, EguiGlobalSettings, PrimaryEguiContext, egui};
 
 use super::panel::{self, PanelMemory};
@@ -32,7 +33,7 @@ pub(super) struct PanelState {
 
 /// Spawns the panel's camera, which draws over the picture.
 pub(super) fn spawn_camera(
-    target: Res<PictureTarget>,
+    (target, adapter): (Res<PictureTarget>, Option<Res<RenderAdapterInfo>>),
     mut egui: ResMut<EguiGlobalSettings>,
     mut commands: Commands,
 ) {
@@ -41,6 +42,8 @@ pub(super) fn spawn_camera(
         PanelCamera,
         PrimaryEguiContext,
         Camera2d,
+        // As the cameras below it: cameras of one target share their texture only then.
+        target.antialiasing(adapter.as_deref()),
         Camera {
             order: views::MAX_VIEWS as isize,
             clear_color: ClearColorConfig::None,

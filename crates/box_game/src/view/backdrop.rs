@@ -2,10 +2,13 @@
 //! of faint crosses where there is no floor, and the walls of a scene.
 
 use bevy::camera::visibility::NoFrustumCulling;
-use bevy::light::NotShadowCaster;
-use bevy::mesh::VertexAttributeValues;
-use bevy::pbr::{DistanceFog, FogFalloff};
+use bevy::mesh::{MeshVertexBufferLayoutRef, VertexAttributeValues};
+use bevy::pbr::{DistanceFog, FogFalloff, MaterialPipeline, MaterialPipelineKey};
 use bevy::prelude::*;
+use bevy::render::render_resource::{
+    AsBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError,
+};
+use bevy::shader::ShaderRef;
 use box_physics::prelude::{Floor, StaticPlane};
 
 use crate::camera::orbit::OrbitCamera;
@@ -30,6 +33,35 @@ const CELLS: UVec2 = UVec2::new(12, 2);
 #[derive(Component)]
 pub(super) struct Sky;
 
+/// Shows the colors of the vertices. The standard material would draw the same, slowly: the sky is most of the picture.
+#[derive(Asset, TypePath, AsBindGroup, Clone, Default)]
+pub(super) struct SkyMaterial {}
+
+impl Material for SkyMaterial {
+    fn fragment_shader() -> ShaderRef {
+        "embedded://box_game/view/sky.wgsl".into()
+    }
+
+    fn enable_prepass() -> bool {
+        false
+    }
+
+    fn enable_shadows() -> bool {
+        false
+    }
+
+    fn specialize(
+        _: &MaterialPipeline,
+        descriptor: &mut RenderPipelineDescriptor,
+        _: &MeshVertexBufferLayoutRef,
+        _: MaterialPipelineKey<Self>,
+    ) -> Result<(), SpecializedMeshPipelineError> {
+        // Seen from inside.
+        descriptor.primitive.cull_mode = None;
+        Ok(())
+    }
+}
+
 fn color([r, g, b]: [f32; 3]) -> Color {
     Color::srgb(r, g, b)
 }
@@ -45,7 +77,7 @@ fn sky(elevation: f32) -> [f32; 4] {
 /// A sphere around the camera, painted by elevation.
 pub(super) fn spawn_backdrop(
     mut meshes: ResMut<Assets<Mesh>>,
-    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut materials: ResMut<Assets<SkyMaterial>>,
     mut commands: Commands,
 ) {
     let mut sphere = Sphere::new(1.0).mesh().uv(24, 48);
@@ -60,13 +92,7 @@ pub(super) fn spawn_backdrop(
         Sky,
         everywhere(),
         Mesh3d(meshes.add(sphere)),
-        MeshMaterial3d(materials.add(StandardMaterial {
-            unlit: true,
-            fog_enabled: false,
-            cull_mode: None,
-            ..default()
-        })),
-        NotShadowCaster,
+        MeshMaterial3d(materials.add(SkyMaterial::default())),
         NoFrustumCulling,
     ));
 }

@@ -7,6 +7,7 @@ pub mod renderer;
 pub mod style;
 mod visuals;
 
+use bevy::asset::embedded_asset;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use box_physics::plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
@@ -17,18 +18,23 @@ use crate::scene::session::MainBox;
 
 /// Draws boxes, floor and comparisons. Needs a renderer and the cameras.
 pub fn plugin(app: &mut App) {
-    app.add_plugins((BodyGizmosPlugin, comparisons::plugin))
-        .add_systems(Startup, (visuals::set_up, backdrop::spawn_backdrop))
-        .add_systems(
-            Update,
-            (
-                backdrop::draw_lattice.after(move_camera),
-                backdrop::draw_walls,
-                backdrop::place_backdrop.after(move_camera),
-                visuals::place_floor,
-                switch_gizmos.before(BodyGizmosSystems),
-            ),
-        );
+    embedded_asset!(app, "sky.wgsl");
+    app.add_plugins((
+        BodyGizmosPlugin,
+        comparisons::plugin,
+        MaterialPlugin::<backdrop::SkyMaterial>::default(),
+    ))
+    .add_systems(Startup, (visuals::set_up, backdrop::spawn_backdrop))
+    .add_systems(
+        Update,
+        (
+            backdrop::draw_lattice.after(move_camera),
+            backdrop::draw_walls,
+            backdrop::place_backdrop.after(move_camera),
+            visuals::place_floor,
+            switch_gizmos.before(BodyGizmosSystems),
+        ),
+    );
     add_dressing(app);
 }
 

@@ -5,6 +5,7 @@ use bevy::camera::visibility::VisibilitySystems;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::renderer::RenderAdapterInfo;
 use bevy::render::view::window::screenshot::Screenshot;
 use bevy::window::{ExitCondition, PrimaryWindow, WindowRef, WindowResolution};
 use bevy_egui::EguiPostUpdateSet;
@@ -17,6 +18,22 @@ use crate::scene::session::Session;
 /// Target of the cameras: the window, or an image.
 #[derive(Resource, Clone, Debug)]
 pub struct PictureTarget(pub RenderTarget);
+
+impl PictureTarget {
+    /// Whether a CPU draws the frames of a window. An image offscreen is as good from a CPU.
+    pub fn is_slow(&self, adapter: Option<&RenderAdapterInfo>) -> bool {
+        let device = adapter.map(|adapter| adapter.device_type);
+        device == Some(wgpu::DeviceType::Cpu) && matches!(self.0, RenderTarget::Window(_))
+    }
+
+    /// Four samples a pixel; without a GPU one, since there most of a frame's time is theirs ([web](../../../../docs/web.md)).
+    pub fn antialiasing(&self, adapter: Option<&RenderAdapterInfo>) -> Msaa {
+        match self.is_slow(adapter) {
+            true => Msaa::Off,
+            false => Msaa::Sample4,
+        }
+    }
+}
 
 /// Chooses the target, and titles the window. Add it after [`renderer`].
 pub struct TargetPlugin {
@@ -110,5 +127,38 @@ pub fn renderer(offscreen: bool, size: (u32, u32)) -> bevy::app::PluginGroupBuil
             })),
             ..default()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::render::renderer::WgpuWrapper;
+    use wgpu::{AdapterInfo, Backend, DeviceType};
+
+    #[test]
+    fn only_a_window_without_a_gpu_goes_without_antialiasing() {
+        let adapter = |device_type| {
+            RenderAdapterInfo(WgpuWrapper::new(AdapterInfo {
+                name: String::new(),
+                vendor: 0,
+                device: 0,
+                device_type,
+                device_pci_bus_id: String::new(),
+                driver: String::new(),
+                driver_info: String::new(),
+                backend: Backend::Gl,
+                subgroup_min_size: 0,
+                subgroup_max_size: 0,
+                transient_saves_memory: false,
+            }))
+        };
+        let window = PictureTarget(RenderTarget::Window(WindowRef::Primary));
+        let image = PictureTarget(RenderTarget::Image(Handle::<Image>::default().into()));
+        let msaa = |target: &PictureTarget, device| target.antialiasing(Some(&adapter(device)));
+        assert_eq!(msaa(&window, DeviceType::Cpu), Msaa::Off);
+        assert_eq!(msaa(&window, DeviceType::IntegratedGpu), Msaa::Sample4);
+        assert_eq!(msaa(&image, DeviceType::Cpu), Msaa::Sample4);
+        assert_eq!(window.antialiasing(None), Msaa::Sample4);
     }
 }
