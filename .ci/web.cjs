@@ -105,25 +105,34 @@ async function main() {
     }, [one.toString("base64"), other.toString("base64")]);
   }
 
+  /** Notes the parts of the download, and when the first picture is shown. */
+  const watchStart = (page) => page.addInitScript(() => addEventListener("DOMContentLoaded", () => {
+    const [cover, bar] = ["cover", "bar"].map((id) => document.getElementById(id));
+    const watch = (element, attribute, seen) => new MutationObserver(seen).observe(element, { attributeFilter: [attribute] });
+    watch(cover, "hidden", () => { globalThis.shown ??= performance.now(); });
+    globalThis.progress = [];
+    watch(bar, "value", () => globalThis.progress.push(bar.value));
+  }));
+
+  /** The parts of the download, and the times [s] of its last byte and of the first picture. */
+  async function started(game) {
+    await game.running();
+    const [progress, ...times] = await game.page.evaluate(() => [
+      globalThis.progress,
+      performance.getEntriesByType("resource").find((entry) => entry.name.endsWith(".brotli")).responseEnd,
+      globalThis.shown,
+    ]);
+    const [loaded, shown] = times.map((time) => time / 1000);
+    console.log(`   last byte after ${loaded.toFixed(1)} s, first picture after ${shown.toFixed(1)} s`);
+    return { progress, loaded, shown };
+  }
+
   const tests = {
     "it loads, obeys its query, and a box tumbles": async () => {
-      const game = await open("?scene=dzhanibekov&integrator=split,rk4&plot=error&no-settings", {}, (page) =>
-        page.addInitScript(() => addEventListener("DOMContentLoaded", () => {
-          const [cover, bar] = ["cover", "bar"].map((id) => document.getElementById(id));
-          const watch = (element, attribute, seen) => new MutationObserver(seen).observe(element, { attributeFilter: [attribute] });
-          watch(cover, "hidden", () => { globalThis.shown ??= performance.now(); });
-          globalThis.progress = [];
-          watch(bar, "value", () => globalThis.progress.push(bar.value));
-        })));
-      await game.running();
-      const progress = await game.page.evaluate(() => globalThis.progress);
+      const game = await open("?scene=dzhanibekov&integrator=split,rk4&plot=error&no-settings", {}, watchStart);
+      const { progress, shown } = await started(game);
       assert(progress.length > 2 && progress.at(-1) === 1, `${progress}`);
       assert(progress.every((part, k) => k === 0 || part >= progress[k - 1]), `${progress}`);
-      const [loaded, shown] = await game.page.evaluate(() => [
-        performance.getEntriesByType("resource").find((entry) => entry.name.endsWith(".wasm")).responseEnd,
-        globalThis.shown,
-      ].map((time) => time / 1000));
-      console.log(`   last byte after ${loaded.toFixed(1)} s, first picture after ${shown.toFixed(1)} s`);
       assert(shown < 10, "ten seconds on software rendering");
       await game.titled("Dzhanibekov", "– split –");
       const first = await game.picture();
@@ -132,6 +141,21 @@ async function main() {
         seen = await compare(game.page, first, await game.picture("web.png"));
       } while (seen.different < 2000);
       assert(seen.colors > 100, `${seen.colors} colors`);
+      const began = Date.now();
+      await game.frames(20);
+      console.log(`   a frame in ${((Date.now() - began) / 20).toFixed(0)} ms`);
+      await game.close();
+    },
+
+    "it loads over a line of 20 Mbit/s": async () => {
+      const game = await open("?scene=dzhanibekov&no-settings", {}, async (page) => {
+        const session = await page.context().newCDPSession(page);
+        await session.send("Network.emulateNetworkConditions",
+          { offline: false, latency: 20, downloadThroughput: 2.5e6, uploadThroughput: 1e6 });
+        await watchStart(page);
+      });
+      const { loaded } = await started(game);
+      assert(loaded > 2, "a line so slow");
       await game.close();
     },
 
@@ -301,6 +325,14 @@ async function main() {
       const first = await copied("?script=change.ron&no-settings");
       assert(first.startsWith(address) && first.includes("1.62"), first);
       assert.equal(await copied(`${first.slice(address.length)}&script=copy.ron&no-settings`), first);
+    },
+
+    "a download that breaks off is said, with a way back": async () => {
+      const half = readFileSync(join(folder, "box_game.brotli")).subarray(0, 1e6);
+      const game = await open("", {}, (page) => page.route("**/box_game.brotli", (route) => route.fulfill({ body: half })));
+      await game.page.locator("#reload").waitFor();
+      assert.match(await game.page.locator("#text").textContent(), /could not be loaded/);
+      await game.close();
     },
 
     "a lost context is said, with a way back": async () => {
