@@ -24,6 +24,11 @@ const server = createServer((request, answer) => {
   if (path === "/far/away.ron") return answer.end(SCENE.replace("A dropped scene", "A scene from afar"));
   if (SCRIPTS[path]) return answer.end(SCRIPTS[path]);
   const file = join(folder, path === "/" ? "index.html" : path);
+  if (path === "/box_game.brotli" && request.headers.referer?.includes("breaks-off")) {
+    const whole = readFileSync(file);
+    answer.writeHead(200, { "content-length": whole.length });
+    return answer.write(whole.subarray(0, 1e6), () => request.socket.destroy());
+  }
   if (!existsSync(file)) return answer.writeHead(404).end();
   answer.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" });
   answer.end(readFileSync(file));
@@ -129,11 +134,17 @@ async function main() {
 
   const tests = {
     "it loads, obeys its query, and a box tumbles": async () => {
-      const game = await open("?scene=dzhanibekov&integrator=split,rk4&plot=error&no-settings", {}, watchStart);
-      const { progress, shown } = await started(game);
-      assert(progress.length > 2 && progress.at(-1) === 1, `${progress}`);
-      assert(progress.every((part, k) => k === 0 || part >= progress[k - 1]), `${progress}`);
-      assert(shown < 10, "ten seconds on software rendering");
+      let game;
+      // Ten seconds on software rendering; a busy machine has three tries.
+      for (let tries = 1, shown = Infinity; shown > 10; tries += 1) {
+        assert(tries <= 3, `the first picture after ${shown} s`);
+        await game?.close();
+        game = await open("?scene=dzhanibekov&integrator=split,rk4&plot=error&no-settings", {}, watchStart);
+        const start = await started(game);
+        assert(start.progress.length > 2 && start.progress.at(-1) === 1, `${start.progress}`);
+        assert(start.progress.every((part, k) => k === 0 || part >= start.progress[k - 1]), `${start.progress}`);
+        shown = start.shown;
+      }
       await game.titled("Dzhanibekov", "– split –");
       const first = await game.picture();
       let seen;
@@ -155,7 +166,8 @@ async function main() {
         await watchStart(page);
       });
       const { loaded } = await started(game);
-      assert(loaded > 2, "a line so slow");
+      const least = readFileSync(join(folder, "box_game.brotli")).length / 2.5e6;
+      assert(loaded > 0.8 * least, `${loaded} s: the emulated line had no effect`);
       await game.close();
     },
 
@@ -327,12 +339,12 @@ async function main() {
       assert.equal(await copied(`${first.slice(address.length)}&script=copy.ron&no-settings`), first);
     },
 
-    "a download that breaks off is said, with a way back": async () => {
-      const half = readFileSync(join(folder, "box_game.brotli")).subarray(0, 1e6);
-      const game = await open("", {}, (page) => page.route("**/box_game.brotli", (route) => route.fulfill({ body: half })));
+    "a download that breaks off is reported, with a button to reload": async () => {
+      const game = await open("?breaks-off");
       await game.page.locator("#reload").waitFor();
       assert.match(await game.page.locator("#text").textContent(), /could not be loaded/);
-      await game.close();
+      game.errors.length = 0;
+      await game.page.context().close();
     },
 
     "a lost context is said, with a way back": async () => {
@@ -344,11 +356,16 @@ async function main() {
       await game.page.context().close();
     },
 
-    "a browser without WebGL 2 shows the film": async () => {
-      const game = await open("", {}, (page) => page.addInitScript(() => {
-        HTMLCanvasElement.prototype.getContext = () => null;
-      }));
+    "a browser without WebGL 2 shows the film, and does not load the game": async () => {
+      const loaded = [];
+      const game = await open("", {}, (page) => {
+        page.on("request", (request) => loaded.push(request.url()));
+        return page.addInitScript(() => {
+          HTMLCanvasElement.prototype.getContext = () => null;
+        });
+      });
       await game.page.locator("#film").waitFor();
+      assert(!loaded.some((url) => url.endsWith(".brotli")), `${loaded}`);
       assert.match(await game.page.locator("#text").textContent(), /WebGL 2/);
       await game.close();
     },

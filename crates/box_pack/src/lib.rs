@@ -1,7 +1,7 @@
 //! The download of the game's page: Brotli, decompressed by the page itself.
 //!
-//! Browsers decompress Brotli only if the host names it in a header, and many static hosts send gzip at best; no browser
-//! offers Brotli to scripts everywhere. The example `pack` compresses.
+//! Browsers decompress Brotli where the host names it in a header, and many static hosts send gzip at best; not every
+//! browser lets scripts decompress it. The example `pack` compresses.
 
 use std::io::{Error, Write};
 
@@ -50,10 +50,6 @@ mod page {
     impl Unpacker {
         /// An unpacker at the start of the data.
         #[wasm_bindgen(constructor)]
-        #[expect(
-            clippy::new_without_default,
-            reason = "wasm-bindgen cannot call `default`"
-        )]
         pub fn new() -> Self {
             Self::default()
         }

@@ -9,7 +9,7 @@ use bevy_egui::EguiPrimaryContextPass;
 
 use crate::interaction::mouse::use_mouse;
 
-/// It needs no look-up tables, which would be half a megabyte of a browser's download.
+/// It needs no look-up tables, which would be half a megabyte of a browser's download. `view/sky.wgsl` has the same.
 const TONEMAPPING: Tonemapping = Tonemapping::SomewhatBoringDisplayTransform;
 
 /// Spawns and moves the cameras. Needs a renderer and its

@@ -7,9 +7,9 @@ pub mod renderer;
 pub mod style;
 mod visuals;
 
-use bevy::asset::embedded_asset;
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
+use bevy::shader::load_shader_library;
 use box_physics::plugin::{BodyGizmos, BodyGizmosPlugin, BodyGizmosSystems};
 
 use crate::camera::orbit::move_camera;
@@ -18,7 +18,7 @@ use crate::scene::session::MainBox;
 
 /// Draws boxes, floor and comparisons. Needs a renderer and the cameras.
 pub fn plugin(app: &mut App) {
-    embedded_asset!(app, "sky.wgsl");
+    load_shader_library!(app, "sky.wgsl");
     app.add_plugins((
         BodyGizmosPlugin,
         comparisons::plugin,

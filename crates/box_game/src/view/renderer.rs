@@ -22,11 +22,14 @@ pub struct PictureTarget(pub RenderTarget);
 impl PictureTarget {
     /// Whether a CPU draws the frames of a window. An image offscreen is as good from a CPU.
     pub fn is_slow(&self, adapter: Option<&RenderAdapterInfo>) -> bool {
-        let device = adapter.map(|adapter| adapter.device_type);
-        device == Some(wgpu::DeviceType::Cpu) && matches!(self.0, RenderTarget::Window(_))
+        // Browsers do not always tell the type.
+        let by_cpu = |adapter: &RenderAdapterInfo| {
+            adapter.device_type == wgpu::DeviceType::Cpu || adapter.name.contains("Basic Render")
+        };
+        adapter.is_some_and(by_cpu) && matches!(self.0, RenderTarget::Window(_))
     }
 
-    /// Four samples a pixel; without a GPU one, since there most of a frame's time is theirs ([web](../../../../docs/web.md)).
+    /// Four samples a pixel; one without a GPU, where four take most of a frame's time (docs/performance.md).
     pub fn antialiasing(&self, adapter: Option<&RenderAdapterInfo>) -> Msaa {
         match self.is_slow(adapter) {
             true => Msaa::Off,
@@ -138,9 +141,9 @@ mod tests {
 
     #[test]
     fn only_a_window_without_a_gpu_goes_without_antialiasing() {
-        let adapter = |device_type| {
+        let adapter = |name: &str, device_type| {
             RenderAdapterInfo(WgpuWrapper::new(AdapterInfo {
-                name: String::new(),
+                name: name.to_owned(),
                 vendor: 0,
                 device: 0,
                 device_type,
@@ -155,10 +158,12 @@ mod tests {
         };
         let window = PictureTarget(RenderTarget::Window(WindowRef::Primary));
         let image = PictureTarget(RenderTarget::Image(Handle::<Image>::default().into()));
-        let msaa = |target: &PictureTarget, device| target.antialiasing(Some(&adapter(device)));
+        let msaa = |target: &PictureTarget, device| target.antialiasing(Some(&adapter("", device)));
         assert_eq!(msaa(&window, DeviceType::Cpu), Msaa::Off);
         assert_eq!(msaa(&window, DeviceType::IntegratedGpu), Msaa::Sample4);
         assert_eq!(msaa(&image, DeviceType::Cpu), Msaa::Sample4);
         assert_eq!(window.antialiasing(None), Msaa::Sample4);
+        let windows = adapter("ANGLE (Microsoft Basic Render Driver)", DeviceType::Other);
+        assert_eq!(window.antialiasing(Some(&windows)), Msaa::Off);
     }
 }

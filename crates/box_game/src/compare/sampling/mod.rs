@@ -4,7 +4,8 @@
 //! integrators takes longer. The mean over the run, for the work–precision plot, covers what its sweep covers.
 //!
 //! A sample lasts at least `GRAINS` grains of the clock. In a browser, where a grain may be 100 µs, it is made of
-//! parts in several frames; [`IntegratorSamples::uncertainty`] says what the grain leaves of it.
+//! parts in several frames; [`IntegratorSamples::uncertainty`] says what the grain leaves of it. The first sample of each
+//! integrator in a run of the program is dropped: a browser compiles and optimizes code while it runs.
 
 mod turn;
 
@@ -75,7 +76,7 @@ struct Samples {
     /// Minima over time.
     history: VecDeque<(f64, f64)>,
     evaluations: f64,
-    /// A browser compiles and optimizes code while it runs: the first sample of all is not kept.
+    /// Whether the first sample of all has been taken, and dropped.
     warm: bool,
     /// Sum and number in this run.
     run: (f64, u32),
