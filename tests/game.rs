@@ -108,7 +108,7 @@ fn more_boxes_can_be_loaded() {
 fn every_integrator_is_timed() {
     let mut app = game("throw");
     // Each has two samples, of which the first is dropped; a frame has time for one at least.
-    play(&mut app, 3 * Integrator::ALL.len());
+    play(&mut app, 2 * Integrator::ALL.len());
     let samples = app.world().resource::<IntegratorSamples>();
     for &i in Integrator::ALL {
         let cost = samples.cost(i).expect("sampled");

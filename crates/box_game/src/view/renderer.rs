@@ -29,7 +29,8 @@ impl PictureTarget {
         adapter.is_some_and(by_cpu) && matches!(self.0, RenderTarget::Window(_))
     }
 
-    /// Four samples a pixel; one without a GPU, where four take most of a frame's time (docs/performance.md).
+    /// Four samples per pixel. One without a GPU, where resolving four took almost half of a frame's time
+    /// (docs/performance.md).
     pub fn antialiasing(&self, adapter: Option<&RenderAdapterInfo>) -> Msaa {
         match self.is_slow(adapter) {
             true => Msaa::Off,
