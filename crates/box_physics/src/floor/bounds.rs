@@ -1,4 +1,4 @@
-//! Bounds of how fast corners may move and how strongly they are accelerated.
+//! Bounds of the velocity and acceleration of corners.
 
 use glam::DVec3;
 
@@ -6,13 +6,13 @@ use crate::body::RigidBox;
 use crate::force::{Dissipation, ForceModel};
 use crate::state::BodyState;
 
-/// |L| max(1/I): no free motion spins faster [rad/s].
+/// Upper bound of the spin in free motion: |L| max(1/I) [rad/s].
 pub(super) fn spin_bound(body: &RigidBox, state: &BodyState) -> f64 {
     state.angular_momentum.length() * body.inverse_inertia().max_element()
 }
 
-/// How strongly the law accelerates any corner now, the rotation's own part left out [m/s²].
-/// `state` is in the world.
+/// Upper bound of the acceleration of any corner due to the present forces, without the rotational part [m/s²]. `state`
+/// is in world coordinates.
 pub(super) fn acceleration_bound<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
@@ -35,16 +35,16 @@ pub(super) fn acceleration_bound<F: ForceModel>(
     bound
 }
 
-/// Largest |ω̇ × r + ω × (ω × r)| of a free body over |ω|²|r|. Of a solid box 1.06, of a hollow or weighted one,
-/// whose moments may be (c, c, small) with its corners anywhere, 1.253.
+/// Largest |ω̇ × r + ω × (ω × r)| of a free body over |ω|²|r|: 1.06 for a solid box. It is 1.253 for a hollow or
+/// weighted one, whose moments may be (c, c, small) with its corners anywhere.
 const SWING: f64 = 1.26;
 
-/// Largest acceleration of a corner of a free body, now or later, over the present |ω|²|r|: |ω|² at most doubles.
+/// Largest acceleration of a corner of a free body, now or later, over the present |ω|²|r|. At most, |ω|² doubles.
 pub(super) const SWING_AHEAD: f64 = 2.0 * SWING;
 
-/// A bound of every corner's acceleration along `normal`, upwards: that of the rotation at the largest |ω|² that its
-/// energy allows (and at most twice the present one), and whatever the force model
-/// adds. The uniform acceleration `pull` downwards adds nothing when nothing is held: free fall is concave.
+/// Upper bound of every corner's upward acceleration along `normal`. It is the sum of two parts: rotation at the
+/// largest |ω|² for its energy (at most twice the present one), and the force model. A downward part of the uniform
+/// acceleration `pull` does not count, because free fall is concave.
 pub(super) fn curvature_bound(
     body: &RigidBox,
     state: &BodyState,

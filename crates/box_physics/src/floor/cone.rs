@@ -1,6 +1,6 @@
-//! The law at the corners of one floor, where the likely cases are solved directly: nine of ten problems are one corner
-//! (`single`) or an edge (`edge`). Two corners of a face that approach alone are tried as an edge, and all sticking is a
-//! linear problem.
+//! Coulomb's law at the corners of one floor, with direct solutions of the likely cases. Nine of ten problems are one
+//! corner (`single`) or an edge (`edge`). If only two corners of a face approach, they are tried as an edge. Sticking
+//! of all corners is a linear problem.
 
 mod edge;
 mod single;
@@ -13,7 +13,7 @@ use super::law::answered;
 use super::operator::DelassusOperator;
 use super::projection::Pair;
 
-/// W of no more than two corners.
+/// W of one or two corners.
 #[expect(
     clippy::large_enum_variant,
     reason = "one on the stack for an impact or a segment"
@@ -34,19 +34,17 @@ impl Blocks {
     }
 }
 
-/// The law at a few corners of a body.
+/// Coulomb's law at a few corners of a body.
 pub(super) struct Cone<'a> {
     pub(super) operator: &'a DelassusOperator,
     pub(super) friction: f64,
-    /// A bound of W [1/kg].
-    pub(super) norm: f64,
-    /// |w| to which the law is to hold [m/s].
+    /// Tolerance of the law in |w| [m/s].
     pub(super) target: f64,
 }
 
 impl Cone<'_> {
-    /// Sets `p` to the impulses for the velocities `b`, if one of the cases fits; `near` solves a similar problem, or is
-    /// zero.
+    /// Sets `p` to the impulses for the velocities `b`, if one of the cases applies. `near` is the solution of a
+    /// similar problem, or zero.
     #[inline]
     pub(super) fn solve(
         &self,
@@ -76,9 +74,8 @@ impl Cone<'_> {
         Some(())
     }
 
-    /// The smallest impulses that stop three or more corners, if they are in the cones: about the center of the
-    /// corners, with the arms ρ_i, they are a + β × ρ_i, and β is told by S = Σ (|ρ_i|² − ρ_iρ_iᵀ), which tells the twist
-    /// as well.
+    /// The smallest impulses that stop three or more corners, if they are in the cones. With the arms ρ_i from the
+    /// center of the corners they are a + β × ρ_i. S = Σ (|ρ_i|² − ρ_iρ_iᵀ) determines β, and also the twist.
     fn all_stick(&self, b: &Corner3) -> Option<Corner3> {
         let (operator, n) = (self.operator, self.operator.count);
         let part = 1.0 / n as f64;
@@ -108,11 +105,10 @@ impl Cone<'_> {
         (left <= self.target).then_some(p)
     }
 
-    /// The two corners that strike as an edge, if all others leave then: a box that rocks strikes with two corners and
-    /// leaves with the others.
+    /// The impulses if exactly two corners approach and all others leave, as when a rocking box strikes with an edge.
     fn two_alone(&self, b: &Corner3) -> Option<Corner3> {
         let (n, target) = (self.operator.count, self.target);
-        // Those that rest approach by rounding.
+        // Corners at rest approach by rounding errors.
         let fastest = b[..n].iter().fold(target, |a, b| a.max(-b.y));
         let strikes = mask(|i| i < n && b[i].y < -1e-6 * fastest);
         if strikes.count_ones() != 2 {
@@ -122,8 +118,9 @@ impl Cone<'_> {
         let j = 7 - strikes.leading_zeros() as usize;
         let mut p = [DVec3::ZERO; 8];
         let pair = Pair::of(self.operator, i, j);
-        let alone = Self {
-            norm: self.operator.part(strikes.into()).norm_bound(),
+        let part = self.operator.part(strikes.into());
+        let alone = Cone {
+            operator: &part,
             ..*self
         };
         let edge = Edge {

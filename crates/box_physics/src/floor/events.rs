@@ -2,7 +2,7 @@
 
 use super::bounds::{acceleration_bound, spin_bound};
 use super::flight::Flown;
-use super::geometry::{Places, each, set};
+use super::geometry::{Places, each, has, set};
 use super::ground::{BodyStep, Ground, Segment, Start};
 use super::impact::resolve_impact;
 use super::motion::{limit_energy, longest_segment};
@@ -17,7 +17,7 @@ const FREE: (f64, u32) = (1e3, 4096);
 const HELD: (f64, u32) = (1e6, 128);
 /// Trials for the end of a slip; one suffices for a constant deceleration.
 const STOP_TRIES: u32 = 8;
-/// Shortest trial, relative to the segment: a way of 5e-5 of that by a constant deceleration over the segment.
+/// Shortest trial, relative to the segment: 5e-5 of the distance covered under a constant deceleration.
 const SHORTEST_STOP: f64 = 1e-2;
 /// Maximum number of rounds in one step.
 const MAX_ROUNDS: u32 = 4 * MAX_SEGMENTS;
@@ -26,7 +26,7 @@ const MAX_TOTAL_ITERATIONS: u32 = 100_000;
 
 /// Takes the last `remaining` \[s\] of a step event by event, from the corners at `places`. `flown` is the plain step, if
 /// known. Returns the normal forces at the corners \[N\] if the step ends at rest.
-#[inline(never)] // its large frame is not for boxes that rest or fly
+#[inline(never)] // its frame is too large for boxes at rest or in flight
 pub(super) fn between_events<G: Ground<N>, const N: usize>(
     ground: &G,
     step: &mut BodyStep<'_>,
@@ -64,7 +64,7 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
         let mut in_world = *step.state;
         level.frame.to_world(&mut in_world, elapsed);
         let pull = acceleration_bound(body, &in_world, force);
-        let speed = step.state.velocity.length() + body.radius() * spin_bound(body, step.state);
+        let speed = step.state.velocity.length() + level.radius * spin_bound(body, step.state);
         // Normal speeds whose hop u²/2A is below the tolerance count as zero.
         let hold = 1e-10 * speed + (2.0 * pull * tolerance).sqrt();
 
@@ -81,12 +81,13 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             outcome.solves_capped += u32::from(hit.capped);
             outcome.repair(hit.repaired);
             iterations += hit.iterations;
+            flown = None;
             continue;
         }
 
         let held = touching & set::<N>(|i| normal[i] <= hold);
         if held == touching
-            && let Some(time) = ground.slide(step, elapsed, touching, outcome)
+            && let Some(time) = ground.slide(step, remaining, touching, outcome)
         {
             remaining = (remaining - time).max(0.0);
             *places = ground.places(step.state, step.h - remaining);
@@ -105,8 +106,10 @@ pub(super) fn between_events<G: Ground<N>, const N: usize>(
             elapsed,
             memory: step.memory,
             places,
+            twist,
             normal,
             candidates: held,
+            order: G::order(held),
             still_speed: hold,
             acceleration: pull,
             shortest: SHORTEST_STOP * time,
@@ -199,7 +202,10 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
                 if whole.still || tau <= self.shortest {
                     break;
                 }
-                let Some(next) = whole.slips.first_stop(tau, before.as_ref()) else {
+                let Some(next) = whole
+                    .slips
+                    .first_stop(self.candidates, tau, before.as_ref())
+                else {
                     break;
                 };
                 before = Some((tau, whole.slips));
@@ -210,11 +216,11 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
                 return (tau, whole);
             }
         }
-        let (context, tolerance) = (ground.level().context, ground.level().tolerance);
+        let (radius, tolerance) = (ground.level().radius, ground.level().tolerance);
         let [low, high] = [&self.state, &whole.state].map(|s| ground.height(s.position));
         let (dip, budget) = if held { HELD } else { FREE };
         let mut search = Search {
-            watch: !self.candidates,
+            watch: set::<N>(|k| !has(self.candidates, k)),
             start: self.places.height,
             rate: self.normal,
             end_rate: [f64::NAN; N],
@@ -222,7 +228,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             curvature: ground.curvature(&self.state, self.acceleration),
             tolerance,
             dip: tolerance * dip,
-            highest: low.max(high) + context.body.radius() + tau * self.state.velocity.length(),
+            highest: low.max(high) + radius + tau * self.state.velocity.length(),
             budget,
         };
         let height = whole.places.height;

@@ -43,7 +43,7 @@ pub(super) fn may_touch_plane<F: ForceModel>(
     let mut pull = (-force.acceleration().dot(normal)).max(0.0);
     let wrench = force.has_wrench();
     if wrench {
-        // Spring forces grow on the way: twice the larger of the forces here and at the end of the center's path.
+        // Spring forces grow along the path: twice the larger of the forces here and at the end of the center's path.
         let mut ahead = *state;
         ahead.position += h * state.velocity;
         let here = force.wrench(body, state).force.length();
@@ -61,7 +61,7 @@ pub(super) fn may_touch_plane<F: ForceModel>(
     drop += 0.5 * h * h * pull;
     let radius = body.radius();
     if clearance - radius > drop {
-        // Beyond its stable range an explicit integrator turns drag into motion the wrong way.
+        // Beyond its stable range, an explicit integrator lets drag reverse the motion.
         return d != Dissipation::NONE && h * drag_coefficient(&d, state) > body.mass();
     }
     if wrench || force.dissipation() != Dissipation::NONE {
@@ -82,7 +82,7 @@ fn drag_coefficient(d: &Dissipation, state: &BodyState) -> f64 {
 pub(super) enum Flight {
     /// The step was taken: it ends above the floor and cannot have dipped in between.
     Clear(StepOutcome),
-    /// The step may meet the floor: nothing has changed, and this is its end.
+    /// The step may touch the floor. Nothing has changed; this is its end.
     Meets(Flown),
     /// The box was not above the floor.
     Low,
@@ -123,8 +123,8 @@ pub(super) fn fly<S: Integrate, F: ForceModel>(
     })
 }
 
-/// Returns `true` if no corner can have been below the floor between the heights `before` and `after` of the lowest one.
-/// As in the event search: √c₀ + √c₁ ≥ h√(M/2), for which c₀ + c₁ ≥ h²M/2 suffices.
+/// Returns `true` if no corner can have been below the floor between the heights `before` and `after` of the lowest
+/// one. As in the event search, √c₀ + √c₁ ≥ h√(M/2) is required, for which c₀ + c₁ ≥ h²M/2 suffices.
 fn clears<F: ForceModel>(
     body: &RigidBox,
     state: &BodyState,
@@ -150,8 +150,8 @@ fn clearance(body: &RigidBox, state: &BodyState, height: f64) -> f64 {
     state.position.y - height - world_half_extents(state.rotation, body.half_extents()).y
 }
 
-/// A bound M of the upward acceleration of every corner in free flight [m/s²], without a root, larger than that of the
-/// event search.
+/// An upper bound M of the upward acceleration of every corner in free flight [m/s²]. It needs no square root and is
+/// larger than that of the event search.
 #[inline(always)]
 fn curvature_ahead(body: &RigidBox, state: &BodyState, gravity: DVec3) -> f64 {
     let spin = SWING_AHEAD * state.body_angular_velocity(body).length_squared();
@@ -188,8 +188,8 @@ impl FloorBelow {
         }
     }
 
-    /// Returns `false` if a body that flew from `before` to `after` under `gravity` in `h` \[s\] may have met the floor:
-    /// the test of [`step_on_floor`](super::step_on_floor) without a root.
+    /// Returns `false` if a body that moved from `before` to `after` under `gravity` in `h` \[s\] may have touched the
+    /// floor. The test is that of [`step_on_floor`](super::step_on_floor) without a square root.
     #[inline(always)]
     pub(crate) fn is_clear(
         &self,

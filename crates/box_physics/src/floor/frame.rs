@@ -1,6 +1,6 @@
-//! The frame of a surface, in which the surface is level and at rest. Contact is solved in it and energy counted in it. At
-//! the beginning of the step it coincides with the world, or with the axes of a tilted plane. Integrator and forces stay
-//! in the world.
+//! The frame of a surface, in which the surface is level and at rest. Contact and energy are computed in it. At the
+//! start of the step it coincides with the world, or with the axes of a tilted plane. Integrator and forces use world
+//! coordinates.
 
 use glam::{DQuat, DVec3};
 
@@ -26,7 +26,7 @@ pub(super) struct Method<F> {
         f64,
         &mut IntegratorMemory,
     ) -> StepOutcome,
-    /// The integrator has order 1 in uniform gravity. A closed form would hide that error.
+    /// `true` if the integrator has order 1 in uniform gravity. A closed form would hide that error.
     pub(super) errs_in_gravity: bool,
 }
 
@@ -40,11 +40,11 @@ impl<F: ForceModel> Method<F> {
     }
 }
 
-/// The axes of a tilted plane: y along its normal, the origin below the plane by `height`, so that the tolerance is
+/// The axes of a tilted plane: y along its normal, with the origin below the plane by `height`. The tolerance is thus
 /// relative to the size of the scene.
 #[derive(Clone, Copy)]
 pub(super) struct Axes {
-    /// From these axes to the world.
+    /// Rotation from these axes to the world.
     pub(super) turn: DQuat,
     pub(super) origin: DVec3,
     pub(super) height: f64,
@@ -55,7 +55,7 @@ pub(super) struct Frame {
     /// The velocity of the surface [m/s], world axes.
     velocity: DVec3,
     axes: Option<Axes>,
-    /// The frame moves or is turned.
+    /// `true` if the frame moves or is turned.
     differs: bool,
 }
 
@@ -83,7 +83,7 @@ impl Frame {
         self.axes.is_some()
     }
 
-    /// To the world, `elapsed` \[s\] after the beginning of the step.
+    /// Converts a state to the world, `elapsed` \[s\] after the start of the step.
     #[inline(always)]
     pub(super) fn to_world(&self, state: &mut BodyState, elapsed: f64) {
         if self.differs {
@@ -120,7 +120,7 @@ impl Frame {
         self.axes.map_or(point, turned) + self.velocity * elapsed
     }
 
-    /// A vector of the frame in the axes of the world.
+    /// A vector of the frame in world axes.
     pub(super) fn vector(&self, v: DVec3) -> DVec3 {
         self.axes.map_or(v, |axes| axes.turn * v)
     }
@@ -141,6 +141,8 @@ pub(super) struct Level<'a, F> {
     pub(super) pull: DVec3,
     /// |c| at which a corner touches \[m\].
     pub(super) tolerance: f64,
+    /// The circumradius of the box \[m\].
+    pub(super) radius: f64,
 }
 
 impl<'a, F: ForceModel> Level<'a, F> {
@@ -155,12 +157,11 @@ impl<'a, F: ForceModel> Level<'a, F> {
             pull: frame.vector_to_surface(context.force.acceleration()),
             frame,
             tolerance: context.tolerated_height(),
+            radius: context.body.radius(),
         }
     }
-}
 
-impl<F: ForceModel> Level<'_, F> {
-    /// Advances a state of the frame by `tau` \[s\] by `step`, in the world.
+    /// Advances a state of the frame by `tau` \[s\] with `step`, in the world.
     pub(super) fn in_world(
         &self,
         state: &mut BodyState,

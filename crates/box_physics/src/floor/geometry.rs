@@ -1,19 +1,17 @@
-//! Where the corners are, and sets of them.
+//! Positions of the corners, and sets of corners.
 
 use glam::{DMat3, DVec3};
 
-use super::Floor;
 use crate::body::RigidBox;
-use crate::state::BodyState;
 
-/// One vector a corner.
+/// One vector per corner.
 pub(super) type Corner3 = [DVec3; 8];
 
-/// Where the corners are at one instant, over the `N` places where they may touch: the corners themselves over one
-/// floor, pairs of a plane and a corner among several planes. Place i belongs to corner i mod 8.
+/// Positions of the corners at one instant, with the heights of the `N` places where they may touch. Places are the
+/// corners over one floor, or pairs of a plane and a corner. Place i belongs to corner i mod 8.
 #[derive(Clone, Copy)]
 pub(super) struct Places<const N: usize> {
-    /// The box's axes in the world, as long as its half-extents \[m\].
+    /// The box's axes in the world, scaled by its half-extents \[m\].
     edges: [DVec3; 3],
     /// c_i = n·(x + r_k) − height \[m\]; infinite where there is no plane.
     pub(super) height: [f64; N],
@@ -28,7 +26,7 @@ impl<const N: usize> Places<N> {
         height: [f64::INFINITY; N],
     };
 
-    /// The corners of a body at `attitude`, whose heights are not known yet.
+    /// The corners of a body at `attitude`, with unknown heights.
     pub(super) fn turned(body: &RigidBox, attitude: DMat3) -> Self {
         Self {
             edges: half_edges(body, attitude),
@@ -36,7 +34,7 @@ impl<const N: usize> Places<N> {
         }
     }
 
-    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to corner `k` \[m\], world axes; index bits as in
+    /// r_k = R (±h_x, ±h_y, ±h_z): from the center to corner `k` \[m\], world axes. The bits of the index are those of
     /// [`crate::aabb::corners`].
     #[inline(always)]
     pub(super) fn lever(&self, k: usize) -> DVec3 {
@@ -61,21 +59,7 @@ impl<const N: usize> Places<N> {
     }
 }
 
-impl Corners {
-    pub(super) fn at(floor: &Floor, body: &RigidBox, state: &BodyState) -> Self {
-        let mut new = Self::turned(body, DMat3::from_quat(state.rotation));
-        new.rise(floor, state);
-        new
-    }
-
-    /// The same attitude at the height of `state`.
-    pub(super) fn rise(&mut self, floor: &Floor, state: &BodyState) {
-        let base = state.position.y - floor.height;
-        self.height = core::array::from_fn(|k| base + self.lever(k).y);
-    }
-}
-
-/// The box's axes in the world, as long as its half-extents \[m\].
+/// The box's axes in the world, scaled by its half-extents \[m\].
 #[inline(always)]
 pub(super) fn half_edges(body: &RigidBox, attitude: DMat3) -> [DVec3; 3] {
     let h = body.half_extents();
@@ -86,8 +70,8 @@ pub(super) fn half_edges(body: &RigidBox, attitude: DMat3) -> [DVec3; 3] {
     ]
 }
 
-/// r_k \[m\]. The terms are added in an order in which opposite corners of a level face get levers that are opposite to
-/// the last bit: a flat landing then has a torque of exactly zero.
+/// r_k \[m\]. The order of the terms makes the levers of opposite corners of a level face opposite to the last bit, so
+/// a flat landing has a torque of exactly zero.
 #[inline(always)]
 pub(super) fn lever([x, y, z]: [DVec3; 3], k: usize) -> DVec3 {
     let sign = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -109,20 +93,15 @@ pub(super) fn mask(f: impl Fn(usize) -> bool) -> u8 {
     set::<8>(f) as u8
 }
 
-/// The set of those of `N` places for which `f` holds.
+/// The set of the places for which `f` holds.
 pub(super) fn set<const N: usize>(f: impl Fn(usize) -> bool) -> u64 {
     (0..N).fold(0, |set, i| if f(i) { set | 1 << i } else { set })
 }
 
-/// Whether corner or place `k` is in the set.
+/// Returns `true` if corner or place `k` is in the set.
 #[inline(always)]
 pub(super) fn has(set: impl Into<u64>, k: usize) -> bool {
     set.into() >> k & 1 == 1
-}
-
-/// The corners of a set of `N` places.
-pub(super) fn corners<const N: usize>(places: u64) -> u8 {
-    (0..N / 8).fold(0, |set, j| set | (places >> (8 * j)) as u8)
 }
 
 /// The places in a set.
@@ -134,14 +113,14 @@ pub(super) fn each(mut set: u64) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Whether the corners hold a face: three of one face do, and so do four.
+/// Returns `true` if the corners span a face: at least three belong to the same one.
 pub(super) fn spans_face(set: u8) -> bool {
     FACES.iter().any(|f| (set & f).count_ones() >= 3)
 }
 
-/// How many corners are in the set, and which: opposite ones of a face are neighbors, so that their sums cancel.
+/// Number of corners in the set, and the corners. Opposite ones of a face are neighbors, so that their sums cancel.
 pub(super) fn in_pairs(set: u8) -> (usize, [u8; 8]) {
-    // The bit that all have in common names the face; its opposite corner flips the other two.
+    // The bit that all corners have in common selects the face. The opposite corner differs in the other two.
     let flip = match (0..3).find(|&bit| {
         let ones = FACES[2 * bit + 1];
         set & ones == set || set & !ones == set

@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DVec3};
 
+use super::cone::Blocks;
 use super::frame::Level;
-use super::geometry::{Places, each, set};
+use super::geometry::{Places, each, set, spans_face};
 use super::law::Law;
 use super::operator::DelassusOperator;
 use super::slips::Slips;
@@ -13,7 +14,7 @@ use crate::integrators::{IntegratorMemory, StepOutcome};
 use crate::rotation::{compose, exponential_map};
 use crate::state::BodyState;
 
-/// A step of one body: its mutable parts, its length and its report.
+/// A step of one body: its mutable parts, its length and its contact report.
 pub(super) struct BodyStep<'a> {
     pub(super) state: &'a mut BodyState,
     /// \[s\]
@@ -23,11 +24,9 @@ pub(super) struct BodyStep<'a> {
     pub(super) report: Option<&'a mut ContactReport>,
 }
 
-/// The floor, with `N` = 8 places where the box may touch, or several planes with a place for each corner over each.
+/// A surface: the floor, with `N` = 8 places where the box may touch, or several planes with eight places each.
 pub(super) trait Ground<const N: usize>: Sized {
     type Force: ForceModel;
-    /// Data for direct solutions of Coulomb's law.
-    type Blocks;
     /// The held contacts at the end of a segment.
     type Held;
     /// Force evaluations in one step.
@@ -42,57 +41,75 @@ pub(super) trait Ground<const N: usize>: Sized {
     /// The coefficients at a place.
     fn surface(&self, k: usize) -> &Floor;
     /// The velocity of the surface at a place, in the frame of the motion [m/s].
-    fn drift(&self, k: usize) -> DVec3;
+    #[inline(always)]
+    fn drift(&self, _k: usize) -> DVec3 {
+        DVec3::ZERO
+    }
     /// Returns `true` if nothing drifts, so that contact does no work.
-    fn is_fixed(&self) -> bool;
+    fn is_fixed(&self) -> bool {
+        true
+    }
 
-    /// The positions of the corners `elapsed` \[s\] after the beginning of the step.
-    fn places(&self, state: &BodyState, elapsed: f64) -> Places<N>;
-    /// Corrects them after a change of the position alone.
+    /// Sets the heights of the corners `elapsed` \[s\] after the start of the step, at the attitude of `state`.
     fn shift(&self, places: &mut Places<N>, state: &BodyState, elapsed: f64);
+    /// The positions of the corners `elapsed` \[s\] after the beginning of the step.
+    fn places(&self, state: &BodyState, elapsed: f64) -> Places<N> {
+        let attitude = DMat3::from_quat(state.rotation);
+        let mut places = Places::turned(self.level().context.body, attitude);
+        self.shift(&mut places, state, elapsed);
+        places
+    }
     /// The velocities at all places along the normals for the twist (v, ω) [m/s].
     fn normal_velocities(&self, twist: (DVec3, DVec3), places: &Places<N>) -> [f64; N];
     /// The largest bound of the acceleration of corners along a normal [m/s²]; `acceleration` bounds that of the forces.
     fn curvature(&self, state: &BodyState, acceleration: f64) -> f64;
     /// The largest height of the center over a surface \[m\].
     fn height(&self, center: DVec3) -> f64;
-    /// Slides a body that touches at these places alone from `elapsed` \[s\] on, if that is a problem in the plane. Returns
-    /// for how long \[s\].
+    /// Slides a body that touches only at these places for at most `remaining` \[s\], the rest of the step, if that is
+    /// a problem in the plane. Returns the duration \[s\].
     fn slide(
         &self,
         _step: &mut BodyStep<'_>,
-        _elapsed: f64,
+        _remaining: f64,
         _touching: u64,
         _outcome: &mut FloorOutcome,
     ) -> Option<f64> {
         None
     }
-    /// Removes the approach from the velocity.
+    /// Removes the approach velocity from `state`.
     fn separate(&self, state: &mut BodyState);
     /// The touching places that hold a face.
-    fn on_faces(&self, touching: u64) -> u64;
+    fn on_faces(&self, touching: u64) -> u64 {
+        touching & set::<N>(|i| spans_face((touching >> (8 * (i / 8))) as u8))
+    }
     /// Returns `true` if a body at rest that is held at these places stays at rest.
     fn supports(&self, places: &Places<N>, held: u64) -> bool;
 
     /// Computes the data for direct solutions of the law.
-    fn blocks(&self, operator: &DelassusOperator<N>) -> Self::Blocks;
-    /// Sets the zero impulses `p` to those that obey the law to |w| within `target`, if one of the likely cases applies.
+    fn blocks(&self, _operator: &DelassusOperator<N>) -> Blocks {
+        Blocks::More
+    }
+    /// Sets `p`, initially zero, to impulses that obey Coulomb's law to |w| within `target`, if a likely case applies.
     /// The second part of `problem` is the solution of a similar problem, or zero.
     fn direct(
         &self,
-        law: &Law<'_, Self, N>,
-        problem: (&[DVec3; N], &[DVec3; N]),
-        target: f64,
-        p: &mut [DVec3; N],
-    ) -> Option<()>;
+        _law: &Law<'_, Self, N>,
+        _problem: (&[DVec3; N], &[DVec3; N]),
+        _target: f64,
+        _p: &mut [DVec3; N],
+    ) -> Option<()> {
+        None
+    }
     /// The smallest impulses p with u + Wp = 0 along the normals, and in all components at the places in `whole`.
     fn cancel(&self, operator: &DelassusOperator<N>, u: &[DVec3; N], whole: u64) -> [DVec3; N];
-    /// Moves and turns the body so that the corners of the places `held` lie on their surfaces.
+    /// Moves and turns the body so that the corners at the places `held` are on their surfaces.
     fn project(&self, state: &mut BodyState, held: u64, elapsed: f64) -> (Places<N>, Self::Held);
-    /// Removes the normal components of the velocities `after` at the end of a segment, if `contacts` suffices for that.
-    fn stop(&self, segment: &mut Segment<N>, contacts: &Self::Held, after: &[DVec3; N]) -> bool;
+    /// Removes the normal components of the velocities `after` at the end of a segment, if `held` suffices for it.
+    fn stop(&self, _segment: &mut Segment<N>, _held: &Self::Held, _after: &[DVec3; N]) -> bool {
+        false
+    }
 
-    /// The contacts at these places of a body whose world axes are `attitude`.
+    /// The operator of a body with the world axes `attitude` and contacts at these places.
     #[inline]
     fn operator(&self, attitude: DMat3, places: u64) -> DelassusOperator<N> {
         let body = self.level().context.body;
@@ -135,14 +152,11 @@ pub(super) trait Ground<const N: usize>: Sized {
         frame.point(state.position, elapsed) + frame.vector(places.lever(k))
     }
 
-    /// Penetration recovery: moves the body out of the deepest surface until it is in none, at most `N` times.
+    /// Penetration recovery: moves the body out of the deepest surface, at most `N` times, until it penetrates none.
     fn recover(&self, state: &mut BodyState, places: &mut Places<N>, elapsed: f64) {
         for _ in 0..N {
-            if places.lowest() >= 0.0 {
-                break;
-            }
             let (place, gap) = places.deepest();
-            if !gap.is_finite() {
+            if gap >= 0.0 || !gap.is_finite() {
                 break;
             }
             state.position -= self.normal(place) * gap;
@@ -168,7 +182,7 @@ pub(super) trait Ground<const N: usize>: Sized {
         }
     }
 
-    /// Adds impulses, by place, to a report. Until the end of the step, its normal is the sum of the normal impulses.
+    /// Adds impulses, by place, to a report. During a step, the report's normal is the sum of the normal impulses.
     fn record(
         &self,
         report: &mut ContactReport,
@@ -186,21 +200,25 @@ pub(super) trait Ground<const N: usize>: Sized {
     }
 }
 
-/// The start of a segment, and the bounds that hold for it.
+/// The start of a segment, and the bounds that are valid during it.
 pub(super) struct Start<'a, G, const N: usize> {
     pub(super) ground: &'a G,
     pub(super) state: BodyState,
-    /// Since the beginning of the step \[s\].
+    /// Time since the start of the step \[s\].
     pub(super) elapsed: f64,
     pub(super) memory: &'a IntegratorMemory,
     pub(super) places: &'a Places<N>,
+    /// (v, ω)
+    pub(super) twist: (DVec3, DVec3),
     /// The velocities at the places along the normals [m/s].
     pub(super) normal: [f64; N],
     /// The places that may be held: touching, with negligible normal velocity.
     pub(super) candidates: u64,
+    /// Number of candidates, and the candidates in the order of their contacts.
+    pub(super) order: (usize, [u8; N]),
     /// Largest speed of a corner at rest [m/s].
     pub(super) still_speed: f64,
-    /// Bound of the acceleration that acts [m/s²].
+    /// Upper bound of the acceleration [m/s²].
     pub(super) acceleration: f64,
     /// Shortest segment in the search for the end of a slip \[s\].
     pub(super) shortest: f64,
@@ -214,12 +232,12 @@ pub(super) struct Segment<const N: usize> {
     /// Impulses over the segment, by place \[N s\].
     pub(super) impulse: [DVec3; N],
     pub(super) slips: Slips<N>,
-    /// The box is at rest: the state equals that at the start.
+    /// `true` if the box is at rest: its state equals that at the start.
     pub(super) still: bool,
     pub(super) outcome: StepOutcome,
     pub(super) iterations: u32,
     pub(super) capped: bool,
-    /// Removed energy that errors of integrator and projection had added \[J\].
+    /// Removed energy, which errors of integrator and projection had added \[J\].
     pub(super) repaired: Option<f64>,
 }
 

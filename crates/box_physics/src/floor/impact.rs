@@ -21,10 +21,10 @@ pub(super) struct ImpactOutcome<const N: usize> {
     pub(super) iterations: u32,
 }
 
-/// Solves the impact for the motion `twist` and applies it: normal 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0 (Newton), friction
-/// in the round cone against the slip afterwards u⁺_t (Coulomb). [`RestitutionLaw`] limits the energy, with the largest
-/// restitution of the surfaces that are hit faster than the threshold. If the impact is not `ordinary`, because the step
-/// has too many, all touching corners stop along the normal.
+/// Solves the impact for the motion `twist` and applies it. Along the normal, 0 ≤ p_n ⊥ u⁺_n + e min(u⁻_n, 0) ≥ 0
+/// (Newton). Friction in the round cone opposes the slip u⁺_t after the impact (Coulomb). [`RestitutionLaw`] limits the
+/// energy, with the largest restitution of surfaces hit faster than the threshold. If `ordinary` is `false`, because
+/// the step has too many impacts, all touching corners stop along the normal.
 pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     ground: &G,
     state: &mut BodyState,
@@ -80,8 +80,8 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
             repaired = (!energetic).then_some(way.gained);
         }
     }
-    // A landing on a face below the threshold, or the last impact allowed, also stops rocking, which would otherwise go
-    // on in ever smaller, ever more frequent impacts (Housner 1963).
+    // A landing on a face below the threshold, or the last allowed impact, also stops rocking. Otherwise ever smaller
+    // impacts would follow ever more frequently (Housner 1963).
     let quiet = extreme < threshold;
     let stopped = match (ordinary, quiet) {
         (false, _) => touching,
@@ -104,21 +104,21 @@ pub(super) fn resolve_impact<G: Ground<N>, const N: usize>(
     }
 }
 
-/// Change of the kinetic energy by the impulses p₀ + λd between the plastic solution p₀ and Newton's p₁ = p₀ + d. With
-/// friction or several corners, Newton's law may return more than the part e² of the energy, and even create energy (Kane,
-/// Levinson 1985; Stronge 1990). The change is Aλ² + Bλ + C with A = ½ d·Wd, B = d·(u⁻ + Wp₀). Every λ in (0, 1) is
-/// inside the convex cones and does not lead into the floor.
+/// Change of the kinetic energy due to the impulses p₀ + λd between the plastic solution p₀ and Newton's p₁ = p₀ + d.
+/// With friction or several corners, Newton's law may return more than the fraction e² of the energy, or even create
+/// energy (Kane, Levinson 1985; Stronge 1990). The change is Aλ² + Bλ + C with A = ½ d·Wd, B = d·(u⁻ + Wp₀). Every λ in
+/// (0, 1) is inside the convex cones and does not lead into the floor.
 struct Way {
     a: f64,
     b: f64,
     /// C ≤ 0 \[J\].
     lost: f64,
-    /// Change by p₁ \[J\].
+    /// Change due to p₁ \[J\].
     gained: f64,
 }
 
 impl Way {
-    /// From the motion (v, ω).
+    /// Computes the coefficients from the motion (v, ω).
     fn between<G: Ground<N>, const N: usize>(
         ground: &G,
         operator: &DelassusOperator<N>,
@@ -133,7 +133,7 @@ impl Way {
         let mut b = way.0.dot(v + dv) + way.1.dot(omega + dw);
         let mut lost = first.0.dot(v + 0.5 * dv) + first.1.dot(omega + 0.5 * dw);
         if !ground.is_fixed() {
-            // Energy counts relative to the surfaces.
+            // Energy is relative to the surfaces.
             for i in 0..operator.count {
                 let drift = ground.drift(usize::from(operator.place[i]));
                 lost -= solutions[0][i].dot(drift);

@@ -8,17 +8,18 @@
 //!
 //! Each contact sticks, slides or leaves. The likely cases at few corners of a floor are solved directly (`cone`), all
 //! others by Newton's method on the twist of the body (`newton`). Without friction the law is a convex problem with an
-//! active set. Of the possible distributions of load on four corners the smallest is chosen, so that a symmetric landing
-//! stays symmetric.
+//! active set. Of the possible load distributions on four corners the smallest is chosen, so a symmetric landing
+//! remains symmetric.
 
 use glam::DVec3;
 
+use super::cone::Blocks;
 use super::geometry::{each, has, set};
 use super::ground::Ground;
 use super::newton::descend;
 use super::operator::DelassusOperator;
 
-/// Numbers of gradient steps that lead to further starting points of Newton's method.
+/// Numbers of gradient steps to further starting points of Newton's method.
 const GRADIENT_STEPS: [u32; 3] = [50, 200, 1000];
 
 /// Result of the solver.
@@ -31,7 +32,7 @@ pub(super) struct Solution<const N: usize = 8> {
     pub(super) converged: bool,
 }
 
-/// Notes in tests which case answered.
+/// Records in tests which case found the solution.
 #[inline(always)]
 pub(super) fn answered(case: &'static str) {
     #[cfg(test)]
@@ -42,7 +43,7 @@ pub(super) fn answered(case: &'static str) {
 
 #[cfg(test)]
 thread_local! {
-    /// How often each case answered.
+    /// Number of solutions by case.
     pub(super) static ANSWERS: std::cell::RefCell<std::collections::BTreeMap<&'static str, u32>> =
         std::cell::RefCell::default();
 }
@@ -50,32 +51,29 @@ thread_local! {
 /// Coulomb's law at the contacts of an operator.
 pub(super) struct Law<'a, G: Ground<N>, const N: usize> {
     ground: &'a G,
-    /// The contacts, and the mass behind them.
+    /// The contacts and their inverse-mass operator.
     pub(super) operator: &'a DelassusOperator<N>,
     /// Data for direct solutions.
-    pub(super) blocks: G::Blocks,
-    /// A bound of W [1/kg].
-    pub(super) norm: f64,
-    /// Static friction acts.
+    pub(super) blocks: Blocks,
+    /// `true` if static friction acts.
     grips: bool,
-    /// Factor on the friction.
+    /// Factor applied to the friction.
     part: f64,
 }
 
 impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
-    /// The law with static friction if it `grips`.
+    /// Creates the law, with static friction if `grips`.
     pub(super) fn new(ground: &'a G, operator: &'a DelassusOperator<N>, grips: bool) -> Self {
         Self {
             ground,
             operator,
             blocks: ground.blocks(operator),
-            norm: operator.norm_bound(),
             grips,
             part: 1.0,
         }
     }
 
-    /// The normal of a contact, and its friction.
+    /// The normal and the friction coefficient of a contact.
     #[inline(always)]
     pub(super) fn surface(&self, i: usize) -> (DVec3, f64) {
         let place = usize::from(self.operator.place[i]);
@@ -88,7 +86,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
         (self.ground.normal(place), self.part * friction)
     }
 
-    /// P: the normal part of an impulse made positive, the tangential one cut to the disc that belongs to it.
+    /// P: projects an impulse onto the cone, the normal part to ≥ 0 and the tangential part to the disc of that radius.
     #[inline(always)]
     pub(super) fn project(&self, i: usize, p: DVec3) -> DVec3 {
         let (normal, friction) = self.surface(i);
@@ -103,10 +101,10 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
         n * normal + along * part
     }
 
-    /// Solves the law for the velocities `b`; `near` is the solution of a similar problem, or zero. The result always obeys
-    /// the normal law and never gains energy. If half of the iterations do not converge, a quarter of them are spent with
-    /// a quarter of the friction, and so on, and finally the problem without friction is solved directly. `converged` is
-    /// `false` then.
+    /// Solves the law for the velocities `b`; `near` is the solution of a similar problem, or zero. The result always
+    /// obeys the normal law and never gains energy. If half of the iterations do not converge, two quarters follow with
+    /// 1/4 and 1/16 of the friction. Finally, the problem without friction is solved directly. In these cases
+    /// `converged` is `false`.
     pub(super) fn solve(&mut self, b: &[DVec3; N], near: &[DVec3; N]) -> Solution<N> {
         let (operator, n) = (self.operator, self.operator.count);
         let mut solution = Solution {
@@ -171,7 +169,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
     /// Accelerated projected gradients (Nesterov 1983; restart after O'Donoghue, Candès, Found. Comput. Math. 15 (2015)
     /// 715; for contact: Mazhar et al., ACM TOG 34 (2015) 32): p = P(p − ρw).
     fn gradient(&self, b: &[DVec3; N], steps: u32) -> [DVec3; N] {
-        let (operator, step) = (self.operator, 1.0 / self.norm);
+        let (operator, step) = (self.operator, 1.0 / self.operator.norm_bound());
         let mut previous = [DVec3::ZERO; N];
         let mut y = previous;
         let mut theta = 1.0_f64;
@@ -238,7 +236,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
             while stopped != 0 {
                 let wanted = self.stop(stopped, b);
                 let pulled = || each(stopped).filter(|&i| along(i, &wanted) <= 0.0);
-                // As far toward it as no contact pulls.
+                // Moves toward it until the first contact would pull.
                 let mut way = 1.0_f64;
                 for i in pulled() {
                     let (here, there) = (along(i, &p), along(i, &wanted));
@@ -250,7 +248,7 @@ impl<'a, G: Ground<N>, const N: usize> Law<'a, G, N> {
                 if way == 1.0 {
                     break;
                 }
-                // Rounding may leave the limiting one slightly above zero.
+                // Rounding may leave the limiting contact slightly above zero.
                 let least = pulled().min_by(|&i, &j| along(i, &p).total_cmp(&along(j, &p)));
                 let out = |i: usize| along(i, &p) <= 0.0 || Some(i) == least;
                 let out = pulled().filter(|&i| out(i)).fold(0, |out, i| out | 1 << i);

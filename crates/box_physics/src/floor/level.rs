@@ -19,7 +19,6 @@ use crate::state::BodyState;
 
 impl<F: ForceModel> Ground<8> for Level<'_, F> {
     type Force = F;
-    type Blocks = Blocks;
     type Held = HeldNormals;
     const MAX_EVALUATIONS: u64 = 40_000;
 
@@ -40,21 +39,9 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         self.context.floor
     }
 
-    #[inline(always)]
-    fn drift(&self, _: usize) -> DVec3 {
-        DVec3::ZERO
-    }
-
-    fn is_fixed(&self) -> bool {
-        true
-    }
-
-    fn places(&self, state: &BodyState, _: f64) -> Corners {
-        Corners::at(self.context.floor, self.context.body, state)
-    }
-
     fn shift(&self, corners: &mut Corners, state: &BodyState, _: f64) {
-        corners.rise(self.context.floor, state);
+        let base = state.position.y - self.context.floor.height;
+        corners.height = core::array::from_fn(|k| base + corners.lever(k).y);
     }
 
     fn normal_velocities(&self, (v, omega): (DVec3, DVec3), corners: &Corners) -> [f64; 8] {
@@ -69,7 +56,7 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
     fn slide(
         &self,
         step: &mut BodyStep<'_>,
-        elapsed: f64,
+        remaining: f64,
         touching: u64,
         outcome: &mut FloorOutcome,
     ) -> Option<f64> {
@@ -77,10 +64,10 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
             return None;
         }
         let before = step.state.velocity;
-        let slide = slide(self, step.state, step.h - elapsed, touching as u8)?;
+        let slide = slide(self, step.state, remaining, touching as u8)?;
         outcome.step += StepOutcome::plain(slide.evaluations);
         if let Some(report) = &mut step.report {
-            let end = elapsed + slide.time;
+            let end = step.h - (remaining - slide.time);
             let corners = self.places(step.state, end);
             let point = |k| self.point(step.state, &corners, k, end);
             report.hold(point, slide.time, &slide.load);
@@ -98,14 +85,6 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         state.velocity.y = state.velocity.y.max(0.0);
     }
 
-    fn on_faces(&self, touching: u64) -> u64 {
-        if spans_face(touching as u8) {
-            touching
-        } else {
-            0
-        }
-    }
-
     fn supports(&self, _: &Corners, held: u64) -> bool {
         spans_face(held as u8)
     }
@@ -121,7 +100,7 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         target: f64,
         p: &mut Corner3,
     ) -> Option<()> {
-        let (friction, norm) = (law.surface(0).1, law.norm);
+        let friction = law.surface(0).1;
         if friction == 0.0 {
             answered("frictionless");
             *p = law.smooth(b);
@@ -130,7 +109,6 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
         let cone = Cone {
             operator: law.operator,
             friction,
-            norm,
             target,
         };
         cone.solve(&law.blocks, b, near, p)
@@ -142,22 +120,22 @@ impl<F: ForceModel> Ground<8> for Level<'_, F> {
     }
 
     fn project(&self, state: &mut BodyState, held: u64, _: f64) -> (Corners, HeldNormals) {
-        let (floor, body) = (self.context.floor, self.context.body);
+        let body = self.context.body;
         let mut normals = HeldNormals::new(held as u8);
         let mut round = 0;
         loop {
             let attitude = DMat3::from_quat(state.rotation);
             let mut corners = Corners::turned(body, attitude);
-            corners.rise(floor, state);
+            self.shift(&mut corners, state, 0.0);
             let height = corners.height;
             let worst = each(held).fold(0.0, |a: f64, k| a.max(height[k].abs()));
-            let rounding = 4.0 * f64::EPSILON * (body.radius() + state.position.y.abs());
+            let rounding = 4.0 * f64::EPSILON * (self.radius + state.position.y.abs());
             normals.turn(body, &attitude);
             if round == 3 || worst <= rounding {
                 return (corners, normals);
             }
             if round > 0 && normals.count == 1 {
-                // What is left of one corner's height, the square of what was, needs no turn.
+                // The remaining height of one corner is of second order and needs no rotation.
                 state.position.y -= height[usize::from(normals.corner[0])];
             } else if let Some((_, shift, turn)) = normals.stop(body, |k| height[k]) {
                 state.position.y += shift * body.inverse_mass();

@@ -57,14 +57,14 @@ impl CoefficientCombine {
 pub struct Friction {
     /// Coefficient of kinetic friction, ≥ 0. Default 0.5.
     pub dynamic_coefficient: f64,
-    /// Coefficient of static friction; a value below the dynamic one counts as that. Default 0.5.
+    /// Coefficient of static friction; a value below the dynamic one counts as equal to it. Default 0.5.
     pub static_coefficient: f64,
     /// Rule for both coefficients.
     pub combine_rule: CoefficientCombine,
 }
 
 impl Default for Friction {
-    /// That of the default [`Floor`].
+    /// The friction of the default [`Floor`].
     fn default() -> Self {
         Self {
             dynamic_coefficient: 0.5,
@@ -134,7 +134,7 @@ pub struct Restitution {
 }
 
 impl Default for Restitution {
-    /// That of the default [`Floor`].
+    /// The restitution of the default [`Floor`].
     fn default() -> Self {
         Self {
             coefficient: 0.3,
@@ -167,7 +167,7 @@ impl Restitution {
     /// Checks the coefficient.
     ///
     /// # Errors
-    /// [`InvalidValue`] if it is not.
+    /// [`InvalidValue`] if it is not between 0 and 1.
     pub fn validate(&self) -> Result<(), InvalidValue> {
         let e = self.coefficient;
         InvalidValue::check_between((0.0, 1.0), "coefficient", e, "between 0 and 1")

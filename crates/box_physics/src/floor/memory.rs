@@ -42,7 +42,7 @@ pub struct ContactState {
     pub(super) spare: Spare,
 }
 
-/// Integrator memories for trial segments, kept for their allocations only.
+/// Integrator memories for trial segments, reused for their allocations.
 #[derive(Debug, Default)]
 pub(super) struct Spare(pub(super) [IntegratorMemory; 2]);
 
@@ -71,7 +71,7 @@ pub(super) struct Rest {
     dissipation: Dissipation,
     wrench: Wrench,
     floor: Floor,
-    /// Among planes, or on one that is not the floor: a fingerprint of all planes, or of those that carry the box, and
+    /// For several planes, or for one other than the floor: a fingerprint of all planes, or of the supporting ones, and
     /// the normal for the report.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) planes: Option<(u64, DVec3)>,
@@ -124,7 +124,7 @@ impl ContactState {
             && rest.wrench == wrench_of(body, state, force)
     }
 
-    /// Carries a box at rest with the floor for `h` \[s\]. Its height over the floor stays to the last bit.
+    /// Moves a box at rest with the floor for `h` \[s\]. Its height over the floor is constant to the last bit.
     #[inline]
     pub(super) fn ride(&mut self, state: &mut BodyState, h: f64) {
         let Some(rest) = &mut self.rest else { return };
@@ -149,13 +149,12 @@ impl ContactState {
         };
         let corners = Corners::turned(body, DMat3::from_quat(state.rotation));
         let point = |k| state.position + corners.lever(k);
-        *report = ContactReport::default();
         report.normal = rest.planes.map_or(DVec3::Y, |(_, normal)| normal);
         report.hold(point, h, &rest.reaction);
         report.end(point, self.touching);
     }
 
-    /// Stores that the box rests at the end of a step of `h` \[s\], with these forces \[N\] at its corners.
+    /// Stores that the box is at rest at the end of a step of `h` \[s\], with these forces \[N\] at its corners.
     pub(super) fn establish_rest<F: ForceModel>(
         &mut self,
         context: &FloorContext<'_, F>,
@@ -187,13 +186,13 @@ impl ContactState {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bevy", derive(Reflect), reflect(Default, Clone, PartialEq))]
 pub struct ContactReport {
-    /// Corners on which the floor acted, or which touch it at the end; bit k is corner k of [`crate::aabb::corners`].
+    /// Corners at which the floor acted, or which touch it at the end; bit k is corner k of [`crate::aabb::corners`].
     pub corners: u8,
     /// Last point of contact of each of these corners in the world \[m\].
     pub points: [DVec3; 8],
     /// Impulse along the normal at each corner \[N s\], ≥ 0; the sum for a corner that touches several planes.
     pub normal_impulses: [f64; 8],
-    /// The unit normal: +y at the floor. Among several planes the direction of the sum of their impulses.
+    /// The unit normal: +y at the floor. For several planes, the direction of the sum of their impulses.
     pub normal: DVec3,
     /// Friction impulse on the body \[N s\], world axes; 0 for a box at rest.
     pub tangential_impulse: DVec3,

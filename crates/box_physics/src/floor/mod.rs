@@ -6,14 +6,14 @@
 //! ```
 //!
 //! Contact acts at the eight corners. An impact is located in time by re-running the integrator over part of the step.
-//! All touching corners are solved together, with Newton's restitution and a round friction cone. A force holds a corner
-//! that stays, over a segment of motion. A box at rest keeps its state bit for bit.
+//! All touching corners are solved together, with Newton's restitution and a round friction cone. During a segment of
+//! motion, a force holds each corner that stays in contact. A box at rest keeps its state bit for bit.
 //!
 //! | modules, from top to bottom | task |
 //! |---|---|
 //! | `step`, `memory`, `flight`, `slide` | a step, and its shortcuts: rest, free flight, sliding on a face |
 //! | `planes` | walls and ramps: a step in the axes of one plane, or among several |
-//! | `events`, `impact`, `sustained`, `slips`, `search` | the events of a step, for one floor and several planes alike |
+//! | `events`, `impact`, `sustained`, `slips`, `search` | the events of a step, for one floor or several planes |
 //! | `ground` | their interface to the floor (`level`) and to several planes (`planes::among`) |
 //! | `law`, `newton`, `cone` | solvers of Coulomb's law: Newton's method, and direct solutions at one floor |
 //! | `projection`, `motion`, `frame`, `bounds`, `operator`, `geometry` | corrections, motion, corners |
@@ -85,7 +85,7 @@ pub struct Floor {
     pub restitution: f64,
     /// Coulomb's coefficient of kinetic friction µ, ≥ 0.
     pub friction: f64,
-    /// Coefficient of static friction, at least `friction`: holds a box of which no corner slips. Impacts use kinetic
+    /// Coefficient of static friction, at least `friction`: holds a box if no corner slips. Impacts use kinetic
     /// friction. Default `None`: the same as `friction`.
     #[cfg_attr(feature = "serde", serde(default))]
     pub static_friction: Option<f64>,
@@ -203,7 +203,7 @@ pub struct ContactSettings {
     /// Approach speed [m/s] below which nothing bounces. It ends a Zeno sequence of ever smaller bounces. Default 0.01:
     /// an invisible bounce of 5 µm. Slower ones would exceed [`ContactSettings::max_impacts`] at 60 Hz on Earth.
     pub restitution_threshold: f64,
-    /// Impacts in one step, ≥ 1. Further ones stop the touching corners, and are counted. Default 16.
+    /// Maximum number of impacts in one step, ≥ 1. Further ones stop the touching corners and are counted. Default 16.
     pub max_impacts: u32,
     /// Maximum number of iterations for one problem, ≥ 1. Default 2000; 99 of 100 random impacts need
     /// fewer than 200.
@@ -257,7 +257,7 @@ pub struct FloorContext<'a, F> {
     pub settings: &'a ContactSettings,
     /// The box.
     pub body: &'a RigidBox,
-    /// Its force model, without contact.
+    /// The force model of the box, without contact.
     pub force: &'a F,
 }
 
@@ -284,7 +284,7 @@ pub struct FloorOutcome {
     pub energy_repairs: u32,
     /// The removed energy \[J\].
     pub energy_repaired: f64,
-    /// The box is at rest. Of a sum: at least one is.
+    /// `true` if the box is at rest. For a sum: if at least one is.
     pub resting: bool,
 }
 

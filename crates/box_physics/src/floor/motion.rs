@@ -64,8 +64,8 @@ impl<F: ForceModel> Level<'_, F> {
         !self.context.force.has_wrench() && !self.context.force.has_dissipation()
     }
 
-    /// Moves `state` by the mean velocities (v̄, ω̄) in the sense of [`Level::free_motion`], with the contact's changes of
-    /// the velocity and of the angular momentum (world axes): the midpoint rule, of which the turn has the sine τω̄/2.
+    /// Moves `state` by the mean velocities (v̄, ω̄) of [`Level::free_motion`], with the contact's changes of velocity
+    /// and angular momentum (world axes). The midpoint rule gives the sine τω̄/2 of the half turn.
     pub(super) fn carry(
         &self,
         state: &mut BodyState,
@@ -78,7 +78,7 @@ impl<F: ForceModel> Level<'_, F> {
         let mut sine = 0.5 * tau * mean.1;
         let square = sine.length_squared();
         if square > 1.0 {
-            sine /= square.sqrt(); // the rule knows no larger turn than π
+            sine /= square.sqrt(); // the rule has no turn larger than π
         }
         let cosine = (1.0 - square).max(0.0).sqrt();
         let turn = DQuat::from_xyzw(sine.x, sine.y, sine.z, cosine);
@@ -89,10 +89,9 @@ impl<F: ForceModel> Level<'_, F> {
         state.angular_momentum = state.rotation.inverse() * momentum;
     }
 
-    /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities of the center and of
-    /// turning there, such that a corner moves by τ(v̄ + ω̄ × r): from velocities where that is as good as it gets, since
-    /// displacements over a short time, or far from the origin, are mostly rounding.
-    /// `start` is `elapsed` \[s\] after the beginning of the step.
+    /// The motion over `tau` \[s\] without contact: the attitude halfway, and the mean velocities there. A corner moves
+    /// by τ(v̄ + ω̄ × r). The means use velocities if these suffice, because displacements are mostly rounding over a
+    /// short time or far from the origin. `start` is `elapsed` \[s\] after the start of the step.
     pub(super) fn free_motion(
         &self,
         start: &BodyState,
@@ -144,8 +143,8 @@ impl<F: ForceModel> Level<'_, F> {
     }
 }
 
-/// Scales the velocities of `state` so that its energy does not exceed that of `start`; what that took \[J\], if
-/// it was more than rounding.
+/// Scales the velocities of `state` so that its energy does not exceed that of `start`. Returns the removed energy
+/// \[J\] if it is more than rounding.
 pub(super) fn limit_energy(
     body: &RigidBox,
     start: &BodyState,
@@ -153,7 +152,7 @@ pub(super) fn limit_energy(
     acceleration: DVec3,
 ) -> Option<f64> {
     let fall = body.mass() * acceleration.dot(state.position - start.position);
-    // The energy of the last bit of a height. Without it a box that begins to fall off its edge would stop.
+    // Energy of the last bit of a height. Without it, a box that begins to tip over an edge would stop.
     let size = start.position.abs() + DVec3::splat(body.radius());
     let rounding = 4.0 * f64::EPSILON * body.mass() * acceleration.abs().dot(size);
     let allowed = start.kinetic_energy(body) + fall + rounding;
@@ -162,7 +161,7 @@ pub(super) fn limit_energy(
         return None;
     }
     if allowed < 0.0 {
-        // Its potential energy alone is too large: the pose is reset.
+        // The potential energy alone is too large: resets the pose.
         *state = BodyState {
             velocity: DVec3::ZERO,
             angular_momentum: DVec3::ZERO,
@@ -184,8 +183,8 @@ fn middle_attitude(start: &BodyState, end: &BodyState) -> DMat3 {
     DMat3::from_quat(BodyState::at_pose(start.position, sum).rotation)
 }
 
-/// Longest segment over which the sustained law is trusted \[s\]: a quarter of a radian of turning, and so
-/// short that the acceleration from rest turns the box as little.
+/// Longest segment over which the sustained-contact model is accurate \[s\]: a quarter of a radian of turning, also for
+/// the acceleration from rest.
 pub(super) fn longest_segment(body: &RigidBox, state: &BodyState, acceleration: f64) -> f64 {
     let omega = state.body_angular_velocity(body).length();
     (0.25 / omega).min(0.35 * (body.radius() / acceleration).sqrt())

@@ -1,10 +1,10 @@
 //! Coulomb's law as an equation, solved by Newton's method on the twist of the body.
 //!
-//! With P the projection onto the cone of a contact and any ρ > 0 the law of `cone` says F = p − P(q) = 0, q = p − ρw,
-//! w = b + Wp. F is piecewise smooth: a contact leaves (q_n ≤ 0), sticks, or slides along q_t, and Newton's method
-//! with the derivative that belongs to that ends quadratically (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92
-//! (1991) 353; Qi, Sun, Math. Program. 58 (1993) 353). All contacts act on one body, so that the change of w is that
-//! of a twist ξ, u_k = G_kξ with G_k the velocity of the contact. One by one the step is then
+//! With P the projection onto the cone of a contact and any ρ > 0, Coulomb's law (`law`) is F = p − P(q) = 0, q = p −
+//! ρw, w = b + Wp. F is piecewise smooth: a contact leaves (q_n ≤ 0), sticks, or slides along q_t. Newton's method with
+//! the derivative of that piece converges quadratically (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991)
+//! 353; Qi, Sun, Math. Program. 58 (1993) 353). All contacts act on one body, so the change of w is that of a twist ξ:
+//! u_k = G_kξ with G_k the velocity of the contact. The step of each contact is
 //!
 //! ```text
 //! leaves  dp = −p
@@ -12,27 +12,27 @@
 //! slides  dp_n = −(F_n + ρu_n)/ε,   along  µ dp_n − F_t − µρu_n,   across  −(F_t + ρκu_t)/(1 − κ),   κ = µq_n/|q_t|
 //! ```
 //!
-//! linear in ξ, and Mξ = Σ G_kᵀdp_k is six linear equations. ε regularizes: of the impulses that do the same the
-//! step takes the smallest (four corners tell six numbers), and it reaches its aim but for a part ε, which the next
-//! step takes (the proximal method: Rockafellar, SIAM J. Control Optim. 14 (1976) 877).
+//! linear in ξ, and Mξ = Σ G_kᵀdp_k is six linear equations. ε regularizes: of equivalent impulses the step takes the
+//! smallest (four corners have only six independent numbers). A remainder ε is left to the next step (the proximal
+//! method: Rockafellar, SIAM J. Control Optim. 14 (1976) 877).
 
 use glam::{DMat3, DVec3};
 
 use super::ground::Ground;
 use super::law::Law;
 
-/// The part that a step leaves.
+/// Relative remainder of a step.
 const EPSILON: f64 = 1e-8;
-/// ρ in units of one over the norm, in the order in which they are tried.
+/// Values of ρ in units of one over the norm, in the order of the trials.
 const SCALES: [f64; 7] = [1.0, 10.0, 0.1, 100.0, 0.01, 1e3, 1e-3];
-/// Steps from one start.
+/// Maximum number of steps from one start.
 const STEPS: u32 = 40;
-/// Of these as many may not descend.
+/// Maximum number of these that do not descend.
 const UPHILL: u32 = 4;
-/// The smallest part of a step that is tried.
+/// The smallest fraction of a step that is tried.
 const SMALLEST: f64 = 1.0 / 256.0;
 
-/// The impulses for the velocities `b` to |w| within `target`, by steps from `start`, unless `iterations` comes to
+/// Finds the impulses for the velocities `b` to |w| within `target`, by steps from `start`, unless `iterations` reaches
 /// `limit`.
 pub(super) fn descend<G: Ground<N>, const N: usize>(
     law: &Law<'_, G, N>,
@@ -42,13 +42,14 @@ pub(super) fn descend<G: Ground<N>, const N: usize>(
     limit: u32,
     iterations: &mut u32,
 ) -> Option<[DVec3; N]> {
+    let norm = law.operator.norm_bound();
     SCALES.iter().find_map(|scale| {
         let problem = Problem {
             law,
             b,
-            rho: scale / law.norm,
-            // |F| falls with ρ, at most in proportion.
-            tolerance: target / law.norm * scale.min(1.0),
+            rho: scale / norm,
+            // |F| decreases with ρ, at most in proportion.
+            tolerance: target / norm * scale.min(1.0),
         };
         problem.descend(start, limit, iterations)
     })
@@ -58,11 +59,11 @@ struct Problem<'a, G: Ground<N>, const N: usize> {
     law: &'a Law<'a, G, N>,
     b: &'a [DVec3; N],
     rho: f64,
-    /// |F| that is left.
+    /// Tolerance of |F|.
     tolerance: f64,
 }
 
-/// Impulses, with q, F and |F|² there.
+/// Impulses, with the values of q, F and |F|².
 struct Point<const N: usize> {
     p: [DVec3; N],
     q: [DVec3; N],
@@ -71,7 +72,7 @@ struct Point<const N: usize> {
 }
 
 impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
-    /// The zero of F that is reached from `start`.
+    /// Finds the zero of F reached from `start`.
     fn descend(&self, start: &[DVec3; N], limit: u32, iterations: &mut u32) -> Option<[DVec3; N]> {
         let operator = self.law.operator;
         let mut here = self.at(start, start, 0.0);
@@ -80,7 +81,7 @@ impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
             *iterations += 1;
             let step = self.step(&here);
             let mut next = self.at(&here.p, &step, 1.0);
-            // Found: then one step more, to rounding.
+            // After convergence, one more step reaches rounding.
             let found =
                 |point: &Point<N>, part: f64| operator.largest(&point.f) <= part * self.tolerance;
             if found(&next, 1e-2) || found(&here, 1.0) {
@@ -112,7 +113,7 @@ impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
         None
     }
 
-    /// A part of a step further.
+    /// The point after a fraction `size` of a step.
     fn at(&self, p: &[DVec3; N], step: &[DVec3; N], size: f64) -> Point<N> {
         let operator = self.law.operator;
         let mut p = *p;
@@ -129,10 +130,10 @@ impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
         Point { p, q, f, square }
     }
 
-    /// The change of the impulses dp = −c − S u.
+    /// The change dp = −c − S u of the impulses.
     fn step(&self, here: &Point<N>) -> [DVec3; N] {
         let operator = self.law.operator;
-        // In units of the first lever's length, so that forces and torques compare.
+        // In units of the first lever's length, so that forces and torques are comparable.
         let unit = operator.lever[0].length();
         let (mut c, mut s) = ([DVec3::ZERO; N], [DMat3::ZERO; N]);
         // A = Σ Gᵀ S G in blocks, and −Σ Gᵀ c
@@ -184,14 +185,14 @@ impl<G: Ground<N>, const N: usize> Problem<'_, G, N> {
     fn linear(&self, i: usize, q: DVec3, f: DVec3) -> (DVec3, DMat3) {
         let ((normal, mu), rho) = (self.law.surface(i), self.rho);
         let height = normal.dot(q);
-        // Within the tolerance rounding would decide.
+        // Within the tolerance, rounding would decide.
         if height <= self.tolerance {
             return (f, DMat3::ZERO);
         }
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         let up = normal.dot(f) / EPSILON;
         if mu == 0.0 {
-            // The part along the plane is gone at once.
+            // The part along the plane is removed at once.
             let c = normal * up + (f - normal * normal.dot(f));
             return (c, outer(normal * (rho / EPSILON), normal));
         }

@@ -1,21 +1,21 @@
-//! How a body answers impulses at its corners: the Delassus operator.
+//! Inverse-mass (Delassus) operator: the velocities of a body's corners due to impulses at the corners.
 
 use glam::{DMat3, DVec3};
 
-use super::geometry::{each, half_edges, lever, spans_face};
+use super::geometry::{each, half_edges, lever};
 use crate::body::RigidBox;
 use crate::state::BodyState;
 
-/// A few contacts, which are corners at a plane, and the mass behind them: the operator W with the 3×3 blocks
-/// W_jk = 1/m − [r_j]× I_w⁻¹ [r_k]×, never formed: Wp is the velocity of the corners after the
-/// impulses p, that is, one sum over the contacts and one twist.
+/// Contacts (corners at a plane) and their inverse-mass operator W, with the 3×3 blocks
+/// W_jk = 1/m − [r_j]× I_w⁻¹ [r_k]×. W is never formed: the velocity Wp of the corners after the impulses p is one sum
+/// over the contacts and one twist.
 #[derive(Clone, Copy)]
 pub(super) struct DelassusOperator<const N: usize = 8> {
-    /// How many contacts.
+    /// Number of contacts.
     pub(super) count: usize,
-    /// Their places.
+    /// Places of the contacts.
     pub(super) place: [u8; N],
-    /// The levers of their corners \[m\].
+    /// Levers of the contacts' corners \[m\].
     pub(super) lever: [DVec3; N],
     pub(super) inverse_mass: f64,
     /// I_w⁻¹
@@ -23,10 +23,10 @@ pub(super) struct DelassusOperator<const N: usize = 8> {
 }
 
 impl<const N: usize> DelassusOperator<N> {
-    /// Whether sums are of pairs: the corners on a floor are in the order of [`super::geometry::in_pairs`].
+    /// `true` if sums are formed in pairs: the corners on a floor are in the order of [`super::geometry::in_pairs`].
     const IN_PAIRS: bool = N == 8;
 
-    /// The first `count` contacts `place` of a body whose world axes are `attitude`.
+    /// The operator of the first `count` contacts in `place`, for a body with the world axes `attitude`.
     pub(super) fn at(body: &RigidBox, attitude: DMat3, (count, place): (usize, [u8; N])) -> Self {
         let j = body.inverse_inertia();
         let scaled = DMat3::from_cols(
@@ -48,39 +48,30 @@ impl<const N: usize> DelassusOperator<N> {
         new
     }
 
-    /// Σ p_k and Σ r_k × p_k.
+    /// Σ p_k and Σ r_k × p_k. The impulses beyond `count` must be 0.
     #[inline]
     pub(super) fn resultant(&self, p: &[DVec3; N]) -> (DVec3, DVec3) {
-        let mut force = DVec3::ZERO;
-        let mut torque = DVec3::ZERO;
-        let mut i = 0;
-        while i < self.count {
+        let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+        for i in (0..self.count).step_by(1 + usize::from(Self::IN_PAIRS)) {
             let (mut push, mut turn) = (p[i], self.lever[i].cross(p[i]));
             if Self::IN_PAIRS {
-                let j = (i + 1).min(N - 1);
-                let second = if i + 1 < self.count {
-                    (p[j], self.lever[j].cross(p[j]))
-                } else {
-                    (DVec3::ZERO, DVec3::ZERO)
-                };
-                push += second.0;
-                turn += second.1;
-                i += 1;
+                let j = i + 1; // below N, which is even
+                push += p[j];
+                turn += self.lever[j].cross(p[j]);
             }
             force += push;
             torque += turn;
-            i += 1;
         }
         (force, torque)
     }
 
-    /// The change of (v, ω) that the impulses p \[N s\] make.
+    /// The change of (v, ω) due to the impulses p \[N s\].
     #[inline]
     pub(super) fn twist(&self, p: &[DVec3; N]) -> (DVec3, DVec3) {
         self.twist_of(self.resultant(p))
     }
 
-    /// The change of (v, ω) that an impulse \[N s\] at the center and an angular impulse \[N m s\] make.
+    /// The change of (v, ω) due to an impulse \[N s\] at the center and an angular impulse \[N m s\].
     #[inline]
     pub(super) fn twist_of(&self, (force, torque): (DVec3, DVec3)) -> (DVec3, DVec3) {
         (force * self.inverse_mass, self.inverse_inertia * torque)
@@ -107,7 +98,7 @@ impl<const N: usize> DelassusOperator<N> {
         self.moved(b, self.twist(p))
     }
 
-    /// The velocities `b` and those of the twist (v, ω).
+    /// The velocities `b` plus those of the twist (v, ω).
     #[inline]
     pub(super) fn moved(&self, b: &[DVec3; N], (v, omega): (DVec3, DVec3)) -> [DVec3; N] {
         let mut w = *b;
@@ -128,14 +119,14 @@ impl<const N: usize> DelassusOperator<N> {
         (0..self.count).map(|i| a[i].dot(b[i])).sum()
     }
 
-    /// The impulses by place.
+    /// The impulses in the order of places.
     pub(super) fn by_place(&self, p: &[DVec3; N]) -> [DVec3; N] {
         let mut placed = [DVec3::ZERO; N];
         self.add_to(&mut placed, p);
         placed
     }
 
-    /// Adds impulses to those by place.
+    /// Adds impulses to `placed`, in the order of places.
     pub(super) fn add_to(&self, placed: &mut [DVec3; N], p: &[DVec3; N]) {
         for i in 0..self.count {
             placed[usize::from(self.place[i])] += p[i];
@@ -149,7 +140,7 @@ impl<const N: usize> DelassusOperator<N> {
         state.angular_momentum += state.rotation.inverse() * torque;
     }
 
-    /// The contacts at the indices `kept` alone, in the same order.
+    /// The operator of the contacts at the indices `kept`, in the same order.
     pub(super) fn part(&self, kept: u64) -> Self {
         let mut part = Self { count: 0, ..*self };
         for i in each(kept) {
@@ -171,16 +162,10 @@ impl<const N: usize> DelassusOperator<N> {
 }
 
 impl DelassusOperator {
-    /// The corners `set` of a body on a floor, whose world axes are `attitude`.
+    /// The operator of the corners `set` of a body on a floor, with the world axes `attitude`.
     #[cfg(test)]
     pub(super) fn new(body: &RigidBox, attitude: DMat3, set: u8) -> Self {
         Self::at(body, attitude, super::geometry::in_pairs(set))
-    }
-
-    /// Whether its corners hold a face.
-    pub(super) fn spans_face(&self) -> bool {
-        let corners = self.place[..self.count].iter();
-        spans_face(corners.fold(0, |set, k| set | 1 << k))
     }
 
     /// J_w [r_j]×: the change of ω by impulses along the axes at the j-th corner.

@@ -1,6 +1,6 @@
-//! Exact corrections: held corners exactly on the floor, and exactly without the velocity that the
-//! contact forbids. Both are the smallest correction in the body's own metric (kinetic energy), so
-//! the velocity one can only take energy.
+//! Exact corrections. They move held corners exactly onto the floor, and remove exactly the velocity that the contact
+//! forbids. Both are the smallest in the body's metric (kinetic energy), so the velocity correction can only remove
+//! energy.
 
 use glam::{DMat3, DVec3};
 
@@ -8,12 +8,13 @@ use super::geometry::{Corner3, in_pairs, spans_face};
 use super::operator::DelassusOperator;
 use crate::body::RigidBox;
 
-/// Impulses p of least norm with u + Wp = 0 along the normal +y, and altogether at the corners that are stopped whole.
+/// Impulses p of least norm with u + Wp = 0 along the normal +y, and in all components at the corners in `whole`.
 pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, whole: &[bool; 8]) -> Corner3 {
     let n = operator.count;
     let mut p = [DVec3::ZERO; 8];
     let normal_only = !whole[..n].contains(&true);
-    if normal_only && (n <= 2 || operator.spans_face()) {
+    let corners = operator.place[..n].iter().fold(0, |set, k| set | 1 << k);
+    if normal_only && (n <= 2 || spans_face(corners)) {
         let arm = operator.lever.map(|r| r.cross(DVec3::Y));
         let turn = |torque: DVec3| operator.inverse_inertia * torque;
         if let Some(found) = stop_normals(&arm[..n], operator.inverse_mass, turn, &u.map(|u| u.y)) {
@@ -23,7 +24,7 @@ pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, whole: &[bool; 8]
     match n {
         1 => p[0] = -(operator.block(0, &operator.swing(0)).inverse() * u[0]),
         2 if !normal_only => {
-            // First the one that is stopped whole.
+            // Begins with the corner that is stopped in all components.
             let (i, j) = if whole[0] { (0, 1) } else { (1, 0) };
             [p[i], p[j]] = Pair::of(operator, i, j).stop([u[i], u[j]], whole[j]);
         }
@@ -35,11 +36,11 @@ pub(super) fn cancel(operator: &DelassusOperator, u: &Corner3, whole: &[bool; 8]
     p
 }
 
-/// Normal impulses that stop corners with the normal velocities `u`, of least norm: an impulse at a corner turns the
-/// body by `turn` of its `arm`, r × n. Three or four corners must be of one face, and tell three numbers: for three
-/// corners their own; for four, of which opposite ones are neighbors, their mean and the differences of opposite ones,
-/// since loading one diagonal against the other does nothing. Impulses in the same three proportions are the smallest,
-/// and three linear equations tell how much of each. `None` if the corners are as good as on a line, or too many.
+/// Normal impulses of least norm that stop corners with the normal velocities `u`. An impulse at a corner turns the
+/// body by `turn` of its `arm`, r × n. Three or four corners must belong to one face and have three degrees of freedom.
+/// For four, with opposite ones as neighbors, these are the mean and the differences of opposite ones: loading one
+/// diagonal against the other has no effect. The smallest impulses have the same form; three linear equations give
+/// them. `None` if the corners are nearly on a line, or too many.
 fn stop_normals(
     arm: &[DVec3],
     inverse_mass: f64,
@@ -95,7 +96,7 @@ fn stop_normals(
     Some(p)
 }
 
-/// Corners that are held along the normal, seen from the body.
+/// Corners held along the normal, in body axes.
 pub(super) struct HeldNormals {
     pub(super) count: usize,
     pub(super) corner: [u8; 8],
@@ -126,8 +127,8 @@ impl HeldNormals {
         }
     }
 
-    /// The impulses that stop the normal velocities `u` of the corners, in their order: each, their sum, and their
-    /// angular impulse about the center in body axes.
+    /// The impulses that stop the normal velocities `u` of the corners, in their order. Returns the impulses, their
+    /// sum, and their angular impulse about the center in body axes.
     pub(super) fn stop(
         &self,
         body: &RigidBox,
@@ -137,21 +138,24 @@ impl HeldNormals {
             return None;
         }
         let turn = |torque| body.inverse_inertia() * torque;
-        let u = self.corner.map(|k| u(usize::from(k)));
-        let p = stop_normals(&self.arm[..self.count], body.inverse_mass(), turn, &u)?;
+        let mut speed = [0.0; 8];
+        for i in 0..self.count {
+            speed[i] = u(usize::from(self.corner[i]));
+        }
+        let p = stop_normals(&self.arm[..self.count], body.inverse_mass(), turn, &speed)?;
         let torque = |i: usize| p[i] * self.arm[i];
         let sum = (p[0] + p[1]) + (p[2] + p[3]);
         Some((p, sum, (torque(0) + torque(1)) + (torque(2) + torque(3))))
     }
 }
 
-/// Two corners as the ends of an edge.
+/// Two corners that form an edge.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
     /// W_00 and W_11, W_01 and W_10 [1/kg].
     pub(super) own: [DMat3; 2],
     pub(super) other: [DMat3; 2],
-    /// From one to the other \[m\].
+    /// Vector from one to the other \[m\].
     edge: DVec3,
 }
 
@@ -175,14 +179,14 @@ impl Pair {
         (reduced, u[j] - through * u[i])
     }
 
-    /// The smallest impulses that stop the first corner, p_0 = −W_00⁻¹(u_0 + W_01 p_1), and the second one altogether as
-    /// well, or along the normal.
+    /// The smallest impulses that stop the first corner, p_0 = −W_00⁻¹(u_0 + W_01 p_1), and the second one along the
+    /// normal, or in all components if `both`.
     pub(super) fn stop(&self, u: [DVec3; 2], both: bool) -> [DVec3; 2] {
         let inverse = self.own[0].inverse();
         let (reduced, left) = self.without(0, &inverse, u);
         let along = self.edge.normalize_or_zero();
         let second = if both {
-            // Nothing moves a corner along the edge of which the other end is stopped.
+            // If one end of an edge is stopped, nothing moves the other end along it.
             let fill = DMat3::from_cols(along * along.x, along * along.y, along * along.z);
             -((reduced + fill * self.own[1].y_axis.y).inverse() * left)
         } else {
@@ -192,15 +196,15 @@ impl Pair {
         if !both {
             return [first, second];
         }
-        // Opposite parts along the edge do nothing.
+        // Opposite impulses along the edge have no effect.
         let shift = along * (0.5 * (first - second).dot(along));
         [first - shift, second + shift]
     }
 }
 
-/// Impulses p with u + Wp = 0 in the components that `allowed` leaves of each contact's vector, of least norm: by
-/// conjugate gradients from zero (Hestenes, Stiefel 1952), which treat all contacts alike, to the last bit.
-/// W has rank six at most, so six steps are exact but for rounding; the rest of the twelve polish.
+/// Impulses p of least norm with u + Wp = 0 in the components selected by `allowed` at each contact. Conjugate
+/// gradients from zero (Hestenes, Stiefel 1952) treat all contacts equally, to the last bit. W has rank six at most, so
+/// six steps are exact up to rounding, which the other six reduce.
 pub(super) fn cancel_iteratively<const N: usize>(
     operator: &DelassusOperator<N>,
     u: &[DVec3; N],
@@ -225,8 +229,8 @@ pub(super) fn cancel_iteratively<const N: usize>(
             image[i] = allowed(i, image[i]);
         }
         let curvature = operator.dot(&direction, &image);
-        // Four coplanar corners have one distribution that does nothing, and rounding leaves a residual
-        // along it: there is nothing to gain there, and a step would be noise over noise.
+        // Four coplanar corners have one distribution without effect, along which rounding leaves a residual. A step
+        // along it would only amplify noise.
         if curvature <= null * operator.dot(&direction, &direction) {
             break;
         }

@@ -1,23 +1,25 @@
 //! Search for the first touch of a corner. The integrator itself is re-run over part of the step, so its order survives
 //! the event (Hairer, Nørsett, Wanner, *Solving ODEs I*, II.6).
 //!
-//! The next trial is the root of a polynomial through the known heights of a corner: height and velocity at the start, the
-//! heights of the last trials and, for the first guess in flight, the velocity at the end. Two or three trials reach 1e-12
-//! of the scene; a bracket guards them.
+//! The next trial is the root of a polynomial through the known heights of a corner. It uses height and velocity at the
+//! start, the heights of the last trials and, for the first guess in flight, the velocity at the end. Two or three
+//! trials reach 1e-12 of the scene, within a bracket.
 
-/// Inputs of the search for `N` heights, of the corners over one plane or several.
+use super::geometry::each;
+
+/// Inputs of the search for `N` heights: the corners over one plane or several.
 pub(super) struct Search<const N: usize> {
-    /// The corners to watch.
+    /// The watched corners.
     pub(super) watch: u64,
-    /// Their heights at the start \[m\].
+    /// Heights of the corners at the start \[m\].
     pub(super) start: [f64; N],
-    /// Their velocities upwards at the start [m/s].
+    /// Upward velocities of the corners at the start [m/s].
     pub(super) rate: [f64; N],
-    /// The same at the end of the whole time; NaN if unknown.
+    /// Upward velocities at the end of the whole time; NaN if unknown.
     pub(super) end_rate: [f64; N],
     /// The whole time \[s\].
     pub(super) time: f64,
-    /// A bound of every corner's upward acceleration [m/s²].
+    /// Upper bound of every corner's upward acceleration [m/s²].
     pub(super) curvature: f64,
     /// Largest height of a touching corner \[m\].
     pub(super) tolerance: f64,
@@ -50,7 +52,7 @@ struct Track<'a, T, M, const N: usize> {
     motion: M,
     /// The motion to the earliest touch so far, or over the whole time.
     best: &'a mut T,
-    /// The motion of the last sample, if that is not the best.
+    /// The motion of the last sample, if that is not `best`.
     last: &'a mut T,
     used: u32,
     /// The last samples, the newest first.
@@ -82,14 +84,8 @@ impl<T, M: FnMut(f64, &mut T) -> [f64; N], const N: usize> Track<'_, T, M, N> {
 }
 
 impl<const N: usize> Search<N> {
-    /// The places that are watched.
-    fn watched(&self) -> impl Iterator<Item = usize> + use<N> {
-        let watch = self.watch;
-        (0..N).filter(move |k| watch >> k & 1 == 1)
-    }
-
     fn lowest(&self, height: &[f64; N]) -> f64 {
-        self.watched().fold(f64::INFINITY, |a, k| a.min(height[k]))
+        each(self.watch).fold(f64::INFINITY, |a, k| a.min(height[k]))
     }
 
     /// Returns `true` if no watched corner can have been below the floor between two samples. A dip between the heights c₀
@@ -100,7 +96,7 @@ impl<const N: usize> Search<N> {
         if square <= 4.0 * self.dip {
             return true;
         }
-        self.watched().all(|k| {
+        each(self.watch).all(|k| {
             let (from, to) = (from[k].max(0.0), to[k].max(0.0));
             from + to >= square || from.sqrt() + to.sqrt() >= tau * (0.5 * self.curvature).sqrt()
         })
@@ -112,15 +108,15 @@ impl<const N: usize> Search<N> {
     }
 
     /// Returns `true` if the search for dips over `tau` would exceed the budget for any heights in between. Each clear
-    /// stretch of τ has 2√c ≥ τ√(M/2) for its higher end c, so there are at least τ√(M/2)/2√c of them.
+    /// stretch of τ has 2√c ≥ τ√(M/2) for its higher end c. There are therefore at least τ√(M/2)/2√c stretches.
     fn is_hopeless(&self, tau: f64) -> bool {
         let stretch = 2.0 * self.highest.max(0.0).sqrt();
         tau * (0.5 * self.curvature).sqrt() > f64::from(self.budget) * stretch
     }
 
-    /// Finds the first touch of a watched corner. `motion(τ, segment)` computes the motion over τ and returns the heights;
-    /// `whole` and `height` are those over the whole time; `other` is overwritten. Returns the time \[s\] of the touch or
-    /// the whole time, the motion up to there, and `true` if the budget was exceeded.
+    /// Finds the first touch of a watched corner. `motion(τ, segment)` computes the motion over τ and returns the
+    /// heights. `whole` and `height` are those over the whole time; `other` is overwritten. Returns the time \[s\] of
+    /// the touch (or the whole time), the motion up to it, and `true` if the budget was exceeded.
     pub(super) fn run<'a, T>(
         &self,
         whole: &'a mut T,
@@ -190,7 +186,7 @@ impl<const N: usize> Search<N> {
             };
             if !(tau > low && tau < high.tau) {
                 tau = low + 0.5 * gap;
-                // The bracket holds no further number.
+                // The bracket contains no further number.
                 if !(tau > low && tau < high.tau) {
                     break;
                 }
@@ -214,7 +210,7 @@ impl<const N: usize> Search<N> {
     /// they have no root there.
     fn first_root(&self, low: f64, high: &Sample<N>, nodes: &[Sample<N>]) -> f64 {
         let mut first = f64::INFINITY;
-        for k in self.watched().filter(|&k| high.height[k] < 0.0) {
+        for k in each(self.watch).filter(|&k| high.height[k] < 0.0) {
             let polynomial = self.polynomial(k, nodes);
             if first == f64::INFINITY {
                 first = polynomial.root(low, high.tau);

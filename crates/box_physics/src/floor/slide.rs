@@ -1,17 +1,17 @@
 //! Sliding on a face without tipping, the most frequent sustained motion, as a problem in the plane.
 //!
-//! The corners k bear N_k ≥ 0 and slip with w_k, so that the forces on them are N_k (n − µŵ_k), ŵ_k = w_k/|w_k|.
-//! There is no torque about the horizontal axes as long as the box does not tip, so that with the arms ρ_k in the
-//! plane, the height of the center h, and Σ N_k = N
+//! The corners k carry N_k ≥ 0 and slip with w_k, so the forces on them are N_k (n − µŵ_k), ŵ_k = w_k/|w_k|. There is
+//! no torque about the horizontal axes while the box does not tip. With the arms ρ_k in the plane, the height of the
+//! center h, and Σ N_k = N,
 //!
 //! ```text
 //! Σ N_k ρ_k = µh Σ N_k ŵ_k,     N_k = ¼N (1 + σ_k1 p_1/h_1 + σ_k2 p_2/h_2)
 //! ```
 //!
-//! The second equation is the smallest distribution of load whose center of pressure is p (h_1, h_2 the half-extents
-//! of the face, σ_k = ±1 the signs of the corner). Two linear equations for p remain. Without spin all ŵ_k are one,
-//! and the deceleration is constant. Otherwise velocity and spin, in the axes of the box, obey a plain differential
-//! equation, since a face's normal is a principal axis. It is solved in parts, ever shorter ones towards a stop.
+//! The second equation is the smallest load distribution with the center of pressure p (h_1, h_2 the half-extents of
+//! the face, σ_k = ±1 the signs of the corner). Two linear equations for p remain. Without spin all ŵ_k are equal, and
+//! the deceleration is constant. Otherwise velocity and spin, in the axes of the box, obey an ordinary differential
+//! equation, since a face's normal is a principal axis. It is solved in parts, which become shorter toward a stop.
 
 use glam::{DVec2, DVec3};
 
@@ -26,7 +26,7 @@ use crate::state::BodyState;
 
 /// Result of a step of sliding.
 pub(super) struct Slide {
-    /// Duration \[s\]: less than asked for if the box stopped, or if events must solve the rest.
+    /// Duration \[s\]: shorter than requested if the box stopped, or if events must solve the remaining time.
     pub(super) time: f64,
     /// Mean normal force at each corner \[N\].
     pub(super) load: [f64; 8],
@@ -37,19 +37,19 @@ pub(super) struct Slide {
 /// Largest turn \[rad\], and largest relative change of a corner's slip, in one part of a step.
 const LARGEST_TURN: f64 = 0.25;
 const LARGEST_CHANGE: f64 = 0.25;
-/// Largest number of parts. What is left then, because the slip of a corner vanishes, is solved by events.
+/// Maximum number of parts. The remaining time, in which the slip of a corner vanishes, is solved by events.
 const PARTS: u32 = 16;
-/// A corner whose slip is a smaller part of the fastest one's does not stop together with the others.
+/// A corner does not stop together with the others if its slip is below this fraction of the fastest one.
 const ALONE: f64 = 0.25;
-/// Smallest part of a slip that is left after one part of a step, and the smallest cosine of its turn.
+/// Smallest remaining fraction of a slip after one part of a step, and the smallest cosine of its turn.
 const SMALLEST_LEFT: f64 = 0.25;
 const SMALLEST_COSINE: f64 = 0.8;
-/// Tries for the length of a part.
+/// Maximum number of trials for the length of a part.
 const HALVINGS: u32 = 3;
 
-/// Slides a box that touches the floor with the four corners `touching` for `h` \[s\]. Returns `None` and leaves `state`
-/// unchanged unless the force is uniform, the face is level, the box does not tip and, if it spins, nothing pulls it along
-/// the floor. Also `None` for an integrator of order 1 in uniform gravity, which has its own error there.
+/// Slides a box that touches the floor with the four corners `touching` for `h` \[s\]. Requires a uniform force, a
+/// level face, no tipping and, for a spinning box, no force along the floor; otherwise returns `None` and leaves
+/// `state` unchanged. Also `None` for an integrator of order 1 in uniform gravity, whose error would be hidden.
 pub(super) fn slide<F: ForceModel>(
     level: &Level<'_, F>,
     state: &mut BodyState,
@@ -63,7 +63,7 @@ pub(super) fn slide<F: ForceModel>(
     let half = body.half_extents();
     let n = state.rotation.inverse() * DVec3::Y;
     let reach = n.abs() * half;
-    // The axis across the face, and the two in it.
+    // The axis normal to the face, and the two axes in it.
     let c = (0..3).fold(0, |c, i| if n[i].abs() > n[c].abs() { i } else { c });
     let (i, j) = ((c + 1) % 3, (c + 2) % 3);
     let tolerance = level.tolerance;
@@ -121,7 +121,7 @@ pub(super) fn slide<F: ForceModel>(
         end.angular_momentum = axis(turning.end.z) * body.inertia();
         let mut corners = level.places(&end, turning.time);
         level.recover(&mut end, &mut corners, turning.time);
-        let time = turning.time.max(f64::MIN_POSITIVE); // 0 for a stop at once
+        let time = turning.time.max(f64::MIN_POSITIVE); // 0 for an immediate stop
         let share = turning.load.map(|load| load / time);
         (end, turning.time, share, turning.evaluations)
     };
@@ -160,7 +160,7 @@ struct Friction {
     /// Force over mass [m/s²], and torque over inertia [rad/s²].
     force: DVec2,
     torque: f64,
-    /// The shares of the corners in the load.
+    /// The corners' fractions of the load.
     share: [f64; 4],
     slip: [Slip; 4],
 }
@@ -182,7 +182,7 @@ const SIGNS: [DVec2; 4] = [
 ];
 const PAIRS: [usize; 4] = [0, 3, 1, 2];
 
-/// A slide that turns.
+/// A slide with rotation.
 struct Turning {
     /// Velocity [m/s] and spin [rad/s] at the end, in the axes of the box there.
     end: DVec3,
@@ -192,13 +192,13 @@ struct Turning {
     way: DVec2,
     /// \[s\]
     time: f64,
-    /// The integrals of the corners' shares in the load \[s\].
+    /// Integrals of the corners' fractions of the load \[s\].
     load: [f64; 4],
     evaluations: u32,
 }
 
 impl Turning {
-    /// Adds a part of `h` \[s\] with the friction at both ends, to the velocity and spin `end`.
+    /// Adds a part of `h` \[s\] with the friction at both ends. `end` is the velocity and spin at its end.
     fn add(&mut self, h: f64, [first, last]: [&Friction; 2], end: DVec3) {
         let way = |turn: f64, v: DVec3, f: DVec2, sign: f64| {
             let (s, c) = sin_cos(turn);
@@ -215,7 +215,7 @@ impl Turning {
 }
 
 impl Face {
-    /// The shares of the corners in the load with its center at p₁/h₁ and p₂/h₂; `None` if one would have to pull.
+    /// The corners' fractions of a load with its center at p₁/h₁ and p₂/h₂; `None` if one would have to pull.
     fn shares(p: DVec2) -> Option<[f64; 4]> {
         let inside = p.x.abs() + p.y.abs() <= 1.0;
         inside.then(|| SIGNS.map(|s| 0.25 * (1.0 + s.dot(p))))
@@ -271,9 +271,9 @@ impl Face {
         (friction.force + turn).extend(friction.torque)
     }
 
-    /// Slides and turns from `start` for at most `h` \[s\], part by part, with displacements from the velocities and
-    /// accelerations at both ends (order 4). Ends early with a stop, as soon as its place is known to `negligible` \[m\],
-    /// and where a single slip vanishes. `None` if that is so at the start, or if the box may tip there.
+    /// Slides and turns from `start` for at most `h` \[s\], part by part. Displacements use the velocities and
+    /// accelerations at both ends (order 4). Ends early at a stop, once its position is known to `negligible` \[m\], or
+    /// where a single slip vanishes. `None` if that occurs at the start, or if the box may tip there.
     fn turning(&self, start: DVec3, h: f64, negligible: f64) -> Option<Turning> {
         let mut done = Turning {
             end: start,
@@ -343,8 +343,8 @@ impl Face {
         (steady && energy(end) <= energy(x)).then_some((end, last))
     }
 
-    /// Slides without turning until the stop, or for `h` \[s\]; `pull` is the acceleration along the floor. Also returns the
-    /// time. `None` if the pull bends the path or moves the box on after the stop.
+    /// Slides without turning until the stop, or for `h` \[s\]; `pull` is the acceleration along the floor. Also
+    /// returns the time. `None` if the pull bends the path or moves the box again after the stop.
     fn straight(&self, mut state: BodyState, pull: DVec3, h: f64) -> Option<(BodyState, f64)> {
         let speed = state.velocity.length();
         let t = state.velocity / speed;

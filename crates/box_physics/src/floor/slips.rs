@@ -1,10 +1,12 @@
-//! End of the slips of held corners, where a segment of sustained motion ends.
+//! End of the slips of held corners, which ends a segment of sustained motion.
 
 use glam::DVec3;
 
-/// A slip below this part of its start value has stopped.
+use super::geometry::each;
+
+/// Fraction of its start value below which a slip has stopped.
 pub(super) const STOPPED: f64 = 1e-6;
-/// A corner that slips a shorter way, relative to the size of the box, before it sticks, sticks at once.
+/// Slip distance, relative to the size of the box, below which a corner sticks at once.
 pub(super) const NEGLIGIBLE: f64 = 1e-8;
 /// A slip whose part across its old direction exceeds this multiple of the part along it has turned, not stopped.
 const TURNING: f64 = 10.0;
@@ -12,9 +14,9 @@ const TURNING: f64 = 10.0;
 /// Slips at the end of a segment, by corner index; NaN if not applicable.
 #[derive(Clone, Copy)]
 pub(super) struct Slips<const N: usize = 8> {
-    /// For a corner that still slips: its end slip along its start slip, relative to the latter.
+    /// For a corner that still slips: the component of its end slip along its start slip, relative to the latter.
     left: [f64; N],
-    /// For a corner that slips at the start and has no mean slip: the used part of its friction.
+    /// For a corner that slips at the start and has no mean slip: the used fraction of its friction.
     used: [f64; N],
 }
 
@@ -24,12 +26,12 @@ impl<const N: usize> Slips<N> {
         used: [f64::NAN; N],
     };
 
-    /// Records that corner `k` has no mean slip, with this part of its friction, 0 to 1.
+    /// Records that corner `k` has no mean slip and uses this fraction of its friction, 0 to 1.
     pub(super) fn sticks(&mut self, k: usize, used: f64) {
         self.used[k] = used;
     }
 
-    /// Records the end slip of corner `k`, its part `along` the start slip, and the `speed` of the latter [m/s].
+    /// Records the end slip of corner `k`, its component `along` the start slip, and the `speed` of the latter [m/s].
     pub(super) fn slides(&mut self, k: usize, slip: DVec3, along: f64, speed: f64) {
         let across = (slip.length_squared() - along * along).max(0.0).sqrt();
         if across < TURNING * along.abs() || across <= STOPPED * speed {
@@ -42,17 +44,22 @@ impl<const N: usize> Slips<N> {
         self.left[k] < 0.0
     }
 
-    /// Time at which the first slip vanishes in a segment of `tau` \[s\], if one does. `before` are the previous trial's time
-    /// and slips.
+    /// Time at which the first slip of the corners `held` vanishes in a segment of `tau` \[s\], if one does. `before`
+    /// are the previous trial's time and slips.
     ///
-    /// The slip is interpolated by the parabola through 1 at the start, this trial and the previous one. A corner without
-    /// mean slip is reversed, which takes twice the friction that stops it; with all of its friction it would stop after
-    /// T = ½ used τ. A part a of `used`, independent of τ, may hold the corner: two trials give T from
-    /// used = a + (1 − a) 2T/τ.
-    pub(super) fn first_stop(&self, tau: f64, before: Option<&(f64, Self)>) -> Option<f64> {
+    /// The slip is interpolated by the parabola through 1 at the start, this trial and the previous one. A corner
+    /// without mean slip reverses, which takes twice the friction that stops it. With its full friction it would stop
+    /// after T = ½ used τ. A part a of `used`, independent of τ, may hold the corner. Two trials give T from used = a +
+    /// (1 − a) 2T/τ.
+    pub(super) fn first_stop(
+        &self,
+        held: u64,
+        tau: f64,
+        before: Option<&(f64, Self)>,
+    ) -> Option<f64> {
         let mut first: Option<f64> = None;
         let mut found = |time: f64| first = Some(first.map_or(time, |t| t.min(time)));
-        for k in 0..N {
+        for k in each(held) {
             let (left, used) = (self.left[k], self.used[k]);
             if used.is_finite() {
                 let last = before.filter(|(_, b)| b.used[k] < used);

@@ -12,8 +12,8 @@ use crate::state::BodyState;
 /// Advances `state` by `h` \[s\] over the floor, including free flight, event by event:
 ///
 /// - **impact** if a touching corner approaches: all touching corners at once, at this instant;
-/// - otherwise **motion** until the next corner touches or the step ends; the floor holds the corners that would sink;
-/// - **rest** if the box lies on a face and nothing moves it: the state does not change by a bit.
+/// - otherwise **motion** until the next corner touches or the step ends; the floor holds corners that would sink;
+/// - **rest** if the box is on a face and nothing moves it: no bit of the state changes.
 ///
 /// `h` must be ≥ 0; 0 changes nothing. A state that is not finite is unchanged.
 ///
@@ -40,9 +40,12 @@ pub fn step_on_floor<S: Integrate, F: ForceModel>(
     h: f64,
     memory: &mut IntegratorMemory,
     contact: &mut ContactState,
-    report: Option<&mut ContactReport>,
+    mut report: Option<&mut ContactReport>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
+    if let Some(report) = &mut report {
+        **report = ContactReport::default();
+    }
     if contact.still_rests(context, None, state) {
         outcome.resting = true;
         contact.ride(state, h);
@@ -148,7 +151,7 @@ impl<F: ForceModel> Level<'_, F> {
             report.tangential_impulse = frame.vector(report.tangential_impulse);
         }
         if frame.is_turned() && !frame.moves() && *step.state == start {
-            *step.state = world; // to the last bit
+            *step.state = world; // exact to the last bit
         } else {
             frame.to_world(step.state, step.h);
             if frame.is_turned() {
@@ -168,10 +171,7 @@ impl<F: ForceModel> Level<'_, F> {
     ) -> Option<[f64; 8]> {
         let (h, touching) = (step.h, step.contact.touching);
         let mut remaining = h;
-        if let Some(report) = &mut step.report {
-            **report = ContactReport::default();
-        }
-        if let Some(time) = self.slide(step, 0.0, touching.into(), outcome) {
+        if let Some(time) = self.slide(step, h, touching.into(), outcome) {
             remaining = h - time;
             if remaining == 0.0 {
                 if let Some(report) = &mut step.report {
@@ -185,7 +185,7 @@ impl<F: ForceModel> Level<'_, F> {
     }
 
     /// Takes the last `remaining` \[s\] of the step event by event.
-    #[inline(never)] // its large frame is not for boxes that rest or fly
+    #[inline(never)] // its frame is too large for boxes at rest or in flight
     fn by_events(
         &self,
         step: &mut BodyStep<'_>,
@@ -194,7 +194,7 @@ impl<F: ForceModel> Level<'_, F> {
         outcome: &mut FloorOutcome,
     ) -> Option<[f64; 8]> {
         let mut corners = self.places(step.state, 0.0);
-        // Penetration recovery keeps the velocity, so depth never turns into speed.
+        // Penetration recovery keeps the velocity, so depth never becomes speed.
         if corners.lowest() < -self.tolerance {
             self.recover(step.state, &mut corners, 0.0);
         }

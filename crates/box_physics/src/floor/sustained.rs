@@ -20,18 +20,19 @@ use super::geometry::{each, has};
 use super::ground::{Ground, Segment, Start};
 use super::law::{Law, Solution};
 use super::motion::{Supported, limit_energy};
+use super::operator::DelassusOperator;
 use super::slips::{NEGLIGIBLE, STOPPED};
 use crate::integrators::StepOutcome;
 use crate::state::BodyState;
 
 impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
-    /// The motion over `tau` \[s\], from the memory that `segment` holds.
+    /// Computes the motion over `tau` \[s\], starting from the memory in `segment`.
     pub(super) fn advance(&self, tau: f64, segment: &mut Segment<N>) {
         let (ground, start) = (self.ground, &self.state);
         let level = ground.level();
         let body = level.context.body;
         let (middle, motion) = level.free_motion(start, self.elapsed, tau);
-        let operator = ground.operator(middle, self.candidates);
+        let operator = DelassusOperator::at(body, middle, self.order);
         let place = |i: usize| usize::from(operator.place[i]);
 
         let d = ground.velocities(&operator, motion);
@@ -39,30 +40,30 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         let slips = |i: usize, mean: &[DVec3; N]| {
             ground.along(place(i), mean[i]).length_squared() > still * still
         };
-        let solve = |grips| {
-            let solution = Law::new(ground, &operator, grips).solve(&d, &[DVec3::ZERO; N]);
-            let half = operator.resultant(&solution.p);
-            let change = operator.twist_of(half);
-            let mean = operator.moved(&d, change);
-            (solution, mean, half, change)
-        };
-        // Static friction holds where no corner slips, before or after.
+        let solve = |grips| Law::new(ground, &operator, grips).solve(&d, &[DVec3::ZERO; N]);
+        // Static friction acts if no corner slips, before or after.
         let pushes = |i: usize, p: DVec3| ground.normal(place(i)).dot(p) > 0.0;
-        let holds = |(solution, mean, ..): &(Solution<N>, [DVec3; N], _, _)| {
+        let holds = |solution: &Solution<N>| {
+            let mean = operator.after(&d, &solution.p);
             let mut loaded = (0..operator.count).filter(|&i| pushes(i, solution.p[i]));
-            solution.converged && loaded.all(|i| !slips(i, mean))
+            solution.converged && loaded.all(|i| !slips(i, &mean))
         };
         let grips = |k| ground.surface(k).static_friction.is_some();
-        let (solution, mean, half, change) = (each(self.candidates).any(grips) && !self.slips())
+        let solution = (each(self.candidates).any(grips) && !self.slips())
             .then(|| solve(true))
             .filter(holds)
             .unwrap_or_else(|| solve(false));
+        let half = operator.resultant(&solution.p);
+        let change = operator.twist_of(half);
+        let mean = operator.moved(&d, change);
         segment.clear();
         segment.state = *start;
         segment.iterations = solution.iterations;
         segment.capped = !solution.converged;
         // The solution is half of the impulses.
-        segment.impulse = operator.by_place(&solution.p.map(|p| 2.0 * p));
+        for i in 0..operator.count {
+            segment.impulse[place(i)] += 2.0 * solution.p[i];
+        }
         let (force, torque) = (2.0 * half.0, 2.0 * half.1);
         let at_rest = start.velocity == DVec3::ZERO && start.angular_momentum == DVec3::ZERO;
         if at_rest
@@ -102,11 +103,9 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
 
     /// Returns `true` if a corner that may be held slips.
     fn slips(&self) -> bool {
-        let ground = self.ground;
-        let twist = ground.twist(&self.state);
         each(self.candidates).any(|k| {
-            let slip = ground.along(k, ground.relative(k, self.places, twist));
-            slip.length() > self.still_speed
+            let slip = self.ground.relative(k, self.places, self.twist);
+            self.ground.along(k, slip).length() > self.still_speed
         })
     }
 
@@ -120,7 +119,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
         let (places, contacts) = ground.project(&mut segment.state, held, end);
         segment.places = places;
-        let (old, new) = (ground.twist(&self.state), ground.twist(&segment.state));
+        let (old, new) = (self.twist, ground.twist(&segment.state));
         let (mut whole, mut after) = (0, [DVec3::ZERO; N]);
         for k in each(held) {
             after[k] = ground.relative(k, &segment.places, new);
@@ -137,7 +136,7 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             operator.add_to(&mut segment.impulse, &correction);
         }
         let speed = |s: &BodyState| {
-            s.velocity.length() + s.body_angular_velocity(body).length() * body.radius()
+            s.velocity.length() + s.body_angular_velocity(body).length() * ground.level().radius
         };
         if speed(&segment.state) <= 1e-11 * self.acceleration * tau
             && ground.supports(&segment.places, held)
@@ -147,8 +146,8 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
         }
     }
 
-    /// Returns `true` if the slip of the held corner `k` ends with the segment. Its slips at both ends are given. Records
-    /// when it vanishes.
+    /// Returns `true` if the slip of the held corner `k`, given at both ends, ends with the segment. Records the time
+    /// at which it vanishes.
     fn stops(
         &self,
         segment: &mut Segment<N>,
@@ -167,15 +166,15 @@ impl<G: Ground<N>, const N: usize> Start<'_, G, N> {
             let p = segment.impulse[k];
             let limit = surface.friction * ground.normal(k).dot(p);
             let used = (ground.along(k, p).length() / limit).min(1.0);
-            // Its way, by a constant deceleration.
-            if 0.25 * speed * used * tau > NEGLIGIBLE * ground.level().context.body.radius() {
+            // The slip distance under a constant deceleration.
+            if 0.25 * speed * used * tau > NEGLIGIBLE * ground.level().radius {
                 segment.slips.sticks(k, used);
             }
         } else {
             let along = before.dot(after) / speed;
             segment.slips.slides(k, after, along, speed);
         }
-        // Friction does not reverse a slip: one that reverses within the shortest segment has stopped.
+        // Friction does not reverse a slip: a slip that reverses within the shortest segment has stopped.
         let reversed = tau <= self.shortest && segment.slips.reversed(k);
         sticks || reversed || after.length() <= STOPPED * speed
     }

@@ -3,7 +3,7 @@ use crate::floor::tests::Random;
 use crate::force::Gravity;
 use crate::integrators::{Integrate, IntegratorMemory, Rk4};
 
-/// Largest acceleration of a corner on the way of a free box over its bound at the start.
+/// Largest acceleration of a corner along the motion of a free box, relative to the bound at the start.
 fn tightness(body: &RigidBox, omega: DVec3) -> f64 {
     let start = BodyState::default().with_body_angular_velocity(body, omega);
     let weightless = Gravity(DVec3::ZERO);
@@ -22,8 +22,8 @@ fn tightness(body: &RigidBox, omega: DVec3) -> f64 {
     worst / bound
 }
 
-/// Of hollow and weighted boxes as well, the worst of which turns over like a needle that is not quite round,
-/// |ω|² doubling on the way, with its corners wherever they are worst.
+/// Includes hollow and weighted boxes. The worst one flips like a needle that is not quite round: |ω|² doubles, and its
+/// corners are at the worst places.
 #[test]
 fn no_corner_is_accelerated_more() {
     let mut random = Random(17);

@@ -1,11 +1,11 @@
-//! Two corners with Coulomb's friction: an edge, the commonest problem that has no closed form.
+//! Two corners with Coulomb's friction: an edge, the most common problem without a closed form.
 //!
-//! Each corner sticks, slides or leaves; every case is a small problem, and the one whose
-//! solution obeys the law is the answer. With A the blocks of W:
+//! Each corner sticks, slides or leaves. Every case is a small problem, and the case whose solution obeys Coulomb's law
+//! applies. With A the blocks of W:
 //!
 //! - one leaves: p = 0 there, and the other is alone (`single`);
-//! - both slide, along the unit vectors t̂_k: p_k = p_kn s_k, s_k = n − µt̂_k, and w_kn = 0 gives both p_kn
-//!   from two linear equations. What remains are two angles with t̂_k × w_kt = 0: Newton's method;
+//! - both slide, along the unit vectors t̂_k: p_k = p_kn s_k, s_k = n − µt̂_k, and w_kn = 0 gives both p_kn from two
+//!   linear equations. The two angles with t̂_k × w_kt = 0 remain: Newton's method;
 //! - one sticks: w_i = 0 gives p_i = −A_ii⁻¹(b_i + A_ij p_j), and the other is alone with
 //!   A_jj − A_ji A_ii⁻¹ A_ij;
 //! - both stick: w = 0, a linear problem.
@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 use super::super::projection::Pair;
 use super::{Cone, answered, single};
 
-/// Newton steps for the two angles: slips that turn little take three.
+/// Maximum number of Newton steps for the two angles; slips that turn little take three.
 const STEPS: u32 = 12;
 /// Largest turn in one of them \[rad\].
 const LARGEST_TURN: f64 = 0.7;
@@ -23,7 +23,7 @@ const LARGEST_TURN: f64 = 0.7;
 /// b + Ap for two corners.
 pub(super) struct Edge<'a> {
     pub(super) cone: &'a Cone<'a>,
-    /// With the blocks of A.
+    /// The blocks of A.
     pub(super) pair: &'a Pair,
     pub(super) b: [DVec3; 2],
     /// The impulses of a similar problem, or zero.
@@ -40,7 +40,7 @@ impl Edge<'_> {
         ]
     }
 
-    /// Whether the slips are so fast that both corners sliding on is the likeliest.
+    /// Returns `true` if the slips are so fast that both corners most likely continue to slide.
     fn is_fast(&self) -> bool {
         let fast = |u: DVec3| u.x * u.x + u.z * u.z;
         let approach = (-self.b[0].y).max(-self.b[1].y);
@@ -48,27 +48,33 @@ impl Edge<'_> {
         fast(self.b[0]).min(fast(self.b[1])) > bound * bound
     }
 
-    /// The impulses, if one of the cases fits: the likeliest first.
+    /// Returns the impulses of the first case that applies, in the order of likelihood.
     pub(super) fn solve(&self) -> Option<[DVec3; 2]> {
         let smooth = self.smooth_normals();
         let likely = usize::from(smooth[1] < smooth[0]);
+        let leaves = smooth[likely] <= 0.0;
+        let first = leaves.then(|| self.one_leaves(likely)).flatten();
+        if first.is_some() {
+            answered("edge: likeliest case");
+            return first;
+        }
         let start = self.first_directions(smooth);
         let start = start.and_then(|t| Some((t, self.sliding(t)?)));
-        let first = if smooth[likely] <= 0.0 {
-            self.one_leaves(likely)
-        } else if start.as_ref().is_some_and(|(_, s)| s.forward) {
-            // Full friction that turns no slip round is the answer, or near it.
-            self.slide(&start)
-        } else {
-            self.both_stick()
-        };
-        first
-            .inspect(|_| answered("edge: likeliest case"))
-            .or_else(|| self.slide(&start).inspect(|_| answered("edge: both slide")))
-            .or_else(|| {
-                let found = self.one_sticks(0).or_else(|| self.one_sticks(1));
-                found.inspect(|_| answered("edge: one sticks"))
-            })
+        // Full friction that reverses no slip is the solution or close to it.
+        let forward = !leaves && start.as_ref().is_some_and(|(_, s)| s.forward);
+        if !leaves && !forward {
+            let stuck = self.both_stick();
+            if stuck.is_some() {
+                answered("edge: likeliest case");
+                return stuck;
+            }
+        }
+        let case = ["edge: both slide", "edge: likeliest case"][usize::from(forward)];
+        let slide = start.and_then(|(t, first)| self.slide(t, first));
+        slide.inspect(|_| answered(case)).or_else(|| {
+            let found = self.one_sticks(0).or_else(|| self.one_sticks(1));
+            found.inspect(|_| answered("edge: one sticks"))
+        })
     }
 
     /// The normal impulses that would stop both corners if there were no friction.
@@ -80,7 +86,7 @@ impl Edge<'_> {
         [inverse * (d * x - c * y), inverse * (a * y - c * x)]
     }
 
-    /// The normal part of an impulse made positive, the tangential one cut to the disc that belongs to it.
+    /// Projects an impulse onto the cone: the normal part to ≥ 0, the tangential part to the disc of that radius.
     fn project(&self, p: DVec3) -> DVec3 {
         let n = p.y.max(0.0);
         let t = (p.x * p.x + p.z * p.z).sqrt();
@@ -92,19 +98,19 @@ impl Edge<'_> {
         }
     }
 
-    /// The criterion of the gradient steps: |p − P(p − w/L)| L is the tolerated error of w.
+    /// Returns `true` if |p − P(p − w/L)| L is within the tolerance of w, with L the upper bound of W.
     fn obeys(&self, p: [DVec3; 2]) -> bool {
-        let w = self.velocities(p);
-        let step = 1.0 / self.cone.norm;
+        let (w, norm) = (self.velocities(p), self.cone.operator.norm_bound());
+        let step = 1.0 / norm;
         let wrong = |i: usize| (p[i] - self.project(p[i] - step * w[i])).length_squared();
-        self.cone.norm * wrong(0).max(wrong(1)).sqrt() <= self.cone.target
+        norm * wrong(0).max(wrong(1)).sqrt() <= self.cone.target
     }
 
     fn checked(&self, p: [DVec3; 2]) -> Option<[DVec3; 2]> {
         self.obeys(p).then_some(p)
     }
 
-    /// Corner `i` leaves.
+    /// The impulses if corner `i` leaves.
     fn one_leaves(&self, i: usize) -> Option<[DVec3; 2]> {
         let j = 1 - i;
         let mut p = [DVec3::ZERO; 2];
@@ -117,15 +123,15 @@ impl Edge<'_> {
         self.checked(p)
     }
 
-    /// Both stick. Not checked further: two corners that keep their distance can be stopped, to the rounding of b. That
-    /// may be more than the target, where b is what is left of large velocities.
+    /// The impulses if both corners stick. No further check: corners at a constant distance can be stopped to the
+    /// rounding of b. That may exceed the target if b is a small difference of large velocities.
     fn both_stick(&self) -> Option<[DVec3; 2]> {
         let mu = self.cone.friction;
         let holds = |p: &DVec3| p.y > 0.0 && p.x * p.x + p.z * p.z <= (mu * p.y) * (mu * p.y);
         Some(self.pair.stop(self.b, true)).filter(|p| p.iter().all(holds))
     }
 
-    /// Corner `i` sticks, the other one slides.
+    /// The impulses if corner `i` sticks and the other one slides.
     fn one_sticks(&self, i: usize) -> Option<[DVec3; 2]> {
         let inverse = self.pair.own[i].inverse();
         let (reduced, b) = self.pair.without(i, &inverse, self.b);
@@ -135,11 +141,11 @@ impl Edge<'_> {
         self.checked(p)
     }
 
-    /// Where the corners slip: against the friction of the similar problem, if both slid there; before, if that is
-    /// fast; otherwise after the normal impulses alone. `None` if one does not.
+    /// Estimated directions of slip. They oppose the friction of the similar problem if both corners slid there.
+    /// Otherwise they follow `b` if it is fast, or else the frictionless solution. `None` if one does not slip.
     fn first_directions(&self, smooth: [f64; 2]) -> Option<[(f64, f64); 2]> {
         let plane = |u: DVec3| (u.x * u.x + u.z * u.z).sqrt();
-        let full = |p: DVec3| plane(p) >= (1.0 - 1e-12) * self.cone.friction * p.y && p.y > 0.0;
+        let full = |p: DVec3| p.y > 0.0 && plane(p) >= (1.0 - 1e-12) * self.cone.friction * p.y;
         let slip = if full(self.near[0]) && full(self.near[1]) {
             [-self.near[0], -self.near[1]]
         } else if self.is_fast() {
@@ -152,9 +158,8 @@ impl Edge<'_> {
         (speed[0].min(speed[1]) > self.cone.target).then(|| [direction(0), direction(1)])
     }
 
-    /// Both slide, first along these directions.
-    fn slide(&self, start: &Option<([(f64, f64); 2], Sliding)>) -> Option<[DVec3; 2]> {
-        let (mut t, mut now) = (*start)?;
+    /// The impulses if both corners slide. `t` and `now` are the initial directions and their residuals.
+    fn slide(&self, mut t: [(f64, f64); 2], mut now: Sliding) -> Option<[DVec3; 2]> {
         for _ in 0..STEPS {
             let (f, j) = (now.residual, now.slope);
             let determinant = j[0][0] * j[1][1] - j[0][1] * j[1][0];
@@ -175,7 +180,7 @@ impl Edge<'_> {
                 *t = single::on_circle(t.0 - step * t.1, t.1 + step * t.0);
             }
             now = self.sliding(t)?;
-            // The next would be the square of this.
+            // Quadratic convergence: the next step would be negligible.
             if largest <= 1e-8 {
                 return (now.wrong <= self.cone.target).then_some(now.p);
             }
@@ -183,7 +188,7 @@ impl Edge<'_> {
         None
     }
 
-    /// Everything as a function of the two directions: `None` if a normal impulse would not push.
+    /// Impulses and residuals for the two directions; `None` if a normal impulse would pull.
     fn sliding(&self, t: [(f64, f64); 2]) -> Option<Sliding> {
         let mu = self.cone.friction;
         // q_ij = A_ij s_j and its derivative by the angle of t̂_j
@@ -217,7 +222,7 @@ impl Edge<'_> {
         // t̂ × w and t̂·w in the plane
         let cross = |(c, s): (f64, f64), w: DVec3| c * w.z - s * w.x;
         let along = |(c, s): (f64, f64), w: DVec3| c * w.x + s * w.z;
-        // The angle of t̂_0, then that of t̂_1: the normal impulses follow.
+        // The derivative by the angle of t̂_0, then by that of t̂_1. The normal impulses depend on the angles.
         let (a0, a1) = normals(-p0 * r00.y, -p0 * r10.y);
         let (b0, b1) = normals(-p1 * r01.y, -p1 * r11.y);
         let slope = [
@@ -250,12 +255,12 @@ impl Edge<'_> {
 #[derive(Clone, Copy)]
 struct Sliding {
     p: [DVec3; 2],
-    /// Whether the slips go along them and not the other way.
+    /// `true` if the slips point along the directions, not against them.
     forward: bool,
-    /// t̂_k × w_k: zero where the slips are along them.
+    /// t̂_k × w_k: zero if the slips are parallel to the directions.
     residual: [f64; 2],
-    /// Its derivatives by the two angles.
+    /// Derivatives of `residual` with respect to the two angles.
     slope: [[f64; 2]; 2],
-    /// How far this is from the law [m/s].
+    /// Violation of Coulomb's law [m/s].
     wrong: f64,
 }

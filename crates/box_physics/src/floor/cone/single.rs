@@ -4,22 +4,22 @@ use glam::{DMat3, DVec3};
 
 use super::answered;
 
-/// Directions all round that are tried if none of the likely ones leads to a root, and cosine and sine of the turn from
-/// one to the next.
+/// Number of directions around the circle that are tried if no likely direction leads to a root, and cosine and sine of
+/// the angle between two of them.
 const DIRECTIONS: u32 = 16;
 const TURN: (f64, f64) = (0.923_879_532_511_286_7, 0.382_683_432_365_089_8);
 
-/// Newton steps from the slip before, and the largest turn in one of them \[rad\].
+/// Maximum number of Newton steps from an estimated slip, and the largest turn in one of them \[rad\].
 const NEAR_STEPS: u32 = 8;
 const LARGEST_TURN: f64 = 0.5;
 
-/// The impulse p with w = b + Wp that obeys the law of one corner, if it is found; `w` is positive definite, `near`
-/// the impulse of a similar problem, or zero.
+/// The impulse p with w = b + Wp that obeys Coulomb's law at one corner, or `None` if it is not found. `w` is positive
+/// definite. `near` is the impulse of a similar problem, or zero.
 ///
-/// Sticking, p = −W⁻¹b, if that lies in the cone. Otherwise it slips along an unknown unit t̂:
-/// p = p_n(n − µt̂), and w_n = 0 gives p_n = −b_n/D with D(t̂) = W_nn − µ W_nt·t̂. What remains is
-/// w_t ∥ t̂: with a(t̂) = D b_t − b_n (W_tn − µ W_tt t̂) = D w_t a root of t̂ × a = 0 with t̂·a > 0, D > 0. (The slip
-/// turns during the impulse: −b_t for its direction is up to 74 % wrong.)
+/// The corner sticks, p = −W⁻¹b, if that is in the cone. Otherwise it slips along an unknown unit vector t̂: p = p_n(n
+/// − µt̂), and w_n = 0 gives p_n = −b_n/D with D(t̂) = W_nn − µ W_nt·t̂. The condition w_t ∥ t̂ remains. With a(t̂) = D
+/// b_t − b_n (W_tn − µ W_tt t̂) = D w_t, it is a root of t̂ × a = 0 with t̂·a > 0, D > 0. (The slip turns during the
+/// impulse, so −b_t as its direction has an error of up to 74 %.)
 pub(super) fn solve(w: &DMat3, b: DVec3, friction: f64, near: DVec3) -> Option<DVec3> {
     if b.y >= 0.0 {
         return Some(DVec3::ZERO);
@@ -43,7 +43,7 @@ pub(super) fn slide(w: &DMat3, b: DVec3, friction: f64, near: DVec3) -> Option<D
     found.inspect(|_| answered("corner: slides"))
 }
 
-/// The corner slips: everything as a function of the unit direction t = (c, s).
+/// Quantities of a slipping corner as functions of the unit direction t = (c, s).
 struct Slip<'a> {
     w: &'a DMat3,
     b: DVec3,
@@ -69,8 +69,8 @@ impl Slip<'_> {
         (c * z - s * x, (c * dz - s * z) - (s * dx + c * x))
     }
 
-    /// The sliding solution by Newton's method from a direction that is likely: the slip before, as most turn
-    /// little; after the normal impulse alone; against the friction that would stop it.
+    /// The sliding solution by Newton's method from likely directions: the slip before the impact, the slip after the
+    /// normal impulse alone, and the direction against the friction that would stop it.
     fn near(&self) -> Option<DVec3> {
         let (w, b) = (self.w, self.b);
         let starts = [
@@ -79,7 +79,7 @@ impl Slip<'_> {
             |w: &DMat3, b: DVec3| w.inverse() * b,
         ];
         let near = starts.iter().find_map(|start| self.near_to(start(w, b)));
-        // One in a hundred has its slip elsewhere.
+        // In one of a hundred cases the slip has another direction.
         near.or_else(|| {
             let mut slip = DVec3::X;
             (0..DIRECTIONS).find_map(|_| {
@@ -95,6 +95,9 @@ impl Slip<'_> {
 
     fn near_to(&self, slip: DVec3) -> Option<DVec3> {
         let speed = (slip.x * slip.x + slip.z * slip.z).sqrt();
+        if speed == 0.0 {
+            return None;
+        }
         let mut t = (slip.x / speed, slip.z / speed);
         for _ in 0..NEAR_STEPS {
             let (value, slope) = self.turn(t);
@@ -103,7 +106,7 @@ impl Slip<'_> {
                 return None;
             }
             t = on_circle(t.0 - step * t.1, t.1 + step * t.0);
-            // The next would be the square of this.
+            // Quadratic convergence: the next step would be negligible.
             if step.abs() <= 1e-8 {
                 return self.impulse(t);
             }
@@ -111,7 +114,7 @@ impl Slip<'_> {
         None
     }
 
-    /// The impulse against the slip along t, if that is where it goes.
+    /// The impulse against the slip along t, or `None` if the corner would slip the other way.
     fn impulse(&self, t: (f64, f64)) -> Option<DVec3> {
         let (d, x, z) = self.along(t);
         (d > 0.0 && t.0 * x + t.1 * z >= 0.0).then(|| {

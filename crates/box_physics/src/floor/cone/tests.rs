@@ -1,4 +1,4 @@
-//! Coulomb's law holds for what the solver finds.
+//! The solver's solutions obey Coulomb's law.
 
 use super::*;
 use crate::body::RigidBox;
@@ -13,7 +13,7 @@ use crate::integrators::Split;
 use crate::state::BodyState;
 use glam::{DMat3, DQuat};
 
-/// `n` random touching sets with their velocities, and the mass behind them.
+/// Visits `n` random touching sets with their velocities and the mass of the body.
 fn impacts(n: usize, mut visit: impl FnMut(&DelassusOperator, &Corner3, f64)) {
     let mut random = Random(11);
     for i in 0..n {
@@ -73,13 +73,13 @@ fn coulombs_law_holds_for_random_impacts() {
                 (DVec3::Y, mu)
             });
         });
-        // The solver stops at 1e-12 in w; the friction's part of the law sees µ times that.
+        // The solver stops at 1e-12 in w; the error in the friction part of the law is µ times that.
         solver.check(mu, 1e-10_f64.max(1e-12 * mu));
     }
 }
 
-/// However few iterations there may be, there are no more; what is found keeps the normal law, lies in the cones
-/// and gains no energy.
+/// The solver never exceeds its maximum number of iterations, however small. The solution obeys the normal law, is in
+/// the cones and gains no energy.
 #[test]
 fn the_cap_is_the_cap() {
     for max_iterations in [1, 3, 10, 100] {

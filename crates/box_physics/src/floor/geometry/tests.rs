@@ -1,4 +1,5 @@
 use super::*;
+use crate::floor::Floor;
 use crate::floor::tests::tilted;
 
 #[test]

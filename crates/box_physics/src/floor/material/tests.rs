@@ -23,7 +23,7 @@ fn coefficients_combine_by_the_rule_of_the_body() {
         assert!(both.static_friction.is_none() && both.validate().is_ok());
     }
     assert_eq!(floor.against(None, None), floor);
-    // What is out of range counts as absent.
+    // A value out of range counts as absent.
     let wrong = Friction {
         static_coefficient: f64::NAN,
         ..Friction::default()
@@ -36,7 +36,7 @@ fn coefficients_combine_by_the_rule_of_the_body() {
     assert!(Friction::new(-0.1).is_err() && Restitution::new(1.1).is_err());
 }
 
-/// On a slope between the two angles a box that rests stays, and one that slides goes on sliding.
+/// On a slope between the two angles of friction, a resting box stays at rest, and a sliding box continues to slide.
 #[test]
 fn static_friction_holds_what_kinetic_friction_does_not_stop() {
     let (kinetic, holds) = (0.3, 0.6);
@@ -66,7 +66,7 @@ fn static_friction_holds_what_kinetic_friction_does_not_stop() {
     }
 }
 
-/// A box that slides is stopped by kinetic friction, and held by the static one where it stands.
+/// Kinetic friction stops a sliding box, and static friction then holds it.
 #[test]
 fn a_box_that_stops_is_held() {
     let mut scene = Scene::new(DVec3::new(0.5, 0.1, 0.5), 0.0, 0.3).on_slope(0.2);

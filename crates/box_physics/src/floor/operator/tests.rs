@@ -4,7 +4,7 @@ use crate::floor::geometry::Corners;
 use crate::floor::tests::tilted;
 use glam::DQuat;
 
-/// An impulse's effect on the corners' velocities is what applying it and looking gives.
+/// The operator's response equals the change of the corners' velocities after the impulse is applied.
 #[test]
 fn response_is_what_an_impulse_does() {
     let (body, state) = tilted();
@@ -24,7 +24,7 @@ fn response_is_what_an_impulse_does() {
     for i in 0..4 {
         assert!((after[i] - before[i] - change[i]).length() < 1e-13);
     }
-    // The bound bounds: a Rayleigh quotient never exceeds it.
+    // A Rayleigh quotient never exceeds the bound.
     let quotient = operator.dot(&p, &change) / operator.dot(&p, &p);
     assert!(quotient > 0.0 && quotient <= operator.norm_bound());
 }

@@ -1,16 +1,14 @@
 //! Several planes as a [`Ground`]: a place for each corner over each plane, in world axes. Place 8j + k is corner k over
 //! plane j.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::{Plane, PlanesContext};
-use crate::body::RigidBox;
 use crate::floor::bounds::curvature_bound;
 use crate::floor::events::{between_events, give_way};
 use crate::floor::frame::{Frame, Level, Method};
-use crate::floor::geometry::{Places, corners, each, has, set, spans_face};
-use crate::floor::ground::{BodyStep, Ground, Segment};
-use crate::floor::law::Law;
+use crate::floor::geometry::{Places, each, has};
+use crate::floor::ground::{BodyStep, Ground};
 use crate::floor::operator::DelassusOperator;
 use crate::floor::projection::cancel_iteratively;
 use crate::floor::{ContactReport, Floor, FloorOutcome};
@@ -21,37 +19,13 @@ use crate::state::BodyState;
 pub(super) const PLANES: usize = 6;
 const PLACES: usize = 8 * PLANES;
 
-/// One vector a place.
+/// One vector per place.
 type Each = [DVec3; PLACES];
 
 /// The corners over all planes.
 pub(in crate::floor) type Gaps = Places<PLACES>;
 
-impl Gaps {
-    /// `elapsed` \[s\] after the beginning of the step.
-    pub(in crate::floor) fn over(
-        planes: &[Plane],
-        body: &RigidBox,
-        state: &BodyState,
-        elapsed: f64,
-    ) -> Self {
-        let mut new = Self::turned(body, DMat3::from_quat(state.rotation));
-        new.move_to(planes, state, elapsed);
-        new
-    }
-
-    /// The same attitude at the position of `state`.
-    fn move_to(&mut self, planes: &[Plane], state: &BodyState, elapsed: f64) {
-        for (j, plane) in planes.iter().enumerate() {
-            let base = plane.height(state.position) - plane.rise() * elapsed;
-            for k in 0..8 {
-                self.height[8 * j + k] = base + plane.shape.normal.dot(self.lever(k));
-            }
-        }
-    }
-}
-
-/// The body among the planes.
+/// A body in contact with several planes.
 pub(super) struct Among<'a, F> {
     /// A floor at rest without effect.
     pub(super) world: Level<'a, F>,
@@ -64,8 +38,8 @@ impl<F: ForceModel> Among<'_, F> {
     }
 }
 
-/// One step among several planes: the events of the floor, with the contacts of all planes, in a frame with the velocity
-/// `carried` [m/s]. Returns the normal forces at the corners \[N\] and the direction of their sum if it ends at rest.
+/// Takes one step among planes, like one over the floor but with all contacts, in a frame with the velocity `carried`
+/// [m/s]. Returns the normal forces at the corners \[N\] and the direction of their sum if it ends at rest.
 pub(super) fn step<F: ForceModel>(
     context: &PlanesContext<'_, F>,
     planes: &[Plane],
@@ -104,7 +78,7 @@ pub(super) fn step<F: ForceModel>(
         ..step
     };
     let loads = if gaps.lowest() < -tolerance {
-        // Planes that leave no room for the box do not hold it.
+        // If the planes leave no room for the box, they do not hold it.
         gaps = give_way(&among, &mut step, h, &mut outcome);
         None
     } else {
@@ -114,7 +88,8 @@ pub(super) fn step<F: ForceModel>(
         among.recover(step.state, &mut gaps, h);
     }
     among.world.frame.to_world(step.state, h);
-    let now = corners::<PLACES>(gaps.touching(2.0 * tolerance));
+    let now = gaps.touching(2.0 * tolerance);
+    let now = (0..PLANES).fold(0, |set, j| set | (now >> (8 * j)) as u8);
     step.contact.touching = now;
     let center = step.state.position;
     let lowest = among.normal(gaps.deepest().0);
@@ -129,7 +104,6 @@ pub(super) fn step<F: ForceModel>(
 
 impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
     type Force = F;
-    type Blocks = ();
     type Held = ();
     const MAX_EVALUATIONS: u64 = 4_000;
 
@@ -163,12 +137,13 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         velocities.all(|v| v == DVec3::ZERO)
     }
 
-    fn places(&self, state: &BodyState, elapsed: f64) -> Gaps {
-        Gaps::over(self.planes, self.world.context.body, state, elapsed)
-    }
-
     fn shift(&self, gaps: &mut Gaps, state: &BodyState, elapsed: f64) {
-        gaps.move_to(self.planes, state, elapsed);
+        for (j, plane) in self.planes.iter().enumerate() {
+            let base = plane.height(state.position) - plane.rise() * elapsed;
+            for k in 0..8 {
+                gaps.height[8 * j + k] = base + plane.shape.normal.dot(gaps.lever(k));
+            }
+        }
     }
 
     fn normal_velocities(&self, twist: (DVec3, DVec3), gaps: &Gaps) -> [f64; PLACES] {
@@ -188,7 +163,7 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         self.over_all(|plane| plane.height(center))
     }
 
-    /// The second plane may restore an approach to the first, so each is treated twice.
+    /// Treats each plane twice, because the second may restore an approach to the first.
     fn separate(&self, state: &mut BodyState) {
         for plane in self.planes.iter().chain(self.planes) {
             let normal = plane.shape.normal;
@@ -197,11 +172,7 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         }
     }
 
-    fn on_faces(&self, touching: u64) -> u64 {
-        touching & set::<PLACES>(|i| spans_face((touching >> (8 * (i / 8))) as u8))
-    }
-
-    /// The held corners must not lie on one line, about which the body could turn.
+    /// Returns `true` if no plane moves and the held corners are not on one line, about which the body could turn.
     fn supports(&self, gaps: &Gaps, held: u64) -> bool {
         let Some(first) = each(held).next() else {
             return false;
@@ -217,18 +188,6 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
         let far = each(held).map(arm).fold(DVec3::ZERO, longer);
         let least = 1e-3 * far.length_squared();
         self.is_fixed() && each(held).any(|i| far.cross(arm(i)).length() > least)
-    }
-
-    fn blocks(&self, _: &DelassusOperator<PLACES>) {}
-
-    fn direct(
-        &self,
-        _: &Law<'_, Self, PLACES>,
-        _: (&Each, &Each),
-        _: f64,
-        _: &mut Each,
-    ) -> Option<()> {
-        None
     }
 
     fn cancel(&self, operator: &DelassusOperator<PLACES>, u: &Each, whole: u64) -> Each {
@@ -256,9 +215,5 @@ impl<F: ForceModel> Ground<PLACES> for Among<'_, F> {
             gaps = self.places(state, elapsed);
         }
         (gaps, ())
-    }
-
-    fn stop(&self, _: &mut Segment<PLACES>, (): &(), _: &Each) -> bool {
-        false
     }
 }

@@ -35,7 +35,7 @@ use crate::state::BodyState;
 pub(super) use among::Gaps;
 use among::PLANES;
 
-/// The inputs of a step among planes. Of the planes within reach the six nearest count.
+/// The inputs of a step among planes. Of the planes within reach, only the six nearest are used.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanesContext<'a, F> {
     /// The planes.
@@ -44,7 +44,7 @@ pub struct PlanesContext<'a, F> {
     pub settings: &'a ContactSettings,
     /// The box.
     pub body: &'a RigidBox,
-    /// Its force model, without contact.
+    /// The force model of the box, without contact.
     pub force: &'a F,
 }
 
@@ -52,7 +52,7 @@ pub struct PlanesContext<'a, F> {
 struct Near {
     count: usize,
     planes: [Plane; PLANES],
-    /// Heights of the lowest corners over them at the start \[m\].
+    /// Heights of the lowest corners over these planes at the start \[m\].
     gap: [f64; PLANES],
 }
 
@@ -61,17 +61,7 @@ impl Near {
         &self.planes[..self.count]
     }
 
-    /// The common velocity of all of them, or zero [m/s].
-    fn velocity(&self) -> DVec3 {
-        let mut velocities = self.planes().iter().map(|plane| plane.shape.velocity);
-        let first = velocities.next().unwrap_or(DVec3::ZERO);
-        match velocities.all(|v| v == first) {
-            true => first,
-            false => DVec3::ZERO,
-        }
-    }
-
-    /// Adds a plane. If there are too many, the farthest is left out.
+    /// Adds a plane. If there are too many, the farthest is dropped.
     fn add(&mut self, plane: &Plane, gap: f64) {
         let farther = |far: usize, k: usize| if self.gap[k] > self.gap[far] { k } else { far };
         let mut place = self.count;
@@ -87,17 +77,22 @@ impl Near {
     }
 }
 
+/// The common velocity of all planes, or zero [m/s].
+fn common_velocity(planes: &[Plane]) -> DVec3 {
+    let mut velocities = planes.iter().map(|plane| plane.shape.velocity);
+    let first = velocities.next().unwrap_or(DVec3::ZERO);
+    match velocities.all(|v| v == first) {
+        true => first,
+        false => DVec3::ZERO,
+    }
+}
+
 impl<F: ForceModel> PlanesContext<'_, F> {
-    /// The planes that the box can come near within `h` \[s\], after any impacts, which add no energy.
+    /// The planes that the box can come near within `h` \[s\], including after impacts, which add no energy.
     fn near(&self, state: &BodyState, h: f64) -> Near {
         let (body, radius) = (self.body, self.body.radius());
-        // Relative to planes that move alike.
-        let first = self
-            .planes
-            .first()
-            .map_or(DVec3::ZERO, |p| p.shape.velocity);
-        let alike = self.planes.iter().all(|p| p.shape.velocity == first);
-        let common = if alike { first } else { DVec3::ZERO };
+        // Relative to planes with a common velocity.
+        let common = common_velocity(self.planes);
         let mut seen = *state;
         seen.velocity -= common;
         let twice = 2.0 * seen.kinetic_energy(body);
@@ -122,7 +117,7 @@ impl<F: ForceModel> PlanesContext<'_, F> {
                     near.add(plane, height - now);
                 }
             }
-            // One that moves may throw the body at others.
+            // A moving plane may throw the body at others.
             let planes = near.planes().iter();
             let speeds = planes.map(|p| (p.shape.velocity - common).length());
             let fastest = speeds.fold(0.0, f64::max);
@@ -173,14 +168,17 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     h: f64,
     memory: &mut IntegratorMemory,
     contact: &mut ContactState,
-    report: Option<&mut ContactReport>,
+    mut report: Option<&mut ContactReport>,
 ) -> FloorOutcome {
     let mut outcome = FloorOutcome::default();
+    if let Some(report) = &mut report {
+        **report = ContactReport::default();
+    }
     let (body, force) = (context.body, context.force);
     let level = Floor::default();
     let world = context.over(&level);
-    let all = fingerprint(context.planes.iter().copied().flat_map(Plane::numbers));
-    if contact.still_rests(&world, Some(all), state) {
+    let all = || fingerprint(context.planes.iter().copied().flat_map(Plane::numbers));
+    if contact.is_resting(state) && contact.still_rests(&world, Some(all()), state) {
         outcome.resting = true;
         contact.report_rest(body, state, h, report);
         return outcome;
@@ -195,7 +193,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
         let floor = context.over(&plane.surface);
         return step_on_floor::<S, F>(&floor, state, h, memory, contact, report);
     }
-    let carried = near.velocity();
+    let carried = common_velocity(near.planes());
     // Moving planes out of reach do not end the rest.
     if contact.rides(context, near.planes(), carried, state, h) {
         outcome.resting = true;
@@ -251,7 +249,7 @@ pub fn step_on_planes<S: Integrate, F: ForceModel>(
     if let Some((reaction, normal)) = reaction {
         outcome.resting = true;
         let (floor, planes) = if context.planes.iter().all(Plane::is_fixed) {
-            (level, all)
+            (level, all())
         } else {
             let (on, _) = context.support(near.planes(), state, h);
             (level.with_velocity(carried), on)

@@ -187,7 +187,7 @@ impl Plane {
         let surface = Floor::new(0.0, restitution, friction)?.with_velocity(shape.velocity);
         let normal = shape.normal.normalize();
         let shape = StaticPlane { normal, ..shape };
-        // The shortest turn from the vertical; half a turn about x first where the plane faces down.
+        // The shortest turn from the vertical. If the plane faces down, half a turn about x comes first.
         let (from, first) = if normal.y < 0.0 {
             (DVec3::NEG_Y, DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0))
         } else {
@@ -240,20 +240,20 @@ impl Plane {
         }
     }
 
-    /// Place and velocity.
+    /// Position, normal and velocity of the plane.
     pub fn shape(&self) -> StaticPlane {
         self.shape
     }
 
     /// Height of a point over the plane \[m\], with the floor's order of operations.
-    pub(super) fn height(&self, point: DVec3) -> f64 {
+    pub(in crate::floor) fn height(&self, point: DVec3) -> f64 {
         match self.axes {
             None => point.y - self.surface.height,
             Some(_) => self.shape.distance(point),
         }
     }
 
-    /// Returns `true` if it does not move.
+    /// Returns `true` if the plane does not move.
     pub(super) fn is_fixed(&self) -> bool {
         self.shape.velocity == DVec3::ZERO
     }
@@ -265,7 +265,7 @@ impl Plane {
         self
     }
 
-    /// Returns its surface as a floor, and the frame in which that floor is level and at rest.
+    /// Returns the plane's surface as a floor, and the frame in which that floor is level and at rest.
     pub(super) fn level(&self, state: &BodyState) -> (Floor, Frame) {
         let axes = Axes {
             turn: self.axes.unwrap_or(DQuat::IDENTITY),
@@ -279,19 +279,19 @@ impl Plane {
         (floor, Frame::new(self.surface.velocity, Some(axes)))
     }
 
-    /// The same plane without its place.
+    /// The same plane without its position.
     pub(super) fn anywhere(mut self) -> Self {
         self.shape.point = DVec3::ZERO;
         self.surface.height = 0.0;
         self
     }
 
-    /// Its velocity along the normal [m/s].
+    /// Velocity of the plane along its normal [m/s].
     pub(super) fn rise(&self) -> f64 {
         self.surface.velocity.dot(self.shape.normal)
     }
 
-    /// All numbers on which rest on the plane depends.
+    /// All numbers that affect rest on the plane.
     pub(super) fn numbers(self) -> impl Iterator<Item = f64> {
         let (shape, s) = (&self.shape, &self.surface);
         let vectors = [shape.point, shape.normal, s.velocity];

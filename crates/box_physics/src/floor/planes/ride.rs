@@ -19,8 +19,8 @@ impl<'a, F> PlanesContext<'a, F> {
 }
 
 impl<F: ForceModel> PlanesContext<'_, F> {
-    /// A fingerprint of planes with a common velocity and of which of them the box touches, `elapsed` \[s\] after the
-    /// beginning of the step, independent of their place. Also returns the correction onto these \[m\].
+    /// A fingerprint of planes with a common velocity and of the touched set, `elapsed` \[s\] after the start of the
+    /// step, independent of position. Also returns the correction onto the touched planes \[m\].
     pub(super) fn support(
         &self,
         planes: &[Plane],
@@ -45,7 +45,7 @@ impl<F: ForceModel> PlanesContext<'_, F> {
 }
 
 impl ContactState {
-    /// If the box rests on these planes with this velocity [m/s], carries it for `h` \[s\] and returns `true`.
+    /// Moves a box at rest on these planes, with this velocity [m/s], for `h` \[s\]; `false` if it is not at rest.
     pub(super) fn rides<F: ForceModel>(
         &mut self,
         context: &PlanesContext<'_, F>,

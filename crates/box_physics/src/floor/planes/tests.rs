@@ -1,4 +1,4 @@
-//! A box among planes: what holds over one floor holds among several.
+//! A box among planes: the properties of one floor also hold for several planes.
 
 mod moving;
 mod ramp;
@@ -43,7 +43,7 @@ fn tray(half: f64, e: f64, mu: f64) -> Vec<Plane> {
     [Plane::from(floor)].into_iter().chain(walls).collect()
 }
 
-/// Gains of energy, depths and times to rest of random throws in a tray, an eighth of them of hollow or weighted boxes.
+/// Checks random throws in a tray, an eighth of them of hollow or weighted boxes: energy gain, depth and time to rest.
 fn storm<S: Integrate>(seed: u64, n: u32, steps: u32, cubes: bool) {
     let mut random = Random(seed);
     let mut worst = Worst::default();
@@ -57,7 +57,7 @@ fn storm<S: Integrate>(seed: u64, n: u32, steps: u32, cubes: bool) {
         let (e, mu) = (random.restitution(i), random.friction(i, 2.0));
         let mut scene = Scene::among(tray(size * random.range(2.0, 4.0), e, mu), half);
         if i % 8 == 0 {
-            // On its side, so that no plane is level but for the one that was.
+            // Turned on its side, so that only one plane is level.
             scene = scene.turned(random.attitude());
         }
         scene.state.position += 2.0 * size * -scene.gravity.0 / G;
@@ -78,7 +78,7 @@ fn random_throws_in_a_tray_gain_nothing_and_stay_inside() {
     storm::<Split>(2, 1000, 100, false);
 }
 
-/// By hand: `cargo test --release --lib -- --ignored storm_in_a_tray_by_hand --nocapture`.
+/// Manual run: `cargo test --release --lib -- --ignored storm_in_a_tray_by_hand --nocapture`.
 #[test]
 #[ignore = "many throws; a part of them runs with every test"]
 fn storm_in_a_tray_by_hand() {
@@ -109,7 +109,7 @@ fn dice_come_to_rest() {
     }
 }
 
-/// A closed box without friction, e = 1: no energy is lost either.
+/// In a closed box without friction and with e = 1, no energy is lost either.
 #[test]
 fn elastic_impacts_in_a_closed_box_conserve_energy() {
     let mut random = Random(7);
@@ -159,7 +159,7 @@ fn any_integrator_stays_inside() {
     check::<SemiImplicitEuler>();
 }
 
-/// By hand: what a step costs, `cargo test --release -- --ignored cost_among_planes_by_hand --nocapture`.
+/// Cost of a step; manual run: `cargo test --release -- --ignored cost_among_planes_by_hand --nocapture`.
 #[test]
 #[ignore = "prints times and asserts none, as tests never assert times"]
 fn cost_among_planes_by_hand() {
@@ -196,7 +196,7 @@ fn coulombs_law_holds_with_several_normals() {
             let body = RigidBox::new(random.half_extents(0.1, 1.0), 3.0).expect("valid");
             let surface = Floor::new(0.0, 0.0, mu).expect("valid");
             let mut state = BodyState::default();
-            // Fitted to the planes at one or more corners each.
+            // Aligned with the planes at one or more corners each.
             if i % 2 == 0 {
                 state.rotation = random.attitude();
             }
@@ -212,7 +212,7 @@ fn coulombs_law_holds_with_several_normals() {
             state.velocity = random.vector(1.0);
             let spin = random.vector(2.0 / body.radius());
             state.set_angular_velocity(&body, spin);
-            let gaps = Gaps::over(&planes, &body, &state, 0.0);
+            let gaps = Gaps::over(&planes, &body, &state);
             let attitude = DMat3::from_quat(state.rotation);
             let order = Among::<Gravity>::order(gaps.touching(1e-9));
             let operator = DelassusOperator::at(&body, attitude, order);

@@ -2,7 +2,7 @@ use super::*;
 use crate::floor::tests::{Random, about};
 use crate::state::BodyState;
 
-/// A corner, an edge or a face on the floor: both ways agree, and what was to be canceled is.
+/// For a corner, an edge or a face on the floor, both methods agree and cancel the selected velocities.
 #[test]
 fn directly_or_not_the_same_is_canceled() {
     let mut random = Random(3);
@@ -27,8 +27,8 @@ fn directly_or_not_the_same_is_canceled() {
         let mask = whole.map(|whole| if whole { DVec3::ONE } else { DVec3::Y });
         let p = cancel(&operator, &u, &whole);
         let mut q = cancel_iteratively(&operator, &u, |i, v| v * mask[i]);
-        // Of least norm to rounding, which conjugate gradients are not quite: equal loads on one diagonal
-        // against the other, and the opposite ones along an edge, do nothing.
+        // Of least norm to rounding, unlike conjugate gradients. Equal loads on one diagonal against the other, and
+        // opposite impulses along an edge, have no effect.
         let diagonals = |p: &Corner3| 0.25 * (p[0] + p[1] - p[2] - p[3]);
         if operator.count == 4 {
             let idle = diagonals(&q);

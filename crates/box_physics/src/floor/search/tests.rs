@@ -15,7 +15,7 @@ fn search(start: f64, rate: f64, time: f64, curvature: f64) -> Search<8> {
     }
 }
 
-/// The time of the first touch, how many segments it took, and whether the search gave up.
+/// The time of the first touch, the number of segments, and `true` if the search was capped.
 fn touch(search: &Search<8>, height: impl Fn(f64) -> f64) -> (f64, u32, bool) {
     let (mut whole, mut other) = (search.time, f64::NAN);
     let mut segments = 1;
@@ -40,7 +40,7 @@ fn the_first_root_is_found_sharply_and_cheaply() {
     assert!(segments <= 3, "{segments}");
 }
 
-/// Its derivatives are of every order, and it turns by more than a radian.
+/// The height has derivatives of every order, and the corner turns by more than a radian.
 #[test]
 fn a_turning_corner_is_found_in_a_few_segments() {
     let height = |t: f64| 0.3 - t - 0.5 * libm::sin(2.0 * t);
@@ -49,7 +49,7 @@ fn a_turning_corner_is_found_in_a_few_segments() {
     assert!(segments <= 6, "{segments}");
 }
 
-/// A jump, as friction makes that sticks or slips by the length of the segment: bisection ends it.
+/// Bisection finds a jump, as when friction sticks or slips depending on the length of the segment.
 #[test]
 fn a_jump_is_found_as_well() {
     let height = |t: f64| if t < 0.3 { 0.5 } else { -0.5 };
@@ -58,8 +58,7 @@ fn a_jump_is_found_as_well() {
     assert!(segments <= 60 * PATIENCE as u32, "{segments}");
 }
 
-/// A motion that jumps below the floor at once, as one that cannot be computed may, or that is not even a
-/// number, ends the search like any other.
+/// A height that jumps below the floor at once, or is not a number, ends the search like any other.
 #[test]
 fn a_jump_at_the_very_start_ends_the_search() {
     for below in [-1.0, f64::NAN] {
@@ -82,8 +81,8 @@ fn a_dip_between_two_good_ends_is_found() {
     assert!((tau - libm::acos(-0.9) / 40.0).abs() < 1e-12 && !capped);
 }
 
-/// A wheel that turns a million times is not followed: it is said at once, not after the whole budget. One that
-/// turns a hundred times is.
+/// The search gives up immediately, not after the whole budget, on a wheel that turns a million times. It can follow a
+/// wheel that turns a hundred times.
 #[test]
 fn what_cannot_be_followed_is_given_up_at_once() {
     let wheel = |omega: f64| {

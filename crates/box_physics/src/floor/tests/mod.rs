@@ -1,5 +1,4 @@
-//! What must hold of the contact whatever the scene. (The measured hard cases 25 to 32 are
-//! `box_scenarios::contact_cases`.)
+//! Properties of the contact in every scene. (The measured hard cases 25 to 32 are in `box_scenarios::contact_cases`.)
 
 mod bounce;
 mod moving;
@@ -8,7 +7,7 @@ mod rest;
 mod robust;
 mod slide;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::geometry::Corners;
 use super::law::Solution;
@@ -18,6 +17,7 @@ use super::{
     ContactReport, ContactSettings, ContactState, Floor, FloorContext, FloorOutcome, Plane,
     PlanesContext, step_on_floor, step_on_planes,
 };
+use crate::aabb;
 use crate::body::RigidBox;
 use crate::force::{ForceModel, Gravity};
 use crate::integrators::{Integrate, Integrator, IntegratorMemory, IntegratorVisitor, Split};
@@ -27,7 +27,29 @@ use crate::state::BodyState;
 pub(super) const G: f64 = 9.81;
 pub(super) const SIXTIETH: f64 = 1.0 / 60.0;
 
-/// One box over the floor, or among planes if there are any, and what it needs between steps.
+impl Corners {
+    /// The corners over a floor.
+    pub(in crate::floor) fn at(floor: &Floor, body: &RigidBox, state: &BodyState) -> Self {
+        let mut corners = Self::turned(body, DMat3::from_quat(state.rotation));
+        let base = state.position.y - floor.height;
+        corners.height = core::array::from_fn(|k| base + corners.lever(k).y);
+        corners
+    }
+}
+
+impl Gaps {
+    /// The corners over planes.
+    pub(in crate::floor) fn over(planes: &[Plane], body: &RigidBox, state: &BodyState) -> Self {
+        let mut gaps = Self::turned(body, DMat3::from_quat(state.rotation));
+        for (i, height) in gaps.height.iter_mut().enumerate().take(8 * planes.len()) {
+            let corner = aabb::corners(body.half_extents())[i % 8];
+            *height = planes[i / 8].height(state.point(corner));
+        }
+        gaps
+    }
+}
+
+/// One box over the floor, or among planes if there are any, with its memories between steps.
 #[derive(Clone)]
 pub(super) struct Scene {
     pub(super) floor: Floor,
@@ -80,7 +102,7 @@ impl Scene {
         self.step_under::<S>(&gravity, h, None)
     }
 
-    /// A step of a 60th of a second by the chosen integrator.
+    /// Takes a step of a 60th of a second by the chosen integrator.
     fn step_by(&mut self, integrator: Integrator) -> FloorOutcome {
         struct Step<'a>(&'a mut Scene);
         impl IntegratorVisitor for Step<'_> {
@@ -130,7 +152,7 @@ impl Scene {
         }
     }
 
-    /// Prints what a step costs at best, from the same state or from one to the next.
+    /// Prints the minimum cost of a step. If `reset`, every step starts from the same state.
     pub(super) fn time(&self, name: &str, reset: bool) {
         let mut scene = self.clone();
         let mut best = f64::INFINITY;
@@ -147,14 +169,14 @@ impl Scene {
         println!("{name}: {:.0} ns", best * 1e9);
     }
 
-    /// Any attitude, and a velocity and a spin up to `speed` [m/s] and `spin` [rad/s] along each axis.
+    /// Sets a random attitude, and a velocity and a spin up to `speed` [m/s] and `spin` [rad/s] along each axis.
     pub(super) fn throw(&mut self, random: &mut Random, speed: f64, spin: f64) {
         self.state.rotation = random.attitude();
         self.state.velocity = random.vector(speed);
         self.spin(random.vector(spin));
     }
 
-    /// Turns in the world [rad/s].
+    /// Sets the angular velocity in the world [rad/s].
     pub(super) fn spin(&mut self, omega: DVec3) {
         self.state.set_angular_velocity(&self.body, omega);
     }
@@ -164,18 +186,18 @@ impl Scene {
         if self.planes.is_empty() {
             Corners::at(&self.floor, &self.body, &self.state).lowest()
         } else {
-            Gaps::over(&self.planes, &self.body, &self.state, 0.0).lowest()
+            Gaps::over(&self.planes, &self.body, &self.state).lowest()
         }
     }
 
-    /// Kinetic energy and that of gravity over the floor \[J\].
+    /// Kinetic energy plus potential energy over the floor \[J\].
     pub(super) fn energy(&self) -> f64 {
         let x = self.state.position - DVec3::Y * self.floor.height;
         self.state.kinetic_energy(&self.body) - self.body.mass() * self.gravity.0.dot(x)
     }
 }
 
-/// A box that is turned and moves.
+/// A tilted, moving box.
 pub(super) fn tilted() -> (RigidBox, BodyState) {
     let body = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0).expect("valid");
     let state = BodyState::at_pose(
@@ -215,7 +237,7 @@ impl Random {
         DVec3::new(side(), side(), side())
     }
 
-    /// A coefficient of restitution; of the i-th of many boxes, every fifth is elastic.
+    /// A coefficient of restitution for the i-th box. Every fifth box is elastic.
     pub(super) fn restitution(&mut self, i: u32) -> f64 {
         if i.is_multiple_of(5) {
             1.0
@@ -224,7 +246,7 @@ impl Random {
         }
     }
 
-    /// A coefficient of friction; every seventh has none.
+    /// A coefficient of friction; 0 for every seventh box.
     pub(super) fn friction(&mut self, i: u32, high: f64) -> f64 {
         if i.is_multiple_of(7) {
             0.0
@@ -252,7 +274,7 @@ impl Random {
     }
 }
 
-/// The worst of many boxes.
+/// The worst values over many boxes.
 #[derive(Debug, Default)]
 pub(super) struct Worst {
     /// Gain of energy in one step, relative to the energy.
@@ -264,7 +286,7 @@ pub(super) struct Worst {
 }
 
 impl Worst {
-    /// Follows the i-th box. Its energy counts relative to `scale` \[J\], or else to what it was before the step.
+    /// Steps the i-th box and records the worst values. Energy is relative to `scale` \[J\], or its previous value.
     pub(super) fn follow<S: Integrate>(
         &mut self,
         i: u32,
@@ -293,7 +315,7 @@ impl Worst {
     }
 }
 
-/// How a solver of Coulomb's law fares in many problems.
+/// Statistics of a solver of Coulomb's law over many problems.
 #[derive(Default)]
 pub(super) struct Solver {
     iterations: Vec<u32>,
@@ -303,7 +325,7 @@ pub(super) struct Solver {
 }
 
 impl Solver {
-    /// A solution for the velocities `b`; `surface` gives the normal and the friction of a contact.
+    /// Adds a solution for the velocities `b`; `surface` gives the normal and the friction of a contact.
     pub(super) fn note<const N: usize>(
         &mut self,
         operator: &DelassusOperator<N>,

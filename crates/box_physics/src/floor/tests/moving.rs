@@ -1,4 +1,4 @@
-//! A floor with a velocity: what happens on it is what happens on a floor at rest, seen from a moving frame.
+//! A floor with a velocity: contact equals that with a floor at rest, seen from a moving frame.
 use super::super::may_touch;
 use super::*;
 use crate::force::{Dissipation, Forces};
@@ -15,7 +15,7 @@ fn riding(velocity: DVec3) -> Scene {
     scene
 }
 
-/// u⁺ = V − e (u⁻ − V), whatever part of the step is left.
+/// u⁺ = V − e (u⁻ − V), at any time within the step.
 #[test]
 fn restitution_is_relative_to_the_floor() {
     for fraction in [0.0, 0.3, 0.9] {
@@ -27,13 +27,13 @@ fn restitution_is_relative_to_the_floor() {
         scene.run::<Split>(SIXTIETH, 2);
         assert_eq!(scene.total.impacts, 1);
         assert!((scene.state.velocity - DVec3::Y * 3.8).length() < 1e-12);
-        // From where they met.
+        // Starts at the point of impact.
         let (met, t) = (2.0 * fraction * SIXTIETH, (2.0 - fraction) * SIXTIETH);
         assert!((scene.state.position.y - (0.25 + met + 3.8 * t)).abs() < 1e-12);
     }
 }
 
-/// A box that stands on an elevator is on it, to the last bit of its height, and contact goes on.
+/// A box on an elevator has the height of the elevator to the last bit, and contact continues.
 #[test]
 fn a_resting_box_rides() {
     for velocity in [DVec3::NEG_Y * 0.5, DVec3::new(0.7, 3.0, -0.2), DVec3::X] {
@@ -55,7 +55,7 @@ fn a_resting_box_rides() {
     }
 }
 
-/// An elevator that starts to sink at once drops a box that stands on it: V²/2g, and then a few bounces.
+/// A box on an elevator that suddenly sinks separates from it by V²/2g, and then bounces a few times.
 #[test]
 fn a_sudden_start_is_a_hop_and_no_storm() {
     let mut scene = riding(DVec3::ZERO);
@@ -101,7 +101,7 @@ fn a_conveyor_carries_a_box_up_to_its_speed() {
     }
 }
 
-/// The same drop over a floor at rest, seen from a frame that moves, under several integrators.
+/// A drop over a moving floor equals a drop over a floor at rest in another frame, under several integrators.
 #[test]
 fn a_moving_floor_is_a_floor_at_rest_in_another_frame() {
     fn compare<S: Integrate>() {
@@ -131,14 +131,14 @@ fn a_moving_floor_is_a_floor_at_rest_in_another_frame() {
             assert!(off < 1e-2, "{off:e}");
             apart += u32::from(off > 1e-9);
         }
-        // Those that land in ever smaller impacts on ever other corners.
+        // The exceptions land in ever smaller impacts on alternating corners.
         assert!(impacts > 300 && apart <= 6, "{impacts} {apart}");
     }
     compare::<Split>();
     compare::<Rk4>();
 }
 
-/// The air is at rest: its drag acts on a box that rides, and friction holds it or does not.
+/// The air is at rest. Its drag acts on a box on the belt; friction holds the box or lets it slip.
 #[test]
 fn drag_is_relative_to_the_air_and_not_to_the_floor() {
     let limit = |scene: &Scene| 0.5 * scene.body.mass() * G;
@@ -154,7 +154,7 @@ fn drag_is_relative_to_the_air_and_not_to_the_floor() {
     let mut scene = Scene::new(DVec3::new(0.5, 0.2, 0.5), 0.3, 0.5);
     scene.floor.velocity.x = 2.0;
     let held = forces(0.9 * limit(&scene) / 2.0);
-    // Stronger drag than friction: it slips where both are equal.
+    // Drag stronger than friction: the box slips at the speed at which both are equal.
     let blown = forces(limit(&scene));
     for (force, steps, speed, bound) in [(held, 600, 2.0, 1e-12), (blown, 1200, 1.0, 1e-9)] {
         for _ in 0..steps {
@@ -165,7 +165,7 @@ fn drag_is_relative_to_the_air_and_not_to_the_floor() {
     }
 }
 
-/// What flies over a rising floor is not left to the bare integrator if the floor can reach it.
+/// A body over a rising floor takes the contact step if the floor can reach it.
 #[test]
 fn a_rising_floor_is_not_missed() {
     let scene = Scene::new(BRICK, 0.3, 0.5);
@@ -182,7 +182,7 @@ fn a_rising_floor_is_not_missed() {
     assert!(scene.state.velocity.y > 250.0);
 }
 
-/// Another velocity of the floor wakes a box; a floor that stops has one with a velocity on it.
+/// A change of the floor's velocity wakes a box. If the floor stops, the box keeps its velocity.
 #[test]
 fn a_change_of_the_velocity_wakes() {
     let mut scene = riding(DVec3::X);

@@ -1,4 +1,4 @@
-//! What changes from outside, extremes, and what is reported.
+//! External changes, extremes, and reports.
 use super::super::may_touch;
 use super::*;
 use crate::force::{Forces, PointForce, Spring};
@@ -29,7 +29,7 @@ fn a_teleport_into_the_floor_is_lifted_out_not_fired() {
             scene.state.position.y = -depth;
             scene.step::<Split>(h);
             assert!(scene.lowest() >= 0.0);
-            // What it gained is the fall of at most one step.
+            // The gain is the fall of at most one step.
             assert!(scene.state.velocity.length() <= G * h * 1.5, "{depth} {h}");
         }
     }
@@ -54,7 +54,7 @@ fn a_resting_box_reacts_to_what_changes() {
     scene.run::<Split>(SIXTIETH, 200);
     assert!(scene.contact.is_resting(&scene.state) && (scene.lowest()).abs() < 1e-12);
 
-    // Gravity turned over: it falls up. Switched off: it stays. Tilted: it slides.
+    // Gravity reversed: the box falls up. Switched off: it stays. Tilted: it slides.
     scene = settled.clone();
     scene.gravity.0 = DVec3::Y * G;
     scene.run::<Split>(SIXTIETH, 30);
@@ -74,7 +74,7 @@ fn a_resting_box_reacts_to_what_changes() {
     scene.step::<Split>(SIXTIETH);
     assert!(scene.state.velocity.x > 0.01);
 
-    // An impulse; a tiny one as well.
+    // An impulse, including a tiny one.
     for push in [1.0, 1e-6] {
         scene = settled.clone();
         scene.state.velocity.y = push;
@@ -83,8 +83,8 @@ fn a_resting_box_reacts_to_what_changes() {
     }
 }
 
-/// A wrench that is taken away is a change like any other: a box held down by a spring rises, and one that a force
-/// presses rests on, pressed less.
+/// Removing a wrench is a change like any other. A box held down by a spring rises. A box pressed by a force stays at
+/// rest with a smaller load.
 #[test]
 fn rest_under_a_force_ends_with_the_force() {
     let spring = [Spring {
@@ -140,7 +140,7 @@ fn rest_under_a_force_ends_with_the_force() {
     }
 }
 
-/// Rest is found, and kept, at any step and far from the origin.
+/// Rest is detected and maintained at any step size and far from the origin.
 #[test]
 fn rest_at_any_step_and_place() {
     for h in [1e-5, 1e-3, SIXTIETH, 0.5] {
@@ -213,6 +213,26 @@ fn a_report_tells_what_the_floor_did() {
     }
     assert!(impacts > 2 && held > 60, "{impacts} {held}");
     assert_eq!(scene.contact.touching().count_ones(), 4);
+}
+
+/// A report that the caller reuses does not keep the contact of an earlier step.
+#[test]
+fn a_flight_reports_no_contact() {
+    let mut report = ContactReport {
+        corners: 15,
+        approach_speed: 1.0,
+        ..ContactReport::default()
+    };
+    let mut over = Scene::new(DVec3::splat(0.5), 0.3, 0.5);
+    over.state.position.y = 3.0;
+    let mut among = over.clone();
+    among.planes = vec![Plane::from(Floor::default())];
+    for mut scene in [over, among] {
+        let gravity = scene.gravity;
+        scene.step_under::<Split>(&gravity, SIXTIETH, Some(&mut report));
+        assert_eq!(report, ContactReport::default());
+        report.corners = 15;
+    }
 }
 
 #[test]

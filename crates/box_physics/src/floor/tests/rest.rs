@@ -1,8 +1,8 @@
-//! Every drop ends at rest, and rest is for ever.
+//! Every drop ends at rest, and rest is permanent.
 use super::*;
 use crate::integrators::{Rk4, Split};
 
-/// From any attitude to flat on a face, resting.
+/// From any attitude, a box comes to rest flat on a face.
 #[test]
 fn any_drop_ends_flat_and_resting() {
     let mut random = Random(7);
@@ -48,14 +48,14 @@ fn the_resting_pose_repeats_bit_for_bit() {
         let pose = scene.state;
         scene.run::<Split>(SIXTIETH, 1_000_000);
         assert_eq!(scene.state, pose);
-        // And without the memory: re-examined, it is found at rest again.
+        // Without the memory, the next step finds the box at rest again.
         scene.contact = ContactState::default();
         scene.run::<Split>(SIXTIETH, 10);
         assert_eq!(scene.state, pose);
     }
 }
 
-/// A die that is thrown again does not rest, before any step.
+/// A die that is thrown again is not at rest, even before a step.
 #[test]
 fn another_state_does_not_rest() {
     let mut scene = Scene::new(DVec3::new(0.5, 0.25, 0.125), 0.3, 0.5);

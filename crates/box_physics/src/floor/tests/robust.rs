@@ -1,4 +1,4 @@
-//! Whatever comes: no gain of energy, nothing below the floor, no endless loop.
+//! For any input: no gain of energy, nothing below the floor, no endless loop.
 
 use super::*;
 use crate::floor::StaticPlane;
@@ -9,7 +9,7 @@ use crate::integrators::{ExplicitEuler, Heun2012, Integrator, Rk4, SemiImplicitE
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shapes {
     Cubes,
-    /// Anything from 0.1 mm to 5 m, ratios to 50, every third hollow or weighted.
+    /// From 0.1 mm to 5 m with ratios up to 50; every third box is hollow or weighted.
     Any,
 }
 
@@ -39,7 +39,7 @@ fn storm(seed: u64, n: u32, steps: u32, shapes: Shapes) -> Worst {
         let omega = random.vector(spin);
         let h = random.magnitude(1e-5, 0.5);
         scene.spin(omega);
-        // Energy counts from the state as lifted out.
+        // Energy is counted from the state after penetration recovery.
         scene.state.position.y -= scene.lowest().min(0.0);
         worst.follow::<Split>(i, scene, None, h, steps);
     }
@@ -53,8 +53,8 @@ fn random_drops_gain_nothing_and_stay_above() {
     }
 }
 
-/// Every integrator, and every kind of force: finite, above, and work bounded. (Compact boxes: the explicit
-/// integrators lose needles in free flight by themselves.)
+/// With every integrator and every kind of force, the state is finite and above the floor, and the work is bounded.
+/// (Compact boxes, because explicit integrators diverge for needles even in free flight.)
 #[test]
 fn any_integrator_and_force_stays_above() {
     fn check<S: Integrate>(seed: u64) {
@@ -111,7 +111,7 @@ fn any_integrator_and_force_stays_above() {
     check::<ExplicitEuler>(5);
 }
 
-/// By hand: `cargo test --release -- --ignored storm_by_hand --nocapture`.
+/// Manual run: `cargo test --release -- --ignored storm_by_hand --nocapture`.
 #[test]
 #[ignore = "a million drops take minutes; a seeded part of them runs with every test"]
 fn storm_by_hand() {
@@ -127,7 +127,7 @@ fn storm_by_hand() {
     }
 }
 
-/// By hand: `cargo test --release -- --ignored which_case_answers_by_hand --nocapture`.
+/// Manual run: `cargo test --release -- --ignored which_case_answers_by_hand --nocapture`.
 #[test]
 #[ignore = "prints the counts of docs/contact.md and asserts none"]
 fn which_case_answers_by_hand() {
@@ -162,8 +162,8 @@ fn settle(n: u32) {
     }
 }
 
-/// The time of an impact is found in a few trials by every integrator, one that remembers derivatives included: the
-/// whole step and its parts belong to one motion.
+/// Every integrator locates the time of an impact in a few trials, including one that stores derivatives. The whole
+/// step and its parts belong to one motion.
 #[test]
 fn every_integrator_finds_an_impact_in_a_few_trials() {
     let plane = |x, normal| {

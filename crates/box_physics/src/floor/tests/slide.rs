@@ -34,12 +34,12 @@ fn pub17_slides_to_a_stop() {
         pub17::<Split>(h, bound);
         pub17::<Rk4>(h, bound);
     }
-    // Half an acceleration step off: ½ µg h t, their own law.
+    // Off by half an acceleration step, ½ µg h t, as expected for this integrator.
     pub17::<ExplicitEuler>(SIXTIETH, 0.05);
     pub17::<SemiImplicitEuler>(SIXTIETH, 0.05);
 }
 
-/// The reported impulses are the momentum, straight on and turning, until the box rests.
+/// The reported impulses equal the change of momentum, with and without turning, until the box rests.
 #[test]
 fn a_slide_reports_its_friction() {
     for spin in [0.0, 2.0] {
@@ -85,8 +85,8 @@ fn slope_holds_below_the_friction_angle_and_slides_above() {
     }
 }
 
-/// A box on its face slides and turns to a stop in a few segments: corners whose slips vanish one after the other,
-/// or turn on their way, are not followed in ever shorter ones.
+/// A box on its face slides and turns to a stop in a few segments. Corners whose slips vanish in sequence, or turn on
+/// the way, do not lead to ever shorter segments.
 #[test]
 fn a_turning_slide_stops_in_a_few_segments() {
     let mut random = Random(3);
@@ -104,5 +104,5 @@ fn a_turning_slide_stops_in_a_few_segments() {
         }
         assert!(scene.contact.is_resting(&scene.state) && scene.energy() <= energy);
     }
-    assert!(worst <= 400, "{worst}"); // up to five for each segment that is tried
+    assert!(worst <= 400, "{worst}"); // up to five for each trial segment
 }

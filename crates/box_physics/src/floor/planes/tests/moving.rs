@@ -1,11 +1,11 @@
-//! Planes with a velocity: what happens at them is what happens at planes at rest, seen from a moving frame.
+//! Planes with a velocity: contact equals that with planes at rest, seen from a moving frame.
 
 use super::*;
 use crate::math::sin_cos;
 
 const HALF: DVec3 = DVec3::new(0.5, 0.25, 0.4);
 
-/// A brick that lies on a plane through the origin with the normal `turn` y, with the plane's velocity in its own axes.
+/// A brick at rest on a plane through the origin with the normal `turn` y. The plane's velocity is in the plane's axes.
 fn lying(turn: DQuat, theta: f64, mu: f64, velocity: DVec3) -> Scene {
     let mut scene = Scene::new(HALF, 0.3, mu).on_slope(theta);
     let belt = scene.floor.with_velocity(velocity);
@@ -13,7 +13,7 @@ fn lying(turn: DQuat, theta: f64, mu: f64, velocity: DVec3) -> Scene {
     scene.turned(turn)
 }
 
-/// A box at rest on an elevator that goes along or across a slope rides it without a hop, and at rest.
+/// A box at rest on an elevator that moves along or across a slope stays at rest on it, without a hop.
 #[test]
 fn a_resting_box_rides() {
     let mut random = Random(32);
@@ -37,15 +37,15 @@ fn a_resting_box_rides() {
         }
         let way = scene.state.position - start.position;
         assert!((way - velocity * (10_000.0 * SIXTIETH)).length() < 1e-8);
-        // It stops, and the box has a velocity on it.
+        // The plane stops, and the box then has a velocity relative to it.
         set_velocity(&mut scene.planes[0], DVec3::ZERO);
         scene.step::<Split>(SIXTIETH);
         assert!(!scene.contact.is_resting(&scene.state));
     }
 }
 
-/// In the edge and in the corner of a tray that moves as a whole, and on one plane of it, a box rests and rides; a wall
-/// that comes by far away does not disturb it.
+/// A box rests in the edge, in the corner and on one plane of a moving tray. A wall that passes far away does not
+/// disturb it.
 #[test]
 fn a_box_rests_in_a_moving_tray() {
     let mut random = Random(36);
@@ -90,7 +90,7 @@ fn a_box_rests_in_a_moving_tray() {
             let outcome = scene.step_under::<Split>(&force, SIXTIETH, Some(&mut report));
             assert!(outcome.resting && outcome.step.evaluations == 0, "{i} {k}");
             assert_eq!(scene.state.velocity, velocity);
-            // Friction bears at most µ times as much: weight ≤ √(1 + µ²) Σ N.
+            // Friction supports at most µ times as much: weight ≤ √(1 + µ²) Σ N.
             let weight = scene.body.mass() * G * SIXTIETH;
             let load = report.normal_impulse() * (1.0_f64 + 0.4 * 0.4).sqrt();
             assert!(load >= weight, "{i} {load}");
@@ -103,7 +103,7 @@ fn a_box_rests_in_a_moving_tray() {
             "{i} {off:e}"
         );
         assert_eq!(scene.state.rotation, start.rotation);
-        // One of the planes that hold it goes its own way.
+        // One of the supporting planes gets another velocity.
         if velocity != DVec3::ZERO {
             set_velocity(&mut scene.planes[0], DVec3::ZERO);
             scene.step::<Split>(SIXTIETH);
@@ -135,7 +135,7 @@ fn a_sloping_conveyor_carries_a_box_up() {
             let (t, stop) = (f64::from(i) * SIXTIETH, speed / a);
             let way = 0.5 * a * t.min(stop).powi(2) + speed * (t - stop).max(0.0);
             let off = (scene.state.position - start - up * way).length();
-            // Where it stops is found to the tolerance of the search.
+            // The search locates the stop to its tolerance.
             let bound = if t < stop { 1e-12 } else { 1e-9 };
             assert!(off < bound, "{i}: {off:e}");
             assert_eq!(scene.contact.is_resting(&scene.state), t > stop);
@@ -143,7 +143,7 @@ fn a_sloping_conveyor_carries_a_box_up() {
     }
 }
 
-/// A box that falls on a sloping belt comes to rest on it, whatever the attitude of all.
+/// A box that falls on a sloping belt comes to rest on it, in any orientation of the scene.
 #[test]
 fn a_box_that_falls_on_a_belt_rests_on_it() {
     let mut random = Random(35);
@@ -157,7 +157,7 @@ fn a_box_that_falls_on_a_belt_rests_on_it() {
     }
 }
 
-/// Throws in a tray of which all planes move alike are throws in one at rest, and nothing gains energy in its frame.
+/// Throws in a tray with a common velocity equal throws in a tray at rest, and gain no energy in its frame.
 #[test]
 fn a_moving_tray_is_a_tray_at_rest_in_another_frame() {
     let mut random = Random(34);
@@ -199,7 +199,7 @@ fn a_moving_tray_is_a_tray_at_rest_in_another_frame() {
     assert!(impacts > 400 && apart == 0 && gain < 1e-12);
 }
 
-/// A wall pushes a box along the floor at its own speed, and turns it flat.
+/// A wall pushes a box along the floor at the wall's speed, and turns it flat.
 #[test]
 fn a_wall_pushes() {
     let surface = Floor::new(0.0, 0.0, 0.3).expect("valid");
@@ -228,7 +228,7 @@ fn a_wall_pushes() {
     assert!((state.position.y - 0.25).abs() < 1e-15);
 }
 
-/// What a plane throws does not pass through another one in the same step.
+/// A body thrown by a plane does not pass through another plane in the same step.
 #[test]
 fn a_ceiling_stops_what_the_floor_throws() {
     let surface = Floor::new(0.0, 1.0, 0.0).expect("valid");
@@ -238,7 +238,7 @@ fn a_ceiling_stops_what_the_floor_throws() {
         let mut scene = Scene::among(vec![rising, ceiling], HALF);
         scene.state.position.y = 0.26;
         scene.step::<Split>(SIXTIETH);
-        let over = Gaps::over(&scene.planes[1..], &scene.body, &scene.state, 0.0).lowest();
+        let over = Gaps::over(&scene.planes[1..], &scene.body, &scene.state).lowest();
         assert!(scene.total.impacts > 1 && over >= -1e-12, "{gap}: {over}");
     }
 }

@@ -1,18 +1,18 @@
-//! One plane that is not level is the floor under tilted gravity.
+//! One tilted plane is equivalent to the floor under tilted gravity.
 
 use super::*;
 use crate::math::sin_cos;
 
-/// A ramp through a point off the origin, down along +x in its own axes, which are those of the world turned.
+/// A ramp through a point off the origin, down along +x of the ramp's axes, which are turned relative to the world's.
 struct Ramp {
     turn: DQuat,
     scene: Scene,
-    /// The same over a floor.
+    /// The same scene over a floor.
     level: Scene,
 }
 
 impl Ramp {
-    /// `state` in the axes of the ramp.
+    /// Creates a ramp with a box in `state`, in the axes of the ramp.
     fn new(half: DVec3, state: BodyState, theta: f64, turn: DQuat, (e, mu): (f64, f64)) -> Self {
         let mut level = Scene::new(half, e, mu).on_slope(theta).with_state(state);
         let point = turn * DVec3::new(0.3, 0.0, -0.2);
@@ -28,7 +28,7 @@ impl Ramp {
         self.level.step::<Split>(SIXTIETH);
     }
 
-    /// How far apart the two are \[m\].
+    /// Difference between the poses of the two scenes, at the radius of the box \[m\].
     fn apart(&self) -> f64 {
         let (a, b) = (&self.scene.state, &self.level.state);
         let turned = self.turn * b.rotation;
@@ -50,7 +50,7 @@ fn a_ramp_is_a_floor_under_tilted_gravity() {
             ramp.step();
         }
         sliding = sliding.max(ramp.apart());
-        // Every impact multiplies what rounding has made.
+        // Every impact amplifies rounding errors.
         let state =
             BodyState::at_pose(DVec3::Y * 1.2, random.attitude()).with_velocity(random.vector(2.0));
         let mut ramp = Ramp::new(half, state, 0.4, turn, (0.5, 0.3));
@@ -63,7 +63,7 @@ fn a_ramp_is_a_floor_under_tilted_gravity() {
     assert!(sliding < 1e-12 && thrown < 1e-8);
 }
 
-/// It holds below the angle of friction, to the last bit, and slides above.
+/// A box rests bit for bit below the angle of friction, and slides above it.
 #[test]
 fn the_angle_of_friction() {
     let mut random = Random(12);
@@ -88,7 +88,7 @@ fn the_angle_of_friction() {
     }
 }
 
-/// What the plane did is what the motion says, in world axes.
+/// The reported impulses equal the change of momentum, in world axes.
 #[test]
 fn the_report_balances_the_momentum() {
     let mut random = Random(13);
@@ -99,7 +99,7 @@ fn the_report_balances_the_momentum() {
             BodyState::at_pose(DVec3::Y * 0.7, random.attitude()).with_velocity(random.vector(3.0));
         let mut scene = Ramp::new(DVec3::new(0.5, 0.25, 0.4), state, 0.4, turn, (0.5, 0.3)).scene;
         if i % 2 == 0 {
-            // A second plane across, from which only the sum of both is known.
+            // A second plane across, for which only the sum of both is known.
             let across = turn * DVec3::new(-1.0, 0.2, 0.0);
             let surface = scene.planes[0].surface;
             scene.planes.push(wall(turn * DVec3::X, across, &surface));
@@ -110,7 +110,7 @@ fn the_report_balances_the_momentum() {
             let gravity = scene.gravity;
             let outcome = scene.step_under::<Split>(&gravity, SIXTIETH, Some(&mut report));
             impacts += outcome.impacts;
-            // What errors had added to the energy is taken from the velocity.
+            // Removing energy that errors had added changes the velocity.
             if outcome.impacts == 0 || i % 2 == 0 || outcome.energy_repairs > 0 {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Rest in edges and corners, and what friction does there.
+//! Rest and friction in edges and corners.
 
 use super::*;
 use crate::math::sin_cos;
@@ -11,8 +11,8 @@ fn in_corner(pull: DVec3, e: f64, mu: f64) -> Scene {
     scene
 }
 
-/// In an edge, in a corner, on one wall and on the ceiling's side, with friction and without, however the whole is
-/// turned: not a bit changes.
+/// Rest in an edge, in a corner and against a wall holds to the bit, with and without friction, in any orientation of
+/// the scene.
 #[test]
 fn rest_in_edges_and_corners_holds_to_the_bit() {
     let mut random = Random(21);
@@ -33,7 +33,7 @@ fn rest_in_edges_and_corners_holds_to_the_bit() {
         assert!(scene.lowest() >= -1e-15);
         scene.run::<Split>(SIXTIETH, 1000);
         assert_eq!(scene.state, start);
-        // What supports it goes away.
+        // Its support is removed.
         let wide = tray(3.0, 0.3, mu);
         if i < 50 && mu == 0.0 {
             scene.planes = wide;
@@ -43,7 +43,7 @@ fn rest_in_edges_and_corners_holds_to_the_bit() {
     }
 }
 
-/// Thrown into the corner it comes to rest there, and nowhere else.
+/// A cube thrown into the corner comes to rest there.
 #[test]
 fn a_cube_settles_in_the_corner() {
     let mut random = Random(22);
@@ -61,7 +61,7 @@ fn a_cube_settles_in_the_corner() {
     }
 }
 
-/// A cube that strikes floor and wall flat at one moment: each answers for itself.
+/// A cube hits floor and wall flat at the same time: the impacts are independent.
 #[test]
 fn a_flat_impact_in_an_edge() {
     for e in [0.0, 0.5, 1.0] {
@@ -82,7 +82,7 @@ fn a_flat_impact_in_an_edge() {
     }
 }
 
-/// Along a wall that gravity presses it to as well, both brake it: v²/2µ(g₁ + g₂), and it rests.
+/// Floor and wall both slow down a box that gravity presses against them. It stops after v²/2µ(g₁ + g₂).
 #[test]
 fn sliding_along_a_wall_to_rest() {
     for mu in [0.1, 0.3] {
@@ -136,7 +136,7 @@ fn a_plank_leans_or_slips() {
     }
 }
 
-/// Where a wall is near but not touched, the contact of several planes is the floor's.
+/// The contact of several planes equals that of the floor if a wall is near but not touched.
 #[test]
 fn a_wall_that_is_not_touched_changes_nothing() {
     let mut random = Random(23);
@@ -153,7 +153,7 @@ fn a_wall_that_is_not_touched_changes_nothing() {
             alone.step::<Split>(SIXTIETH);
             beside.step::<Split>(SIXTIETH);
             let (planes, body) = (&beside.planes[1..], &beside.body);
-            if Gaps::over(planes, body, &beside.state, 0.0).lowest() < 0.15 {
+            if Gaps::over(planes, body, &beside.state).lowest() < 0.15 {
                 break; // it may touch in the next step
             }
             worst = worst.max((alone.state.position - beside.state.position).length());
@@ -164,7 +164,7 @@ fn a_wall_that_is_not_touched_changes_nothing() {
     assert!(worst < 1e-9 && impacts > 50);
 }
 
-/// Between two ramps it comes to rest in the groove; between walls that leave it no room nothing diverges.
+/// A box comes to rest in the groove between two ramps. Between walls that are too close, nothing diverges.
 #[test]
 fn grooves_and_chimneys() {
     let surface = Floor::new(0.0, 0.3, 0.4).expect("valid");
@@ -177,7 +177,7 @@ fn grooves_and_chimneys() {
         scene.state.position.y = 3.0;
         scene.state.rotation = random.attitude();
         scene.run::<Split>(SIXTIETH, 600);
-        // One that stands on two opposite corners turns on about them, as nothing there brakes it.
+        // A box on two opposite corners continues to turn about them, because no friction acts there.
         assert!(scene.state.velocity.length() < 1e-9, "{i} {tilt}");
         rested += u32::from(scene.contact.is_resting(&scene.state));
 
