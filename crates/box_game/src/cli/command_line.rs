@@ -1,27 +1,30 @@
-//! The command line that brings the present set-up back.
+//! The command line that restores the current session.
 
 use bevy::clipboard::Clipboard;
 use bevy::prelude::*;
 use box_physics::prelude::GlobalIntegrator;
 use clap::ValueEnum as _;
 
-use crate::action::Action;
 use crate::action::compare::Layout;
+use crate::action::{Action, Plot};
 use crate::compare::Comparison;
 use crate::parameters::{Parameter, Parameters};
 use crate::platform;
 use crate::scene::library::SceneLibrary;
 use crate::scene::session::Session;
 
-/// Observes the request.
+/// Observes the copy action.
 pub fn on_action(action: On<Action>, mut commands: Commands) {
     if *action == Action::CopyCommandLine {
         commands.queue(copy);
     }
 }
 
-/// The command line that restores the session. Options at their default are left out.
-pub fn of(world: &World) -> String {
+/// The command line that restores the session. Default options are omitted.
+///
+/// # Errors
+/// Names a part of the session that it cannot restore.
+pub fn of(world: &World) -> Result<String, &'static str> {
     let session = world.resource::<Session>();
     let comparison = world.resource::<Comparison>();
     let integrator = world.resource::<GlobalIntegrator>().0;
@@ -38,6 +41,10 @@ pub fn of(world: &World) -> String {
     if let Some(layout) = layout.filter(|_| comparison.settings.layout != Layout::default()) {
         option("layout", layout.get_name().to_owned());
     }
+    let plot = Plot::ALL.iter().find(|(plot, _)| *plot == session.plot);
+    if let Some((_, name)) = plot.filter(|(plot, _)| *plot != session.scenario.view.plot) {
+        option("plot", (*name).to_owned());
+    }
     if session.speed != 1.0 {
         option("speed", session.speed.to_string());
     }
@@ -50,7 +57,7 @@ pub fn of(world: &World) -> String {
     platform::reproduce(&words)
 }
 
-/// The options of the parameters that differ from the scene's own; dt always.
+/// The options of the parameters that differ from the scene's defaults, and always dt.
 fn parameters(now: &Parameters, scene: &Parameters) -> Vec<(String, String)> {
     let changed = |p: &Parameter| now.get(*p) != scene.get(*p);
     let option = |p: Parameter| {
@@ -68,22 +75,23 @@ fn parameters(now: &Parameters, scene: &Parameters) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Puts it on the clipboard, and shows it.
+/// Copies it to the clipboard, and shows it.
 fn copy(world: &mut World) {
-    let line = of(world);
-    let copied = to_clipboard(world, &line);
-    let prefix = if copied { "copied: " } else { "" };
-    let mut session = world.resource_mut::<Session>();
-    session.notice(format!("{prefix}{line}"));
+    let notice = match of(world) {
+        Ok(line) if to_clipboard(world, &line) => format!("copied: {line}"),
+        Ok(line) => line,
+        Err(reason) => reason.to_owned(),
+    };
+    world.resource_mut::<Session>().notice(notice);
 }
 
-/// Copies a text; returns whether there is a clipboard that took it.
+/// Copies a text to the clipboard. Returns `false` if that fails.
 pub(crate) fn to_clipboard(world: &mut World, text: &str) -> bool {
     let clipboard = world.get_resource_mut::<Clipboard>();
     clipboard.is_some_and(|mut clipboard| clipboard.set_text(text).is_ok())
 }
 
-/// A rate where it is a whole number.
+/// The step as a rate if that is a whole number.
 fn step(step: f64) -> String {
     let rate = (1.0 / step).round();
     if 1.0 / rate == step {

@@ -1,7 +1,7 @@
-//! Keys to actions.
+//! Mapping of keys to actions.
 //!
-//! Keys with a meaningful place (WASDQE, digits 1 to 9) are read by their place on the keyboard. All others are
-//! read by the character that they type, so that they match the labels of any layout.
+//! Keys whose position matters (WASDQE, digits 1 to 9) are read by their position on the keyboard. All others are read
+//! by the character that they type, so they match the labels of any layout.
 
 use bevy::input::keyboard::{Key, KeyCode};
 use bevy::prelude::*;
@@ -50,11 +50,15 @@ pub(super) fn read_keys(
 ) {
     let actions = &mut actions.0;
     // A whole chord may begin and end within one slow frame.
-    let held_down =
-        |either: [KeyCode; 2]| keys.any_pressed(either) || keys.any_just_pressed(either);
-    let shift = held_down([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
-    let control = held_down([KeyCode::ControlLeft, KeyCode::ControlRight]);
-    let alt = held_down([KeyCode::AltLeft, KeyCode::AltRight]);
+    let held_down = |any: &[KeyCode]| {
+        let mut any = any.iter().copied();
+        any.any(|key| keys.pressed(key) || keys.just_pressed(key))
+    };
+    let shift = held_down(&[KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    // Command on a Mac.
+    let command = held_down(&[KeyCode::SuperLeft, KeyCode::SuperRight]);
+    let control = command || held_down(&[KeyCode::ControlLeft, KeyCode::ControlRight]);
+    let alt = held_down(&[KeyCode::AltLeft, KeyCode::AltRight]);
     // Any of these characters was typed (a letter in either case).
     let typed = |wanted: &str| {
         characters.get_just_pressed().any(|key| match key {
@@ -66,7 +70,7 @@ pub(super) fn read_keys(
 
     let steps = if shift { 10 } else { 1 };
     let free = !control && !focus.text;
-    // A focused widget keeps the keys that move within it.
+    // A focused widget receives the keys that move within it.
     let moves = free && !focus.widget;
     let named = [
         (KeyCode::F1, Action::ToggleHelp, true),
@@ -85,7 +89,7 @@ pub(super) fn read_keys(
         }
     }
     if control {
-        // A text field has an undo of its own.
+        // A text field has a separate undo.
         if !focus.text && typed("yz") {
             let redo = shift || typed("y");
             actions.push(if redo { Action::Redo } else { Action::Undo });
@@ -93,7 +97,7 @@ pub(super) fn read_keys(
         return;
     }
     if keys.just_pressed(KeyCode::Escape) {
-        // Peel: the topmost thing goes.
+        // Closes the topmost overlay.
         if session.show_picker {
             actions.push(Action::TogglePicker);
         } else if session.show_help {
@@ -113,7 +117,7 @@ pub(super) fn read_keys(
             if held[k] < REPEAT {
                 continue;
             }
-            // Not more than one a frame, however long the frame was.
+            // At most one per frame, even after a slow frame.
             held[k] = (held[k] - REPEAT).min(REPEAT);
         } else {
             continue;
@@ -124,8 +128,8 @@ pub(super) fn read_keys(
             off_center: shift,
         }));
     }
-    // A digit key means its place, whatever it types, except with AltGr: [ is AltGr + 8 on a German keyboard.
-    let alt_gr = held_down([KeyCode::AltRight; 2]);
+    // A digit key is read by its position, except with AltGr: [ is AltGr + 8 on a German keyboard.
+    let alt_gr = held_down(&[KeyCode::AltRight]);
     let digit = DIGITS.iter().position(|key| keys.just_pressed(*key));
     let digit = digit.filter(|_| !alt_gr).map(|k| k as u8 + 1);
     if let Some(integrator) = digit.and_then(integrator_of_key) {
@@ -137,7 +141,7 @@ pub(super) fn read_keys(
     }
     for (characters, action) in [
         ("p", Action::TogglePause),
-        // With Shift it is another character: > on a US keyboard, : on a German one.
+        // With Shift the key types another character: > on a US keyboard, : on a German one.
         (if shift { ".>:" } else { "." }, Action::Step(steps)),
         (if shift { ",<;" } else { "," }, Action::StepBack(steps)),
         ("r", Action::Restart),

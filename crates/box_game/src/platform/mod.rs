@@ -4,13 +4,13 @@
 //! |---|---|---|
 //! | arguments | of the program | query string, see [`query`] |
 //! | text for the user | standard output and error | the page |
-//! | files that are written | the file system | downloads |
-//! | files that are read | the file system | shipped, dropped on the page, fetched by it |
-//! | work beside the frames | threads | slices of the frames |
+//! | written files | the file system | downloads |
+//! | read files | the file system | shipped, dropped on the page, fetched by it |
+//! | background work | threads | slices of the frames |
 //! | CPU usage | of the system | not available |
 //!
-//! The clock is Bevy's (`bevy::platform::time`), and Bevy keeps the preferences (`bevy::settings`): a file, or the
-//! browser's local storage. Errors are those of the operating system; a browser has none unless a function says so.
+//! The clock is Bevy's (`bevy::platform::time`). Bevy stores the preferences (`bevy::settings`) in a file, or in the
+//! browser's local storage. Errors are those of the operating system; in a browser there are none unless documented.
 
 pub mod query;
 
@@ -42,7 +42,7 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-/// The files that come with the game, by their paths in a checkout. A desktop reads the files themselves.
+/// The files shipped with the game, by their paths in a checkout. On a desktop the files themselves are read.
 #[cfg(any(test, target_family = "wasm"))]
 pub(crate) const SHIPPED: &[(&str, &str)] = &[
     shipped!("assets/scenes/example.ron"),
@@ -65,7 +65,7 @@ pub fn next_free(name: &str, extension: &str) -> io::Result<PathBuf> {
         })
 }
 
-/// The path, if it ends in this extension, in any case.
+/// The path, if it has this extension, in any case.
 pub fn with_extension(text: &str, extension: &str) -> Option<PathBuf> {
     let path = PathBuf::from(text);
     let own = path.extension()?;
@@ -77,7 +77,7 @@ pub fn with_extension(text: &str, extension: &str) -> Option<PathBuf> {
 pub enum Need {
     /// A window and a GPU.
     Window,
-    /// A GPU alone.
+    /// Only a GPU.
     Gpu,
 }
 
@@ -95,7 +95,7 @@ pub struct Unavailable {
 mod tests {
     use super::*;
 
-    /// The browser has every scene and script of the checkout.
+    /// The browser version contains every scene and script of the checkout.
     #[test]
     fn every_asset_is_shipped() {
         let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));

@@ -21,22 +21,22 @@ pub use synced_file::SyncedFile;
 
 /// Reason why the CPU usage is unknown, if it is.
 pub const CPU_USAGE: Result<(), &str> = Ok(());
-/// Name of what [`reproduce`] makes.
+/// Name of the result of [`reproduce`].
 pub const COPIED: &str = "command line";
-/// The key that takes a picture.
+/// The screenshot key.
 pub const SCREENSHOT_KEY: Option<KeyCode> = Some(KeyCode::F12);
 
-/// A file that is written bit by bit.
+/// A file that is written incrementally.
 pub type Stream = std::fs::File;
 /// Last change and length \[bytes\] of a file.
 pub type Stamp = (SystemTime, u64);
 
-/// The arguments, first of them the name of the program.
+/// The arguments, starting with the name of the program.
 pub fn arguments() -> impl Iterator<Item = OsString> {
     std::env::args_os()
 }
 
-/// The end of a program whose arguments are wrong, or that was only asked for help.
+/// Ends the program after invalid arguments or a request for help.
 pub fn refuse(error: &clap::Error) -> ExitCode {
     error.exit()
 }
@@ -55,12 +55,15 @@ pub fn complain(text: &str) {
 }
 
 /// The words of a command line, for a shell.
-pub fn reproduce(words: &[String]) -> String {
+///
+/// # Errors
+/// None: a shell has every file.
+pub fn reproduce(words: &[String]) -> Result<String, &'static str> {
     let words = words.iter().map(|word| format!(" {}", quoted(word)));
-    format!("box_game{}", words.collect::<String>())
+    Ok(format!("box_game{}", words.collect::<String>()))
 }
 
-/// For a shell: plain where it can be.
+/// Quotes a word for a shell, if necessary.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./,=".contains(c);
     if word.chars().all(plain) {
@@ -70,7 +73,7 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// The window as the platform wants it.
+/// The window with the settings of this platform.
 pub fn window(window: Window) -> Window {
     window
 }
@@ -83,12 +86,12 @@ pub fn cpu_usage(store: &DiagnosticsStore) -> Option<(f64, f64)> {
     Some((process, system))
 }
 
-/// Adds what the platform has beyond the game: CPU usage.
+/// Adds plugins for this platform: CPU usage.
 pub fn plugin(app: &mut App) {
     app.add_plugins(SystemInformationDiagnosticsPlugin);
 }
 
-/// A file beside the console: `box_game.log` in the present folder, appended to.
+/// A log file in addition to the console: `box_game.log` in the current folder, appended to.
 pub fn log_layer(_: &mut App) -> Option<BoxedLayer> {
     let options = std::fs::File::options()
         .create(true)
@@ -104,12 +107,12 @@ pub fn absolute(path: &Path) -> io::Result<PathBuf> {
     std::path::absolute(path)
 }
 
-/// Whether there is a file.
+/// Returns `true` if the file exists.
 pub fn exists(path: &Path) -> bool {
     path.exists()
 }
 
-/// Removes a file, if there is one that can be removed.
+/// Removes a file, if it exists and can be removed.
 pub fn remove(path: &Path) {
     let _ = std::fs::remove_file(path);
 }
@@ -119,12 +122,12 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
     std::fs::create_dir_all(path)
 }
 
-/// Creates a file, or empties the one that is there.
+/// Creates a file, or empties an existing one.
 pub fn create(path: &Path) -> io::Result<Stream> {
     std::fs::File::create(path)
 }
 
-/// Writes a file beside its place and moves it there, so that no half-written one is ever seen.
+/// Writes a temporary file and moves it to `path`, so that no incomplete file is ever visible.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
@@ -137,7 +140,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// The content of a file, up to `most` bytes of it.
+/// The content of a file, up to `most` bytes.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let file = std::fs::File::open(path)?;
@@ -145,13 +148,13 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Last change and length of a file, where they are to be had.
+/// Last change and length of a file, if available.
 pub fn stamp(path: &Path) -> Option<Stamp> {
     let data = std::fs::metadata(path).ok()?;
     Some((data.modified().ok()?, data.len()))
 }
 
-/// The files of a folder, in no order; none, where there is no folder.
+/// The files of a folder, in any order; empty if the folder does not exist.
 pub fn list(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten();
     entries
@@ -159,7 +162,7 @@ pub fn list(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The folder of the scene files: `assets/scenes` under `BEVY_ASSET_ROOT`, the present folder, or beside the program.
+/// The folder of the scene files: `assets/scenes` under `BEVY_ASSET_ROOT`, the current folder, or that of the program.
 pub fn scene_folder() -> PathBuf {
     let root = std::env::var_os("BEVY_ASSET_ROOT").map(PathBuf::from);
     let program = std::env::current_exe().ok();
@@ -172,28 +175,28 @@ pub fn scene_folder() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from("assets/scenes"))
 }
 
-/// Work beside the frames, in a thread.
+/// Background work in a thread.
 pub struct Worker(JoinHandle<()>);
 
 impl Worker {
-    /// Begins to call `work` until it returns `false`.
+    /// Starts a thread that calls `work` until it returns `false`.
     pub fn spawn(mut work: impl FnMut() -> bool + Send + 'static) -> io::Result<Self> {
         let run = move || while work() {};
         let thread = std::thread::Builder::new().name("sweep".to_owned());
         thread.spawn(run).map(Self)
     }
 
-    /// A frame has passed.
+    /// Does nothing: the thread needs no frames.
     pub fn tick(&mut self) {}
 
-    /// Whether it is still at work.
+    /// Returns `true` if the work is not finished.
     pub fn is_running(&self) -> bool {
         !self.0.is_finished()
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the work.
     pub fn join(self) {
-        // A panic in there was printed there.
+        // A panic of the thread was printed there.
         let _ = self.0.join();
     }
 }
@@ -206,7 +209,7 @@ mod tests {
     fn words_are_quoted_for_a_shell() {
         let words = ["my scenes/a.ron", "--set", "gravity=1.62"].map(str::to_owned);
         let line = "box_game 'my scenes/a.ron' --set gravity=1.62";
-        assert_eq!(reproduce(&words), line);
+        assert_eq!(reproduce(&words).expect("no errors"), line);
         assert_eq!(quoted("it's"), r"'it'\''s'");
     }
 

@@ -1,17 +1,17 @@
-//! Arguments in the address of a page: `?scene=bounce&integrator=split,rk4&set=gravity%3D1.62&no-settings` is the
-//! command line `box_game bounce --integrator split,rk4 --set gravity=1.62 --no-settings`.
+//! Arguments in the URL of a page. `?scene=bounce&integrator=split,rk4&set=gravity%3D1.62&no-settings` is the command
+//! line `box_game bounce --integrator split,rk4 --set gravity=1.62 --no-settings`.
 
-/// The key of the argument without an option.
+/// The key of the positional argument.
 const SCENE: &str = "scene";
 
-/// The command line that a query string (with or without its `?`) stands for, after the program's name. A key without
-/// a value is a flag.
+/// Converts a query string (with or without its `?`) to a command line, without the program's name. A key without a
+/// value is a flag. Tracking parameters of links are dropped.
 pub fn words(query: &str) -> Vec<String> {
     let pairs = query.trim_start_matches('?').split('&');
     pairs
-        .filter(|pair| !pair.is_empty())
-        .flat_map(|pair| {
-            let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
+        .map(|pair| pair.split_once('=').unwrap_or((pair, "")))
+        .filter(|(key, _)| !key.is_empty() && !follows_readers(key))
+        .flat_map(|(key, value)| {
             let (key, value) = (decoded(key), decoded(value));
             match (key.as_str(), value.is_empty()) {
                 (SCENE, _) => vec![value],
@@ -23,8 +23,13 @@ pub fn words(query: &str) -> Vec<String> {
         .collect()
 }
 
-/// The query string, without its `?`, of a command line after the program's name: a scene, then options with their
-/// values and flags.
+/// Returns `true` for keys of campaigns, search engines and networks: `utm_source`, `fbclid`, `gclid`, `msclkid`.
+fn follows_readers(key: &str) -> bool {
+    key.starts_with("utm_") || key.ends_with("clid") || key.ends_with("clkid")
+}
+
+/// Converts a command line without the program's name to a query string without its `?`: a scene, then options with
+/// their values, and flags.
 pub fn of(words: &[String]) -> String {
     let mut pairs: Vec<String> = Vec::new();
     let mut words = words.iter().peekable();
@@ -40,7 +45,7 @@ pub fn of(words: &[String]) -> String {
     pairs.join("&")
 }
 
-/// Percent-decoded; `+` is a space. What is no valid code stays as it is.
+/// Percent-decodes; `+` is a space. Invalid codes are unchanged.
 fn decoded(text: &str) -> String {
     let bytes = text.as_bytes();
     let mut out = Vec::with_capacity(bytes.len());
@@ -56,7 +61,7 @@ fn decoded(text: &str) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// Percent-encoded but for what a query may hold in a value.
+/// Percent-encodes all characters that a query value must not contain.
 fn encoded(text: &str) -> String {
     let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_.~,/:=".contains(&b);
     text.bytes()
@@ -88,7 +93,9 @@ mod tests {
         assert_eq!(cli.scene.as_deref(), Some("dzhanibekov"));
         assert_eq!(cli.integrator, [Integrator::Split, Integrator::Rk4]);
         assert!(cli.plot.is_some() && cli.no_settings);
-        assert_eq!(parsed("").scene, None);
+        for query in ["", "?utm_source=a&fbclid=b", "&", "gclid=1&"] {
+            assert_eq!(words(query), [""; 0], "{query}");
+        }
         let cli = parsed("set=gravity%3D1.62&set=linear-drag=0.5&dt=1/120");
         assert_eq!(cli.set.len(), 2);
         assert_eq!(cli.dt, 1.0 / 120.0);

@@ -5,19 +5,21 @@ const page = (globalThis.boxGame ??= { files: [] });
 export const search = () => location.search;
 export const address = () => location.origin + location.pathname;
 
-/** Shows a text over the page, with a button that closes it. */
+/** Shows a text over the page, with a button that closes it. Where no game runs below it, that starts one. */
 export function show(text, failed) {
   const box = document.createElement("dialog");
   const words = document.createElement("pre");
   words.textContent = text;
   const close = document.createElement("button");
-  close.textContent = "Close";
-  close.onclick = () => box.remove();
+  close.textContent = page.running ? "Close" : "Start the game";
+  close.onclick = () => box.close();
+  box.onclose = () => (page.running ? box.remove() : location.assign(location.pathname));
   box.append(words, close);
   box.className = failed ? "failed" : "said";
+  box.setAttribute("aria-label", failed ? "Error" : "Result");
   document.body.append(box);
-  box.show();
-  page.said?.(text, failed);
+  box.showModal();
+  page.said?.();
 }
 
 /** This frame draws the first picture: the cover goes once it is done. */
@@ -41,18 +43,28 @@ export function download(name, bytes) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
+/** Files that are not yet downloaded: a page with any asks before it closes. */
+let open = 0;
+addEventListener("beforeunload", (event) => open > 0 && event.preventDefault());
+export function keep_open(more) {
+  open += more ? 1 : -1;
+}
+
 export const file_name = () => page.files[0]?.name;
 export const file_text = () => page.files.shift().text;
 
 /** Keys and gestures with a meaning in the game keep it; reloading, closing and the developer tools stay the browser's. */
 export function keep_keys() {
   const alone = ["Space", "Backspace", "Tab", "Home", "F1", "Quote", "Slash", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown"];
-  const withControl = ["KeyO", "KeyQ", "KeyY", "KeyZ", "Equal", "Minus", "Digit0"];
+  const withControl = ["KeyO", "KeyQ", "KeyY", "KeyZ", "+", "=", "-", "0"];
+  const withAlt = ["KeyW", "KeyA", "KeyS", "KeyD", "KeyQ", "KeyE"];
   const canvas = document.getElementById("game");
   canvas.addEventListener("keydown", (event) => {
-    if (event.altKey) return;
-    const own = event.ctrlKey || event.metaKey ? withControl : alone;
-    if (own.includes(event.code)) event.preventDefault();
+    const control = event.ctrlKey || event.metaKey;
+    // Both: AltGr, which types a character.
+    if (control && event.altKey) return;
+    const own = control ? withControl : event.altKey ? withAlt : alone;
+    if (own.includes(event.code) || own.includes(event.key)) event.preventDefault();
   });
   for (const kind of ["contextmenu", "wheel"]) {
     canvas.addEventListener(kind, (event) => event.preventDefault(), { passive: false });

@@ -18,12 +18,12 @@ use crate::scene::session::Session;
 
 /// Reason why the CPU usage is unknown, if it is.
 pub const CPU_USAGE: Result<(), &str> = Err("CPU usage is not available in a browser");
-/// Name of what [`reproduce`] makes.
-pub const COPIED: &str = "address";
-/// The key that takes a picture: none, because F12 opens the developer tools.
+/// Name of the result of [`reproduce`].
+pub const COPIED: &str = "URL";
+/// The screenshot key: none, because F12 opens the developer tools.
 pub const SCREENSHOT_KEY: Option<KeyCode> = None;
 
-/// The folder of the files that come with the game or are dropped on the page.
+/// The folder of the files that are shipped with the game or dropped on the page.
 const SCENES: &str = "assets/scenes";
 
 /// A version of a file.
@@ -39,10 +39,11 @@ extern "C" {
     fn file_name() -> Option<String>;
     fn file_text() -> String;
     fn keep_keys();
+    fn keep_open(more: bool);
     fn started();
 }
 
-/// The files that can be read, and the names of those that were written.
+/// The readable files, and the names of the written ones.
 struct Files {
     texts: BTreeMap<PathBuf, (Stamp, String)>,
     written: Vec<PathBuf>,
@@ -53,7 +54,7 @@ static FILES: Mutex<Files> = Mutex::new(Files {
     written: Vec::new(),
 });
 
-/// The files, with the shipped ones.
+/// The files, including the shipped ones.
 fn files() -> MutexGuard<'static, Files> {
     let mut files = FILES.lock().unwrap_or_else(PoisonError::into_inner);
     if files.texts.is_empty() {
@@ -65,7 +66,7 @@ fn files() -> MutexGuard<'static, Files> {
 }
 
 impl Files {
-    /// Keeps what the page has been given; returns the paths.
+    /// Stores the files given to the page; returns their paths.
     fn take_given(&mut self) -> Vec<PathBuf> {
         let mut given = Vec::new();
         while let Some(name) = file_name() {
@@ -79,16 +80,16 @@ impl Files {
     }
 }
 
-/// The arguments, first of them the name of the program.
+/// The arguments, starting with the name of the program.
 pub fn arguments() -> impl Iterator<Item = String> {
-    // What the address names has been fetched.
+    // Files named in the URL are already fetched.
     files().take_given();
     ["box_game".to_owned()]
         .into_iter()
         .chain(query::words(&search()))
 }
 
-/// The end of a program whose arguments are wrong, or that was only asked for help.
+/// Ends the program after invalid arguments or a request for help.
 pub fn refuse(error: &clap::Error) -> ExitCode {
     show(&error.to_string(), error.use_stderr());
     ExitCode::from(if error.use_stderr() { 2 } else { 0 })
@@ -105,28 +106,38 @@ pub fn complain(text: &str) {
     show(text, true);
 }
 
-/// The address of the page with the words of a command line.
-pub fn reproduce(words: &[String]) -> String {
-    format!("{}?{}", address(), query::of(words))
+/// The URL of the page with the words of a command line.
+///
+/// # Errors
+/// A scene file that was dropped on the page has no URL.
+pub fn reproduce(words: &[String]) -> Result<String, &'static str> {
+    let shipped = |word: &String| super::SHIPPED.iter().any(|(path, _)| path == word);
+    let dropped = |word: &&String| word.starts_with(SCENES) && !shipped(word);
+    match words.first().filter(dropped) {
+        Some(_) => Err(
+            "This scene file is on this page only: put it on a web server, and open it by ?scene=URL.",
+        ),
+        None => Ok(format!("{}?{}", address(), query::of(words))),
+    }
 }
 
-/// The canvas of the page, as large as the page leaves it.
+/// The canvas of the page, fitted to its parent element.
 pub fn window(window: Window) -> Window {
     Window {
         canvas: Some("#game".to_owned()),
         fit_canvas_to_parent: true,
-        // `keep_keys` is choosier: reloading, zooming and closing stay the browser's.
+        // `keep_keys` is more selective: reload, zoom and close are left to the browser.
         prevent_default_event_handling: false,
         ..window
     }
 }
 
-/// Nothing: a page learns nothing about the processor.
+/// Returns `None`: the CPU usage is not available to a page.
 pub fn cpu_usage(_: &DiagnosticsStore) -> Option<(f64, f64)> {
     None
 }
 
-/// Opens the files that are dropped on the page, and says when the game has ended.
+/// Adds systems that open files dropped on the page, and report the start and the end of the game.
 pub fn plugin(app: &mut App) {
     keep_keys();
     app.add_systems(PreUpdate, open_files)
@@ -146,7 +157,7 @@ fn open_files(mut actions: ResMut<Actions>, mut session: ResMut<Session>) {
     }
 }
 
-/// The second frame: by the first the shaders are loaded.
+/// Reports the start in the second frame, because the first one loads the shaders.
 fn say_started(mut frames: Local<u32>) {
     *frames = frames.saturating_add(1);
     if *frames == 2 {
@@ -162,10 +173,10 @@ fn say_ended(mut exit: MessageReader<AppExit>) {
     }
 }
 
-/// Whether a run is possible: the page has looked for WebGL 2.
+/// Checks the requirements of a run, except WebGL 2, which the page has checked.
 ///
 /// # Errors
-/// Without a canvas there are no pictures.
+/// Offscreen rendering is not available in a browser.
 pub fn check(need: Need) -> Result<(), Unavailable> {
     match need {
         Need::Window => Ok(()),
@@ -176,12 +187,12 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
     }
 }
 
-/// Nothing to find out.
+/// Returns `Ok`: a browser needs no probe.
 pub fn probe(_: Need) -> Result<(), String> {
     Ok(())
 }
 
-/// None: the browser keeps a log in its console.
+/// Returns `None`: the log goes to the browser's console.
 pub fn log_layer(_: &mut App) -> Option<BoxedLayer> {
     None
 }
@@ -191,22 +202,22 @@ pub fn absolute(path: &Path) -> io::Result<PathBuf> {
     Ok(path.to_owned())
 }
 
-/// Whether this file was written.
+/// Returns `true` if this file was written.
 pub fn exists(path: &Path) -> bool {
     files().written.iter().any(|written| written == path)
 }
 
-/// Forgets that a file was written.
+/// Removes a file from the list of written files.
 pub fn remove(path: &Path) {
     files().written.retain(|written| written != path);
 }
 
-/// Nothing to do.
+/// Does nothing.
 pub fn create_folder(_: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A file that is written bit by bit: downloaded when it is closed.
+/// A file that is written incrementally, and downloaded when it is closed.
 #[derive(Debug)]
 pub struct Stream {
     path: PathBuf,
@@ -226,21 +237,22 @@ impl Write for Stream {
 
 impl Drop for Stream {
     fn drop(&mut self) {
-        // Nothing can fail: a download is handed to the browser.
+        // Nothing can fail: the browser performs the download.
         let _ = write(&self.path, &self.bytes);
+        keep_open(false);
     }
 }
 
-/// A file of a log: kept until it is closed, then downloaded. There is no disk to sync.
+/// A log file: kept in memory until it is closed, then downloaded.
 pub struct SyncedFile(Stream);
 
 impl SyncedFile {
-    /// Of a file that was created.
+    /// Creates a log in this file.
     pub fn new(file: Stream) -> io::Result<Self> {
         Ok(Self(file))
     }
 
-    /// Keeps `bytes`.
+    /// Appends `bytes`.
     pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         self.0.write_all(&bytes)
     }
@@ -251,9 +263,10 @@ impl SyncedFile {
     }
 }
 
-/// Begins a download.
+/// Creates a file, which is downloaded when it is closed.
 pub fn create(path: &Path) -> io::Result<Stream> {
     files().written.push(path.to_owned());
+    keep_open(true);
     Ok(Stream {
         path: path.to_owned(),
         bytes: Vec::new(),
@@ -270,7 +283,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// The content of a file, up to `most` bytes of it.
+/// The content of a file, up to `most` bytes.
 ///
 /// # Errors
 /// [`io::ErrorKind::NotFound`] if the page has no such file.
@@ -301,9 +314,9 @@ pub fn scene_folder() -> PathBuf {
     SCENES.into()
 }
 
-/// Work beside the frames: a slice of it in each.
+/// Background work: one slice per frame.
 pub struct Worker {
-    /// In a lock only because a resource must be one that threads could share.
+    /// In a mutex only because a resource must be `Sync`.
     work: Mutex<Box<dyn FnMut() -> bool + Send>>,
     running: bool,
 }
@@ -317,17 +330,17 @@ impl Worker {
         })
     }
 
-    /// A frame has passed.
+    /// Runs the slice of this frame.
     pub fn tick(&mut self) {
         let work = self.work.get_mut().unwrap_or_else(PoisonError::into_inner);
         self.running = self.running && work();
     }
 
-    /// Whether it is still at work.
+    /// Returns `true` if the work is not finished.
     pub fn is_running(&self) -> bool {
         self.running
     }
 
-    /// Gives it up.
+    /// Abandons the work.
     pub fn join(self) {}
 }

@@ -1,8 +1,7 @@
-//! Tests for a window and a GPU before anything depends on them.
+//! Checks for a window and a GPU before they are used.
 //!
-//! winit and Bevy panic where there is no display, where one of its libraries is missing and where no
-//! graphics driver is; so the attempt is made in a process of its own, and its last words are the
-//! reason.
+//! winit and Bevy panic without a display, without one of its libraries and without a graphics driver. A child process
+//! therefore makes the attempt, and its last output gives the reason.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -46,14 +45,14 @@ pub fn check(need: Need) -> Result<(), Unavailable> {
             .env("RUST_BACKTRACE", "0")
             .spawn()
     });
-    // Not being able to ask is no reason not to try.
+    // If the child process cannot be started, the game tries anyway.
     let Ok(mut child) = child else {
         return Ok(());
     };
     let start = Instant::now();
     while let Ok(None) = child.try_wait() {
         if start.elapsed() > PATIENCE {
-            // A display that accepts and never answers.
+            // A display that accepts the connection and never responds.
             let _ = child.kill();
             let _ = child.wait();
             return Err(no_display(&format!(
@@ -78,7 +77,7 @@ fn no_display(reason: &str) -> Unavailable {
     }
 }
 
-/// Turns the last words of the child into a reason and an advice.
+/// Converts the last output of the child into a reason and an advice.
 fn explain(words: &str) -> Unavailable {
     let reason = words
         .lines()
@@ -97,8 +96,8 @@ fn explain(words: &str) -> Unavailable {
     Unavailable { reason, advice }
 }
 
-/// The child's part: opens what is needed, or says why not. Panics of the libraries end the process
-/// with their message, which is just as good.
+/// Runs in the child: opens the required parts, or returns the reason for a failure. Panics of the libraries end the
+/// process with their message, which also serves as a reason.
 pub fn probe(need: Need) -> Result<(), String> {
     if need == Need::Window {
         winit::event_loop::EventLoop::new()

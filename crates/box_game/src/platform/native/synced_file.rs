@@ -1,8 +1,7 @@
 //! A file that a background thread writes and syncs, so that the disk never blocks the caller.
 //!
-//! The thread hands what it gets to the operating system at once, so that a program that is killed loses nothing that
-//! reached the thread, and syncs the file a tenth of a second after the first unsynced write: that much a power cut
-//! can take.
+//! The thread passes data to the operating system at once, so a killed program loses nothing that reached the thread.
+//! It syncs the file a tenth of a second after the first unsynced write, which limits the loss in a power cut.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -10,20 +9,20 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// From an unsynced write to its sync.
+/// Time from an unsynced write to its sync.
 const DELAY: Duration = Duration::from_millis(100);
-/// Writes that may wait; the caller waits with further ones.
+/// Maximum number of pending writes; the caller blocks on further ones.
 const BACKLOG: usize = 65_536;
 /// Longest wait without a deadline.
 const LONG: Duration = Duration::from_secs(3600);
 
 enum Message {
     Write(Vec<u8>),
-    /// Answered once everything before is synced.
+    /// Request for a reply once all earlier writes are synced.
     Sync(SyncSender<()>),
 }
 
-/// See the module.
+/// A file written in the background; see the module.
 pub struct SyncedFile {
     /// `None` once closed.
     sender: Option<SyncSender<Message>>,
@@ -43,7 +42,7 @@ impl SyncedFile {
         })
     }
 
-    /// Hands `bytes` to the thread.
+    /// Sends `bytes` to the thread.
     pub fn write(&mut self, bytes: Vec<u8>) -> io::Result<()> {
         self.send(Message::Write(bytes))
     }
@@ -62,17 +61,17 @@ impl SyncedFile {
         let sender = self.sender.as_ref();
         match sender.map(|s| s.send(message)) {
             Some(Ok(())) => Ok(()),
-            // The thread has ended, which it does at an error alone.
+            // The thread has ended, which only happens after an error.
             _ => self.close().and(Err(io::ErrorKind::BrokenPipe.into())),
         }
     }
 
-    /// Writes and syncs what is waiting, and ends the thread.
+    /// Writes and syncs pending data, and ends the thread.
     fn close(&mut self) -> io::Result<()> {
         drop(self.sender.take());
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
-            // A panic in there was printed there.
+            // A panic of the thread was printed there.
             Some(Err(_)) => Err(io::Error::other("the log thread has ended")),
             None => Ok(()),
         }
@@ -81,7 +80,7 @@ impl SyncedFile {
 
 impl Drop for SyncedFile {
     fn drop(&mut self) {
-        // Who wants to know of errors calls `sync` before.
+        // Callers that need the error call `sync` first.
         let _ = self.close();
     }
 }
@@ -101,7 +100,7 @@ fn serve(mut file: File, receiver: &Receiver<Message>) -> io::Result<()> {
             Ok(Message::Sync(done)) => {
                 file.sync_data()?;
                 due = None;
-                // The caller may have given up waiting.
+                // The caller may no longer wait.
                 let _ = done.send(());
             }
             Err(RecvTimeoutError::Timeout) => {}
@@ -123,7 +122,7 @@ mod tests {
         file.write(b"one ".to_vec()).expect("running");
         let started = Instant::now();
         while read() != "one " {
-            // Not synced, not closed: as if the program were killed here.
+            // Not synced and not closed, as in a killed program.
             assert!(started.elapsed() < Duration::from_secs(10));
             std::thread::yield_now();
         }
@@ -137,7 +136,7 @@ mod tests {
         assert_eq!(read().len(), 1008);
     }
 
-    /// A file that cannot be written: the error reaches the caller, at the latest with the sync.
+    /// An error of a file that cannot be written reaches the caller, at the latest with the sync.
     #[test]
     fn an_error_reaches_the_caller() {
         let folder = tempfile::tempdir().expect("a folder");
