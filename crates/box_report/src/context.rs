@@ -45,13 +45,17 @@ impl Interrupt {
     /// Installs the handler of Ctrl-C and of termination requests.
     pub(crate) fn listen() -> Result<Self, Stop> {
         let this = Self::default();
-        let flag = this.0.clone();
-        ctrlc::set_handler(move || {
-            if flag.swap(true, Ordering::Relaxed) {
-                std::process::exit(i32::from(crate::INTERRUPTED));
-            }
-        })
-        .map_err(|e| Stop::Internal(format!("cannot listen for Ctrl-C: {e}")))?;
+        // Compiled for browsers, which have no signals, only with the rest of the workspace.
+        #[cfg(any(unix, windows))]
+        {
+            let flag = this.0.clone();
+            ctrlc::set_handler(move || {
+                if flag.swap(true, Ordering::Relaxed) {
+                    std::process::exit(i32::from(crate::INTERRUPTED));
+                }
+            })
+            .map_err(|e| Stop::Internal(format!("cannot listen for Ctrl-C: {e}")))?;
+        }
         Ok(this)
     }
 
@@ -60,7 +64,7 @@ impl Interrupt {
     }
 }
 
-/// What every part of the report works with.
+/// Shared context of all parts of the report.
 pub(crate) struct Context {
     /// Output folder.
     pub(crate) folder: PathBuf,
@@ -111,5 +115,5 @@ impl Context {
     }
 }
 
-/// How times are measured, for the text of the report.
+/// Description of the time measurement, for the text of the report.
 pub(crate) const SAMPLES_IN_WORDS: &str = "minimum of 7 to 60 samples of at least 100 µs, integrators timed in turns on the same bodies in one run";
