@@ -83,6 +83,14 @@ pub fn targets(rows: &[Row]) -> Vec<Target> {
             ),
         );
     }
+    add(
+        "flying low over the floor to free flight, one box".to_owned(),
+        Aim::AtMost(1.5),
+        ratio(
+            found.of("contact", "flying low", "split", 1, 1),
+            found.of("kernels", "plain", "split", 1, 1),
+        ),
+    );
     let allocations = |threads| {
         let of = rows.iter().filter(move |r| r.threads == threads);
         of.filter_map(|r| r.allocations)

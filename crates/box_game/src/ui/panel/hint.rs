@@ -1,5 +1,5 @@
-//! Hints: sentences in which the name of a control, in brackets, is a button that does what that control does. A name that
-//! the panel does not know stays bold text.
+//! Hints: sentences in which the name of a control, in brackets, becomes a button with the same effect. An unknown name
+//! stays bold text.
 
 use bevy_egui::egui::text::{CCursor, LayoutJob};
 use bevy_egui::egui::{
@@ -15,18 +15,18 @@ use crate::action::compare::{CompareAction, Fairness, Layout};
 use crate::action::{Action, Plot, Push};
 use crate::parameters::Parameter;
 
-/// Time for which a control is marked that a hint shows \[s\].
+/// Time for which a hint highlights a control \[s\].
 const MARK_TIME: f64 = 2.0;
 
-/// What the button of a name does.
+/// Effect of a button in a hint.
 enum HintTarget {
-    /// It requests these actions.
+    /// Requests these actions.
     Ask(Vec<Action>),
-    /// It shows the parameter or figure with this name in the side panel.
+    /// Highlights the parameter or figure with this name in the side panel.
     Show(&'static str),
 }
 
-/// Draws a text with its buttons. Without a `side` panel there is nothing to show until the drawer is closed.
+/// Draws a text with its buttons. Without a `side` panel, a button that highlights a control closes the drawer first.
 pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) {
     let view = panel.view;
     let font = TextStyle::Body.resolve(ui.style());
@@ -41,7 +41,7 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
         let text = part.replace(' ', [" ", "\u{a0}"][named]);
         let format = TextFormat::simple(font.clone(), colors[named]);
         // Room for the edge of the plate.
-        job.append(&text, if k > 0 { 4.0 } else { 0.0 }, format);
+        job.append(&text, if k > 0 { 6.0 } else { 0.0 }, format);
         let start = end;
         end += text.chars().count();
         if named == 1
@@ -90,7 +90,7 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
     ui.painter().galley(corner, galley, colors[0]);
 }
 
-/// Whether the action has nothing left to do; a second toggle would undo it.
+/// Returns `true` if the action would change nothing; a second toggle would undo it.
 fn is_done(action: &Action, view: &PanelView) -> bool {
     let (settings, trajectories) = (&view.compare.settings, &view.compare.trajectories);
     match action {
@@ -106,7 +106,7 @@ fn is_done(action: &Action, view: &PanelView) -> bool {
     }
 }
 
-/// What the button of this name does.
+/// Returns the effect of the button with this name, if known.
 fn target(name: &str, view: &PanelView) -> Option<HintTarget> {
     let mut figures = FIGURES.iter().map(|figure| figure.0);
     let figure = figures.find(|figure| *figure == name).map(HintTarget::Show);
@@ -116,7 +116,7 @@ fn target(name: &str, view: &PanelView) -> Option<HintTarget> {
         .or_else(|| actions().map(HintTarget::Ask))
 }
 
-/// A parameter, if the scene has it: shown, or set to the value behind its name, `Restitution 1`, `dt 1/10 s`.
+/// A parameter, if the scene has it: highlighted, or set to the value after its name, `Restitution 1`, `dt 1/10 s`.
 fn parameter(name: &str, view: &PanelView) -> Option<HintTarget> {
     let present = |p: &Parameter| view.parameters.get(*p).is_some();
     Parameter::ALL.into_iter().filter(present).find_map(|p| {
@@ -131,7 +131,7 @@ fn parameter(name: &str, view: &PanelView) -> Option<HintTarget> {
     })
 }
 
-/// The actions of a button.
+/// The actions of a button of the panel.
 fn button(name: &str) -> Option<Vec<Action>> {
     let push = |direction| {
         Action::Push(Push {
@@ -163,7 +163,7 @@ fn button(name: &str) -> Option<Vec<Action>> {
     }])
 }
 
-/// The action of one of a list: layout, fairness, tab, rate, integrator to compare, title of a scene.
+/// The action of an entry of a list: layout, fairness, tab, rate, integrator to compare, title of a scene.
 fn listed(name: &str, view: &PanelView) -> Option<Action> {
     let layout = Layout::ALL.iter().find(|l| l.1 == name);
     let layout = layout.map(|l| Action::Compare(CompareAction::SetLayout(l.0)));
