@@ -7,7 +7,7 @@ use box_physics::force::Forces;
 use box_physics::integrators::{Exact, ForcedGroup, Integrate, Rk4, Split, Split4};
 use box_physics::prelude::*;
 
-/// Steps of a sample.
+/// Number of steps per sample.
 const STEPS: u32 = 32;
 
 /// Nanoseconds per body-step of `count` bricks that tumble under `forces`.
@@ -62,7 +62,7 @@ fn main() -> Result<(), InvalidValue> {
     ] {
         println!("{name}");
         for count in [1, 2, 3, 4, 6, 8, 15, 64] {
-            // In turns, the least of many: what else the machine does only lengthens a sample.
+            // In turns, with the minimum of many samples: disturbances only lengthen a sample.
             let mut least = [f64::INFINITY; 4];
             for _ in 0..60 {
                 let samples = [

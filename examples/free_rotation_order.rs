@@ -13,7 +13,7 @@ use box_physics::prelude::*;
 use box_physics::rotation::compose;
 use box_physics::translation::exponential_step;
 
-/// `split` in free flight with δ to degree `N`: order 2N + 4. One map at any |ω|h.
+/// `split` in free flight with δ to degree `N`: order 2N + 4, as a single map at any |ω|h.
 struct Cut<const N: usize>;
 
 impl<const N: usize> Integrate for Cut<N> {
@@ -82,7 +82,7 @@ fn free_rotation<const N: usize>(
     state.angular_momentum = momentum + d * f;
 }
 
-/// `low`, and `high` if it belongs to the series.
+/// `low`, plus `high` if that belongs to the series of degree `N`.
 #[inline(always)]
 fn add<const N: usize>(degree: usize, low: f64, high: f64) -> f64 {
     if N >= degree { low + high } else { low }
@@ -125,7 +125,7 @@ fn precession<const N: usize>(a: f64, b: f64, q: f64) -> f64 {
     add::<N>(1, s0, a * s1)
 }
 
-/// Uniform in 0 to 1, the same in every run.
+/// Random numbers, uniform in 0 to 1, the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -199,7 +199,7 @@ fn errors<S: Integrate>(bodies: &[RigidBox], states: &[BodyState], turn: f64) ->
     (all[BODIES / 2], all[BODIES - 1])
 }
 
-/// Nanoseconds of `steps` steps of 1/60 s in lanes, per body-step.
+/// Cost in SIMD lanes [ns per body-step] over `steps` steps of 1/60 s.
 fn cost<S: Integrate>(bodies: &[RigidBox], start: &[BodyState], steps: u32) -> f64 {
     let mut states = start.to_vec();
     let mut memories: Vec<_> = bodies.iter().map(|_| IntegratorMemory::default()).collect();
@@ -237,7 +237,7 @@ fn main() -> Result<(), InvalidValue> {
         }
     }
     let (bodies, states) = bodies(KINDS[0].1)?;
-    // In turns, the least of many: what else the machine does only lengthens a sample.
+    // In turns, with the minimum of many samples: disturbances only lengthen a sample.
     let mut least = [f64::INFINITY; 5];
     for _ in 0..400 {
         let samples = [

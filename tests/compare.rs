@@ -42,12 +42,12 @@ fn main_entity(app: &mut App) -> Entity {
     main_box.single(world).expect("a main box")
 }
 
-/// What is measured of the main box now.
+/// Current value of `quantity` of the main box.
 fn measured(app: &App, quantity: Quantity) -> f64 {
     run(app).main_box.track.now.sample.get(quantity)
 }
 
-/// What is measured of the comparison that runs `integrator`.
+/// Current value of `quantity` of the comparison that runs `integrator`.
 fn measured_of(app: &App, integrator: Integrator, quantity: Quantity) -> f64 {
     comparison(app, integrator).track.now.sample.get(quantity)
 }

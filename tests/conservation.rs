@@ -158,7 +158,7 @@ fn forced() -> Setup {
     setup
 }
 
-/// 600 steps forward and 600 back: a free body for the claim, forces and damping as well for what claims nothing.
+/// 600 steps forward and 600 back: a free body for the claim; forces and damping too for integrators without the claim.
 #[test]
 fn reversible_as_claimed() {
     for &i in Integrator::ALL {

@@ -125,7 +125,7 @@ fn every_integrator_finds_the_stored_bits() {
 #[derive(Component, Clone, Copy)]
 struct Place(u32);
 
-/// What is known of a body: its state, and what is shown of it.
+/// State of a body, with its displayed transform and bounding box.
 type Found = (BodyState, Transform, Option<WorldAabb>);
 
 struct Variant {

@@ -15,7 +15,7 @@ fn every_example_is_a_target_and_says_how_to_run_it() {
     for entry in std::fs::read_dir(folder).expect("the folder is there") {
         let path = entry.expect("readable").path();
         if path.is_dir() {
-            continue; // what an example includes
+            continue; // a file included by an example
         }
         let name = path
             .file_stem()

@@ -107,7 +107,7 @@ fn more_boxes_can_be_loaded() {
 #[test]
 fn every_integrator_is_timed() {
     let mut app = game("throw");
-    // Each has two samples, of which the first is dropped; a frame has time for one at least.
+    // Each integrator needs two samples, of which the first is dropped; a frame has time for at least one.
     play(&mut app, 2 * Integrator::ALL.len());
     let samples = app.world().resource::<IntegratorSamples>();
     for &i in Integrator::ALL {
@@ -125,7 +125,7 @@ fn the_log_has_a_row_per_step_with_its_inputs() {
     ask(&mut app, Action::SetIntegrator(Integrator::Rk4));
     ask(&mut app, push(DVec3::Y, false));
     app.update();
-    // The main box's rows; the comparisons have their own.
+    // The rows of the main box; the comparisons have separate rows.
     let mut rows = log.rows(&mut app);
     rows.retain(|r| r["trajectory"] == "0");
     assert_eq!(rows.len(), 4);
@@ -199,7 +199,7 @@ fn the_reference_includes_parameters_unless_changed_in_flight() {
     assert!((now.position - reference.position).length() < 1e-9);
 }
 
-/// The window's exit code sees a comparison that diverges, and the main box, not the quarantined alone.
+/// The exit code of the window includes a diverged comparison or main box, not only quarantined bodies.
 #[test]
 fn fail_on_divergence_sees_every_trajectory() {
     for (integrators, expected) in [
@@ -213,7 +213,7 @@ fn fail_on_divergence_sees_every_trajectory() {
     }
 }
 
-/// The law of restitution reaches the plugin and every comparison, live.
+/// The restitution law reaches the plugin and every comparison, live.
 #[test]
 fn the_law_of_restitution_is_a_parameter() {
     let mut app = game("bounce --set restitution-law=newton");

@@ -227,8 +227,7 @@ fn an_undone_switch_of_the_integrator_keeps_every_comparison() {
     assert_eq!(main_box(&mut app), before);
 }
 
-/// A digit key acts by its position on layouts where it types another character. With AltGr it acts by its
-/// character.
+/// A digit key acts by its position on layouts where it types another character. With AltGr it acts by its character.
 #[test]
 fn digits_and_symbols_do_not_collide_on_other_keyboards() {
     let mut app = game("throw --integrator split");

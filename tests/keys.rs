@@ -1,4 +1,4 @@
-//! The table of keys in `docs/game.md` is made from the game's list; `UPDATE_KEYS=1 cargo test --release --test
+//! The table of keys in `docs/game.md` is generated from the game's list. `UPDATE_KEYS=1 cargo test --release --test
 //! keys` rewrites it, as `box_report bless` does with every stored table.
 
 use std::fmt::Write as _;

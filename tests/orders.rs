@@ -90,8 +90,8 @@ fn errors(setup: &Setup, channel: Channel, i: Integrator) -> Vec<f64> {
     (0..LEVELS).map(run).collect()
 }
 
-/// The order that can show in `channel`, and whether it is lower than the channel's claim. In a tumbling
-/// motion it is at most that of the rotation, under gravity at most that of gravity.
+/// The order that can show in `channel`, and `true` if it is lower than the channel's claim. In a tumbling motion it is
+/// at most that of the rotation, under gravity at most that of gravity.
 fn expected(orders: &Orders, channel: Channel) -> (Order, bool) {
     let own = orders.of(channel);
     let other = match channel {

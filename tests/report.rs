@@ -106,7 +106,7 @@ fn a_quick_run_writes_every_page_table_and_figure() {
         let row = format!("| `{integrator}` | `{:016x}` |", fingerprint(*integrator));
         assert!(page.contains(&row), "{row}");
     }
-    // The page of one minute: two tables, two sentences, where the numbers come from; its figures there and small.
+    // The one-minute page: two tables, two sentences and the source of the numbers; its figures exist and are small.
     let digest = read(&docs.join("results.md"));
     for part in [
         "| `split` (the default) |",
@@ -191,7 +191,7 @@ fn orders_in_the_legend_are_those_the_integrators_claim() {
 fn a_failed_run_leaves_a_gap_and_no_cost() {
     let folder = quick("work-precision", "semi-implicit-euler,split");
     let rows = rows(&folder.path().join("work-precision.csv"));
-    // At 30 and 60 Hz the explicit gyroscopic term diverges on the needle.
+    // At 30 and 60 Hz, the explicit gyroscopic term diverges for the needle.
     let needle = |integrator: &str| -> Vec<_> {
         let wanted =
             |r: &&HashMap<String, String>| r["family"] == "needle" && r["integrator"] == integrator;

@@ -107,7 +107,7 @@ fn compare(what: &str, disturb: impl Fn(&mut Scene)) -> (bool, bool) {
     moved
 }
 
-/// What is done to the boxes, and which of them move: none, the middle one, all, or whichever.
+/// Name of a disturbance, the boxes that move (none, the middle one, all, or any), and the disturbance.
 type Row = (&'static str, Option<(bool, bool)>, fn(&mut Scene));
 const NONE: Option<(bool, bool)> = Some((false, false));
 const ONE: Option<(bool, bool)> = Some((true, false));

@@ -195,7 +195,7 @@ fn an_invalid_coefficient_is_logged_and_does_not_act() {
     }
 }
 
-/// Written again and again, an invalid value is logged once; of many entities the first ten are named.
+/// An invalid value that is written repeatedly is logged once; of many entities the first ten are named.
 #[test]
 fn an_invalid_value_does_not_flood_the_log() {
     let log = Log::start();

@@ -84,7 +84,7 @@ fn settings_and_bodies_before_the_plugin_are_kept() {
         *app.world().resource::<GlobalIntegrator>(),
         GlobalIntegrator(Integrator::Rk4)
     );
-    // It fell on the floor and rests there.
+    // The body has fallen to the floor and rests there.
     assert!((app.state(entity).position.y - 0.25).abs() < 1e-9);
     assert!(app.world().get::<WorldAabb>(entity).is_some());
     let late = app.spawn((brick(), tumbling()));
@@ -127,7 +127,7 @@ fn invalid_settings_stop_the_clock_until_corrected() {
             let fault = app.clock().fault();
             assert_eq!(fault.map(|f| f.field), Some(field));
             assert_eq!((app.state(entity), steps(&app)), before);
-            // Corrected, it continues.
+            // After the correction, the simulation continues.
             app.insert_resource(WorldGravity::default())
                 .insert_resource(Floor::default())
                 .insert_resource(ContactSettings::default());

@@ -8,7 +8,7 @@ use box_physics::prelude::*;
 
 use super::{Play, app, brick};
 
-/// A brick that rests on the floor and reports contacts.
+/// A brick at rest on the floor that reports contacts.
 fn lying() -> (App, Entity) {
     let mut app = app();
     app.insert_resource(Floor::default());
@@ -244,7 +244,7 @@ fn woken_once_and_settled_again() {
         ("teleported", &|app, body| app.queue(Teleport::to(body, DVec3::Y * 2.0))),
         ("state", &|app, body| *app.edit(body) = BodyState::at(DVec3::Y)),
         ("gravity", &|app, _| {
-            // With half the load the brick gains in a tick what friction takes back in one and a half.
+            // With half the load, the brick gains in one tick the speed that friction removes in one and a half.
             app.insert_resource(WorldGravity(DVec3::new(9.81, -4.905, 0.0)));
             app.update();
             app.insert_resource(WorldGravity::default());

@@ -1,8 +1,8 @@
-//! Many bodies in a table, each under its own forces: the bits of the core, body by body.
+//! Many bodies in a table, each under separate forces: the results have the bits of the core, body by body.
 
 use super::*;
 
-/// A torque, a point force, a spring, a damped spring or nothing, in turns; every `i` with other numbers.
+/// A torque, a point force, a spring, a damped spring or no force, in turns; the numbers differ for every `i`.
 fn forces(i: usize) -> (ExternalForce, PointForces, Springs) {
     let of = |kind: usize| i % 5 == kind;
     let size = 0.1 * i as f64;
@@ -40,7 +40,7 @@ fn forces(i: usize) -> (ExternalForce, PointForces, Springs) {
     )
 }
 
-/// Fewer and more bodies than the plugin steps together, in free flight and with boxes at the floor between them.
+/// Fewer and more bodies than the plugin steps together, in free flight and mixed with boxes at the floor.
 #[test]
 fn a_group_under_forces_has_the_bits_of_single_bodies() {
     for &integrator in Integrator::ALL {

@@ -25,7 +25,7 @@ fn thrown(k: u32) -> BodyState {
         .with_angular_velocity(&die(), DVec3::new(20.0, 7.0 * k, -11.0))
 }
 
-/// Dice stay in the tray and settle, and the steps are those of the core.
+/// Dice stay in the tray and settle, and the steps equal those of the core.
 #[test]
 fn dice_settle_in_a_tray() {
     let mut app = app();
@@ -71,7 +71,7 @@ fn dice_settle_in_a_tray() {
     assert_eq!(settled, dice);
 }
 
-/// A box lies on a ramp, without a floor, and on a wall that gravity presses it to. Either may go away.
+/// A box rests on a ramp without a floor, and on a wall to which gravity presses it. Either may be removed.
 #[test]
 fn what_rests_falls_when_the_plane_goes() {
     let mut app = app();
@@ -86,7 +86,7 @@ fn what_rests_falls_when_the_plane_goes() {
     assert!((rest.position - lying.position).length() < 1e-15);
     let resting = |app: &App| app.get::<RestingSince>(body).0;
     assert!(resting(&app).is_some());
-    // A smoother one does not hold it, and none lets it fall.
+    // A smoother ramp does not hold it, and without a ramp it falls.
     app.entity(ramp).insert(Friction::new(0.7).expect("valid"));
     app.update();
     assert!(resting(&app).is_none());
@@ -99,7 +99,7 @@ fn what_rests_falls_when_the_plane_goes() {
     assert_eq!(touches.touching(), 0);
 }
 
-/// A belt carries a box to a wall that comes toward it, step by step as in the core.
+/// A belt carries a box to a wall that moves toward it, step by step as in the core.
 #[test]
 fn planes_with_a_velocity() {
     let mut app = app();
@@ -145,7 +145,7 @@ fn planes_with_a_velocity() {
     assert!(state.position.x < wall, "{state:?}");
 }
 
-/// An invalid plane is left out, and one that is moved to a body wakes it.
+/// An invalid plane has no effect, and a plane that is moved to a body wakes it.
 #[test]
 fn planes_may_be_invalid_and_may_move() {
     let mut app = app();
@@ -167,7 +167,7 @@ fn planes_may_be_invalid_and_may_move() {
     );
 }
 
-/// A landing on a wall tells its normal.
+/// A landing on a wall reports the normal of the wall.
 #[test]
 fn a_landing_tells_the_normal() {
     let mut app = app();
@@ -181,7 +181,7 @@ fn a_landing_tells_the_normal() {
     app.add_observer(move |on: On<Landed>| landings.lock().expect("one thread").push(*on.event()));
     app.play(30);
     let heard = heard.lock().expect("one thread");
-    // Its edge strikes first, and then the other one.
+    // One edge strikes first, then the other.
     assert_eq!(heard.len(), 2);
     assert!(
         heard

@@ -70,7 +70,7 @@ fn an_explosion_pushes_away_and_spins() {
     )
     .expect("within reach");
     assert!((constant.impulse.length() - 12.0).abs() < 1e-12);
-    // Inside the box: the impulse acts through its center, and also if there is no direction.
+    // Inside the box, the impulse acts through its center, even without a direction.
     let within = push(
         &mut world,
         Explosion {

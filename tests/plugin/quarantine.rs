@@ -1,4 +1,4 @@
-//! A body that is not finite, and what is not finite and refused.
+//! Bodies with non-finite values, and rejected non-finite inputs.
 
 use box_physics::prelude::*;
 

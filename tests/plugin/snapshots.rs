@@ -74,7 +74,7 @@ fn the_same_future_under_every_integrator() {
     }
 }
 
-/// A floor and planes that move are where they were.
+/// Moving floors and planes return to their positions.
 #[test]
 fn the_same_future_among_moving_planes() {
     let (mut app, bodies) = scene(Integrator::Split);
@@ -96,8 +96,8 @@ fn the_same_future_among_moving_planes() {
     assert_eq!(app.world().resource::<Floor>().height, height);
 }
 
-/// Bodies that are spawned and despawned in between change nothing of the others, and one that is spawned again from its
-/// snapshot has the future that it had.
+/// Spawning and despawning bodies in between does not affect the others. A body that is respawned from its snapshot
+/// repeats its future.
 #[test]
 fn the_same_future_whoever_came_and_went() {
     let (mut app, mut bodies) = scene(Integrator::Split);

@@ -1,4 +1,4 @@
-//! Trajectory files of users: what they mean, and what is refused.
+//! Trajectory files of users: their meaning, and their errors.
 
 use std::path::Path;
 
@@ -40,7 +40,7 @@ fn impulses_act_after_the_sample_of_their_time() {
     let m = case.measure(Integrator::Split, 0.1);
     assert!(m.position < 1e-14 && m.velocity < 1e-14, "{m:?}");
     assert_eq!(m.totals.steps, 20);
-    // A solid box if no inertia is given; another inertia if it is.
+    // A solid box without an inertia in the file; otherwise the given inertia.
     assert_eq!(case.setup.body.inertia().x, 0.078125);
     let mut v = good();
     v["body"]["inertia_diag_body"] = json!([0.1, 0.2, 0.25]);

@@ -40,7 +40,7 @@ pub(crate) fn tumbling() -> BodyState {
         .with_angular_velocity(&brick(), DVec3::new(1.5, 2.5, 1.0))
 }
 
-/// What the tests do with an app.
+/// Operations of the tests on an app.
 pub(crate) trait Play {
     /// Updates `updates` times.
     fn play(&mut self, updates: u32);

@@ -1,5 +1,5 @@
-//! Measures the cost of a step. [`measure::interleaved`] times several contenders in one run, so that a noisy
-//! machine affects all of them alike. Benchmarks, report and game use it.
+//! Cost measurements of a step. [`measure::interleaved`] times several contenders in one run, so that a noisy machine
+//! affects them equally. Benchmarks, report and game use it.
 //!
 //! The benchmarks (`cargo bench`, or one of them by `--bench NAME`) are [`suites`]. Each returns rows, which
 //! are printed, and written as JSON with `--json FILE`. This crate also defines the baselines of the plugin:

@@ -1,4 +1,4 @@
-//! The cost of a step of one load as panel, headless table, sweep, report and kernel benchmark give it, side by side
+//! Cost of a step of one load, as measured by panel, headless table, sweep, report and kernel benchmark
 //! [ns per body-step, minimum]. `cargo bench --bench cost`
 
 use std::collections::HashMap;
@@ -16,10 +16,10 @@ use box_physics::prelude::Integrator;
 use box_scenarios::Scenario;
 use clap::Parser;
 
-/// As many as the report's situations have.
+/// Number of boxes, as in the report's situations.
 const BOXES: u32 = 100;
 const RATE: f64 = 60.0;
-/// Frames of the game: some rounds over all integrators.
+/// Number of frames: several rounds over all integrators.
 const FRAMES: u32 = 300;
 
 fn main() {
@@ -103,7 +103,7 @@ fn sweep(scenario: &Scenario) -> Costs {
     sweep.lines().into_iter().filter_map(cost).collect()
 }
 
-/// What the report's part `timing` writes.
+/// Costs from the report's part `timing`, by situation and integrator.
 fn report() -> HashMap<(String, String), f64> {
     let folder = tempfile::tempdir().expect("a folder");
     let status = Command::new(env!("CARGO"))

@@ -1,6 +1,6 @@
-//! What a frame of the game costs the processor, without window and renderer: all of the game's systems
-//! (physics, comparisons and their measurement, timing of every integrator, log off), the panel with a plot open,
-//! and its tessellation. `cargo bench --bench frame` prints the minimum and the median for every tab.
+//! CPU time of a frame of the game, without window and renderer. It covers all of the game's systems (physics,
+//! comparisons and their measurement, timing of every integrator, log off), the panel with a plot open, and its
+//! tessellation. `cargo bench --bench frame` prints the minimum and the median for every tab.
 
 use std::time::Instant;
 
@@ -15,9 +15,9 @@ use box_game::ui::panel::{self, PanelMemory};
 use box_game::ui::panel_view::{self, Sources};
 use clap::Parser;
 
-/// Frames of 1/60 s before the first is timed: a full minute of plots.
+/// Number of untimed frames of 1/60 s at the start: a full minute of plots.
 const WARM_UP: u32 = 3700;
-/// Frames timed for each tab.
+/// Number of frames timed for each tab.
 const FRAMES: usize = 300;
 
 fn main() {
@@ -34,7 +34,7 @@ fn main() {
     }
 }
 
-/// Frames of a scene under each of `tabs`, after the first `warm_up`.
+/// Times frames of a scene under each of `tabs`, after the first `warm_up`.
 fn measure(arguments: &[&str], warm_up: u32, tabs: &[(Plot, &str)]) {
     let cli = Cli::try_parse_from([&["box_game"], arguments].concat()).expect("valid arguments");
     let mut app = app::headless(cli);

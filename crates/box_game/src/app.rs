@@ -20,8 +20,8 @@ use crate::{
     action, camera, demo_2012, input, interaction, platform, preferences, record, scene, ui, view,
 };
 
-/// The whole game but window, picture and panel. Needs time and input; runs in a test under
-/// `MinimalPlugins` and `InputPlugin`.
+/// The whole game without window, picture and panel. Requires time and input; tests run it under `MinimalPlugins` and
+/// `InputPlugin`.
 pub struct GamePlugin {
     /// The command line.
     pub cli: Cli,
@@ -56,7 +56,7 @@ pub fn headless(cli: Cli) -> App {
 /// The game with its picture, in a window or offscreen.
 ///
 /// # Errors
-/// An error of a file that the command line names.
+/// An error of a file named on the command line.
 pub fn build(cli: &Cli) -> io::Result<App> {
     assemble(cli, renderer(cli.offscreen, cli.size))
 }
@@ -117,7 +117,7 @@ mod tests {
     use bevy::winit::WinitPlugin;
     use clap::Parser;
 
-    /// The game in a window that no display shows and no GPU draws.
+    /// Builds the game without display and GPU.
     fn unseen(arguments: &str) -> App {
         let cli = format!("box_game --no-settings {arguments}");
         let cli = Cli::try_parse_from(cli.split_whitespace()).expect("valid");
@@ -142,7 +142,7 @@ mod tests {
         app
     }
 
-    /// Whether every system of `first` ends before any of `second` begins, whatever the executor.
+    /// Returns `true` if every system of `first` ends before any of `second` begins, for every executor.
     fn ordered(schedule: &Schedule, first: InternedSystemSet, second: InternedSystemSet) -> bool {
         let graph = schedule.graph();
         let of = |set: InternedSystemSet| {
@@ -162,7 +162,7 @@ mod tests {
         pairs.all(|(a, b)| place(a) < place(b) && !free(a, b))
     }
 
-    /// A camera that is on without cascades of the light makes the renderer panic, and the panel switches cameras on.
+    /// The renderer panics if an active camera has no light cascades, and the panel activates cameras.
     #[test]
     fn lights_follow_the_cameras_that_the_panel_switches_on() {
         let mut app = unseen("--integrator split,rk4,exact,midpoint");
@@ -196,7 +196,7 @@ mod tests {
         }
     }
 
-    /// Without a window a frame costs no picture unless somebody wants one: a film of every scene takes minutes.
+    /// Offscreen, only frames that become pictures are drawn; otherwise a film of every scene would take minutes.
     #[test]
     fn offscreen_only_pictures_are_drawn() {
         let mut app = unseen("--offscreen --integrator split,rk4");

@@ -1,7 +1,7 @@
-//! Push a box about and compare numerical integrators live: speed against error.
+//! A game where you push a box around and compare integrators by accuracy and cost.
 //!
-//! [`app::GamePlugin`] is the game without a window, [`app::build`] the game with its picture. The panel is a
-//! pure function of plain data ([`ui::panel`]). The comparison without a display is [`compare::headless`].
+//! [`app::GamePlugin`] is the game without a window, [`app::build`] the game with its picture. The panel is a pure
+//! function of plain data ([`ui::panel`]). The comparison without a display is [`compare::headless`].
 
 pub mod action;
 pub mod app;
@@ -19,7 +19,7 @@ pub mod scene;
 pub mod ui;
 pub mod view;
 
-/// The programs of README, guide and migration page are compiled, and those without a window run.
+/// Compiles the programs of README, guide and migration page, and runs those without a window.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 #[doc = include_str!("../../../docs/guide.md")]

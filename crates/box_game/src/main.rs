@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Says why the program ends with this exit code.
+/// Prints the reason and returns the exit code.
 fn fail(reason: &str, code: u8) -> ExitCode {
     platform::complain(reason);
     ExitCode::from(code)
@@ -88,7 +88,7 @@ fn compare(cli: &Cli) -> ExitCode {
     said
 }
 
-/// What the command line compares: its scene, with the parameters of `--set`.
+/// The comparison on the command line: its scene, with the parameters of `--set`.
 fn headless(cli: &Cli) -> Result<Headless, String> {
     let mut scenario = library::open(cli.scene.as_deref().unwrap_or("throw"))?;
     let mut session = Session::new(scenario.clone(), cli.seed);

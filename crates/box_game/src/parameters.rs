@@ -1,5 +1,5 @@
-//! Every number that can be set, in one table: its names, unit, range and effect. Panel, undo, command line,
-//! scripts and the reproducing command read it.
+//! All numeric settings in one table: names, unit, range and effect. Panel, undo, command line, scripts and the copied
+//! command line use it.
 
 use box_physics::prelude::{DVec3, RigidBox};
 use box_scenarios::Scenario;
@@ -11,18 +11,18 @@ pub const SPEEDS: [f64; 9] = [0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 4.0];
 /// Smallest and largest scale of the panel.
 pub const UI_SCALES: (f32, f32) = (0.75, 2.0);
 
-/// A number that can be set.
+/// A numeric setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Parameter {
     /// Step size dt \[s\].
     Step,
-    /// Equal parts of a step.
+    /// Number of equal parts of a step.
     Substeps,
-    /// Gravity, downwards [m/s²].
+    /// Gravity, downward [m/s²].
     Gravity,
     /// Restitution of the floor.
     Restitution,
-    /// Law that limits the energy of an impact, by its number in [`Info::choices`].
+    /// Energy limit of an impact, by its number in [`Info::choices`].
     RestitutionLaw,
     /// Friction of the floor.
     Friction,
@@ -44,16 +44,16 @@ pub enum Parameter {
     Boxes,
 }
 
-/// When a new value acts.
+/// Time at which a new value takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// From the next step on; the motion up to then stays as it was.
+    /// From the next step on; the motion up to then is unchanged.
     Clock,
     /// From the next step on; the scene's reference no longer applies.
     Live,
     /// The scene restarts.
     Restart,
-    /// It changes no motion.
+    /// The motion does not change.
     None,
 }
 
@@ -68,22 +68,22 @@ pub struct Info {
     pub unit: &'static str,
     /// Tooltip.
     pub hint: &'static str,
-    /// Ends of the slider.
+    /// Range of the slider.
     pub slider: (f64, f64),
     /// Smallest and largest value allowed.
     pub range: (f64, f64),
-    /// The slider is logarithmic.
+    /// `true` if the slider is logarithmic.
     pub logarithmic: bool,
-    /// The value is a whole number.
+    /// `true` if the value is a whole number.
     pub integer: bool,
-    /// When a new value acts.
+    /// Time at which a new value takes effect.
     pub effect: Effect,
-    /// Names of the values 0, 1, …, if it is a choice and not a number.
+    /// Names of the values 0, 1, …, for a choice instead of a number.
     pub choices: &'static [&'static str],
 }
 
 impl Info {
-    /// A number from 0 to 1 that acts live.
+    /// A number from 0 to 1 that takes effect live.
     const LIVE: Self = Self {
         id: "",
         label: "",
@@ -187,7 +187,7 @@ impl Parameter {
         (!value.is_nan()).then_some(value)
     }
 
-    /// A value as typed: a number, or the name of a choice in any case.
+    /// Parses a typed value: a number, or the name of a choice in any case.
     pub fn parse(self, text: &str) -> Option<f64> {
         let text = text.trim();
         let mut choices = self.info().choices.iter();
@@ -212,13 +212,13 @@ impl Parameter {
 pub struct Parameters {
     /// Step size dt \[s\].
     pub step: f64,
-    /// Equal parts of a step.
+    /// Number of equal parts of a step.
     pub substeps: f64,
-    /// Gravity, downwards [m/s²].
+    /// Gravity, downward [m/s²].
     pub gravity: f64,
     /// Restitution of the floor; `None` without a floor.
     pub restitution: Option<f64>,
-    /// Law of restitution, 0 or 1; `None` without a floor.
+    /// Restitution law, 0 or 1; `None` without a floor.
     pub restitution_law: Option<f64>,
     /// Friction of the floor; `None` without a floor.
     pub friction: Option<f64>,
@@ -237,7 +237,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The values of a scene as it comes, at 60 steps a second.
+    /// The default values of a scene, at 60 steps per second.
     pub fn of(scenario: &Scenario) -> Self {
         let setup = &scenario.setup;
         Self {
@@ -286,7 +286,7 @@ impl Parameters {
         })
     }
 
-    /// The value of a parameter; `None` where the scene has no such thing.
+    /// The value of a parameter; `None` if the scene does not have it.
     pub fn get(mut self, parameter: Parameter) -> Option<f64> {
         self.slot(parameter).copied()
     }
@@ -294,7 +294,7 @@ impl Parameters {
     /// Sets a parameter.
     ///
     /// # Errors
-    /// A sentence with the name, the value and what is allowed.
+    /// A sentence with the name, the value and the allowed range.
     pub fn set(&mut self, parameter: Parameter, value: f64) -> Result<(), String> {
         let info = parameter.info();
         let mut new = *self;

@@ -1,4 +1,4 @@
-//! Preferences: scale of the panel and switches of the view, kept in the settings file of the user.
+//! Preferences: scale of the panel and switches of the view, stored in the user's settings file.
 
 use bevy::app::AppExit;
 use bevy::prelude::*;
@@ -9,7 +9,7 @@ use bevy::settings::{
 use crate::action::Action;
 use crate::parameters::UI_SCALES;
 
-/// The folder of the settings, below the user's own.
+/// The folder of the settings, below the user's settings folder.
 const APPLICATION: &str = "io.github.box_physics.box_game";
 
 /// The preferences; section `box_game` of `settings.toml`.
@@ -19,15 +19,15 @@ const APPLICATION: &str = "io.github.box_physics.box_game";
 pub struct Preferences {
     /// Scale of the panel, 0.75 to 2.
     pub ui_scale: f32,
-    /// The drawer is open.
+    /// `true` if the drawer is open.
     pub show_plots: bool,
-    /// Bounding boxes are drawn.
+    /// `true` if bounding boxes are drawn.
     pub show_aabb: bool,
-    /// Contacts are drawn.
+    /// `true` if contacts are drawn.
     pub show_contacts: bool,
-    /// Body axes and velocity are drawn.
+    /// `true` if body axes and velocity are drawn.
     pub show_axes: bool,
-    /// The panel is light.
+    /// `true` for the light theme.
     pub light: bool,
 }
 
@@ -51,7 +51,7 @@ pub fn plugin(app: &mut App) {
         .add_systems(Last, save);
 }
 
-/// Clamps the scale, which a settings file may set to anything.
+/// Clamps the scale, because the settings file may contain any value.
 pub fn clamp_scale(mut preferences: ResMut<Preferences>) {
     let scale = preferences.ui_scale;
     let scale = if scale.is_nan() { 1.0 } else { scale };
@@ -61,7 +61,7 @@ pub fn clamp_scale(mut preferences: ResMut<Preferences>) {
     }
 }
 
-/// Observes the switches that are kept.
+/// Observes changes of the stored switches.
 pub fn on_action(action: On<Action>, mut preferences: ResMut<Preferences>) {
     match *action {
         Action::ToggleAabb => preferences.show_aabb ^= true,

@@ -1,6 +1,6 @@
-//! The download of the game's page: Brotli, decompressed by the page itself.
+//! Brotli decompression for the game's page, which decompresses its own download.
 //!
-//! Browsers decompress Brotli where the host names it in a header, and many static hosts send gzip at best; not every
+//! Browsers decompress Brotli only if the host names it in a header, and many static hosts send gzip at best. Not every
 //! browser lets scripts decompress it. The example `pack` compresses.
 
 use std::io::{Error, Write};
@@ -9,12 +9,12 @@ use brotli_decompressor::DecompressorWriter;
 #[cfg(target_family = "wasm")]
 use wasm_bindgen::prelude::wasm_bindgen;
 
-/// Decompresses Brotli (RFC 7932) as it arrives.
+/// Streaming decompressor for Brotli (RFC 7932).
 #[cfg_attr(target_family = "wasm", wasm_bindgen)]
 pub struct Unpacker(DecompressorWriter<Vec<u8>>);
 
 impl Unpacker {
-    /// The bytes that the next `packed` bytes make known.
+    /// Decompresses the next `packed` bytes.
     ///
     /// # Errors
     /// The data are not Brotli.
@@ -23,7 +23,7 @@ impl Unpacker {
         Ok(std::mem::take(self.0.get_mut()))
     }
 
-    /// The last bytes.
+    /// Returns the last decompressed bytes.
     ///
     /// # Errors
     /// The data end too early.
@@ -39,7 +39,7 @@ impl Default for Unpacker {
     }
 }
 
-/// What the page calls.
+/// Functions for the page.
 #[cfg(target_family = "wasm")]
 mod page {
     use wasm_bindgen::prelude::{JsError, wasm_bindgen};
@@ -48,7 +48,7 @@ mod page {
 
     #[wasm_bindgen]
     impl Unpacker {
-        /// An unpacker at the start of the data.
+        /// Creates an unpacker at the start of the data.
         #[wasm_bindgen(constructor)]
         pub fn new() -> Self {
             Self::default()

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::engine::{Body, Engine, FINE_BODIES, Place, Spec};
 
-/// The reference trajectories: free motion, symmetric bodies among them.
+/// The reference trajectories of free motion, including symmetric bodies.
 const CASES: [&str; 5] = [
     "pub01_free_asymmetric",
     "pub03_symmetric_prolate",
@@ -18,7 +18,7 @@ const CASES: [&str; 5] = [
 ];
 /// Steps per second.
 const RATES: [u32; 3] = [30, 60, 120];
-/// Looks per run.
+/// Number of samples per run.
 const LOOKS: u32 = 30;
 
 /// Errors of one engine in one case over time.
@@ -27,21 +27,21 @@ pub struct Accuracy {
     engine: &'static str,
     case: String,
     rate_hz: u32,
-    /// Time \[s\], attitude error \[rad\], energy error over the energy at the start, signed.
+    /// Time \[s\], attitude error \[rad\], and signed energy error relative to the initial energy.
     points: Vec<(f64, f64, f64)>,
 }
 
-/// Every engine in every case at every rate.
+/// Measures every engine in every case at every rate.
 ///
 /// # Errors
-/// A case cannot be read, or an engine refuses.
+/// A case cannot be read, or an engine rejects it.
 pub fn measure(engines: &[Box<dyn Engine>]) -> Result<Vec<Accuracy>, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/oracle");
     let mut all = Vec::new();
     for name in CASES {
         let case = Case::load(&folder.join(format!("{name}.json"))).map_err(|e| e.to_string())?;
         for rate in RATES {
-            // More threads do not change one body's error, and there is no floor.
+            // Additional threads do not change the error of a single body, and there is no floor.
             let alone = |e: &&Box<dyn Engine>| {
                 e.is_timed(Place::Free, FINE_BODIES) && !e.id().ends_with("-parallel")
             };
@@ -71,8 +71,8 @@ fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, 
         floor: false,
         bodies: &[body],
     })?;
-    // The closed form, which the tests hold to the file: it is known at every time, also at that of a
-    // clock of whole nanoseconds or of single precision.
+    // The closed form, which the tests compare with the file. It is available at any time, including that of a clock
+    // with whole nanoseconds or single precision.
     let solution = setup.reference();
     let energy = setup.initial.rotational_energy(&setup.body);
     let steps = (setup.duration * f64::from(rate)).round() as u32;
@@ -90,7 +90,7 @@ fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, 
             .ok_or_else(|| format!("{}: no reference at {t} s", case.name))?;
         let attitude = StateError::between(&state, &reference).attitude;
         let change = state.rotational_energy(&setup.body) / energy - 1.0;
-        // JSON knows no infinity: what is lost is as wrong as can be.
+        // JSON has no infinity, so a lost run gets the largest possible error.
         let finite = |x: f64, or: f64| rounded(if x.is_finite() { x } else { or });
         points.push((
             rounded(t),
@@ -101,7 +101,7 @@ fn follow(engine: &dyn Engine, case: &Case, rate: u32) -> Result<Vec<(f64, f64, 
     Ok(points)
 }
 
-/// To six digits: more is not to be had from a plot.
+/// Rounds to six digits, which suffice for a plot.
 fn rounded(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }

@@ -1,4 +1,4 @@
-//! Avian, as its users have it: a plugin in a Bevy app.
+//! Avian as a plugin in a Bevy app, its usual form.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use crate::in_bevy;
 
 /// Avian with its default settings.
 pub struct Avian {
-    /// With more substeps.
+    /// `true` for more substeps.
     pub fine: bool,
 }
 
@@ -23,7 +23,7 @@ struct World {
     shapes: Vec<box_physics::body::RigidBox>,
 }
 
-/// Boxes are of the first layer and meet the second, the floor.
+/// Boxes are in the first layer and collide with the second, the floor.
 const BOXES: LayerMask = LayerMask(1);
 const FLOOR: LayerMask = LayerMask(2);
 

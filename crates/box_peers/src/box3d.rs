@@ -15,16 +15,16 @@ use crate::engine::{
 pub struct Box3d {
     foundation: &'static Foundation,
     workers: u32,
-    /// With more substeps.
+    /// Uses more substeps.
     fine: bool,
 }
 
 impl Box3d {
-    /// Starts the library, once, for worlds of one worker, for worlds of as many as there are threads, and for those with
+    /// Starts the library once. Returns engines with one worker, with one worker per thread, and with one worker and
     /// more substeps.
     ///
     /// # Errors
-    /// What it says.
+    /// An error message of the library.
     pub fn all() -> Result<Vec<Self>, String> {
         let foundation = Foundation::initialize_default().map_err(|e| e.to_string())?;
         let threads = crate::engine::all_threads() as u32;
@@ -101,7 +101,7 @@ impl Box3d {
     }
 }
 
-/// Substeps that its documentation recommends.
+/// Number of substeps recommended by the documentation of Box3D.
 const SUBSTEPS: i32 = 4;
 
 struct Running {

@@ -1,4 +1,4 @@
-//! What a body and a step cost: in free flight, landing, and at rest.
+//! Cost per body and step: in free flight, landing, and at rest.
 
 use std::time::{Duration, Instant};
 
@@ -12,9 +12,9 @@ use serde::Serialize;
 use crate::engine::{Body, Engine, FRICTION, Place, RESTITUTION, Spec};
 use crate::in_bevy;
 
-/// Bodies, and samples with so many.
+/// Number of bodies, and number of samples with these bodies.
 const SIZES: [(usize, usize); 3] = [(100, 9), (1000, 9), (10_000, 5)];
-/// Steps per second; steps before the clock starts, steps that are timed.
+/// Steps per second; number of warm-up steps; number of timed steps.
 const RATE: u32 = 60;
 const WARM_UP: usize = 10;
 const TIMED: usize = 120;
@@ -31,7 +31,7 @@ impl Place {
     }
 }
 
-/// One engine in one place with so many bodies.
+/// Cost of one engine in one situation with one number of bodies.
 #[derive(Debug, Serialize)]
 pub struct CostRow {
     engine: &'static str,
@@ -40,15 +40,15 @@ pub struct CostRow {
     ns_per_body_step_min: f64,
     ns_per_body_step_median: f64,
     ns_per_body_step_p95: f64,
-    /// Of the physics alone, without the app around it: of the engines in Bevy.
+    /// Cost of the physics alone, without the rest of the app; only for engines in Bevy.
     physics_ns_per_body_step_min: Option<f64>,
     physics_ns_per_body_step_median: Option<f64>,
 }
 
-/// Times every engine in turns. Also returns what a reader must know.
+/// Times every engine in turns. Also returns notes for the reader.
 ///
 /// # Errors
-/// An engine refuses.
+/// An error message of an engine.
 pub fn measure(
     engines: &[Box<dyn Engine>],
     quick: bool,
@@ -114,7 +114,7 @@ pub fn measure(
     Ok((rows, notes))
 }
 
-/// ns per body and step of one run: of the whole, and of the physics alone if that is a part of it.
+/// Cost of one run [ns per body and step]: of the whole, and of the physics alone if it is a part.
 fn run(engine: &dyn Engine, spec: &Spec) -> Result<(f64, Option<f64>), String> {
     let mut world = engine.build(spec)?;
     for _ in 0..WARM_UP {
@@ -151,7 +151,7 @@ fn empty_update() -> (f64, f64) {
     (Cost::of(&whole).median, Cost::of(&part).median)
 }
 
-/// Boxes on a grid, each turned and spinning its own way, or flat on the floor.
+/// Boxes on a grid, with different attitudes and spins, or flat on the floor.
 fn boxes(n: usize, place: Place) -> Vec<Body> {
     let shape = RigidBox::new(DVec3::new(0.5, 0.25, 0.375), 3.0)
         .expect("half-extents and mass are positive");

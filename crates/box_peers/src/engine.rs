@@ -1,27 +1,27 @@
-//! What every engine is asked to do.
+//! Common interface of all engines.
 
 use std::time::Duration;
 
 use box_physics::body::RigidBox;
 use box_physics::state::BodyState;
 
-/// A box and how it starts.
+/// A box and its initial state.
 #[derive(Clone, Copy, Debug)]
 pub struct Body {
     /// Size, mass, inertia.
     pub shape: RigidBox,
-    /// Place and motion at the start.
+    /// State at the start.
     pub start: BodyState,
 }
 
-/// What the boxes are doing.
+/// Situation of the boxes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// They tumble and fall.
+    /// The boxes tumble and fall.
     Free,
-    /// They drop onto the floor, bounce and settle.
+    /// The boxes drop onto the floor, bounce and settle.
     Landing,
-    /// They lie on the floor.
+    /// The boxes rest on the floor.
     Resting,
 }
 
@@ -32,7 +32,7 @@ pub struct Spec<'a> {
     pub rate: u32,
     /// Gravity downwards [m/s²].
     pub gravity: f32,
-    /// Whether there is a floor at y = 0.
+    /// `true` for a floor at y = 0.
     pub floor: bool,
     /// The boxes, which do not collide with one another.
     pub bodies: &'a [Body],
@@ -43,9 +43,9 @@ pub const FRICTION: f32 = 0.5;
 /// Coefficient of restitution of floor and boxes, likewise.
 pub const RESTITUTION: f32 = 0.3;
 
-/// A world at work.
+/// A running world.
 pub trait Simulation {
-    /// One step, as a user has it.
+    /// Takes one step, as a user would.
     fn step(&mut self);
     /// Time simulated since the start \[s\].
     fn time(&self) -> f64;
@@ -53,21 +53,21 @@ pub trait Simulation {
     fn physics_time(&self) -> Option<Duration> {
         None
     }
-    /// Where the box of this number is, and how it moves.
+    /// State of the box with this index.
     fn state(&self, body: usize) -> BodyState;
 }
 
 /// An engine.
 pub trait Engine {
-    /// As typed.
+    /// Identifier on the command line.
     fn id(&self) -> &'static str;
-    /// As shown.
+    /// Display name.
     fn name(&self) -> &'static str;
-    /// Its crate's version.
+    /// Version of the engine's crate.
     fn version(&self) -> String;
-    /// The threads that it may use.
+    /// Number of threads that the engine may use.
     fn threads(&self) -> usize;
-    /// How it is driven, in a few words.
+    /// Short description of how the engine is driven.
     fn driven(&self) -> String;
     /// Returns whether the cost is measured in this situation. Special settings are measured in some only.
     fn is_timed(&self, _place: Place, _bodies: usize) -> bool {
@@ -76,11 +76,11 @@ pub trait Engine {
     /// Builds a world.
     ///
     /// # Errors
-    /// What the engine says.
+    /// An error message of the engine.
     fn build(&self, spec: &Spec) -> Result<Box<dyn Simulation>, String>;
 }
 
-/// The threads of the machine, which Bevy's engines share out.
+/// Number of threads of the machine, which the engines in Bevy share.
 pub fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }

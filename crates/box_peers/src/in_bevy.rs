@@ -1,4 +1,4 @@
-//! Driving a Bevy app: every update is exactly one step of its fixed clock.
+//! A Bevy app in which every update is exactly one step of the fixed clock.
 
 use std::time::{Duration, Instant};
 
@@ -6,37 +6,37 @@ use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 
-/// Steps of the fixed clock that were made.
+/// Number of steps of the fixed clock.
 #[derive(Resource, Default)]
 struct Ticks(u32);
 
-/// Time between the two clocks, which stand round all that a plugin does in a step.
+/// Time between the two clock systems, which enclose the work of a plugin in a step.
 #[derive(Resource, Default)]
 pub struct PhysicsTime {
     since: Option<Instant>,
     total: Duration,
 }
 
-/// Before it.
+/// Runs before the physics.
 pub fn start_clock(mut time: ResMut<PhysicsTime>) {
     time.since = Some(Instant::now());
 }
 
-/// After it.
+/// Runs after the physics.
 pub fn stop_clock(mut time: ResMut<PhysicsTime>) {
     if let Some(since) = time.since.take() {
         time.total += since.elapsed();
     }
 }
 
-/// Puts the clocks round `FixedPostUpdate`: into the schedules before and after it, in which nothing else is.
+/// Adds the clock systems around `FixedPostUpdate`: in the schedules before and after it, which contain nothing else.
 pub fn clock_fixed_post_update(app: &mut App) {
     app.add_systems(FixedUpdate, start_clock)
         .add_systems(FixedLast, stop_clock);
 }
 
-/// An app without window or renderer, in which every `update` is one tick of 1/`rate` s, with what `setup`
-/// adds; its clock runs.
+/// Creates an app without window or renderer in which every `update` is one tick of 1/`rate` s, with the additions of
+/// `setup`. Its clock is started.
 pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin))
@@ -45,7 +45,7 @@ pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
         .init_resource::<Ticks>()
         .init_resource::<PhysicsTime>()
         .add_systems(FixedLast, |mut ticks: ResMut<Ticks>| ticks.0 += 1);
-    // Nothing but clocks is in these two: no threads need be woken for them.
+    // These two contain only the clock systems, so no threads need to be woken for them.
     for label in [FixedUpdate.intern(), FixedLast.intern()] {
         app.edit_schedule(label, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
@@ -60,12 +60,12 @@ pub fn app(rate: u32, setup: impl FnOnce(&mut App)) -> App {
     app
 }
 
-/// Time spent in physics alone since the app was made.
+/// Time spent in physics since the app was created.
 pub fn physics_time(app: &App) -> Duration {
     app.world().resource::<PhysicsTime>().total
 }
 
-/// Time simulated \[s\]: ticks of whole nanoseconds.
+/// Simulated time \[s\]: ticks of whole nanoseconds.
 pub fn time(app: &App) -> f64 {
     let tick = app.world().resource::<Time<Fixed>>().timestep();
     f64::from(app.world().resource::<Ticks>().0) * tick.as_secs_f64()

@@ -1,6 +1,5 @@
-//! The same boxes in Avian, Rapier, Box3D and `box_physics`, in one run: the error of a free tumble over time, and the cost
-//! of a body and a step. Writes `peers-measured.json`, which
-//! `cargo box-report peers` reads.
+//! The same boxes in Avian, Rapier, Box3D and `box_physics`, in one run: the error of a free tumble over time, and the
+//! cost per body and step. Writes `peers-measured.json`, which `cargo box-report peers` reads.
 
 mod accuracy;
 mod avian;

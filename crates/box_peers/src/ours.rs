@@ -1,4 +1,4 @@
-//! This project's plugin, whole: bounding boxes, `Transform`, diagnostics.
+//! The complete plugin of this project: bounding boxes, `Transform`, diagnostics.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use crate::in_bevy;
 
 /// `box_physics` with its default integrator.
 pub struct Ours {
-    /// Impacts slower than 1 m/s do not bounce, as in Avian and Box3D.
+    /// `true` if impacts slower than 1 m/s do not bounce, as in Avian and Box3D.
     pub no_slow_bounces: bool,
 }
 

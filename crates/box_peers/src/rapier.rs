@@ -1,4 +1,4 @@
-//! Rapier, bare, without Bevy.
+//! Rapier without Bevy.
 
 use box_physics::body::RigidBox;
 use box_physics::state::BodyState;
@@ -11,14 +11,14 @@ use crate::engine::{
 
 /// Rapier with its default settings.
 pub struct Rapier {
-    /// Threads of its pool.
+    /// Number of threads of its pool.
     threads: usize,
-    /// With more iterations of its solver, which are its substeps.
+    /// `true` for more iterations of its solver, which are its substeps.
     fine: bool,
 }
 
 impl Rapier {
-    /// On one thread, on all of them, and with more iterations.
+    /// On one thread, on all threads, and with more iterations.
     pub fn all() -> [Self; 3] {
         let all = crate::engine::all_threads();
         [(1, false), (all, false), (1, true)].map(|(threads, fine)| Self { threads, fine })

@@ -36,7 +36,7 @@
 //! |---|---|
 //! | push, pull and brake bodies; systems in a step; faults | the module [`plugin`] |
 //! | set up a floor, walls and ramps, react to landings and rest | [`Floor`](floor::Floor), [`StaticPlane`](floor::StaticPlane), [`Landed`](plugin::Landed), [`Settled`](plugin::Settled) |
-//! | move a body by hand | [`Teleport`](plugin::Teleport), [`BodyMut`](plugin::BodyMut) |
+//! | move a body directly | [`Teleport`](plugin::Teleport), [`BodyMut`](plugin::BodyMut) |
 //! | pause, step once, slow down | [`PhysicsClock`](plugin::PhysicsClock), [`StepPhysics`](plugin::StepPhysics) |
 //! | rewind, roll back, save | [`PhysicsSnapshot`](plugin::PhysicsSnapshot) |
 //! | choose the integrator | [`GlobalIntegrator`](plugin::GlobalIntegrator), [`BodyIntegrator`](plugin::BodyIntegrator), the module [`integrators`] |

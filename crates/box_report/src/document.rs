@@ -19,7 +19,7 @@ pub(crate) struct Section {
     /// The name of the subcommand.
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    /// What was measured and how, in a few sentences.
+    /// Summary of the measurement and its method, in a few sentences.
     pub(crate) intro: String,
     /// The method in detail, shown at the end of the section; may be empty.
     pub(crate) method: String,
@@ -40,7 +40,7 @@ pub(crate) struct Figure {
     pub(crate) caption: String,
     #[serde(skip)]
     pub(crate) svg: String,
-    /// Whether the figure also appears in the digest.
+    /// `true` if the figure also appears in the digest.
     pub(crate) digest: bool,
 }
 

@@ -62,7 +62,7 @@ fn ranking(f: &FamilyPoints, limit: f64) -> Vec<(&Point, f64)> {
     best
 }
 
-/// Whether `integrator` has a point on the frontier: no point of another integrator beats it.
+/// Returns `true` if `integrator` has a point on the frontier: no point of another integrator beats it.
 fn on_frontier(f: &FamilyPoints, integrator: Integrator) -> bool {
     measured(f)
         .filter(|(p, ..)| p.integrator == integrator)

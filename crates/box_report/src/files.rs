@@ -51,7 +51,7 @@ pub(crate) fn csv_text<R: Serialize>(rows: &[R]) -> Result<String, std::io::Erro
 /// Parses the rows of a CSV text.
 ///
 /// # Errors
-/// A description of what is wrong with the text.
+/// A description of the error in the text.
 pub(crate) fn parse_csv<R: DeserializeOwned>(text: &str) -> Result<Vec<R>, String> {
     csv::Reader::from_reader(text.as_bytes())
         .deserialize()

@@ -24,7 +24,7 @@ struct Situation {
     id: &'static str,
     title: &'static str,
     setup: Setup,
-    /// Whether it times the plain step of one body instead of many bodies in the plugin's code path.
+    /// `true` to time the plain step of one body instead of many bodies in the plugin's code path.
     alone: bool,
 }
 

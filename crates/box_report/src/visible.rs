@@ -111,7 +111,7 @@ fn watch(
     Ok(Visible { seen })
 }
 
-/// Writes the CSV and makes the tables.
+/// Writes the CSV file and creates the tables.
 pub(crate) fn section(ctx: &Context, data: &Visible) -> Result<Section, Stop> {
     let mut section = Section::new(
         "visible",

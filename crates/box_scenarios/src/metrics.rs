@@ -85,7 +85,7 @@ pub fn error_scale(initial: f64, other: f64) -> f64 {
     scales.into_iter().find(|&x| x > 0.0).unwrap_or(1.0)
 }
 
-/// How many of the 13 numbers of two states differ in any bit.
+/// Number of the 13 components of two states that differ in any bit.
 pub(crate) fn differing_numbers(a: &BodyState, b: &BodyState) -> usize {
     let numbers = |s: &BodyState| s.to_array().map(f64::to_bits);
     let pairs = numbers(a).into_iter().zip(numbers(b));

@@ -117,7 +117,7 @@ impl Plan {
     }
 }
 
-/// How a run ended.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
     /// The run reached the end of its plan.

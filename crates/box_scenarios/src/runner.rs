@@ -24,7 +24,7 @@ pub struct Runner {
     pub model: Arc<Model>,
     /// Expected energy and angular momentum.
     pub balance: Balance,
-    /// When and why it was stopped.
+    /// Time and cause of the divergence, if any.
     pub diverged: Option<Divergence>,
     /// Index of the next impulse of the setup.
     pub next_impulse: usize,

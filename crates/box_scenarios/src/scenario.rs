@@ -13,7 +13,7 @@ pub struct Scenario {
     pub id: &'static str,
     /// Title in the menu.
     pub title: &'static str,
-    /// What the scene shows, in one or two sentences.
+    /// Description of what the scene shows, in one or two sentences.
     pub lesson: &'static str,
     /// Suggestions for the user. The game turns the name of a control in brackets into a button: `[Restart]`,
     /// `[Gravity 1.62]`.

@@ -118,7 +118,7 @@ pub struct TimedImpulse {
     pub body_point: DVec3,
 }
 
-/// Everything that determines a motion.
+/// All data that determine a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// The box.

@@ -37,7 +37,7 @@ pub struct Comparison {
     pub errors: Errors,
     /// Cost.
     pub totals: Totals,
-    /// How the run ended.
+    /// Outcome of the run.
     pub end: End,
     /// When and why the run diverged, if it did. Later samples do not count.
     pub diverged: Option<Divergence>,

@@ -22,7 +22,7 @@ pub enum Status {
     Diverged(Divergence),
 }
 
-/// When and why a trajectory was stopped.
+/// Time and cause of a divergence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Divergence {
     /// Simulated time \[s\].

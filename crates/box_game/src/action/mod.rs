@@ -30,7 +30,7 @@ pub enum ActionSystems {
     Trigger,
 }
 
-/// Triggers the requested actions, one after the other.
+/// Triggers the requested actions one by one.
 pub fn plugin(app: &mut App) {
     app.init_resource::<Actions>()
         .configure_sets(
@@ -50,10 +50,10 @@ pub fn trigger_actions(world: &mut World) {
     }
 }
 
-/// An action, as keys, panel and scripts request it.
+/// An action, as requested by keys, panel and scripts.
 #[derive(Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
-    /// Simulate every box with this integrator from the next step on; the state stays the same.
+    /// Simulate every box with this integrator from the next step on; the state is unchanged.
     SetIntegrator(Integrator),
     /// Pause or resume.
     TogglePause,
@@ -193,7 +193,7 @@ pub struct Film {
     pub rate: f64,
 }
 
-/// A stepper of the dissertation's in a file: by its id.
+/// Serialization of an integrator of the dissertation by its id.
 mod stepper {
     use super::Stepper;
     use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer, de::Error as _};

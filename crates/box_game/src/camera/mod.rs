@@ -1,4 +1,4 @@
-//! The cameras: an orbit camera, and up to three more that follow it in the layout of views.
+//! The cameras: an orbit camera, and up to three cameras that follow it in the layout of views.
 
 pub mod orbit;
 pub mod views;
@@ -9,7 +9,7 @@ use bevy_egui::EguiPrimaryContextPass;
 
 use crate::interaction::mouse::use_mouse;
 
-/// It needs no look-up tables, which would be half a megabyte of a browser's download. `view/sky.wgsl` has the same.
+/// A mapping without look-up tables, which would add half a megabyte to the download. `view/sky.wgsl` uses the same.
 const TONEMAPPING: Tonemapping = Tonemapping::SomewhatBoringDisplayTransform;
 
 /// Spawns and moves the cameras. Needs a renderer and its

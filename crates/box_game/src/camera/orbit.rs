@@ -1,7 +1,7 @@
-//! An orbit camera: drag on empty space to turn, right or middle drag to shift, wheel to come nearer.
+//! An orbit camera: drag on empty space to rotate, right or middle drag to pan, scroll to zoom.
 //!
-//! A gesture belongs to whoever it began on, the panel or the view, until the button is released,
-//! wherever that happens.
+//! A gesture that begins on the panel or the view belongs to it until the button is released, at any position of the
+//! pointer.
 
 #[cfg(feature = "gamepad")]
 use bevy::input::gamepad::Gamepad;
@@ -19,7 +19,7 @@ use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneOpened;
 use crate::view::renderer::PictureTarget;
 
-/// Radius of the middle of the picture over the distance of the camera.
+/// Radius of the middle of the picture, relative to the distance of the camera.
 const MIDDLE: f32 = 0.3;
 
 /// Pose of the camera.
@@ -36,7 +36,7 @@ pub struct OrbitCamera {
 }
 
 impl OrbitCamera {
-    /// The scene's own view: five radii from the main box, farther with many boxes.
+    /// The scene's default view: five radii from the main box, farther with many boxes.
     pub fn home(session: &Session) -> Self {
         let setup = &session.scenario.setup;
         let boxes = session.parameters.boxes() as f32;
@@ -44,7 +44,7 @@ impl OrbitCamera {
         let mut target = setup.initial.position.as_vec3();
         let mut distance = (5.0 * radius).max(1.5) * (1.0 + 0.35 * (boxes.sqrt() - 1.0));
         if let Some(floor) = setup.floor {
-            // See the floor, too.
+            // Includes the floor in the view.
             let height = target.y - floor.height as f32;
             target.y -= 0.5 * height;
             distance = distance.max(1.6 * height + 5.0 * radius);
@@ -58,7 +58,7 @@ impl OrbitCamera {
         home.seen_as(&session.scenario.view)
     }
 
-    /// The same as `view` wants it; target and distance stay where it has no wish.
+    /// The pose of `view`. A target or distance that it does not set is unchanged.
     #[must_use]
     pub fn seen_as(self, view: &SceneView) -> Self {
         let limit = 85.0_f32.to_radians();
@@ -72,8 +72,8 @@ impl OrbitCamera {
         }
     }
 
-    /// Nearer by this factor, farther above 1, without moving `fixed`, a point of the plane through the
-    /// target across the view, in the picture.
+    /// Scales the distance by this factor without moving `fixed` in the picture. `fixed` is a point of the plane
+    /// through the target across the view.
     #[must_use]
     pub fn zoomed(self, factor: f32, fixed: Option<Vec3>) -> Self {
         let distance = (self.distance * factor).clamp(0.01, 1e5);
@@ -86,8 +86,8 @@ impl OrbitCamera {
         }
     }
 
-    /// Goes along with a box that leaves the middle of the picture, no farther than it has to; a view that was shifted
-    /// away from the box stays where it is.
+    /// Follows a box that leaves the middle of the picture, by the smallest shift. A view that was shifted away from
+    /// the box stays unchanged.
     fn keep_in_view(&mut self, before: Vec3, now: Vec3) {
         let most = (MIDDLE * self.distance).max(before.distance(self.target));
         let out = now - self.target;
@@ -102,7 +102,7 @@ impl OrbitCamera {
     }
 }
 
-/// Asks the camera to go somewhere.
+/// Request to move the camera.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub enum CameraRequest {
     /// Centered on the main box.
@@ -113,7 +113,7 @@ pub enum CameraRequest {
     Look(SceneView),
 }
 
-/// Observes what moves the camera.
+/// Observes actions that move the camera.
 pub fn on_action(action: On<Action>, mut commands: Commands) {
     commands.insert_resource(match *action {
         Action::FrameCamera => CameraRequest::Frame,
@@ -123,7 +123,7 @@ pub fn on_action(action: On<Action>, mut commands: Commands) {
     });
 }
 
-/// A new scene comes with its own view.
+/// Resets the camera to the view of a new scene.
 pub fn go_home(opened: On<SceneOpened>, mut commands: Commands) {
     if opened.new {
         commands.insert_resource(CameraRequest::Home);
@@ -136,11 +136,11 @@ pub enum Gesture {
     /// No button is down.
     #[default]
     None,
-    /// It began on the panel, or on the box: poke or grab.
+    /// The drag began on the panel, or on the box: poke or grab.
     Elsewhere,
-    /// It began on the view: turn.
+    /// The drag began on the view: rotate.
     Orbit,
-    /// It began on the view: shift.
+    /// The drag began on the view: pan.
     Pan,
 }
 
@@ -159,7 +159,7 @@ impl Gesture {
     }
 }
 
-/// Spawns the camera with the scene's own view.
+/// Spawns the camera with the scene's default view.
 pub fn spawn_camera(
     session: Res<Session>,
     (target, adapter): (Res<PictureTarget>, Option<Res<RenderAdapterInfo>>),
@@ -205,8 +205,7 @@ pub(crate) fn move_camera(
         let fixed = under_cursor(orbit, lens, pointer.at);
         **orbit = orbit.zoomed(NOTCH.powf(pointer.notches), fixed);
     }
-    // Without a floor or a place of the scene's own there is nothing to stay at: the camera goes along
-    // with the main box.
+    // Without a floor and without a target set by the scene, the camera follows the main box.
     let stays = floor.is_some() || session.scenario.view.target.is_some();
     let at = main_box.iter().next().map(|state| state.position.as_vec3());
     match (at, *seen) {
@@ -219,7 +218,7 @@ pub(crate) fn move_camera(
         match *request {
             CameraRequest::Home => {
                 **orbit = OrbitCamera::home(&session);
-                // The main box may have moved on since the start.
+                // The main box may have moved since the start.
                 if let (false, Some(now)) = (stays, at) {
                     let start = session.setup().initial.position.as_vec3();
                     orbit.target += now - start;
@@ -233,7 +232,7 @@ pub(crate) fn move_camera(
     **transform = orbit.transform();
 }
 
-/// The right stick of a gamepad turns the camera, by full deflection at 2.5 rad/s.
+/// Rotates the camera by the right stick of a gamepad, at full deflection by 2.5 rad/s.
 #[cfg(feature = "gamepad")]
 pub fn turn_camera(
     pads: Query<&Gamepad>,
@@ -250,13 +249,13 @@ pub fn turn_camera(
     }
 }
 
-/// The point under the mouse of the plane through the target across the view.
+/// The point under the mouse in the plane through the target across the view.
 fn under_cursor(orbit: &OrbitCamera, camera: &Camera, cursor: Option<Vec2>) -> Option<Vec3> {
     let eye = orbit.transform();
     let cursor = cursor?;
     let rect = camera.logical_viewport_rect()?;
     if !rect.contains(cursor) {
-        // It is in another view.
+        // The mouse is in another view.
         return None;
     }
     let ray = camera.viewport_to_world(&eye.into(), cursor).ok()?;
@@ -274,18 +273,18 @@ mod tests {
         let (left, other, pressed) = (1, 2, 4);
         let (begin, more) = (left + pressed, left + other + pressed);
         for (before, buttons, over_panel, on_box, after) in [
-            // Begins on the panel, moves over the view: still the panel's.
+            // Begins on the panel and moves over the view: belongs to the panel.
             (None, begin, true, false, Elsewhere),
             (Elsewhere, left, false, false, Elsewhere),
             (Elsewhere, 0, false, false, None),
-            // Begins on the view, moves over the panel: still the view's.
+            // Begins on the view and moves over the panel: belongs to the view.
             (None, begin, false, false, Orbit),
             (Orbit, left, true, false, Orbit),
             (None, other + pressed, false, false, Pan),
-            // Begins on the box: the hand's, until released.
+            // Begins on the box: a poke or grab, until released.
             (None, begin, false, true, Elsewhere),
             (Elsewhere, left, true, true, Elsewhere),
-            // A second button does not take it over.
+            // A second button does not change the gesture.
             (Orbit, more, false, false, Orbit),
         ] {
             let [left, other, pressed] = [left, other, pressed].map(|button| buttons & button > 0);
@@ -340,7 +339,7 @@ mod tests {
             assert!(at.distance(camera.target) <= MIDDLE * camera.distance + 1e-5);
             assert!(k > 10 || camera == CAMERA, "it moved too early");
         }
-        // Shifted away by hand.
+        // Shifted away by the user.
         camera.target.y += 9.0;
         let shifted = camera;
         camera.keep_in_view(at, at);

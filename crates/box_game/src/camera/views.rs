@@ -1,6 +1,6 @@
-//! The layout of views: up to four integrators in one view each, from the same place. The main box is in the
-//! first, one comparison in each of the others, smallest error first; floor and lattice are in all. Each view has its
-//! own light, because a light casts the shadows of what is on its layers.
+//! The layout of views: up to four integrators in one view each, seen from the same place. The first view shows the
+//! main box, the others one comparison each, smallest error first. All show floor and lattice. Each view has a separate
+//! light, because a light casts the shadows of everything on its layers.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{ClearColorConfig, Viewport};
@@ -13,26 +13,26 @@ use crate::action::compare::Layout;
 use crate::compare::Comparison;
 use crate::view::renderer::PictureTarget;
 
-/// Views at most.
+/// Maximum number of views.
 pub const MAX_VIEWS: usize = 4;
 /// Gap between two views \[pixels\].
 const GAP: u32 = 2;
 
-/// The room that the panel leaves for the picture \[pixels\], and how much of it captions cover from its top \[points\].
-/// Without it, views are drawn in one place.
+/// Area of the picture beside the panel \[pixels\], and the height at its top that captions cover \[points\]. Without
+/// it, the layout of views is drawn in one place.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct PictureArea(pub URect, pub f32);
 
-/// A further view, by its number: 1 to 3.
+/// An additional view, by its number: 1 to 3.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SplitView(pub usize);
 
-/// For what is seen in every view.
+/// Layers visible in every view.
 pub fn everywhere() -> RenderLayers {
     (0..MAX_VIEWS).collect()
 }
 
-/// For what is seen in view `k` alone; 0 is also all that is said nothing of.
+/// Layer visible only in view `k`; 0 is also the default layer.
 pub fn only(k: usize) -> RenderLayers {
     RenderLayers::layer(k)
 }
@@ -57,7 +57,7 @@ pub struct Fourth;
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct Edges;
 
-/// The same behind what hides them, to be drawn faintly.
+/// The same edges, drawn faintly behind the objects that hide them.
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct HiddenEdges;
 
@@ -65,7 +65,7 @@ pub struct HiddenEdges;
 #[derive(Default, Reflect, GizmoConfigGroup)]
 pub struct Pins;
 
-/// The lines of one view each, and of all.
+/// Adds the gizmo groups for each view and for all views.
 pub fn add_gizmos(app: &mut App) {
     let lines = |width: f32, depth_bias: f32| GizmoConfig {
         line: GizmoLineConfig { width, ..default() },
@@ -119,7 +119,7 @@ pub fn count(comparison: &Comparison) -> usize {
     }
 }
 
-/// The cameras of the further views, which look as the main one does. They cost nothing while they are off.
+/// Spawns the cameras of the additional views, which copy the main one. They cost nothing while they are off.
 pub fn spawn_views(
     target: Res<PictureTarget>,
     adapter: Option<Res<RenderAdapterInfo>>,
@@ -132,7 +132,7 @@ pub fn spawn_views(
             Camera {
                 order: k as isize,
                 is_active: false,
-                // The first clears all of the picture.
+                // The first camera clears the whole picture.
                 clear_color: ClearColorConfig::None,
                 ..default()
             },
@@ -144,7 +144,7 @@ pub fn spawn_views(
     }
 }
 
-/// Gives every camera its part of the picture.
+/// Sets the viewport of every camera.
 pub fn arrange_views(
     comparison: Res<Comparison>,
     area: Res<PictureArea>,
@@ -167,7 +167,7 @@ pub fn arrange_views(
     }
 }
 
-/// Only where it changes: the camera's picture is made anew.
+/// Changes the camera only if necessary, because a change recreates its render target.
 fn place(camera: &mut Mut<Camera>, cell: URect) {
     let here = |v: &Viewport| v.physical_position == cell.min && v.physical_size == cell.size();
     if !camera.viewport.as_ref().is_some_and(here) {
@@ -179,7 +179,7 @@ fn place(camera: &mut Mut<Camera>, cell: URect) {
     }
 }
 
-/// Every view from where the first is seen.
+/// Copies the pose of the first camera to every view.
 pub fn follow_main(
     main: Query<&Transform, (With<OrbitCamera>, Without<SplitView>)>,
     mut views: Query<&mut Transform, With<SplitView>>,
@@ -195,7 +195,7 @@ pub fn follow_main(
 mod tests {
     use super::*;
 
-    /// Inside the area, apart, equal, and as many as there are integrators.
+    /// The views are inside the area, do not overlap, and have equal size; there is one per integrator.
     #[test]
     fn views_share_the_picture() {
         for area in [URect::new(0, 96, 940, 462), URect::new(3, 5, 8, 8)] {

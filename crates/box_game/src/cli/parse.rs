@@ -103,7 +103,7 @@ pub(super) fn png(text: &str) -> Result<PathBuf, String> {
 mod tests {
     use super::*;
 
-    /// What is written is read by [`box_scenarios::parse_step`]; here is the range.
+    /// Tests only the range; [`box_scenarios::parse_step`] reads the text.
     #[test]
     fn steps_have_a_range() {
         assert_eq!(step("1920 Hz"), Ok(1.0 / 1920.0));

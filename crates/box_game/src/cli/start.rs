@@ -1,4 +1,4 @@
-//! The start and the end of the game, as the command line sets them.
+//! Start and end of the game, as set by the command line.
 
 use std::io;
 
@@ -19,22 +19,22 @@ use crate::scene::library::{self, SceneLibrary};
 use crate::scene::session::Session;
 use crate::scene::start::start_scene;
 
-/// Frames after which a picture that has not arrived is given up.
+/// Maximum number of frames to wait for a screenshot.
 const MAX_WAIT: u32 = 600;
 
 /// The end of the program.
 #[derive(Resource, Default)]
 struct Ending {
     asked: bool,
-    /// Frames for which it has waited for pictures.
+    /// Number of frames spent waiting for screenshots.
     waited: u32,
 }
 
-/// Starts the scene of the command line, and ends the program as it says. Call it last.
+/// Starts the scene of the command line, and ends the program as specified there. Call it last.
 pub fn start(app: &mut App, cli: &Cli) {
     let id = cli.scene.as_deref().unwrap_or(Scenario::ALL[0]().id);
     let library = SceneLibrary::shipped(library::file_path(id));
-    // The command line has checked it.
+    // The command line has validated the id.
     let scenario = library.find(id).unwrap_or_default();
     let mut session = Session::new(scenario, cli.seed);
     session.plot = cli.plot.unwrap_or(session.scenario.view.plot);
@@ -89,7 +89,7 @@ fn quit(action: On<Action>, mut ending: ResMut<Ending>) {
     ending.asked |= *action == Action::Quit;
 }
 
-/// Ends the program on time or on request, after its pictures are on disk.
+/// Ends the program on time or on request, once its screenshots are on disk.
 fn end(
     (cli, clock, comparison): (Res<Cli>, Res<PhysicsClock>, Res<Comparison>),
     (pictures, request): (Res<Pictures>, Option<Res<ScreenshotRequest>>),
@@ -109,7 +109,7 @@ fn end(
     if !ending.asked && (timed_out || limit.is_some_and(|n| *frames >= n)) {
         ending.asked = true;
         if let Some(path) = cli.screenshot.clone() {
-            // A picture of an earlier run must not pass for this one's.
+            // A screenshot of an earlier run must not be mistaken for this one.
             platform::remove(&path);
             commands.insert_resource(ScreenshotRequest {
                 path: Some(path),
@@ -123,7 +123,7 @@ fn end(
         ending.waited += u32::from(ending.asked);
         return;
     }
-    // Those that were not named, by F12, do not count.
+    // Unnamed screenshots (F12) do not count.
     let request = request.and_then(|request| request.path.clone());
     let missing = pictures.missing.iter().chain(&request);
     let missing: Vec<String> = missing.map(|path| path.display().to_string()).collect();
@@ -144,7 +144,7 @@ mod tests {
     use clap::Parser;
     use std::ffi::OsStr;
 
-    /// One that somebody took by hand is given up without an error.
+    /// A missing screenshot that the user took is not an error.
     #[test]
     fn a_named_picture_that_never_arrives_ends_the_program_with_an_error() {
         for (missing, code) in [
@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Not even a picture of an earlier run passes for this one's.
+    /// A screenshot of an earlier run is removed as well.
     #[test]
     fn a_screenshot_that_was_not_taken_leaves_no_file() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! What the open tab shows, as text for the clipboard.
+//! Contents of the open tab, as CSV text for the clipboard.
 
 use bevy::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::action::Plot;
 use crate::cli::command_line::to_clipboard;
 use crate::scene::session::Session;
 
-/// A number, or nothing where it is not known.
+/// Formats a number; empty if it is not finite.
 fn figure(value: f64) -> String {
     if value.is_finite() {
         format!("{value:e}")
@@ -17,7 +17,7 @@ fn figure(value: f64) -> String {
     }
 }
 
-/// The visible window of every trajectory: one row per moment and integrator.
+/// The visible window of every trajectory: one row per sample and integrator.
 fn window_csv(comparison: &Comparison) -> String {
     let columns = Quantity::ALL.map(Quantity::column).join(",");
     let mut text = format!("sim_t_s,integrator,{columns}\n");
@@ -46,7 +46,7 @@ fn sweep_csv(comparison: &Comparison) -> String {
     text
 }
 
-/// The table: one row per trajectory, as it stands now.
+/// The table: one row per trajectory, with its current values.
 fn table_csv(comparison: &Comparison) -> String {
     let mut text = String::from(
         "integrator,main_box,dt_s,sim_t_s,max_pos_err_m,max_rot_err_deg,energy_rel,angmom_rel,diverged_at_s\n",
@@ -70,7 +70,7 @@ fn table_csv(comparison: &Comparison) -> String {
     text
 }
 
-/// Copies what the game's open tab shows and says so.
+/// Copies the contents of the open tab and shows a notice.
 pub(crate) fn copy_plot(world: &mut World) {
     let comparison = world.resource::<Comparison>();
     let text = match world.resource::<Session>().plot {

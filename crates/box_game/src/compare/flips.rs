@@ -1,30 +1,30 @@
-//! Flips of a box about its middle axis: the moments at which the axis it spins about turns over. The body
-//! component of the angular momentum along that axis changes its sign there, which no display angle can hide.
+//! Flips of a box about its middle axis: the moments at which its spin axis reverses. The body component of the angular
+//! momentum along that axis then changes its sign, at any attitude.
 
 use box_physics::prelude::BodyState;
 use box_scenarios::Model;
 
-/// Share of |L| along one axis at the start that makes it the axis to watch.
+/// Fraction of |L| along one axis at the start above which that axis is watched.
 const SPINS_ABOUT: f64 = 0.8;
-/// A flip counts once the axis is this far through (share of |L|): a wobble at the equator is one flip.
+/// Fraction of |L| beyond which a flip is complete; a wobble at the equator thus counts as one flip.
 const THROUGH: f64 = 0.2;
-/// Flips kept at most: an hour of a box that turns over every few seconds.
+/// Maximum number of flips kept: an hour of a box that flips every few seconds.
 const MAX_FLIPS: usize = 1000;
 
 /// The flips of one trajectory.
 #[derive(Clone, Debug, Default)]
 pub struct Flips {
-    /// Axis that is watched, and the sign of L along it at the start.
+    /// The watched axis, and the sign of L along it at the start.
     axis: Option<(usize, f64)>,
-    /// The last sample: time \[s\], L along the axis.
+    /// The last sample: time \[s\] and L along the axis.
     last: (f64, f64),
-    /// The newest change of sign \[s\], which need not be through yet.
+    /// Time of the last change of sign \[s\]. That flip may be incomplete.
     crossed: f64,
     times: Vec<f64>,
 }
 
 impl Flips {
-    /// Watches the axis that the box spins about in `state`; none over a floor, under a torque or at rest.
+    /// Watches the axis about which the box spins in `state`; none over a floor, under a torque or at rest.
     pub fn new(model: &Model, state: &BodyState, t: f64) -> Self {
         let l = state.angular_momentum;
         let free = model.floor().is_none() && model.is_uniform_acceleration();
@@ -39,7 +39,7 @@ impl Flips {
         }
     }
 
-    /// The axis that is watched, 0 to 2.
+    /// The watched axis, 0 to 2.
     pub fn axis(&self) -> Option<usize> {
         self.axis.map(|(k, _)| k)
     }
@@ -49,7 +49,7 @@ impl Flips {
         &self.times
     }
 
-    /// The trajectory is in `state` at `t` \[s\].
+    /// Records that the trajectory is in `state` at `t` \[s\].
     pub fn observe(&mut self, state: &BodyState, t: f64) {
         let Some((k, sign)) = self.axis else {
             return;
@@ -68,18 +68,18 @@ impl Flips {
         }
     }
 
-    /// Forgets what was after `t` \[s\].
+    /// Removes flips after `t` \[s\].
     pub fn rewind(&mut self, t: f64) {
         self.times.retain(|&flip| flip <= t);
         self.last = (t, 0.0);
     }
 }
 
-/// By how much the flips in `own` are late (> 0) or early (< 0) against `reference` at `now` \[s\], and which
-/// flip that is, from 1: the largest so far. `None` without any flip.
+/// Largest lateness (> 0) or earliness (< 0) so far of the flips in `own` relative to `reference` at `now` \[s\], with
+/// the number of that flip, from 1. `None` without any flip.
 pub fn lateness(own: &[f64], reference: &[f64], now: f64) -> Option<(usize, f64)> {
     let both = own.iter().zip(reference).map(|(a, b)| a - b);
-    // The first flip that only one of them has made is late or early by at least the time since.
+    // The first flip that only one of them has made is late or early by at least the time since then.
     let common = own.len().min(reference.len());
     let pending = match (own.get(common), reference.get(common)) {
         (None, Some(due)) => Some(now - due),
@@ -98,7 +98,7 @@ mod tests {
     use box_physics::prelude::Integrator;
     use box_scenarios::{Driver, Scenario};
 
-    /// The flip about the middle axis: half the period of the motion apart, alike under two exact integrators,
+    /// Flips about the middle axis are half the period of the motion apart. They are equal under two exact integrators,
     /// and late or early under one that changes the energy.
     #[test]
     fn flips_are_seen_when_they_happen() {
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(lateness(&[4.0, 4.75], &[4.0], 5.0), Some((2, -0.25)));
     }
 
-    /// Over a floor or on a spring a box turns back and forth: there is no axis to watch.
+    /// Over a floor or on a spring, a box turns back and forth, so no axis is watched.
     #[test]
     fn over_a_floor_there_are_no_flips() {
         for scene in ["bounce", "stiff-spring"] {

@@ -13,13 +13,13 @@ use super::sampling::{measure_grain, shortest_sample};
 use super::verdict::short;
 use crate::record::csv_log::{CsvLog, Row};
 
-/// Rows of the CSV per integrator at most; a longer run is thinned to every `every`-th step.
+/// Maximum number of CSV rows per integrator; a longer run is thinned to every `every`-th step.
 const MAX_ROWS: u64 = 100_000;
 
-/// What to compare.
+/// Options of a comparison without a window.
 #[derive(Clone, Debug)]
 pub struct Headless {
-    /// The scene; its setup's duration is how long it runs.
+    /// The scene; the run has the duration of its setup.
     pub scenario: Scenario,
     /// The integrators, in this order.
     pub integrators: Vec<Integrator>,
@@ -27,13 +27,13 @@ pub struct Headless {
     pub dt: f64,
     /// Substeps per step.
     pub substeps: u32,
-    /// Where the CSV goes.
+    /// Path of the CSV file.
     pub log: PathBuf,
-    /// For the CSV's header.
+    /// Seed, for the header of the CSV file.
     pub seed: u64,
 }
 
-/// The table.
+/// Result of a comparison without a window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Errors and states.
@@ -45,10 +45,10 @@ pub struct Table {
 }
 
 impl Headless {
-    /// Runs the comparison and writes the CSV. Needs the same memory however long it runs.
+    /// Runs the comparison and writes the CSV. The required memory does not depend on the duration.
     ///
     /// # Errors
-    /// What the file system says of the CSV, with its path.
+    /// An I/O error of the CSV file, with its path.
     pub fn run(&self) -> io::Result<Table> {
         let comparison = box_scenarios::IntegratorComparison {
             setup: self.scenario.setup.clone(),
@@ -96,7 +96,7 @@ impl Headless {
         })
     }
 
-    /// A step of the scene's boxes over its course; see [`Snapshot`].
+    /// Measures the cost of a step of the scene's boxes over its duration; see [`Snapshot`].
     pub fn costs(&self) -> Vec<Cost> {
         let boxes = self.scenario.boxes as usize;
         let h = self.dt / f64::from(self.substeps.max(1));
@@ -109,7 +109,7 @@ impl Headless {
             .unwrap_or_default()
     }
 
-    /// The table, and in words what it says.
+    /// Formats the table, with a summary in words.
     pub fn report(&self, table: &Table) -> String {
         let result = &table.result;
         let u = result.uncertainty;
@@ -168,7 +168,7 @@ impl Headless {
     }
 }
 
-/// The default against what most engines do, in words.
+/// Compares the default integrator with that of most engines, in words.
 fn verdict(table: &Table) -> String {
     let find = |i| {
         let results = table.result.integrators.iter();
@@ -194,7 +194,7 @@ fn verdict(table: &Table) -> String {
 mod tests {
     use super::*;
 
-    /// The table of a scene, with what `change` makes of the comparison; its text; and its CSV.
+    /// Compares the integrators in a scene, with options modified by `change`. Returns the table, its text and the CSV.
     fn table(scene: &str, change: impl FnOnce(&mut Headless)) -> (Table, String, String) {
         let folder = tempfile::tempdir().expect("a folder");
         let mut headless = Headless {
@@ -242,7 +242,7 @@ mod tests {
         assert!(text.contains("diverged at t = 0."));
     }
 
-    /// A table without a closed form: every figure is there, and what the reference is good for is said.
+    /// Without a closed form, the table still has every figure, and states the accuracy of the reference.
     #[test]
     fn a_tumbling_contact_has_a_table() {
         let (_, text, _) = table("contact", |_| ());
@@ -257,8 +257,7 @@ mod tests {
         assert!(!text.contains("chaotic"), "{text}");
     }
 
-    /// A box that bounces without end, corner by corner: chaotic. Errors end where the reference does, the balance of
-    /// energy goes on.
+    /// A box that bounces without loss is chaotic. Its errors end with the reference; its energy error does not.
     #[test]
     fn chaos_is_named_and_its_moment() {
         let (table, text, csv) = table("load", |c| {
@@ -279,7 +278,7 @@ mod tests {
         assert!(cells[15].parse::<f64>().is_ok());
     }
 
-    /// The file of a long run is thinned, and has the last step.
+    /// The file of a long run is thinned, and contains the last step.
     #[test]
     fn a_long_run_has_a_short_file() {
         let (table, _, csv) = table("throw", |c| {

@@ -1,31 +1,31 @@
-//! What is done to every comparison alike: inputs with the simulated time at which they act.
+//! Inputs that act on all comparisons, with their simulated times.
 
 use std::collections::VecDeque;
 
 use box_scenarios::Change;
 
-/// Inputs that are kept, so that a comparison chosen later can be simulated from the start. Ten pushes a
-/// second for an hour.
+/// Maximum number of inputs kept: ten pushes per second for an hour. A comparison added later is simulated through them
+/// from the start.
 const MAX_INPUTS: usize = 36_000;
 
 /// A change and its time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Input {
-    /// When \[s\]; a comparison takes it at its first step boundary at or after that.
+    /// Simulated time \[s\]. A comparison applies the change at its first step boundary at or after it.
     pub t: f64,
     pub change: Change,
 }
 
-/// Every input of a run, in order of time. A comparison remembers how many it has taken.
+/// All inputs of a run, in order of time. A comparison stores the number of inputs that it has applied.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inputs {
     kept: VecDeque<Input>,
-    /// Number of the first one kept.
+    /// Number of the first input kept.
     first: u64,
 }
 
 impl Inputs {
-    /// Appends; the oldest goes where there are too many.
+    /// Appends an input. Drops the oldest one if there are too many.
     pub(crate) fn push(&mut self, input: Input) {
         self.kept.push_back(input);
         if self.kept.len() > MAX_INPUTS {
@@ -34,12 +34,12 @@ impl Inputs {
         }
     }
 
-    /// Number `n`, if it has happened and is still kept.
+    /// Returns input number `n`, if it exists and is still kept.
     pub(crate) fn get(&self, n: u64) -> Option<&Input> {
         self.kept.get(n.checked_sub(self.first)? as usize)
     }
 
-    /// Whether the run can be simulated from its start.
+    /// Returns `true` if every input is kept, so that the run can be simulated from its start.
     pub(crate) fn is_whole(&self) -> bool {
         self.first == 0
     }
@@ -49,17 +49,17 @@ impl Inputs {
         self.first + self.kept.len() as u64
     }
 
-    /// Those from `t` \[s\] on.
+    /// The inputs from `t` \[s\] on.
     pub(crate) fn since(&self, t: f64) -> impl Iterator<Item = &Input> {
         self.kept.iter().filter(move |input| input.t >= t)
     }
 
-    /// Forgets what happened after `t` \[s\].
+    /// Removes the inputs after `t` \[s\].
     pub(crate) fn rewind(&mut self, t: f64) {
         self.kept.retain(|input| input.t <= t);
     }
 
-    /// Whether one lies strictly between two times.
+    /// Returns `true` if an input lies between two times, more than `margin` from both \[s\].
     pub(crate) fn any_within(&self, from: f64, to: f64, margin: f64) -> bool {
         let after = |input: &&Input| input.t > from + margin;
         let mut late = self.kept.iter().rev().take_while(after);

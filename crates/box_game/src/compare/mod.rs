@@ -1,14 +1,13 @@
-//! The same scene under several integrators at once: the plugin's main box and the comparisons (the core, each with
-//! its own clock) have the same start and take the same inputs at the same simulated time. Each trajectory has its
-//! errors against one reference, its balance of energy and momentum, and its past.
+//! The same scene under several integrators at once. The core runs the comparisons, each with its own clock. They have
+//! the start of the plugin's main box, and the same inputs at the same simulated times. Each trajectory has its errors
+//! relative to one reference, its balance of energy and momentum, and its past.
 //!
-//! - [`run`]: one run of a scene; [`runner`]: a comparison with its clock; [`track`]: what is measured of it.
-//! - [`LiveReference`](box_scenarios::LiveReference): what all are measured against;
-//!   [`Balance`](box_scenarios::Balance): what energy and angular momentum should be; [`series`]: the past in fixed
-//!   memory.
-//! - `input`: what is done to all alike.
-//! - [`sweep`]: work–precision in its own thread; `view`: what the panel shows.
-//! - [`plugin`]: the Bevy side.
+//! - [`run`]: one run of a scene; [`runner`]: a comparison with its clock; [`track`]: its measurements.
+//! - [`LiveReference`](box_scenarios::LiveReference): the common reference; [`Balance`](box_scenarios::Balance): the
+//!   expected energy and angular momentum; [`series`]: time series in fixed memory.
+//! - `input`: inputs common to all.
+//! - [`sweep`]: work–precision in a separate thread; `view`: data for the panel.
+//! - [`plugin`]: the Bevy plugin.
 
 mod copy;
 pub mod flips;
@@ -41,17 +40,16 @@ pub(crate) use view::{CompareView, TrajectoryView};
 use crate::scene::session::Session;
 use sweep::Sweep;
 
-/// Time that comparisons may take of a frame; what they cannot do in it they catch up with later, and the
-/// status says so.
+/// Time for comparisons per frame. Steps that do not fit are caught up later, which the status shows.
 const BUDGET: Duration = Duration::from_micros(2500);
-/// Comparisons that a scene opens with.
+/// Number of comparisons that a scene opens with.
 const RECOMMENDED: usize = 2;
-/// Smallest and largest step of a comparison over the clock's.
+/// Smallest and largest step of a comparison, relative to that of the clock.
 const FACTORS: (f64, f64) = (1.0 / 16.0, 16.0);
 /// Largest step of a comparison \[s\].
 const MAX_STEP: f64 = 0.5;
 
-/// The comparisons that a scene opens with: the first that it recommends beside the main box's integrator.
+/// The comparisons that a scene opens with: the first recommended ones other than the main box's integrator.
 pub(crate) fn default_comparisons(
     scene: &Scenario,
     main_box: Integrator,
@@ -60,18 +58,18 @@ pub(crate) fn default_comparisons(
     others.filter(move |&i| i != main_box).take(RECOMMENDED)
 }
 
-/// The comparison of the present scene.
+/// The comparison of the current scene.
 #[derive(Resource, Default)]
 pub struct Comparison {
-    /// What is chosen about it.
+    /// Settings chosen by the user.
     pub settings: Settings,
-    /// The run, once there is a main box.
+    /// The run, once a main box exists.
     pub run: Option<Run>,
     /// The sweep.
     pub sweep: Sweep,
-    /// A sweep was asked for. It starts when the scene has.
+    /// `true` if a sweep was requested. It starts once the scene has started.
     pub sweep_requested: bool,
-    /// What simulating and measuring cost in the last frame \[ms\].
+    /// Time for simulating and measuring in the last frame \[ms\].
     pub comparisons_ms: f64,
     chosen: Vec<Integrator>,
     /// The scene that `chosen` is for.
@@ -80,12 +78,12 @@ pub struct Comparison {
     pending: Vec<ApplyImpulse>,
     cursor: MessageCursor<ApplyImpulse>,
     spent: Duration,
-    /// What the steps of the comparisons were last made equal for.
+    /// Fairness, comparisons and main box's integrator for which the steps were last set.
     fair: Option<(Fairness, Vec<Integrator>, Integrator)>,
 }
 
 impl Comparison {
-    /// Opens on `scene` with these integrators as comparisons.
+    /// Creates a comparison for `scene` with these integrators.
     pub fn with_comparisons(scene: &'static str, comparisons: &[Integrator]) -> Self {
         let mut comparison = Self {
             scene: Some(scene),
@@ -95,17 +93,17 @@ impl Comparison {
         comparison
     }
 
-    /// A sweep runs, or begins in this frame.
+    /// Returns `true` if a sweep is running or about to start.
     pub fn is_sweeping(&self) -> bool {
         self.sweep_requested || self.sweep.is_running()
     }
 
-    /// The compared integrators, in the order of the menu. The main box's own waits.
+    /// The chosen integrators, in the order of the menu. That of the main box is skipped.
     pub fn chosen(&self) -> &[Integrator] {
         &self.chosen
     }
 
-    /// Compares with these integrators.
+    /// Sets the chosen integrators.
     pub fn choose(&mut self, comparisons: impl IntoIterator<Item = Integrator>) {
         self.chosen = comparisons.into_iter().collect();
         self.chosen.sort();
@@ -120,7 +118,7 @@ impl Comparison {
         }
     }
 
-    /// A new run. The comparisons stay if it is the same scene, else they are the first that it recommends.
+    /// Starts a run. In another scene, the comparisons become those that the scene recommends.
     fn begin(&mut self, session: &Session, main_box: Integrator, step: f64) {
         let scene = &session.scenario;
         if self.scene != Some(scene.id) {
@@ -135,7 +133,7 @@ impl Comparison {
         self.settle();
     }
 
-    /// Comparisons for what is chosen.
+    /// Updates the comparisons of the run to the chosen integrators.
     fn settle(&mut self) {
         let Some(run) = &mut self.run else {
             return;
@@ -147,7 +145,7 @@ impl Comparison {
         }
     }
 
-    /// Simulates the comparisons up to the clock, within what is left of the frame's time.
+    /// Simulates the comparisons up to the clock's time, within the remaining budget of the frame.
     fn advance(&mut self) {
         let Some(run) = &mut self.run else {
             return;
@@ -159,7 +157,7 @@ impl Comparison {
         self.spent += start.elapsed();
     }
 
-    /// Gives every comparison its step, where the costs are known. `cost` is (evaluations, ns) per step.
+    /// Sets the step of every comparison, once all costs are known. `cost` is (evaluations, ns) per step.
     fn make_fair(&mut self, cost: impl Fn(Integrator) -> Option<(f64, f64)>) {
         let Some(run) = &mut self.run else {
             return;

@@ -1,4 +1,4 @@
-//! The Bevy side: the main box is watched before and after each step, and the comparisons follow it.
+//! The Bevy plugin: it observes the main box before and after each step, and advances the comparisons.
 
 use std::time::Duration;
 
@@ -54,7 +54,7 @@ fn on_action(action: On<Action>, mut commands: Commands) {
     }
 }
 
-/// The main box and what it is in.
+/// The main box and its surroundings.
 #[derive(SystemParam)]
 pub(crate) struct Scene<'w, 's> {
     main_box: Query<'w, 's, (Entity, &'static BodyState, &'static ContactState), With<MainBox>>,
@@ -65,7 +65,7 @@ pub(crate) struct Scene<'w, 's> {
 }
 
 impl Scene<'_, '_> {
-    /// The main box, its state and its contact. A new main box begins a new run.
+    /// The main box, its state and its contact. A new main box starts a new run.
     fn main_box(&self, comparison: &mut Comparison) -> Option<(Entity, BodyState, &ContactState)> {
         let (entity, state, contact) = self.main_box.iter().next()?;
         if comparison.main_box != Some(entity) {
@@ -81,7 +81,7 @@ impl Scene<'_, '_> {
     }
 }
 
-/// Takes the pushes out of the message buffer, as the plugin does: those asked for while paused wait.
+/// Takes the pushes out of the message buffer, as the physics plugin does: those sent while paused wait.
 fn collect_pushes(messages: Res<Messages<ApplyImpulse>>, mut comparison: ResMut<Comparison>) {
     let Comparison {
         cursor, pending, ..
@@ -89,7 +89,7 @@ fn collect_pushes(messages: Res<Messages<ApplyImpulse>>, mut comparison: ResMut<
     pending.extend(cursor.read(&messages));
 }
 
-/// Looks at the main box when everything that is done to it has been done.
+/// Records the main box after all changes and before its step.
 fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
     let comparison = &mut *comparison;
     let pending = core::mem::take(&mut comparison.pending);
@@ -128,7 +128,7 @@ fn before_step(scene: Scene, mut comparison: ResMut<Comparison>) {
     });
 }
 
-/// Looks at the main box after its step, and lets the comparisons follow.
+/// Records the main box after its step, and advances the comparisons.
 pub(crate) fn after_step(
     scene: Scene,
     mut comparison: ResMut<Comparison>,
@@ -151,7 +151,7 @@ pub(crate) fn after_step(
     comparison.advance();
 }
 
-/// Between the steps: a new scene, other comparisons, other steps, and what is left to catch up with.
+/// Applies changes of scene, comparisons and step, and advances comparisons that are behind.
 fn follow(
     scene: Scene,
     samples: Res<IntegratorSamples>,
@@ -171,7 +171,7 @@ fn follow(
     };
     let t = scene.clock.time();
     if t < run.clock - 0.5 * run.step {
-        // Stepped back while paused.
+        // The user has stepped back while paused.
         run.rewind(t, &state);
     }
     run.set_step(scene.step());
@@ -212,7 +212,7 @@ fn apply(world: &mut World, action: CompareAction) {
     }
 }
 
-/// Starts the sweep that was asked for, with the main box's integrator and the comparisons.
+/// Starts a requested sweep, with the main box's integrator and the comparisons.
 fn start_sweep(world: &mut World) {
     let session = world.resource::<Session>();
     let (setup, truth) = (session.setup(), session.truth.clone());
@@ -236,7 +236,7 @@ fn start_sweep(world: &mut World) {
     }
 }
 
-/// Every comparison, and the main box, into the reference's state.
+/// Sets the main box and every comparison to the state of the reference.
 fn resync(world: &mut World) {
     let mut comparison = world.resource_mut::<Comparison>();
     let Some(state) = comparison.run.as_mut().and_then(Run::resync) else {
@@ -248,8 +248,8 @@ fn resync(world: &mut World) {
     }
 }
 
-/// The integrator moves the main box from now on. Where a comparison runs under it, main box and comparison change
-/// places, so that each trajectory stays one integrator's alone; else the main box carries its state over.
+/// Changes the integrator of the main box. If a comparison uses it, main box and comparison are swapped, so each
+/// trajectory keeps one integrator. Otherwise the main box keeps its state.
 fn make_main_box(world: &mut World, integrator: Integrator) {
     world.resource_scope(|world, mut comparison: Mut<Comparison>| {
         let Some(run) = &mut comparison.run else {
@@ -268,7 +268,7 @@ fn make_main_box(world: &mut World, integrator: Integrator) {
             let others = comparison.chosen.clone().into_iter();
             let others: Vec<_> = others.filter(|&i| i != integrator).chain([old]).collect();
             comparison.choose(others);
-            // In the order of the menu again.
+            // Restores the order of the menu.
             comparison.settle();
         }
     });

@@ -1,5 +1,4 @@
-//! One run of a scene: the main box, the comparisons, and the reference, all from the same start through
-//! the same inputs.
+//! One run of a scene: the main box, the comparisons and the reference, all with the same start and the same inputs.
 
 mod past;
 mod ranking;
@@ -23,27 +22,27 @@ use super::track::Track;
 use past::Checkpoint;
 use ranking::Ranking;
 
-/// Marks in the plots that are kept.
+/// Maximum number of marks kept.
 const MAX_MARKS: usize = 512;
-/// Marks of one kind that are closer than this are one \[s\].
+/// Marks of one kind that are closer than this are merged \[s\].
 const MARK_SPACING: f64 = 0.02;
-/// Simulation steps between two looks at the clock.
+/// Number of steps between two checks of the deadline.
 const BATCH: u32 = 16;
 
-/// What a mark in the plots stands for.
+/// Kind of a mark in the plots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkKind {
-    /// The main box met the floor.
+    /// The main box touched the floor.
     Contact,
-    /// The reference turned over.
+    /// The reference flipped.
     Flip,
-    /// A push, a changed parameter, a placing by hand.
+    /// A push, a changed parameter or a moved box.
     Input,
-    /// Another step size.
+    /// The step size changed.
     Step,
-    /// The main box got another integrator.
+    /// The integrator of the main box changed.
     Integrator,
-    /// The comparisons were put into the reference's state.
+    /// All trajectories were set to the state of the reference.
     Resync,
 }
 
@@ -52,31 +51,31 @@ pub enum MarkKind {
 pub struct Mark {
     /// Simulated time \[s\].
     pub t: f64,
-    /// What happened.
+    /// Kind of the mark.
     pub kind: MarkKind,
 }
 
-/// See the module.
+/// A run of a scene; see the module.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// The clock's time \[s\] and step \[s\].
+    /// Time of the clock \[s\].
     pub clock: f64,
-    /// See `clock`.
+    /// Step of the clock \[s\].
     pub step: f64,
-    /// What acts now.
+    /// The current model: body, forces and floor.
     pub law: Arc<Model>,
-    /// The main box: a body of the plugin, which is not stepped here but looked at before and after each step.
+    /// The main box: a body stepped by the plugin and observed here before and after each step.
     pub main_box: Runner,
     /// The comparisons.
     pub comparisons: Vec<Runner>,
-    /// What is trusted.
+    /// The reference for all trajectories.
     pub reference: LiveReference,
-    /// When the reference turned over.
+    /// Flips of the reference.
     pub reference_flips: Flips,
     /// Marks in the plots, oldest first.
     pub marks: VecDeque<Mark>,
     start: (Arc<Model>, BodyState),
-    /// The main box at the beginning of its last step, and whether that began with one of the scene's impulses.
+    /// The main box at the start of its last step; `true` if one of the scene's impulses acted there.
     before: (BodyState, bool),
     impulses: Arc<[TimedImpulse]>,
     inputs: Inputs,
@@ -85,7 +84,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// From the start of `setup`, whose trusted answer is `truth` if that is known.
+    /// Creates a run from the start of `setup`. `truth` is its reference, if known.
     pub fn new(
         setup: &Setup,
         truth: Option<ReferenceSolution>,
@@ -120,8 +119,8 @@ impl Run {
         &self.start.1
     }
 
-    /// Compares with exactly these integrators, in this order. One that is new begins at the
-    /// start and catches up.
+    /// Compares with exactly these integrators, in this order. A new comparison catches up from the start, or begins at
+    /// the reference if early inputs were dropped.
     pub fn choose(&mut self, integrators: impl IntoIterator<Item = Integrator>) {
         let mut old = take(&mut self.comparisons);
         for integrator in integrators {
@@ -160,15 +159,14 @@ impl Run {
         self.main_box.reference.as_ref()
     }
 
-    /// Whether the attitudes have gone more wrong than the positions have: radians against radii of the
-    /// box.
+    /// Returns `true` if the largest attitude error \[rad\] is at least the largest position error in radii of the box.
     pub fn attitude_says_more(&self) -> bool {
         let worst = self.trajectories().map(|r| r.track.now.worst);
         let (x, a) = worst.fold((0.0_f64, 0.0_f64), |(x, a), w| (x.max(w.0), a.max(w.1)));
         a.to_radians() >= x / self.law.body.radius()
     }
 
-    /// The flip of a trajectory that is late or early most, and by how much \[s\]; see [`lateness`].
+    /// Number of the trajectory's flip with the largest lateness, and that lateness \[s\]; see [`lateness`].
     pub fn late(&self, track: &Track) -> Option<(usize, f64)> {
         let now = track.now.sample.t;
         let known = self.reference_flips.times();
@@ -176,7 +174,7 @@ impl Run {
         lateness(track.flips.times(), &known[..due], now)
     }
 
-    /// Whether the main box or a comparison was given up.
+    /// Returns `true` if the main box or a comparison diverged.
     pub fn any_diverged(&self) -> bool {
         let mut all = self.trajectories();
         all.any(|r| r.simulation.diverged.is_some())
@@ -193,7 +191,7 @@ impl Run {
         }
     }
 
-    /// Another step of the clock \[s\].
+    /// Sets the step of the clock \[s\].
     pub fn set_step(&mut self, step: f64) {
         if step != self.step {
             self.step = step;
@@ -204,16 +202,16 @@ impl Run {
         }
     }
 
-    /// Something is done to the box at `t` \[s\], the beginning of the step to come.
+    /// Records a change of the box at `t` \[s\], the start of the next step.
     fn push(&mut self, t: f64, change: Change) {
         self.reference.push(t, &change);
         self.inputs.push(Input { t, change });
         self.mark(t, MarkKind::Input);
     }
 
-    /// Takes note of the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` applies
-    /// those since its last step and returns them. If it is elsewhere, somebody put it there, and every comparison is
-    /// put there too.
+    /// Records the main box before its step: `state` at `t` \[s\], under the force model `law`. `pushes` applies the
+    /// pushes since its last step and returns them. If the result differs from `state`, the box was moved, and every
+    /// comparison is moved there too.
     pub fn before_step(
         &mut self,
         t: f64,
@@ -251,7 +249,7 @@ impl Run {
         self.before = (*state, kicked);
     }
 
-    /// Takes note of the main box after a step of `h` \[s\]: `state` at `t` \[s\].
+    /// Records the main box after a step of `h` \[s\]: `state` at `t` \[s\].
     pub fn after_step(
         &mut self,
         t: f64,
@@ -284,8 +282,8 @@ impl Run {
         }
     }
 
-    /// Simulates the comparisons up to the clock's time, the one that is farthest behind first, but not past
-    /// `deadline`. Returns whether all have arrived.
+    /// Simulates the comparisons up to the clock's time, the one farthest behind first, until `deadline`. Returns
+    /// `true` if all have arrived.
     pub fn advance(&mut self, deadline: Option<Instant>) -> bool {
         let Self {
             comparisons,
@@ -323,7 +321,7 @@ impl Run {
         true
     }
 
-    /// Puts every trajectory into the reference's state and opens new books; returns that state for the body.
+    /// Sets every trajectory to the reference's state, with a new balance. Returns that state for the body.
     pub fn resync(&mut self) -> Option<BodyState> {
         let state = self.reference.follow(self.clock)?;
         self.reference.push(self.clock, &Change::Place(state));
@@ -337,9 +335,8 @@ impl Run {
         Some(state)
     }
 
-    /// The comparison under `integrator` becomes the main box, and the main box a comparison under its own
-    /// integrator, if the comparison is where the clock is. Takes what the plugin keeps of the main box and puts
-    /// there what it should keep.
+    /// Swaps the main box with the comparison under `integrator`, if that has reached the clock's time. Updates the
+    /// state, memory and contact that the plugin keeps for the main box. Returns `true` if swapped.
     pub fn swap(
         &mut self,
         integrator: Integrator,
@@ -373,7 +370,7 @@ impl Run {
         true
     }
 
-    /// Samples, stretches, lines and checkpoints in memory: bounded however long the run is.
+    /// Number of samples, stretches, marks and checkpoints in memory; bounded for runs of any length.
     pub fn kept(&self) -> usize {
         let samples: usize = self.trajectories().map(|r| r.track.series.kept()).sum();
         samples + self.marks.len() + self.checkpoints.len()

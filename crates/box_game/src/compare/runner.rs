@@ -1,4 +1,4 @@
-//! One trajectory, the main box's or a comparison's: its simulation, its clock, its balance.
+//! One trajectory (main box or comparison): its simulation, clock and balance.
 
 use std::sync::Arc;
 
@@ -9,38 +9,38 @@ use box_scenarios::{LiveReference, Model, TimedImpulse, local_error};
 use super::input::Inputs;
 use super::track::Track;
 
-/// Two times closer than this part of a step are one.
+/// Times closer than this fraction of a step count as equal.
 pub(crate) const SAME: f64 = 1e-6;
 
-/// What all runners of a run share while they are stepped.
+/// Data that all runners of a run share while they are stepped.
 pub(crate) struct Shared<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) impulses: &'a [TimedImpulse],
     pub(crate) reference: &'a mut LiveReference,
-    /// The clock's time \[s\]: where a comparison arrives there, it is there exactly.
+    /// Time of the clock \[s\]. A comparison that arrives there within rounding is set to exactly this time.
     pub(crate) clock: f64,
 }
 
-/// A trajectory with what is measured of it.
+/// A trajectory with its measurements.
 #[derive(Clone, Debug)]
 pub struct Runner {
     /// The simulation and its balance.
     pub simulation: box_scenarios::Runner,
-    /// Past and present.
+    /// Past and current measurements.
     pub track: Track,
-    /// Its step over the clock's.
+    /// Step relative to that of the clock.
     pub factor: f64,
-    /// By how much it took the last input late, because its steps end at other times \[s\].
+    /// Delay of the last input \[s\]: the steps of the runner end at other times.
     pub skew: f64,
     pub(crate) next_input: u64,
-    /// The reference at its time, after inputs.
+    /// The reference at the runner's time, after inputs.
     pub(crate) reference: Option<BodyState>,
-    /// Steps of which the log has a row.
+    /// Number of steps written to the CSV log.
     pub(crate) logged: u64,
 }
 
 impl Runner {
-    /// In `state` at `t` \[s\] under `law`; `next_input` is the number of the first input to come.
+    /// Creates a runner in `state` at `t` \[s\] under `law`; `next_input` is the number of its first input.
     pub(crate) fn new(
         integrator: Integrator,
         law: &Arc<Model>,
@@ -71,7 +71,7 @@ impl Runner {
         &self.simulation.driver.state
     }
 
-    /// One step of `h` \[s\] of a runner that has not diverged.
+    /// Takes one step of `h` \[s\]. The runner must not have diverged.
     pub(crate) fn step(&mut self, h: f64, shared: &mut Shared<'_>) {
         let t = self.simulation.driver.time;
         let scene = self.simulation.take_impulses(shared.impulses, t + DUE * h);
@@ -93,8 +93,8 @@ impl Runner {
         self.observe(&model, to, smooth, h);
     }
 
-    /// Measures the state after a step of `h` \[s\] under `model`, where the reference is `to`. The step is `smooth` if
-    /// nothing was done to the box on its way.
+    /// Measures the state after a step of `h` \[s\] under `model`; `to` is the reference there. The step is `smooth` if
+    /// no input acted within it.
     pub(crate) fn observe(&mut self, model: &Model, to: Option<BodyState>, smooth: bool, h: f64) {
         let driver = &self.simulation.driver;
         let ends = self.reference.zip(to).filter(|_| smooth);
@@ -115,7 +115,7 @@ impl Runner {
         self.next_input > first
     }
 
-    /// Puts the comparison into `state` at `t` \[s\] with a new balance.
+    /// Sets the comparison to `state` at `t` \[s\] with a new balance.
     pub(crate) fn resync(&mut self, law: &Arc<Model>, state: BodyState, t: f64, next_input: u64) {
         self.simulation.restart(law, state, t);
         self.next_input = next_input;
@@ -123,7 +123,7 @@ impl Runner {
         self.track.reopen(law, &self.simulation.balance, &state, t);
     }
 
-    /// The same without its past, to return to.
+    /// Returns a copy without the past, for `restore`.
     pub(crate) fn save(&self) -> Self {
         let now = self.track.now;
         Self {
@@ -136,7 +136,7 @@ impl Runner {
         }
     }
 
-    /// Back to what was saved; the past after that is forgotten.
+    /// Restores a saved copy and removes the past after it.
     pub(crate) fn restore(&mut self, saved: &Self) {
         self.simulation = saved.simulation.clone();
         self.track.now.worst = saved.track.now.worst;

@@ -1,20 +1,20 @@
-//! What a comparison was like over time, in memory of fixed size: the last minute as it was, and the whole run
-//! as smallest and largest values of stretches that double when there are too many.
+//! Time series of a trajectory in memory of fixed size. The last minute is kept in full, and the whole run as minima
+//! and maxima over stretches. Their length doubles when there are too many.
 
 use std::collections::VecDeque;
 
-/// Angle to the reference from which a person sees that something is wrong \[°\].
+/// Smallest visible angle to the reference \[°\].
 pub const VISIBLE_ANGLE: f64 = 1.0;
-/// Distance from the reference from which a person sees that something is wrong \[m\].
+/// Smallest visible distance from the reference \[m\].
 pub const VISIBLE_DISTANCE: f64 = 0.01;
-/// Shortest time between two samples kept \[s\]: plots have no more pixels than that.
+/// Minimum time between two kept samples \[s\]; plots do not resolve more.
 const SPACING: f64 = 1.0 / 60.0;
-/// Samples of the last minute, and a few.
+/// Number of recent samples: slightly more than a minute.
 const RECENT: usize = 3700;
-/// Stretches of the whole run, an even number.
+/// Maximum number of stretches of the whole run, even.
 const STRETCHES: usize = 1024;
 
-/// What is kept of a comparison.
+/// A quantity recorded for each trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Distance from the reference \[m\].
@@ -25,16 +25,16 @@ pub enum Quantity {
     LocalPosition,
     /// Angle after one step from the reference's state \[°\].
     LocalAttitude,
-    /// Energy that is not accounted for, over its scale.
+    /// Residual of the energy balance, relative to its scale.
     Energy,
-    /// |L| that is not accounted for, over its scale.
+    /// Residual of the balance of |L|, relative to its scale.
     Momentum,
-    /// Angle between L and what it should be \[°\].
+    /// Angle between L and its expected direction \[°\].
     Direction,
 }
 
 impl Quantity {
-    /// All of them.
+    /// All quantities.
     pub const ALL: [Self; 7] = [
         Self::Position,
         Self::Attitude,
@@ -45,8 +45,8 @@ impl Quantity {
         Self::Direction,
     ];
 
-    /// Label of its axis, name of its column, times this a value is in the unit of the label, and the size from
-    /// which a person sees it, in that unit.
+    /// Label of the axis, name of the column, factor from a value to the unit of the label, and smallest visible
+    /// magnitude in that unit.
     const fn info(self) -> (&'static str, &'static str, f64, Option<f64>) {
         const DISTANCE: Option<f64> = Some(VISIBLE_DISTANCE);
         const ANGLE: Option<f64> = Some(VISIBLE_ANGLE);
@@ -61,38 +61,38 @@ impl Quantity {
         }
     }
 
-    /// As an axis is labeled.
+    /// Label of the axis.
     pub const fn label(self) -> &'static str {
         self.info().0
     }
 
-    /// As a column is called.
+    /// Name of the CSV column.
     pub const fn column(self) -> &'static str {
         self.info().1
     }
 
-    /// Times this a value is in the unit of the label.
+    /// Factor from a value to the unit of the label.
     pub const fn scale(self) -> f64 {
         self.info().2
     }
 
-    /// Size from which a person sees it, in the unit of the label, where that can be said.
+    /// Smallest visible magnitude in the unit of the label, if known.
     pub const fn visible(self) -> Option<f64> {
         self.info().3
     }
 }
 
-/// One moment of a comparison; NaN where something is not known.
+/// Values of a trajectory at one time; NaN where unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Simulated time \[s\].
     pub t: f64,
-    /// In the order of [`Quantity::ALL`].
+    /// Values in the order of [`Quantity::ALL`].
     pub values: [f64; Quantity::ALL.len()],
 }
 
 impl Sample {
-    /// One of the values.
+    /// Returns the value of `quantity`.
     pub fn get(&self, quantity: Quantity) -> f64 {
         self.values[quantity as usize]
     }
@@ -101,7 +101,7 @@ impl Sample {
 /// Smallest values, with the time of the first sample, and largest, with that of the last.
 type Stretch = (Sample, Sample);
 
-/// Appends a stretch to the one before it.
+/// Extends a stretch by the next one.
 fn extend((low, high): &mut Stretch, next: &Stretch) {
     high.t = next.1.t;
     for k in 0..Quantity::ALL.len() {
@@ -111,19 +111,19 @@ fn extend((low, high): &mut Stretch, next: &Stretch) {
     }
 }
 
-/// See the module.
+/// A time series; see the module.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     recent: VecDeque<Sample>,
     whole: Vec<Stretch>,
     /// Samples per full stretch: a power of two.
     length: usize,
-    /// In the newest stretch.
+    /// Number of samples in the newest stretch.
     filled: usize,
 }
 
 impl Series {
-    /// Adds a moment, unless it is too soon after the last.
+    /// Adds a sample, unless it is too soon after the last one.
     pub fn push(&mut self, sample: Sample) {
         let due = |last: &Sample| sample.t - last.t >= SPACING * (1.0 - 1e-6);
         if !self.recent.back().is_none_or(due) {
@@ -157,7 +157,7 @@ impl Series {
         }
     }
 
-    /// Forgets what was after `t` \[s\].
+    /// Removes the samples after `t` \[s\].
     pub fn rewind(&mut self, t: f64) {
         self.recent.retain(|s| s.t <= t);
         while self.whole.last().is_some_and(|s| s.1.t > t) {
@@ -166,7 +166,7 @@ impl Series {
         }
     }
 
-    /// The last `window` \[s\] of one quantity, or everything.
+    /// Points of one quantity over the last `window` \[s\], or over the whole run.
     pub fn points(&self, quantity: Quantity, window: Option<f64>) -> Vec<[f64; 2]> {
         let k = quantity as usize;
         let recent_is_all = self.whole.first().map(|s| s.0.t) == self.recent.front().map(|s| s.t);
@@ -178,7 +178,7 @@ impl Series {
         recent.map(|s| [s.t, s.values[k]]).collect()
     }
 
-    /// The last `window` \[s\] as it was; at most the last minute.
+    /// Samples of the last `window` \[s\], or of the last minute.
     pub fn recent(&self, window: Option<f64>) -> impl Iterator<Item = &Sample> {
         let end = self.recent.back().map_or(0.0, |s| s.t);
         let from = window.map_or(f64::NEG_INFINITY, |w| end - w);
@@ -186,12 +186,12 @@ impl Series {
         self.recent.range(first..)
     }
 
-    /// The newest moment.
+    /// The newest sample.
     pub fn last(&self) -> Option<&Sample> {
         self.recent.back()
     }
 
-    /// Samples and stretches in memory.
+    /// Number of samples and stretches in memory.
     pub fn kept(&self) -> usize {
         self.recent.len() + self.whole.len()
     }
@@ -208,7 +208,7 @@ mod tests {
         }
     }
 
-    /// Ten minutes at 60 Hz, and an hour at 1920 Hz of which 60 a second are kept.
+    /// Ten minutes at 60 Hz, then half a second at 1920 Hz, of which 60 samples per second are kept.
     #[test]
     fn memory_is_flat_and_extremes_survive() {
         let mut series = Series::default();

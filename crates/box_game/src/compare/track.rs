@@ -1,4 +1,4 @@
-//! What is measured of one trajectory, the main box's or a comparison's, step by step.
+//! Measurements of one trajectory (main box or comparison), step by step.
 
 use box_physics::prelude::BodyState;
 
@@ -7,16 +7,16 @@ use box_scenarios::{Balance, Model, StateError};
 use super::flips::Flips;
 use super::series::{Quantity, Sample, Series};
 
-/// The present figures of a trajectory.
+/// Current measurements of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// The newest moment.
+    /// The newest sample.
     pub sample: Sample,
     /// Largest distance so far \[m\] and angle \[°\] from the reference.
     pub worst: (f64, f64),
-    /// Energies \[J\]: of translation, of rotation, potential.
+    /// Translational, rotational and potential energy \[J\].
     pub energies: [f64; 3],
-    /// Angular momentum (vector) that nothing accounts for, over its scale.
+    /// Residual of the balance of the angular momentum vector, relative to its scale.
     pub momentum: f64,
 }
 
@@ -32,39 +32,39 @@ impl Default for Measured {
     }
 }
 
-/// Past and present of one trajectory.
+/// Past and current measurements of one trajectory.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
-    /// The past.
+    /// Time series of the past.
     pub series: Series,
-    /// The present.
+    /// Current measurements.
     pub now: Measured,
-    /// When it turned over.
+    /// Flips of the trajectory.
     pub flips: Flips,
 }
 
 impl Track {
-    /// At the start.
+    /// Creates a track that starts at `t` \[s\] in `state`.
     pub fn new(model: &Model, balance: &Balance, state: &BodyState, t: f64) -> Self {
         let mut track = Self::default();
         track.reopen(model, balance, state, t);
         track
     }
 
-    /// The same trajectory goes on from `state` with a new balance; the past stays.
+    /// Continues the trajectory from `state` with a new balance, and keeps the past.
     pub(crate) fn reopen(&mut self, model: &Model, balance: &Balance, state: &BodyState, t: f64) {
         self.now = Measured::default();
         self.flips = Flips::new(model, state, t);
         self.observe((model, balance), state, t, Some(state), None);
     }
 
-    /// Forgets what was after `t` \[s\].
+    /// Removes the measurements after `t` \[s\].
     pub(crate) fn rewind(&mut self, t: f64) {
         self.series.rewind(t);
         self.flips.rewind(t);
     }
 
-    /// Looks at the state after a step that ends at `t` \[s\]; `local` is the error of that step alone.
+    /// Measures the state after a step that ends at `t` \[s\]; `local` is the error of that step alone.
     pub fn observe(
         &mut self,
         (law, balance): (&Model, &Balance),

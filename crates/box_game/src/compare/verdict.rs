@@ -1,4 +1,4 @@
-//! What there is to say about a trajectory in a word, and about all of them in one sentence.
+//! Verdicts: a few words about each trajectory, and one sentence about all of them.
 
 use std::fmt;
 
@@ -9,30 +9,30 @@ use super::series::{VISIBLE_ANGLE, VISIBLE_DISTANCE};
 use super::view::{CompareView, TrajectoryView};
 use crate::ui::panel::format::grouped;
 
-/// Lateness from which a person sees that something is wrong \[s\].
+/// Smallest visible lateness \[s\].
 pub(crate) const VISIBLE_LATENESS: f64 = 0.1;
-/// Energy drift that is worth a word.
+/// Smallest relative energy drift that is mentioned.
 const VISIBLE_ENERGY: f64 = 0.01;
-/// Errors below are rounding.
+/// Errors below this value are rounding errors.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// How right a trajectory is, by the worst so far.
+/// Quality of a trajectory, by its largest errors so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Quality {
     Right,
-    /// The flip with this number, from 1, came late by this time \[s\]; early if negative.
+    /// The flip with this number, from 1, was late by this time \[s\]; early if negative.
     Late(usize, f64),
     /// Largest angle to the reference \[°\].
     Turned(f64),
     /// Largest distance from the reference \[m\].
     Away(f64),
-    /// Given up at this time \[s\].
+    /// Diverged at this time \[s\].
     Exploded(f64),
 }
 
 impl Quality {
-    /// Of a trajectory with these figures: largest distance \[m\] and angle \[°\] so far, lateness of its flips,
-    /// status. `attitude` says which of distance and angle to name.
+    /// Returns the quality for the largest distance \[m\] and angle \[°\] so far, the lateness of a flip, and the
+    /// status. If `attitude`, a visible angle takes precedence over the distance.
     pub(crate) fn of(
         (distance, angle): (f64, f64),
         late: Option<(usize, f64)>,
@@ -49,7 +49,7 @@ impl Quality {
         }
     }
 
-    /// How wrong: 0 for right, 1 where it begins to show.
+    /// Magnitude of the error: 0 if right, 1 at the limit of visibility.
     pub(crate) fn severity(self) -> f64 {
         match self {
             Self::Right => 0.0,
@@ -60,7 +60,7 @@ impl Quality {
         }
     }
 
-    /// A sign that repeats the word.
+    /// A symbol for the quality.
     pub(crate) const fn sign(self) -> &'static str {
         match self {
             Self::Right => "✔",
@@ -90,7 +90,7 @@ impl fmt::Display for Quality {
     }
 }
 
-/// Two significant digits: a label is read in passing.
+/// Formats a value with two significant digits, for labels.
 pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
     match size {
@@ -109,13 +109,13 @@ pub(crate) fn short(value: f64) -> String {
 }
 
 impl TrajectoryView {
-    /// How right it is; `attitude` as in [`Quality::of`].
+    /// Returns the quality; `attitude` as in [`Quality::of`].
     pub(crate) fn quality(&self, attitude: bool) -> Quality {
         Quality::of(self.worst, self.late, self.status, attitude)
     }
 }
 
-/// One sentence: who is wrong, by how much, who is right, and at what cost.
+/// Headline: the worst integrator with its error, and the best one with its error and relative cost.
 pub(crate) fn headline(view: &CompareView) -> String {
     let quality = |t: &TrajectoryView| t.quality(view.attitude);
     let by_severity = |a: &&TrajectoryView, b: &&TrajectoryView| {
@@ -198,7 +198,7 @@ mod tests {
         }
     }
 
-    /// It says who is wrong and who is right, and changes with what happens.
+    /// The headline names the worst and the best integrator, and follows the measurements.
     #[test]
     fn the_sentence_changes_with_what_happens() {
         let mut view = sample_view().compare;

@@ -1,4 +1,4 @@
-//! What the panel shows of the comparison: plain data, filled once a frame.
+//! Plain data of the comparison for the panel, filled once per frame.
 
 use box_bench::measure::Cost;
 use box_physics::prelude::{Floor, Integrator};
@@ -11,20 +11,20 @@ use super::{Comparison, Fairness, Layout, Mark, Quantity, Window};
 use crate::action::Plot;
 use crate::ui::panel::decimate::{NARROW, decimate};
 
-/// What can be chosen about the comparison and its plots.
+/// Settings of the comparison and its plots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// How the trajectories are drawn.
+    /// Layout of the trajectories.
     pub layout: Layout,
-    /// What is equal between them.
+    /// Quantity that is equal for all trajectories.
     pub fairness: Fairness,
-    /// How much of the past is plotted.
+    /// Time window of the plots.
     pub window: Window,
     /// Errors on a logarithmic axis.
     pub logarithmic: bool,
-    /// Energy and angular momentum on a logarithmic axis, by size.
+    /// Energy and angular momentum on a logarithmic axis, by magnitude.
     pub logarithmic_energy: bool,
-    /// Error of each step alone, instead of since the start.
+    /// Error of each step alone, instead of the error since the start.
     pub local: bool,
 }
 
@@ -47,24 +47,24 @@ pub(crate) struct CompareView {
     pub settings: Settings,
     /// The main box, then the comparisons.
     pub trajectories: Vec<TrajectoryView>,
-    /// Whether the attitudes have gone more wrong than the positions have.
+    /// `true` if the attitude errors exceed the position errors, at the radius of the box.
     pub attitude: bool,
-    /// Where the trusted answer comes from.
+    /// Description of the reference.
     pub reference: String,
-    /// After this time \[s\] the motion is chaotic, and there are no errors.
+    /// Time after which the motion is chaotic and has no errors \[s\], if any.
     pub horizon: Option<f64>,
     pub marks: Vec<Mark>,
-    /// Whether nothing but inputs should change the energy.
+    /// `true` if only inputs should change the energy.
     pub conservative: bool,
     /// The lines of the sweep so far.
     pub sweep: Vec<SweepLine>,
-    /// Points done of points to do, while the sweep runs.
+    /// Number of finished points and of all points, while the sweep runs.
     pub sweeping: Option<(u32, u32)>,
-    /// What there is to say about this comparison, or nothing.
+    /// A note about this comparison; may be empty.
     pub note: String,
-    /// What simulating and measuring the trajectories cost in the last frame \[ms\].
+    /// Time for simulating and measuring the trajectories in the last frame \[ms\].
     pub comparisons_ms: f64,
-    /// What drawing the panel cost in the last frame \[ms\].
+    /// Time for drawing the panel in the last frame \[ms\].
     pub panel_ms: f64,
 }
 
@@ -74,21 +74,21 @@ pub(crate) struct TrajectoryView {
     pub integrator: Integrator,
     pub main_box: bool,
     pub dt: f64,
-    /// By how much it took the last input late \[s\].
+    /// Delay of the last input \[s\].
     pub skew: f64,
     pub status: Status,
-    /// Of the recent samples [ns per body-step].
+    /// Cost from the recent samples [ns per body-step].
     pub cost: Option<Cost>,
     /// Mean cost of this run so far [ns per simulated second], as the sweep measures it.
     pub run_cost: Option<f64>,
     pub evaluations: f64,
-    /// Now, in the order of [`Quantity::ALL`]; NaN where unknown.
+    /// Current values in the order of [`Quantity::ALL`]; NaN where unknown.
     pub now: [f64; Quantity::ALL.len()],
     /// Largest distance \[m\] and angle \[°\] from the reference so far.
     pub worst: (f64, f64),
-    /// The flip that is late (> 0) or early (< 0) most, from 1, and by how much \[s\].
+    /// Number (from 1) and lateness \[s\] of the flip that is most late (> 0) or early (< 0).
     pub late: Option<(usize, f64)>,
-    /// Energies \[J\]: of translation, of rotation, potential.
+    /// Translational, rotational and potential energy \[J\].
     pub energies: [f64; 3],
     pub lines: Vec<(Quantity, Vec<[f64; 2]>)>,
 }
@@ -98,7 +98,7 @@ impl TrajectoryView {
         self.now[quantity as usize]
     }
 
-    /// Cost of a simulated second \[ns\]: the minimum, as everywhere.
+    /// Minimum cost of a simulated second \[ns\].
     pub(crate) fn cost_per_second(&self) -> Option<f64> {
         let cost = self.cost?.min / self.dt;
         (cost > 0.0 && cost.is_finite()).then_some(cost)
@@ -118,7 +118,7 @@ fn quantities(plot: Option<Plot>, settings: &Settings) -> &'static [Quantity] {
     }
 }
 
-/// The view of this frame, with the lines of the open `plot`; `boxes` are in the scene.
+/// Creates the view of this frame, with the lines of the open `plot`. `boxes` is their number in the scene.
 pub(crate) fn compare_view(
     comparison: &Comparison,
     samples: &IntegratorSamples,

@@ -1,5 +1,5 @@
-//! The demo of 2012 on screen: in its scene the main box moves as [`box_scenarios::dissertation`] has it, or,
-//! at the press of a button, as ours.
+//! The demo of 2012 on screen. In its scene the main box moves as in [`box_scenarios::dissertation`] or, at the press
+//! of a button, by `box_physics`.
 
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ use crate::platform::{self, Stream};
 use crate::scene::session::{MainBox, Session};
 use crate::scene::start::{SceneOpened, SceneStarted};
 
-/// The scene it belongs to.
+/// The scene of the demo.
 pub const SCENE: &str = "dissertation-2012";
 
-/// Faults of its physics. The strip shows each when it happens.
+/// Faults of its physics. The strip shows the last one.
 pub const FAULTS: [&str; 5] = [
     "gravity sets the velocity: the box falls at a constant 9.81 m/s",
     "a push replaces the previous one",
@@ -28,7 +28,7 @@ pub const FAULTS: [&str; 5] = [
     "contact only lifts the bounding box: no bounce, no friction, a tilted cube balances on its corner",
 ];
 
-/// Moves the main box by the demo in its scene.
+/// Moves the main box by the 2012 demo in its scene.
 pub fn plugin(app: &mut App) {
     app.init_resource::<Demo2012>()
         .add_observer(on_action)
@@ -48,7 +48,7 @@ pub fn plugin(app: &mut App) {
         );
 }
 
-/// Observes the choice of a stepper and the switch of the log.
+/// Observes the choice of an integrator and the switch of the log.
 fn on_action(action: On<Action>, mut commands: Commands) {
     match *action {
         Action::SetDemo(stepper) => commands.queue(move |world: &mut World| choose(world, stepper)),
@@ -57,16 +57,16 @@ fn on_action(action: On<Action>, mut commands: Commands) {
     }
 }
 
-/// The stepper of 2012 that moves the main box, and its timing.
+/// The 2012 integrator that moves the main box, and its timing.
 #[derive(Resource, Debug)]
 pub struct Demo2012 {
-    /// The stepper; `None` for ours.
+    /// The 2012 integrator; `None` for `box_physics`.
     pub stepper: Option<Stepper>,
-    /// The demo's own state of the main box, once it has one.
+    /// The demo's state of the main box, once it exists.
     pub state: Option<State>,
     /// Time of the last integration cycle \[ns\].
     pub cycle_ns: u64,
-    /// The fault that happened last, of [`FAULTS`].
+    /// Index of the last fault in [`FAULTS`].
     fault: usize,
     /// Pushes since the start.
     pushes: u32,
@@ -87,23 +87,23 @@ impl Default for Demo2012 {
 }
 
 impl Demo2012 {
-    /// The stepper, if it is in charge in `session`'s scene.
+    /// The 2012 integrator, if it moves the main box in `session`'s scene.
     pub fn active(&self, session: &Session) -> Option<Stepper> {
         self.stepper.filter(|_| session.scenario.id == SCENE)
     }
 
-    /// The fault that happened last.
+    /// The last fault.
     pub fn fault(&self) -> &'static str {
         FAULTS[self.fault]
     }
 
-    /// The file that the cycle times go to.
+    /// Path and number of lines of the log of cycle times.
     pub fn log(&self) -> Option<(&Path, u64)> {
         self.log.as_ref().map(|l| (l.path.as_path(), l.cycles))
     }
 }
 
-/// The demo's log: the time of every integration cycle, a line each, as text.
+/// The demo's log: a text file with the time of every integration cycle, one per line.
 #[derive(Debug)]
 struct CycleLog {
     path: PathBuf,
@@ -130,7 +130,7 @@ impl CycleLog {
     }
 }
 
-/// Moves the main box by one cycle of the demo: what the plugin has just made of it, and shown of it, is replaced.
+/// Moves the main box by one cycle of the demo. Replaces the state and the pose that the plugin has just written.
 fn run_cycle(
     session: Res<Session>,
     clock: Res<PhysicsClock>,
@@ -147,7 +147,7 @@ fn run_cycle(
     let own = demo
         .state
         .get_or_insert_with(|| State::new(body, &session.setup().initial));
-    // It gave its time slice away before it looked at the clock; what it logged was mostly that.
+    // The demo yielded its time slice before it read the clock; its logged times were mostly that.
     std::thread::yield_now();
     let start = Instant::now();
     law.cycle(stepper, own, clock.step());
@@ -168,7 +168,7 @@ fn run_cycle(
     }
 }
 
-/// Chooses a stepper of 2012, or ours. Each goes on from where the box is.
+/// Selects a 2012 integrator, or `box_physics`. Each continues from the current state of the box.
 fn choose(world: &mut World, stepper: Option<Stepper>) {
     let main_box = main_box(world);
     let mut demo = world.resource_mut::<Demo2012>();
@@ -181,7 +181,7 @@ fn choose(world: &mut World, stepper: Option<Stepper>) {
     session.perturb(format!("2012: {text}"));
 }
 
-/// The demo's push, where it is in charge: it replaces the motion.
+/// Applies the demo's push, which replaces the motion, if the demo moves the box.
 pub fn push(world: &mut World, impulse: DVec3, body_point: DVec3) {
     let session = world.resource::<Session>();
     let demo = world.resource::<Demo2012>();

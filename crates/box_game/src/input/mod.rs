@@ -29,10 +29,10 @@ pub fn plugin(app: &mut App) {
 /// Focus of keyboard and mouse on the panel.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UiFocus {
-    /// A text field has the focus and takes letters.
+    /// A text field has the focus and receives letters.
     pub text: bool,
-    /// A widget has the focus and takes Space, Enter and arrows.
+    /// A widget has the focus and receives Space, Enter and arrows.
     pub widget: bool,
-    /// The pointer is over the panel, or the panel holds it.
+    /// The pointer is over the panel, or a drag began there.
     pub pointer: bool,
 }

@@ -81,7 +81,7 @@ fn parse(text: &str) -> Result<Vec<Beat>, String> {
 /// The script that is being played.
 #[derive(Resource, Clone, Debug)]
 pub struct Script {
-    /// What is to come, with its time \[s\].
+    /// Remaining actions, with their times \[s\].
     rest: VecDeque<(f64, Action)>,
     began: Option<f64>,
 }

@@ -1,16 +1,15 @@
-//! Holding the box at a point by a damped spring.
+//! Grab of the box at a point by a damped spring.
 //!
-//! The spring is a soft constraint on the velocity of the held point (E. Catto, *Soft Constraints*, GDC
-//! 2011): with stiffness k and damping d, the impulse λ over a step h that an implicit step of spring and
-//! damper needs is
+//! The spring is a soft constraint on the velocity of the held point (E. Catto, *Soft Constraints*, GDC 2011). With
+//! stiffness k and damping d, an implicit step h of spring and damper applies the impulse λ:
 //!
 //! ```text
 //! (K + γ 1) λ = −(u + β C),    γ = 1/(h (d + h k)),    β = h k γ
 //! ```
 //!
-//! with C the point's distance from the hand, u its velocity and K its inverse-mass matrix. Being
-//! implicit it is stable at every step size and for every integrator; being an impulse at the start of the
-//! step it reaches every integrator that is compared alike.
+//! with C the distance of the point from the target, u its velocity and K its inverse-mass matrix. The implicit form is
+//! stable at every step size and for every integrator. As an impulse at the start of the step, it affects all compared
+//! integrators equally.
 
 use bevy::prelude::*;
 use box_physics::prelude::{ApplyImpulse, BodyState, DVec3, PhysicsClock, RigidBox};
@@ -20,11 +19,11 @@ use crate::action::{Action, Hold};
 use crate::scene::session::{MainBox, Session};
 use crate::scene::start::SceneStarted;
 
-/// Undamped frequency of a box held at its center \[Hz\]: fast to follow, slow to jerk.
+/// Undamped frequency of a box held at its center \[Hz\]: follows fast without jerking.
 const FREQUENCY: f64 = 7.5;
-/// Share of critical damping.
+/// Fraction of critical damping.
 const DAMPING: f64 = 1.0;
-/// The largest force, in weights of the box at 9.81 m/s²: enough to whirl it, not to shoot it away.
+/// Maximum force, in weights of the box at 9.81 m/s²: enough to whirl it, too little to hurl it away.
 const FORCE_CAP: f64 = 100.0;
 
 /// The grab in progress.
@@ -42,12 +41,12 @@ pub fn on_action(action: On<Action>, mut grip: ResMut<Grip>, mut session: ResMut
     }
 }
 
-/// A new start releases the box.
+/// Releases the box when a scene starts.
 pub fn release(_: On<SceneStarted>, mut grip: ResMut<Grip>) {
     grip.0 = None;
 }
 
-/// The impulse \[N s\] (world axes, at the held point) of a step of `h` \[s\].
+/// The impulse \[N s\] (world axes, at the held point) over a step of `h` \[s\].
 fn impulse(hold: &Hold, body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {
     let mass = body.mass();
     let rate = core::f64::consts::TAU * FREQUENCY;
@@ -70,7 +69,7 @@ fn impulse(hold: &Hold, body: &RigidBox, state: &BodyState, h: f64) -> DVec3 {
     wanted.clamp_length_max(h * FORCE_CAP * mass * 9.81)
 }
 
-/// Pulls the main box while it is held, once a tick of the clock.
+/// Pulls the main box while it is held, once per tick of the clock.
 pub fn pull(
     grip: Res<Grip>,
     clock: Res<PhysicsClock>,
@@ -111,9 +110,9 @@ mod tests {
             .collect()
     }
 
-    /// Held at the center: there within half a second, without swinging past. It hangs as low as the
-    /// discrete balance of weight and spring says, g/Ω² + g h/Ω + g h²/2: at rest every step's impulse is
-    /// m g h, and the speed before it is −g h/2.
+    /// Held at the center, the box arrives within half a second without overshoot. It sags by the discrete balance of
+    /// weight and spring, g/Ω² + g h/Ω + g h²/2. At rest the impulse of every step is m g h, and the speed before it is
+    /// −g h/2.
     #[test]
     fn it_comes_to_the_hand_without_overshoot() {
         let hold = Hold {
@@ -137,7 +136,7 @@ mod tests {
         }
     }
 
-    /// Held at a corner it hangs there, at any step; the cap bounds the speed of a wild drag.
+    /// A box held at a corner hangs there at any step; the cap limits the speed of a wild drag.
     #[test]
     fn it_is_stable_at_a_corner_and_capped() {
         let hold = Hold {

@@ -1,7 +1,7 @@
-//! Interaction with the box: pushes, pokes, grabs, steps back, undo.
+//! Interaction with the box: pushes, pokes, grabs, stepping back, undo.
 //!
-//! `push`: impulses; [`grab`]: the spring; `pick`: where a ray meets the box; `mouse`: gestures to actions (needs a
-//! camera), with a mouse or a finger (`pointer`); [`rewind`]: the ring of past states; [`undo`]: parameters and restarts.
+//! `push`: impulses; [`grab`]: the spring; `pick`: ray and box; `mouse`: gestures of mouse or finger (`pointer`) to
+//! actions (needs a camera); [`rewind`]: past states; [`undo`]: parameters and restarts.
 
 pub mod grab;
 pub(crate) mod mouse;
@@ -16,7 +16,7 @@ use bevy::prelude::*;
 
 use crate::action::ActionSystems;
 
-/// Everything but the mouse: runs without a window.
+/// Adds everything except the mouse; runs without a window.
 pub fn plugin(app: &mut App) {
     app.init_resource::<grab::Grip>()
         .init_resource::<rewind::Rewind>()
@@ -40,7 +40,7 @@ pub fn plugin(app: &mut App) {
         .add_systems(FixedUpdate, (rewind::record, grab::pull).chain());
 }
 
-/// The mouse on the box, and what it shows. Needs a camera and gizmos.
+/// Adds the mouse on the box, with its arrow and line. Needs a camera and gizmos.
 pub fn mouse_plugin(app: &mut App) {
     app.init_resource::<mouse::Hand>()
         .init_resource::<pointer::Pointer>()

@@ -1,5 +1,5 @@
-//! The mouse on the box: a click pokes, a drag grabs. A gesture that begins on the box belongs to it until the
-//! button is released; all others move the camera.
+//! The mouse on the box: a click pokes, a drag grabs. A gesture that begins on the box applies to it until the button
+//! is released; all others move the camera.
 
 use bevy::prelude::*;
 use box_physics::prelude::{BodyState, DVec3, RigidBox};
@@ -11,11 +11,11 @@ use crate::action::{Action, Actions, Hold, Poke};
 use crate::input::UiFocus;
 use crate::scene::session::{MainBox, Session};
 
-/// A press that moves farther than this is a drag [logical pixels].
+/// Distance beyond which a press is a drag [logical pixels].
 const CLICK: f32 = 5.0;
 /// Factor of the strength per notch of the wheel.
 const NOTCH: f64 = 1.15;
-/// The weakest and the strongest poke, in the panel's strength.
+/// Minimum and maximum strength of a poke, in units of the panel's strength.
 const STRENGTH: (f64, f64) = (0.05, 50.0);
 
 /// State of the mouse on the box.
@@ -27,16 +27,16 @@ pub(crate) enum Hand {
     /// The button went down on the box.
     Pressed {
         hit: Hit,
-        /// Place on the screen [logical pixels].
+        /// Position on the screen [logical pixels].
         at: Vec2,
-        /// Strength of the poke, in units of the panel's.
+        /// Strength of the poke, in units of the panel's strength.
         strength: f64,
     },
     /// The box is held.
     Dragging {
         /// The held point, body axes \[m\].
         body_point: DVec3,
-        /// Distance of the plane in which it is moved, along the view \[m\].
+        /// Distance of the plane in which the point is moved, along the view \[m\].
         depth: f64,
     },
     /// Escape released the box; the button is still down.
@@ -44,8 +44,8 @@ pub(crate) enum Hand {
 }
 
 impl Hand {
-    /// After this frame of the pointer, which may be over the panel. `aim` is the point of the box under the cursor,
-    /// `anchor` gives the point of the world under it at a depth.
+    /// The state after this frame of the pointer, which may be over the panel. `aim` is the point of the box under the
+    /// cursor; `anchor` returns the world point under the cursor at a given depth.
     pub(crate) fn next(
         self,
         pointer: &Pointer,
@@ -92,7 +92,7 @@ impl Hand {
                     out.push(Action::Grab(None));
                     return Self::Idle;
                 }
-                // Outside the window the target stays at its last place.
+                // Outside the window, the target keeps its last position.
                 if let Some(anchor) = anchor(depth) {
                     out.push(Action::Grab(Some(Hold { body_point, anchor })));
                 }
@@ -102,7 +102,7 @@ impl Hand {
     }
 }
 
-/// Reads the mouse and asks for pokes and grabs.
+/// Reads the mouse and requests pokes and grabs.
 pub(crate) fn use_mouse(
     mut hand: ResMut<Hand>,
     keys: Res<ButtonInput<KeyCode>>,
@@ -112,7 +112,7 @@ pub(crate) fn use_mouse(
     focus: Res<UiFocus>,
     mut actions: ResMut<Actions>,
 ) {
-    // The first camera shows the main box; those of the other views come after it.
+    // The first camera shows the main box; those of the other views have a higher order.
     let Some((camera, view)) = cameras.iter().min_by_key(|(camera, _)| camera.order) else {
         return;
     };
@@ -202,7 +202,7 @@ mod tests {
         }
     }
 
-    /// The hand after `pointer`, over the panel or not, with this point of the box under it; and what it asks for.
+    /// The next state after `pointer`, over the panel or not, with this box point under it; and the actions.
     fn next(
         hand: Hand,
         pointer: Pointer,
@@ -231,7 +231,7 @@ mod tests {
         assert!((poke.strength - NOTCH * NOTCH).abs() < 1e-12);
     }
 
-    /// A gesture belongs to what it began on; Escape ends a drag until the button is pressed again.
+    /// A gesture belongs to the object on which it began. Escape ends a drag until the button is pressed again.
     #[test]
     fn a_drag_grabs_until_released_wherever_that_is() {
         let (idle, up, on_box) = (Hand::Idle, Pointer::default(), Some(ON_BOX));
@@ -263,7 +263,7 @@ mod tests {
                 vec![],
             ),
             (Hand::Canceled, up, false, on_box, idle, vec![]),
-            // Begun beside the box, on the panel, or on empty space and moved over the box.
+            // Begun next to the box, on the panel, or on empty space and then moved over the box.
             (idle, press, false, None, idle, vec![]),
             (idle, press, true, on_box, idle, vec![]),
             (idle, held(5.0), false, on_box, idle, vec![]),

@@ -1,4 +1,4 @@
-//! Intersection of a ray with the box, in f64 and against the body's own geometry, not its mesh.
+//! Intersection of a ray with the box, in f64 and with the body's geometry instead of its mesh.
 
 use box_physics::prelude::{BodyState, DVec3, RigidBox};
 
@@ -11,9 +11,9 @@ pub(crate) struct Hit {
     pub normal: DVec3,
 }
 
-/// The first point of `body` at `state` on the ray from `origin` \[m\] along `direction`; `None` if it
-/// passes by, starts inside or has no direction. The slab method (Kay and Kajiya 1986) in body axes: the
-/// ray is inside the box where it is inside its three pairs of planes.
+/// The first point of `body` at `state` on the ray from `origin` \[m\] along `direction`. `None` if the ray misses,
+/// starts inside or has no direction. The slab method (Kay and Kajiya 1986) in body axes: the ray is inside the box
+/// where it is inside all three pairs of planes.
 pub(crate) fn hit(
     body: &RigidBox,
     state: &BodyState,
@@ -24,7 +24,7 @@ pub(crate) fn hit(
     let from = to_body * (origin - state.position);
     let along = to_body * direction;
     let half = body.half_extents();
-    // Where the ray crosses each plane: infinitely far away where they are parallel.
+    // The parameters at which the ray crosses each plane; infinite for a parallel plane.
     let (low, high) = ((-half - from) / along, (half - from) / along);
     let (enter, leave) = (low.min(high), low.max(high));
     let axis = enter.max_position();
@@ -66,7 +66,7 @@ mod tests {
     fn a_turned_box_is_met_in_its_own_axes() {
         let quarter = DQuat::from_xyzw(0.0, 0.0, 0.5_f64.sqrt(), 0.5_f64.sqrt());
         let state = BodyState::at_pose(DVec3::ZERO, quarter);
-        // The long side now stands upright: x of the body is y of the world.
+        // The long side is now upright: x of the body is y of the world.
         let met = hit(&body(), &state, DVec3::Y * 3.0, DVec3::NEG_Y).expect("from above");
         assert_eq!(met.normal, DVec3::X);
         assert!((met.point - DVec3::X * 0.5).length() < 1e-12);

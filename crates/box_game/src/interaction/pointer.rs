@@ -1,11 +1,11 @@
-//! The pointer: a mouse, or fingers. One finger is the left button; two shift the view and bring it nearer.
+//! The pointer: a mouse, or fingers. One finger is the left button; two fingers pan and zoom.
 
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll, MouseScrollUnit};
 use bevy::input::touch::Touches;
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 
-/// Pixels of a touch pad that are a notch of a wheel.
+/// Touchpad pixels per notch of a wheel.
 const PIXELS_PER_NOTCH: f32 = 40.0;
 /// Factor of the camera's distance per notch.
 pub(crate) const NOTCH: f32 = 0.9;
@@ -13,37 +13,37 @@ pub(crate) const NOTCH: f32 = 0.9;
 /// The pointer in one frame.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Pointer {
-    /// Its place [logical pixels], if it is over the window.
+    /// Position [logical pixels], if it is over the window.
     pub at: Option<Vec2>,
     /// The left button, or a finger, is down.
     pub left: bool,
-    /// Another button is, or are two fingers.
+    /// Another button is down, or two fingers are.
     pub other: bool,
     /// The left button went down in this frame.
     pub left_pressed: bool,
-    /// Another button did, or two fingers are down.
+    /// Another button went down in this frame, or two fingers are down.
     pub other_pressed: bool,
-    /// Its way since the last frame [logical pixels].
+    /// Movement since the last frame [logical pixels].
     pub moved: Vec2,
-    /// Notches of the wheel, or what two fingers make of them; above 0 is nearer.
+    /// Notches of the wheel, or their equivalent for two fingers; > 0 zooms in.
     pub notches: f32,
-    /// A second finger came: what the first began is nothing.
+    /// A second finger touched, which cancels the gesture of the first.
     pub canceled: bool,
 }
 
-/// A finger and its place [logical pixels].
+/// Id and position of a finger [logical pixels].
 type Finger = (u64, Vec2);
 
 /// The fingers of the last frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Fingers {
     down: Vec<Finger>,
-    /// Two were down, and not all are up since.
+    /// `true` from the touch of a second finger until all fingers are up.
     several: bool,
 }
 
 impl Fingers {
-    /// The pointer that these fingers are; they come in a constant order.
+    /// Returns the pointer for these fingers, which are in a constant order.
     fn next(&mut self, down: Vec<Finger>) -> Pointer {
         let before = core::mem::replace(&mut self.down, down);
         let down = &self.down;

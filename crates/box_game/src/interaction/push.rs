@@ -46,19 +46,19 @@ pub(crate) fn on_action(
     });
 }
 
-/// Impulse of a push \[N s\], world axes, and its point in body axes: the middle of the face that it comes
-/// from, or the edge of that face.
+/// Impulse of a push \[N s\], world axes, and its point in body axes: the middle of the pushed face, or of an edge of
+/// that face.
 fn push_impulse(push: Push, body: &RigidBox, state: &BodyState, strength: f64) -> (DVec3, DVec3) {
     let local = if push.world {
         state.rotation.inverse() * push.direction
     } else {
         push.direction
     };
-    // The face whose outward normal is most against the push, in body axes.
+    // The face whose outward normal is most nearly opposite to the push, in body axes.
     let axis = DVec3::AXES[local.abs().max_position()];
     let h = body.half_extents();
     let face = axis * (h * axis) * -local.dot(axis).signum();
-    // The edge: off to the side along the next axis.
+    // The edge is offset along the next axis.
     let side = DVec3::new(axis.z, axis.x, axis.y);
     let off = if push.off_center {
         side * h
@@ -90,7 +90,7 @@ mod tests {
         assert!((j - DVec3::Y * 2.0).length() < 1e-15);
         assert_eq!(point, DVec3::NEG_X * 0.5);
         assert!((pushed(true, false).0 - DVec3::X * 2.0).length() < 1e-15);
-        // Off-center: at the edge of the face, so there is a moment about it.
+        // Off-center: at the edge of the face, so the push has a moment.
         assert_eq!(pushed(false, true).1, DVec3::new(-0.5, 0.25, 0.0));
     }
 }

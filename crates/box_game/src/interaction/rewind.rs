@@ -1,4 +1,4 @@
-//! Stepping back: complete states before the last ticks, so that the future repeats bit for bit.
+//! Stepping back: complete states before the last ticks, from which the motion repeats bit for bit.
 
 use std::collections::VecDeque;
 
@@ -15,16 +15,16 @@ use crate::demo_2012::Demo2012;
 use crate::scene::session::{BoxNumber, Session};
 use crate::scene::start::SceneOpened;
 
-/// The most ticks that are kept: half a minute at 60 Hz.
+/// Maximum number of ticks kept: half a minute at 60 Hz.
 pub const MAX_TICKS: usize = 2000;
-/// The most steps that one action takes.
+/// Maximum number of steps in one action.
 const MAX_STEPS: u32 = 10_000;
-/// The most bodies of a scene that can go back.
+/// Maximum number of bodies in a scene for stepping back.
 pub const MAX_BODIES: usize = 1000;
-/// The most bodies in all that are kept, over every tick: some 50 MB.
+/// Maximum number of bodies kept over all ticks: about 50 MB.
 const BUDGET: usize = 80_000;
 
-/// Everything that the motion depends on, between two ticks.
+/// All data that determine the motion, between two ticks.
 #[derive(Clone, Debug)]
 pub struct Moment {
     clock: PhysicsClock,
@@ -35,7 +35,7 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The present moment; `None` with more than [`MAX_BODIES`] bodies.
+    /// The current moment; `None` with more than [`MAX_BODIES`] bodies.
     pub fn now(world: &mut World) -> Option<Self> {
         let mut bodies = world.query::<(
             &BoxNumber,
@@ -69,7 +69,7 @@ impl Moment {
         })
     }
 
-    /// Restores everything but pause, substeps and step size.
+    /// Restores everything except pause, substeps and step size.
     pub fn restore(&self, world: &mut World) {
         let present = *world.resource::<PhysicsClock>();
         let mut clock = self.clock;
@@ -100,7 +100,7 @@ impl Rewind {
     }
 
     fn push(&mut self, moment: Moment) {
-        // A restart or a step back: what was to come is no past.
+        // After a restart or a step back, removes moments that are no longer in the past.
         let future = |last: &mut Moment| last.clock.steps() >= moment.clock.steps();
         while self.ring.pop_back_if(future).is_some() {}
         let bodies = moment.bodies.len().max(1);
@@ -126,12 +126,12 @@ pub fn on_action(action: On<Action>, mut commands: Commands) {
     }
 }
 
-/// Forgets the past of the scene before.
+/// Clears the past of the previous scene.
 pub fn forget(_: On<SceneOpened>, mut rewind: ResMut<Rewind>) {
     rewind.ring.clear();
 }
 
-/// Keeps the moment before a tick.
+/// Stores the moment before a tick.
 fn keep(world: &mut World) {
     match Moment::now(world) {
         Some(moment) => world.resource_mut::<Rewind>().push(moment),
@@ -139,19 +139,19 @@ fn keep(world: &mut World) {
     }
 }
 
-/// Keeps the moment before every tick of the running clock.
+/// Stores the moment before every tick of the running clock.
 pub fn record(world: &mut World) {
     if !world.resource::<PhysicsClock>().paused {
         keep(world);
     }
 }
 
-/// Steps `ticks` back, or to the oldest moment, and pauses.
+/// Steps back by `ticks`, or to the oldest moment, and pauses.
 fn step_back(world: &mut World, ticks: u32) {
     world.resource_mut::<PhysicsClock>().paused = true;
     let steps = world.resource::<PhysicsClock>().steps();
     let mut rewind = world.resource_mut::<Rewind>();
-    // Not those from before a restart.
+    // Skips moments from before a restart.
     let past = core::iter::from_fn(|| rewind.ring.pop_back());
     let target = past
         .filter(|moment| moment.clock.steps() < steps)

@@ -1,4 +1,4 @@
-//! Undo and redo of parameters, integrators and restarts: one entry for what a frame changed.
+//! Undo and redo of parameters, integrators and restarts, with one entry per frame with changes.
 
 use core::time::Duration;
 
@@ -11,9 +11,9 @@ use crate::parameters::{Effect, Parameter, Parameters};
 use crate::scene::session::Session;
 use crate::scene::start::{SceneOpened, take_effect};
 
-/// The most changes that are kept.
+/// Maximum number of changes kept.
 const MAX_CHANGES: usize = 100;
-/// Changes of one thing closer than this are one: a slider being dragged.
+/// Time within which changes of the same kind are merged, such as a drag of a slider.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
 
 /// Settings that undo restores, and the number of the scene's start.
@@ -34,7 +34,7 @@ struct Entry {
 pub struct UndoStack {
     past: Vec<Entry>,
     future: Vec<Entry>,
-    /// The change that this frame may make.
+    /// The settings before a possible change in this frame.
     pending: Option<Entry>,
     /// Name and time of the last change.
     last: Option<(&'static str, Duration)>,
@@ -52,7 +52,7 @@ impl UndoStack {
     }
 }
 
-/// Name of the change that an action makes, and whether it restarts the scene; `None` if it cannot be undone.
+/// Name of the change that an action makes, and `true` if it restarts the scene. `None` if it cannot be undone.
 fn change(action: &Action) -> Option<(&'static str, bool)> {
     match action {
         Action::SetIntegrator(_) => Some(("Integrator", false)),
@@ -77,7 +77,7 @@ impl Entry {
         }
     }
 
-    /// Restores the entry, and returns the settings before.
+    /// Restores the entry, and returns the previous settings.
     fn swap(self, world: &mut World) -> Self {
         let before = Self::now(world, self.what, self.moment.is_some());
         let ((old, old_integrator, _), (new, integrator, _)) = (before.settings, self.settings);
@@ -96,14 +96,14 @@ impl Entry {
         }
         if let Some(moment) = &self.moment {
             moment.restore(world);
-            // The scene's reference starts at its start, not at this moment.
+            // The scene's reference starts at the scene's start, not at this moment.
             world.resource_mut::<Session>().perturb(event);
         }
         before
     }
 }
 
-/// Remembers the settings before the actions of a frame, if one of them can be undone.
+/// Stores the settings before the actions of a frame, if one of them can be undone.
 pub fn remember(world: &mut World) {
     let actions = &world.resource::<Actions>().0;
     if actions.contains(&Action::Undo) || actions.contains(&Action::Redo) {
@@ -117,7 +117,7 @@ pub fn remember(world: &mut World) {
     }
 }
 
-/// Keeps what [`remember`] remembered, if the frame changed it.
+/// Keeps the settings from [`remember`], if the frame changed them.
 pub fn keep(world: &mut World) {
     let Some(entry) = world.resource_mut::<UndoStack>().pending.take() else {
         return;
@@ -170,7 +170,7 @@ pub fn on_action(action: On<Action>, mut stack: ResMut<UndoStack>, mut commands:
     });
 }
 
-/// Forgets the changes of the scene before.
+/// Clears the changes of the previous scene.
 pub fn forget(_: On<SceneOpened>, mut stack: ResMut<UndoStack>) {
     *stack = UndoStack::default();
 }

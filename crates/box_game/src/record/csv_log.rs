@@ -1,5 +1,5 @@
 //! The CSV log: one row per step and integrator, with units in the column names. Another thread writes and syncs the
-//! file: a program that is killed loses at most the rows of some milliseconds, a power cut those of a tenth of a second.
+//! file. A killed program loses at most the rows of a few milliseconds, a power cut those of a tenth of a second.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::platform::{self, SyncedFile};
 
-/// One row. Columns without a figure are empty.
+/// One row. Columns without a value are empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Row {
     /// Id of the run: scene, seed and, in the game, the number of starts.
@@ -29,7 +29,7 @@ pub struct Row {
     pub dt_s: f64,
     /// Substeps per step.
     pub substeps: u32,
-    /// Force evaluations of this row's step: all boxes (main box), a step's mean (other comparisons).
+    /// Force evaluations of this row's step: sum of all boxes (main box), or mean of a step (comparisons).
     pub rhs_evals: u64,
     /// Shortest recent time [ns per body-step].
     pub step_ns_min: Option<f64>,
@@ -43,9 +43,9 @@ pub struct Row {
     pub local_pos_err_m: Option<f64>,
     /// Kinetic and potential energy \[J\].
     pub energy_j: f64,
-    /// Energy that inputs, forces and floor do not account for, over |E₀|.
+    /// Unaccounted energy: the change not due to inputs, forces and floor, over |E₀|.
     pub energy_rel: Option<f64>,
-    /// Angular momentum (vector, world axes) that they do not account for, over |L₀|.
+    /// Unaccounted angular momentum (vector, world axes), over |L₀|.
     pub angmom_rel: Option<f64>,
     /// Corners at the floor.
     pub contacts: u32,
@@ -56,7 +56,7 @@ pub struct Row {
     pub cpu_process_pct: Option<f64>,
     /// CPU of the system \[%\].
     pub cpu_system_pct: Option<f64>,
-    /// Last frame \[ms\].
+    /// Duration of the last frame \[ms\].
     pub frame_ms: Option<f64>,
     /// Pushes, switches and changes before this step.
     pub event: String,
@@ -77,7 +77,7 @@ pub struct CsvLog {
 }
 
 impl CsvLog {
-    /// Creates `path` (replacing it) with the metadata lines in front.
+    /// Creates `path` (replacing it) and writes the metadata lines.
     ///
     /// # Errors
     /// The error of the file system, with the path.
@@ -104,7 +104,7 @@ impl CsvLog {
     /// Writes one row.
     ///
     /// # Errors
-    /// The error of the file system, perhaps of an earlier row.
+    /// The error of the file system, possibly of an earlier row.
     pub fn write(&mut self, row: &Row) -> io::Result<()> {
         let mut writer = csv::WriterBuilder::new()
             .has_headers(self.rows == 0)
@@ -120,7 +120,7 @@ impl CsvLog {
     /// Waits until every row is on disk.
     ///
     /// # Errors
-    /// The error of the file system, perhaps of an earlier row.
+    /// The error of the file system, possibly of an earlier row.
     pub fn sync(&mut self) -> io::Result<()> {
         self.file.sync()
     }

@@ -8,10 +8,10 @@ use box_physics::prelude::PhysicsClock;
 
 use crate::platform;
 
-/// Points kept per curve: 15 minutes of CPU at 4 a second.
+/// Maximum number of points per curve: 15 minutes of CPU usage at 4 per second.
 const LENGTH: usize = 3600;
 
-/// The rings.
+/// The time series.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct History {
     /// (wall time \[s\], process CPU \[%\], system CPU \[%\]).
@@ -38,7 +38,7 @@ pub fn record(
 ) {
     let (wall, simulated) = (time.elapsed_secs_f64(), clock.elapsed().as_secs_f64());
     let history = &mut *history;
-    // A restart begins anew.
+    // A restart clears the series.
     if history.pace.back().is_some_and(|last| last.1 > simulated) {
         history.pace.clear();
     }
@@ -57,7 +57,7 @@ pub fn record(
     }
 }
 
-/// The last frame \[ms\], smoothed.
+/// Smoothed duration of a frame \[ms\].
 pub fn frame_time(store: Option<&DiagnosticsStore>) -> Option<f64> {
     store?
         .get(&FrameTimeDiagnosticsPlugin::FRAME_TIME)?

@@ -1,4 +1,4 @@
-//! Records of a run: CSV log, time series for the plots, pictures.
+//! Records of a run: CSV log, time series for the plots, screenshots.
 
 pub mod csv_log;
 pub mod history;
@@ -10,7 +10,7 @@ use box_physics::prelude::{PhysicsSchedule, PhysicsSystems};
 
 use crate::compare::plugin::after_step;
 
-/// The CSV log and the time series of the plots.
+/// Adds the CSV log and the time series of the plots.
 pub fn plugin(app: &mut App) {
     app.init_resource::<history::History>()
         .init_resource::<screenshot::Pictures>()
@@ -24,7 +24,7 @@ pub fn plugin(app: &mut App) {
         .add_systems(Update, history::record);
 }
 
-/// Pictures. Needs a renderer.
+/// Adds screenshots. Needs a renderer.
 pub fn pictures_plugin(app: &mut App) {
     app.init_resource::<screenshot::PlotArea>()
         .add_observer(screenshot::on_action)

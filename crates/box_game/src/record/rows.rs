@@ -1,5 +1,5 @@
-//! After every step: its counts, and the rows of the log while one is open: one for the main box, one for
-//! each comparison that has taken a step.
+//! Records after every step: its counts and, while a log is open, its rows. There is one row for the main box and one
+//! for each comparison that has taken a step.
 
 use bevy::diagnostic::{DiagnosticsStore, FrameCount};
 use bevy::prelude::*;

@@ -13,20 +13,20 @@ use crate::platform;
 use crate::scene::session::Session;
 use crate::view::renderer::PictureTarget;
 
-/// The open plot or table \[pixels\]; empty while the drawer is shut.
+/// Area of the open plot or table \[pixels\]; empty while the drawer is closed.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(crate) struct PlotArea(pub URect);
 
-/// The pictures that were asked for.
+/// The requested pictures.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct Pictures {
-    /// Number of those that are not on disk yet: the program does not end before them.
+    /// Number of pictures not yet on disk; the program waits for them before it ends.
     pub pending: u32,
-    /// Files that the command line or a script named and that are not on disk: not yet, or because of an error.
+    /// Files named by the command line or a script that are not on disk: not yet, or because of an error.
     pub missing: Vec<PathBuf>,
 }
 
-/// A picture of the next frame.
+/// Requests a picture of the next frame.
 #[derive(Resource, Clone, Debug)]
 pub(crate) struct ScreenshotRequest {
     /// The file; without one the next free `box_game-NN.png` or `plot-NN.png`.
@@ -66,7 +66,7 @@ pub(crate) fn on_action(action: On<Action>, mut session: ResMut<Session>, mut co
     commands.insert_resource(ScreenshotRequest { path, plot });
 }
 
-/// What takes pictures.
+/// System parameter that takes pictures.
 #[derive(SystemParam)]
 pub(crate) struct Capture<'w, 's> {
     target: Res<'w, PictureTarget>,

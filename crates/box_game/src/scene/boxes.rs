@@ -1,12 +1,12 @@
-//! Initial states of the boxes: the main box as the scene states it, the load on a grid around it.
+//! Initial states of the boxes: the main box as defined by the scene, the load on a grid around it.
 
 use box_physics::prelude::{BodyState, DQuat, DVec3};
 use box_scenarios::Setup;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt as _, SeedableRng as _};
 
-/// Initial state of box `k`: that of the scene for `k` = 0. The others stand on a grid around it, each with
-/// a random attitude and the same motion.
+/// Initial state of box `k`: that of the scene for `k` = 0. The others are on a grid around it, each with a random
+/// attitude and the same motion.
 pub(super) fn place(setup: &Setup, k: u32, seed: u64) -> BodyState {
     let mut state = setup.initial;
     if k == 0 {

@@ -41,7 +41,7 @@ pub(crate) fn set_speed(world: &mut World, speed: f64) {
     time.set_relative_speed_f64(speed);
 }
 
-/// Gives the clocks the session's step and substeps.
+/// Sets the step and substeps of the clocks to those of the session.
 pub(crate) fn set_step(world: &mut World) {
     let parameters = world.resource::<Session>().parameters;
     world

@@ -10,23 +10,23 @@ use super::start::open_scene;
 use crate::action::Action;
 use crate::platform::{self, Stamp};
 
-/// Interval between two looks at the files [s of real time].
+/// Interval between checks of the files [s of real time].
 const INTERVAL: f64 = 0.5;
-/// The most files that are listed: a folder of thousands is a mistake.
+/// Maximum number of files listed; a folder of thousands is a mistake.
 const MAX_FILES: usize = 200;
 
-/// Every scene that can be chosen.
+/// All available scenes.
 #[derive(Resource, Debug, Default)]
 pub struct SceneLibrary {
     folder: PathBuf,
-    /// The file of the command line, which may be anywhere.
+    /// The file named on the command line, in any folder.
     opened: Option<PathBuf>,
     files: Vec<SceneFile>,
     menu: Vec<Scenario>,
     looked: Option<f64>,
 }
 
-/// What there is to see in a scene: the first sentence of its lesson; may be empty.
+/// Summary of a scene: the first sentence of its lesson; may be empty.
 pub fn watch(scene: &Scenario) -> &'static str {
     // An initial ends no sentence.
     let word = |end: usize| scene.lesson[..end].rsplit(' ').next().unwrap_or_default();
@@ -84,7 +84,7 @@ impl SceneLibrary {
         scene.map_or_else(|| open(text), Ok)
     }
 
-    /// The path of the file in which the scene with this id stands, if it is not built in.
+    /// The path of the file with the scene of this id, if it is not built in.
     pub fn path_of(&self, id: &str) -> Option<String> {
         let file = self.files.iter().find(|f| f.has(id))?;
         Some(file.path.display().to_string())
@@ -181,7 +181,7 @@ pub fn file_path(text: &str) -> Option<PathBuf> {
     platform::with_extension(text, "ron")
 }
 
-/// Observes the choice of a scene.
+/// Opens the chosen scene.
 pub fn on_action(
     action: On<Action>,
     library: Res<SceneLibrary>,

@@ -1,4 +1,4 @@
-//! The scene being played: its parameters, its start, its clock, and the files that scenes come from.
+//! The current scene: its parameters, start and clock, and the scene files.
 
 mod boxes;
 pub(crate) mod clock;

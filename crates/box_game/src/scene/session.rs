@@ -1,4 +1,4 @@
-//! The scene being played, its parameters, and the switches of the view.
+//! The current scene, its parameters, and the switches of the view.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ use box_scenarios::{ForceSet, ReferenceSolution, Scenario, Setup};
 use crate::action::Plot;
 use crate::parameters::Parameters;
 
-/// The box that is pushed; the others are load.
+/// The box that the user pushes; the others are load.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct MainBox;
 
@@ -21,20 +21,20 @@ pub struct SceneEntity;
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct BoxNumber(pub u32);
 
-/// The present scene and settings.
+/// The current scene and settings.
 #[derive(Resource)]
 pub struct Session {
-    /// The scene as it comes.
+    /// The scene without changes.
     pub scenario: Scenario,
-    /// The scene's own parameters.
+    /// The scene's default parameters.
     pub defaults: Parameters,
-    /// The parameters as set.
+    /// The current parameters.
     pub parameters: Parameters,
-    /// Counts the starts: part of the log's `run_id`.
+    /// Number of starts, part of the log's `run_id`.
     pub run: u32,
     /// Index of the scene's next timed impulse.
     pub next_impulse: usize,
-    /// The reference, until something is pushed or changed.
+    /// The reference, until the first push or change.
     pub truth: Option<ReferenceSolution>,
     /// Target speed.
     pub speed: f64,
@@ -42,11 +42,11 @@ pub struct Session {
     pub seed: u64,
     /// Pushes and changes since the last row of the log.
     pub events: Vec<String>,
-    /// The list of keys is open.
+    /// `true` if the list of keys is open.
     pub show_help: bool,
-    /// The list of scenes to search in is open.
+    /// `true` if the scene menu is open.
     pub show_picker: bool,
-    /// The panel is hidden.
+    /// `true` if the panel is hidden.
     pub hidden: bool,
     /// Plot in the drawer.
     pub plot: Plot,
@@ -54,12 +54,12 @@ pub struct Session {
     pub notices: VecDeque<String>,
     /// Body-steps since the start of the scene that the integrator delegated to `split`.
     pub fallbacks: u64,
-    /// Body-steps since then whose iteration ended at its cap.
+    /// Body-steps since then whose iteration reached its maximum.
     pub unconverged: u64,
 }
 
 impl Session {
-    /// A session that opens with `scenario`.
+    /// Creates a session that opens with `scenario`.
     pub fn new(scenario: Scenario, seed: u64) -> Self {
         let defaults = Parameters::of(&scenario);
         Self {
@@ -92,7 +92,7 @@ impl Session {
         }
     }
 
-    /// Id of the present run in the log: scene, seed, number of the start.
+    /// Id of the current run in the log: scene, seed, number of the start.
     pub fn run_id(&self) -> String {
         format!("{}-{}-{}", self.scenario.id, self.seed, self.run)
     }
@@ -103,7 +103,7 @@ impl Session {
         self.events.push(event);
     }
 
-    /// The scene's own parameters; step and substeps stay as set.
+    /// The scene's default parameters, with the current step and substeps.
     pub fn own_parameters(&self) -> Parameters {
         Parameters {
             step: self.parameters.step,
@@ -112,12 +112,12 @@ impl Session {
         }
     }
 
-    /// The scene with the parameters as set.
+    /// The scene with the current parameters.
     pub fn setup(&self) -> Setup {
         let mut setup = self.scenario.setup.clone();
         let p = &self.parameters;
         if p.half_extents != self.defaults.half_extents || p.mass != self.defaults.mass {
-            // Checked where it was set; the same spin, another box.
+            // Validated when it was set. The spin is unchanged, the box is new.
             if let Ok(body) = RigidBox::new(p.half_extents, p.mass) {
                 let spin = setup.initial.body_angular_velocity(&setup.body);
                 setup.initial = setup.initial.with_body_angular_velocity(&body, spin);
@@ -136,7 +136,7 @@ impl Session {
         setup
     }
 
-    /// The scene's forces with the parameters as set.
+    /// The scene's forces with the current parameters.
     pub fn forces(&self) -> ForceSet {
         let (p, d) = (&self.parameters, &self.defaults);
         let mut forces = self.scenario.setup.forces.clone();

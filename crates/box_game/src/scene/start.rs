@@ -14,14 +14,14 @@ use super::session::{BoxNumber, MainBox, SceneEntity, Session};
 use crate::action::Action;
 use crate::parameters::{Effect, Parameter, Parameters};
 
-/// A scene was opened, or read again from its file.
+/// Event: a scene was opened, or reloaded from its file.
 #[derive(Event, Clone, Copy, Debug)]
 pub struct SceneOpened {
-    /// It is another scene than before.
+    /// `true` if it is another scene than before.
     pub new: bool,
 }
 
-/// A scene was started: its boxes are new and the clock is at zero.
+/// Event: a scene was started, with new boxes and the clock at zero.
 #[derive(Event, Clone, Copy, Debug)]
 pub struct SceneStarted;
 
@@ -42,8 +42,7 @@ pub fn on_action(action: On<Action>, mut commands: Commands) {
     }
 }
 
-/// Opens `scenario` with its own parameters. A `new` scene comes with its plot; one that was read again
-/// leaves it.
+/// Opens `scenario` with its default parameters. A `new` scene also selects its plot; a reloaded one does not.
 pub fn open_scene(world: &mut World, scenario: Scenario, new: bool) {
     let mut session = world.resource_mut::<Session>();
     session.defaults = Parameters::of(&scenario);
@@ -88,7 +87,7 @@ fn entities<C: Component>(world: &mut World) -> Vec<Entity> {
     entities.iter(world).collect()
 }
 
-/// Sets a parameter, or says why not.
+/// Sets a parameter, or shows the reason for a failure.
 fn set(world: &mut World, parameter: Parameter, value: f64) {
     let mut session = world.resource_mut::<Session>();
     match session.parameters.set(parameter, value) {
@@ -118,7 +117,7 @@ pub fn take_effect(world: &mut World, effect: Effect, event: String) {
     }
 }
 
-/// The game as it opens; log and notices stay.
+/// Resets the game to its initial state; log and notices are kept.
 fn reset_everything(world: &mut World) {
     world.insert_resource(GlobalIntegrator::default());
     world.resource_mut::<PhysicsClock>().paused = false;
@@ -134,7 +133,7 @@ fn reset_everything(world: &mut World) {
     open_scene(world, Scenario::default(), true);
 }
 
-/// Applies the scene's timed impulses, to every box, at the first step boundary at or after their time.
+/// Applies the scene's timed impulses to every box, at the first step boundary at or after their time.
 pub fn apply_timed_impulses(
     mut session: ResMut<Session>,
     clock: Res<PhysicsClock>,
@@ -204,7 +203,7 @@ fn apply_walls(world: &mut World, setup: &Setup) {
     }
 }
 
-/// Replaces the force components of a body; an absent force has none.
+/// Replaces the force components of a body; components of absent forces are removed.
 fn insert_forces(entity: &mut EntityWorldMut, forces: &ForceSet) {
     let f = forces.clone();
     let external = ExternalForce {

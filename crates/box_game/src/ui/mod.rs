@@ -12,7 +12,7 @@ use crate::camera::views::arrange_views;
 use crate::preferences::{self, Preferences};
 use crate::scene::session::Session;
 
-/// The switches of the panel. Runs without a window.
+/// Adds the switches of the panel; runs without a window.
 pub fn switches_plugin(app: &mut App) {
     app.init_resource::<Preferences>()
         .add_observer(switch)
@@ -20,7 +20,7 @@ pub fn switches_plugin(app: &mut App) {
         .add_systems(PreStartup, preferences::clamp_scale);
 }
 
-/// The panel. Needs a renderer and egui.
+/// Adds the panel. Needs a renderer and egui.
 pub fn panel_plugin(app: &mut App) {
     let show = show::show_panel.before(arrange_views);
     app.add_systems(Startup, show::spawn_camera)

@@ -108,7 +108,7 @@ pub fn view(s: &Sources) -> PanelView {
     }
 }
 
-/// Figures of the main box, and its state.
+/// Values of the main box, and its state.
 fn main_box(s: &Sources) -> Option<([f64; FIGURES.len()], Status)> {
     let (body, state, quarantined) = s.main_box.iter().next()?;
     let forces = s.session.forces();

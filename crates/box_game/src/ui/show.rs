@@ -1,4 +1,4 @@
-//! Draws the panel over the picture and passes on its requests.
+//! Draws the panel over the picture and forwards its requests.
 
 use bevy::camera::ClearColorConfig;
 use bevy::camera::visibility::RenderLayers;
@@ -25,9 +25,9 @@ pub(super) struct PanelCamera;
 #[derive(Default)]
 pub(super) struct PanelState {
     memory: PanelMemory,
-    /// The scale that the panel has.
+    /// Current scale of the panel.
     scale: Option<f32>,
-    /// What drawing it cost in the last frame \[ms\].
+    /// Time for drawing the panel in the last frame \[ms\].
     cost: f64,
 }
 
@@ -54,7 +54,7 @@ pub(super) fn spawn_camera(
     ));
 }
 
-/// Draws the panel, takes its requests, and gives the picture the room that is left.
+/// Draws the panel, collects its requests, and sets the area of the picture.
 pub(super) fn show_panel(
     mut contexts: EguiContexts,
     mut sources: Sources,
@@ -94,7 +94,7 @@ pub(super) fn show_panel(
     Ok(())
 }
 
-/// A place on the panel in pixels of the picture, of which at least one is in it.
+/// Converts a rectangle of the panel to pixels of the picture, with at least one pixel inside.
 fn pixels(rect: egui::Rect, scale: f32, whole: UVec2) -> URect {
     let scaled = |x: f32, y: f32| UVec2::new((x * scale) as u32, (y * scale) as u32);
     let min = scaled(rect.min.x, rect.min.y).min(whole.saturating_sub(UVec2::ONE));
@@ -103,7 +103,7 @@ fn pixels(rect: egui::Rect, scale: f32, whole: UVec2) -> URect {
     URect::from_corners(min, min + size)
 }
 
-/// Sets the panel's scale where it was asked for, and keeps the one that Ctrl and + or − made.
+/// Applies the scale of the preferences, or stores a scale set with Ctrl and + or −.
 fn follow_scale(context: &egui::Context, shown: &mut Option<f32>, kept: &mut ResMut<Preferences>) {
     if *shown == Some(kept.ui_scale) {
         let zoomed = context.zoom_factor().clamp(UI_SCALES.0, UI_SCALES.1);

@@ -1,5 +1,5 @@
-//! A calm background with depth: a sky from a light horizon to a dark zenith, a floor that fades into it, or a lattice
-//! of faint crosses where there is no floor, and the walls of a scene.
+//! A background with depth: a sky from a light horizon to a dark zenith, and a floor that fades into it. Without a
+//! floor, a lattice of faint crosses. Also the walls of a scene.
 
 use bevy::camera::visibility::NoFrustumCulling;
 use bevy::mesh::{MeshVertexBufferLayoutRef, VertexAttributeValues};
@@ -20,12 +20,12 @@ const HORIZON: [f32; 3] = [0.20, 0.23, 0.28];
 const ZENITH: [f32; 3] = [0.07, 0.08, 0.11];
 const NADIR: [f32; 3] = [0.09, 0.10, 0.13];
 
-/// The floor begins to fade and is gone at these distances, in distances of the camera from its target.
+/// Distances at which the floor begins to fade and has vanished, in distances of the camera from its target.
 const FADE: (f32, f32) = (1.8, 8.0);
-/// Radius of the sky in the same.
+/// Radius of the sky, relative to the same distance.
 const SKY: f32 = 60.0;
 
-/// Crosses of the lattice along each axis, on either side of the middle.
+/// Number of crosses along each axis, on either side of the middle.
 const REACH: i32 = 3;
 /// Cells of the grid on a wall, along it and up.
 const CELLS: UVec2 = UVec2::new(12, 2);
@@ -33,7 +33,7 @@ const CELLS: UVec2 = UVec2::new(12, 2);
 #[derive(Component)]
 pub(super) struct Sky;
 
-/// Shows the colors of the vertices. The standard material would draw the same, slowly: the sky is most of the picture.
+/// Shows the colors of the vertices. The standard material would be slow, because the sky is most of the picture.
 #[derive(Asset, TypePath, AsBindGroup, Clone, Default)]
 pub(super) struct SkyMaterial {}
 
@@ -85,7 +85,7 @@ pub(super) fn spawn_backdrop(
     else {
         return;
     };
-    // Poles of the UV sphere lie along z.
+    // The UV sphere has its poles along z.
     let colors: Vec<[f32; 4]> = places.iter().map(|p| sky(p[2])).collect();
     sphere.insert_attribute(Mesh::ATTRIBUTE_COLOR, colors);
     commands.spawn((
@@ -97,7 +97,7 @@ pub(super) fn spawn_backdrop(
     ));
 }
 
-/// The sky stays around the camera, and the floor fades with the distance from what is looked at.
+/// Centers the sky on the camera, and fades the floor with the distance from the target.
 pub(super) fn place_backdrop(
     orbit: Single<(&OrbitCamera, &Transform), Without<Sky>>,
     mut sky: Single<&mut Transform, With<Sky>>,
@@ -125,13 +125,13 @@ pub(super) fn place_backdrop(
     }
 }
 
-/// Distance of the crosses \[m\] for a camera `distance` \[m\] away: the power of two that puts some five
-/// across the picture.
+/// Distance of the crosses \[m\] for a camera `distance` \[m\] away: the power of two that gives about five across the
+/// picture.
 fn spacing(distance: f32) -> f32 {
     (distance / 4.0).clamp(1e-3, 1e6).log2().round().exp2()
 }
 
-/// The places \[m\] of the crosses about `target`: fixed in the world, however the camera moves.
+/// The positions \[m\] of the crosses around `target`, fixed in the world for any camera.
 fn lattice(target: Vec3, spacing: f32) -> impl Iterator<Item = Vec3> {
     let middle = (target / spacing).round();
     let across = 2 * REACH + 1;
@@ -141,7 +141,7 @@ fn lattice(target: Vec3, spacing: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Draws the lattice where there is no floor, so that motion is visible; fainter toward its edge.
+/// Draws the lattice if there is no floor, so that motion is visible; it is fainter toward its edge.
 pub(super) fn draw_lattice(
     floor: Option<Res<Floor>>,
     camera: Single<&OrbitCamera>,
@@ -161,7 +161,7 @@ pub(super) fn draw_lattice(
     }
 }
 
-/// Draws each wall of a tray, as a grid from its neighbor to its neighbor.
+/// Draws each wall of a tray as a grid between its two neighbors.
 pub(super) fn draw_walls(walls: Query<&StaticPlane, With<Wall>>, mut gizmos: Gizmos<Everywhere>) {
     for wall in &walls {
         let (foot, normal) = (wall.point.as_vec3(), wall.normal.as_vec3());

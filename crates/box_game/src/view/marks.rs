@@ -1,5 +1,5 @@
-//! Marks on the faces of a box: the letter of the axis that comes out of it, underlined, with a minus sign on the
-//! opposite face, so that every attitude looks different. Strokes in body axes, for meshes and for lines.
+//! Marks on the faces of a box: the letter of the axis through the face, underlined, with a minus sign on the opposite
+//! face. Every attitude therefore looks different. Strokes are in body axes, for meshes and for lines.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, Mesh, PrimitiveTopology};
@@ -23,14 +23,14 @@ const LETTERS: [&[Stroke]; 3] = [
         [[-0.7, -1.0], [0.7, -1.0]],
     ],
 ];
-/// Half the letter's size over the shorter half-edge of its face.
+/// Half the letter's size, relative to the shorter half-edge of its face.
 const SIZE: f32 = 0.5;
-/// Half the width of a stroke over half the letter's size.
+/// Half the width of a stroke, relative to half the letter's size.
 const WIDTH: f32 = 0.15;
-/// Height of the marks over the face, over the box's shortest half-edge.
+/// Height of the marks above the face, relative to the box's shortest half-edge.
 const LIFT: f32 = 0.004;
 
-/// A face: its axis and sign, its middle \[m\], the half-edges along its right and up \[m\].
+/// A face: axis and sign, center \[m\], and the half-edges along its right and up \[m\].
 struct Face {
     axis: usize,
     sign: f32,
@@ -79,22 +79,22 @@ impl Face {
         self.letter().map(move |stroke| stroke.map(place))
     }
 
-    /// Opposite faces are far apart in lightness.
+    /// Lightness of the face; opposite faces differ strongly.
     fn shade(&self) -> f32 {
         let (front, back) = [(0.62, 0.16), (1.0, 0.10), (0.40, 0.24)][self.axis];
         if self.sign > 0.0 { front } else { back }
     }
 }
 
-/// The marks of the three faces that look along +x, +y and +z, as lines in body axes \[m\].
+/// The marks of the faces toward +x, +y and +z, as lines in body axes \[m\].
 pub(super) fn lines(half: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
     faces(half)
         .filter(|face| face.sign > 0.0)
         .flat_map(|face| face.strokes(0.0).collect::<Vec<_>>())
 }
 
-/// A cuboid with six faces of different lightness; the material's color says whose box it is.
-/// Boxes of the load have no marks.
+/// A cuboid with six faces of different lightness; the material's color identifies the box. Boxes of the load have no
+/// marks.
 pub(super) fn cuboid(half: Vec3, marked: bool) -> Mesh {
     let (mut places, mut normals, mut colors, mut indices) = (vec![], vec![], vec![], vec![]);
     let mut quad = |normal: Vec3, corners: [Vec3; 4], color: f32| {
@@ -136,7 +136,7 @@ pub(super) fn cuboid(half: Vec3, marked: bool) -> Mesh {
 mod tests {
     use super::*;
 
-    /// Every mark lies inside its face, and no two faces look alike in any of their four turns.
+    /// Every mark is inside its face, and no two faces look equal in any of their four rotations.
     #[test]
     fn marks_lie_on_their_faces_and_tell_them_apart() {
         let half = Vec3::new(0.2, 0.5, 1.0);

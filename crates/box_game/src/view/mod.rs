@@ -38,7 +38,7 @@ pub fn plugin(app: &mut App) {
     add_dressing(app);
 }
 
-/// After everything that spawns a box or switches its integrator in this frame.
+/// Adds systems that run after all systems that spawn boxes or switch integrators in this frame.
 fn add_dressing(app: &mut App) {
     app.add_systems(
         PostUpdate,
@@ -48,7 +48,7 @@ fn add_dressing(app: &mut App) {
     );
 }
 
-/// The switches of the panel: boxes of all bodies, the rest of the main box alone.
+/// Applies the switches of the panel: bounding boxes of all bodies, the other gizmos only of the main box.
 fn switch_gizmos(
     preferences: Res<Preferences>,
     main_box: Query<Entity, With<MainBox>>,

@@ -20,7 +20,7 @@ use crate::scene::session::Session;
 pub struct PictureTarget(pub RenderTarget);
 
 impl PictureTarget {
-    /// Whether a CPU draws the frames of a window. An image offscreen is as good from a CPU.
+    /// Returns `true` if a CPU draws the frames of a window. Offscreen images may be drawn by a CPU.
     pub fn is_slow(&self, adapter: Option<&RenderAdapterInfo>) -> bool {
         // Browsers do not always tell the type.
         let by_cpu = |adapter: &RenderAdapterInfo| {
@@ -29,7 +29,7 @@ impl PictureTarget {
         adapter.is_some_and(by_cpu) && matches!(self.0, RenderTarget::Window(_))
     }
 
-    /// Four samples per pixel. One without a GPU, where resolving four took almost half of a frame's time
+    /// Four samples per pixel, or one without a GPU, where resolving four took almost half of a frame's time
     /// (docs/performance.md).
     pub fn antialiasing(&self, adapter: Option<&RenderAdapterInfo>) -> Msaa {
         match self.is_slow(adapter) {
@@ -39,9 +39,9 @@ impl PictureTarget {
     }
 }
 
-/// Chooses the target, and titles the window. Add it after [`renderer`].
+/// Chooses the target and sets the title of the window. Add it after [`renderer`].
 pub struct TargetPlugin {
-    /// Into an image instead of a window.
+    /// Renders into an image instead of a window.
     pub offscreen: bool,
     /// Size of that image \[pixels\].
     pub size: (u32, u32),
@@ -71,8 +71,8 @@ impl Plugin for TargetPlugin {
     }
 }
 
-/// Without a window, only frames that become pictures are drawn: in software a frame takes a second. After the panel,
-/// which switches on what its layout shows.
+/// Draws only frames that become pictures, because a frame in software takes a second. Runs after the panel, which
+/// activates the cameras of its layout.
 fn draw_pictures_alone(
     pictures: Query<(), With<Screenshot>>,
     mut cameras: Query<(&mut Camera, Has<SplitView>)>,

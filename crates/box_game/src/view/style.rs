@@ -8,20 +8,20 @@ use box_physics::prelude::Integrator;
 use box_scenarios::style::{Dash, Marker};
 use egui_plot::{LineStyle, MarkerShape};
 
-/// The looks of one integrator.
+/// Style of one integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorStyle {
     /// sRGB.
     pub rgb: [u8; 3],
-    /// Stands before the name in text.
+    /// Symbol before the name in text.
     pub glyph: char,
-    /// The same mark in a plot.
+    /// The same symbol in a plot.
     pub marker: MarkerShape,
     /// Dash pattern of lines in a plot.
     pub dash: LineStyle,
 }
 
-/// The looks of an integrator: those of the one table in [`mod@box_scenarios::style`], in egui's words.
+/// The style of an integrator in egui's types, from the table in [`mod@box_scenarios::style`].
 pub fn of(integrator: Integrator) -> IntegratorStyle {
     let style = box_scenarios::style(integrator);
     IntegratorStyle {
@@ -48,7 +48,7 @@ pub fn of(integrator: Integrator) -> IntegratorStyle {
     }
 }
 
-/// The mark and the name: `■ RK4`.
+/// The symbol and the name: `■ RK4`.
 pub fn marked_name(integrator: Integrator) -> String {
     format!("{} {}", of(integrator).glyph, integrator.name())
 }
@@ -58,7 +58,7 @@ pub(crate) fn in_ink(ui: &Ui, integrator: Integrator, text: impl Into<String>) -
     RichText::new(text).color(of(integrator).ink(ui.ctx().theme()))
 }
 
-/// Text over the picture: on its plate, beside it, right and wrong.
+/// Text over the picture, on its plate: normal, weak, good and bad.
 pub const PICTURE_TEXT: Color32 = Color32::from_rgb(0xF2, 0xF4, 0xF7);
 /// See [`PICTURE_TEXT`].
 pub const PICTURE_WEAK: Color32 = Color32::from_rgb(0xB4, 0xBC, 0xC8);
@@ -66,17 +66,17 @@ pub const PICTURE_WEAK: Color32 = Color32::from_rgb(0xB4, 0xBC, 0xC8);
 pub const PICTURE_GOOD: Color32 = Color32::from_rgb(0x8F, 0xE3, 0xB4);
 /// See [`PICTURE_TEXT`].
 pub const PICTURE_BAD: Color32 = Color32::from_rgb(0xFF, 0xB4, 0x8F);
-/// The plate of a label; nearly opaque, so that its text can be read over a white box.
+/// The plate of a label; nearly opaque, so that its text is readable over a white box.
 pub const PICTURE_PLATE: Color32 = Color32::from_rgba_premultiplied(0x0B, 0x0D, 0x11, 0xF5);
 
-/// The process in the plot of CPU use.
+/// The process in the plot of CPU usage.
 pub const PROCESS: IntegratorStyle = IntegratorStyle {
     rgb: [0xD5, 0x5E, 0x00],
     glyph: '●',
     marker: MarkerShape::Circle,
     dash: LineStyle::Solid,
 };
-/// The whole computer in the plot of CPU use.
+/// The whole computer in the plot of CPU usage.
 pub const SYSTEM: IntegratorStyle = IntegratorStyle {
     rgb: [0x56, 0xB4, 0xE9],
     glyph: '○',
@@ -86,8 +86,8 @@ pub const SYSTEM: IntegratorStyle = IntegratorStyle {
 
 const DASHED: LineStyle = LineStyle::Dashed { length: 8.0 };
 
-/// The panel's sRGB, dark and light: ground, fields on it, buttons, check boxes and sliders, text, captions, errors, the
-/// one accent.
+/// The panel's colors in sRGB, dark and light: ground, fields on it, buttons, check boxes and sliders, text, captions,
+/// errors, and the accent.
 const PANEL: [u32; 2] = [0x15181D, 0xF4F5F7];
 const FIELD: [u32; 2] = [0x0D0F13, 0xFFFFFF];
 const BUTTON: [u32; 2] = [0x2A2F38, 0xDFE3E9];
@@ -103,13 +103,13 @@ fn themed([dark, light]: [u32; 2], theme: Theme) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
-/// The type scale [points]: the headline, text, captions and numbers.
+/// Font sizes [points]: the headline, text, captions and numbers.
 const HEADING: f32 = 19.0;
 const BODY: f32 = 13.5;
 const SMALL: f32 = 12.0;
 const MONOSPACE: f32 = 13.0;
 
-/// Contrast of text with its ground: WCAG 2.1, 1.4.3.
+/// Minimum contrast of text with its ground: WCAG 2.1, 1.4.3.
 const CONTRAST: f32 = 4.5;
 
 /// Relative luminance, 0 to 1.
@@ -128,7 +128,7 @@ fn plate() -> f32 {
     luminance(PICTURE_PLATE) + 1.0 - f32::from(PICTURE_PLATE.a()) / 255.0
 }
 
-/// The color mixed with white or black until it can be read on a ground of this luminance.
+/// The color, mixed with white or black until it is readable on a ground of this luminance.
 fn readable(rgb: [u8; 3], ground: f32) -> Color32 {
     let end = if ground < 0.18 { 255.0 } else { 0.0 };
     let mixed = |k: u8| {
@@ -165,8 +165,8 @@ impl IntegratorStyle {
     }
 }
 
-/// Colors, type scale and spacing of the panel, once per context. Text falls back on egui's own monospaced font: the
-/// proportional one has no ▲ ◆ ● and no arrows.
+/// Installs colors, font sizes and spacing of the panel, once per context. Text falls back to egui's monospaced font,
+/// because the proportional one has no ▲ ◆ ● and no arrows.
 pub fn install(ctx: &Context, light: bool) {
     ctx.set_theme(if light { Theme::Light } else { Theme::Dark });
     let done = Id::new("box_game style");
@@ -229,10 +229,10 @@ fn dress(style: &mut egui::Style, theme: Theme) {
 mod tests {
     use super::*;
 
-    /// Contrast of a control with its ground, and of the mark in it: WCAG 2.1, 1.4.11.
+    /// Minimum contrast of a control with its ground, and of the mark in it: WCAG 2.1, 1.4.11.
     const OUTLINE: f32 = 3.0;
 
-    /// Text on the panel and its controls, in the picture, and in the colors of integrators, in both themes.
+    /// Text is readable on the panel and its controls, in the picture, and in the integrators' colors, in both themes.
     #[test]
     fn text_can_be_read() {
         let ctx = Context::default();
@@ -248,7 +248,7 @@ mod tests {
                 assert!(contrast >= CONTRAST, "{theme:?} {name}: {contrast}");
             };
             for ground in [panel, field, visuals.window_fill, visuals.faint_bg_color] {
-                // A faint ground is added to the panel's.
+                // A faint ground is added to that of the panel.
                 let ground = if ground.a() == 0 {
                     panel + ground
                 } else {

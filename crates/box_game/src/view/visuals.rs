@@ -36,7 +36,7 @@ pub(super) fn set_up(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut images: ResMut<Assets<Image>>,
 ) {
-    // A light casts shadows of what is on its layers: with one for all views, each would show the main box's shadow.
+    // One light per view, because a light casts the shadows of everything on its layers, including the main box.
     for view in 0..MAX_VIEWS {
         commands.spawn((
             only(view),
@@ -84,12 +84,12 @@ pub(super) fn set_up(
     });
 }
 
-/// Texels along an edge of the floor's tile, a power of two, and the grid squares of 1 m along it.
+/// Texels along an edge of the floor's tile, a power of two, and the number of 1 m grid squares along it.
 const TILE: u32 = 512;
 const SQUARES: u32 = 4;
 
-/// Four by four squares of 1 m, the border of the tile drawn stronger, with all smaller versions of it: a distant
-/// floor is plain and does not shimmer.
+/// Four by four squares of 1 m, with a stronger border of the tile, and all mipmaps: a distant floor is plain and does
+/// not shimmer.
 fn grid() -> Image {
     let (ground, fine, strong) = (76.0, 98.0, 116.0);
     let square = TILE / SQUARES;
@@ -104,10 +104,10 @@ fn grid() -> Image {
     let mut data: Vec<u8> = Vec::new();
     for halvings in 0..=TILE.ilog2() {
         let edge = (TILE >> halvings) as usize;
-        // A little blue.
+        // Slightly blue.
         let paint = |&v: &f32| [v as u8, (1.05 * v) as u8, (1.17 * v) as u8, 255];
         data.extend(level.iter().flat_map(paint));
-        // The mean of two by two.
+        // The mean of two by two texels.
         let mean = |k: usize| {
             let corner = 2 * (k / (edge / 2)) * edge + 2 * (k % (edge / 2));
             let corners = [corner, corner + 1, corner + edge, corner + edge + 1];
@@ -138,7 +138,7 @@ fn grid() -> Image {
     image
 }
 
-/// Paints the main box in the color of the integrator that moves it; white where that is none of ours.
+/// Paints the main box in the color of its integrator, or white under a 2012 integrator.
 pub(super) fn tint_main_box(
     main_box: Query<Option<&BodyIntegrator>, With<MainBox>>,
     global: Res<GlobalIntegrator>,
@@ -161,7 +161,7 @@ pub(super) fn tint_main_box(
     }
 }
 
-/// Gives new boxes a mesh: two meshes and two materials for all, so that they are drawn in few calls.
+/// Gives new boxes a mesh: two meshes and two materials in total, for few draw calls.
 pub(super) fn dress_boxes(
     new: Query<(Entity, &RigidBox, Has<MainBox>), Added<RigidBox>>,
     mut look: ResMut<BoxLook>,
@@ -178,7 +178,7 @@ pub(super) fn dress_boxes(
                 made
             }
         };
-        // The other boxes are in every view: their shadows are.
+        // The other boxes are in every view, because their shadows are.
         let (mesh, material, layers) = match main_box {
             true => (marked, look.main_box.clone(), RenderLayers::default()),
             false => (plain, look.load.clone(), everywhere()),
@@ -188,7 +188,7 @@ pub(super) fn dress_boxes(
     }
 }
 
-/// Shows the floor where the physics has one.
+/// Shows the floor if the physics has one.
 pub(super) fn place_floor(
     floor: Option<Res<Floor>>,
     mut surface: Single<(&mut Transform, &mut Visibility), With<FloorSurface>>,

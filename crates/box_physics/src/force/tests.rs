@@ -88,7 +88,7 @@ fn wind_is_a_moving_frame_under_every_integrator() {
     }
 }
 
-/// On a damped spring the wind holds a body at the stretch F/k, under every integrator.
+/// A wind stretches a damped spring by F/k at equilibrium, under every integrator.
 #[test]
 fn a_kite_stands_in_the_wind() {
     let body = RigidBox::cube(0.5, 1.0).expect("valid");

@@ -103,7 +103,7 @@ fn large_step(body: &RigidBox, state: &mut BodyState, h: f64, size: f64) {
         (state.rotation, state.angular_momentum) = (q, l);
     } else {
         (state.rotation, state.angular_momentum) = FreeRotation::new(body.inertia(), q, l).at(h);
-        // Started anew in every step, the closed form loses 1e-17 of |L| per step.
+        // Restarted in every step, the closed form loses 1e-17 of |L| per step.
         let (square, m) = (l.length_squared(), state.angular_momentum);
         state.angular_momentum += m * (0.5 * (square - m.length_squared()) / square);
     }
@@ -198,10 +198,9 @@ impl Map {
     /// 2/N = 2 (η|L|² − N (L·D)) / (N (η|L|² + |D|²))
     /// ```
     ///
-    /// In a fast spin N is rounded alike in every step. A relative error δ of N changes |L|² by δ|ΔL|² per
-    /// step, always with the same sign. The last line does not have this error: for |D|² ≫ η|L|² it is
-    /// −2 (L·D)/|D|², and the new L is the reflection of L in the plane normal to D. In a slow spin L·D
-    /// cancels, and the line is 2/N again.
+    /// In a fast spin N has the same rounding in every step. A relative error δ of N changes |L|² by δ|ΔL|² per step,
+    /// always with the same sign. The last line does not have this error: for |D|² ≫ η|L|² it is −2 (L·D)/|D|², and the
+    /// new L is the reflection of L in the plane normal to D. In a slow spin L·D cancels, and the line is 2/N again.
     #[inline(always)]
     fn apply(&self, q: DQuat, l: DVec3) -> (DQuat, DVec3) {
         let q = compose(q, DQuat::from_array(self.turn));

@@ -174,9 +174,8 @@ fn toward_the_separatrix() {
     }
 }
 
-/// If one turn is below the rounding of the phase, the attitude is arbitrary. It must still be a rotation
-/// with the true energy and momentum. (A game that multiplies a momentum by 1e15 reaches this; an hour of
-/// hostile play did.)
+/// If one turn is below the rounding of the phase, the attitude is arbitrary. It must still be a rotation with the
+/// correct energy and momentum. (Fuzzing reached this by multiplying a momentum by 1e15.)
 #[test]
 fn phases_without_digits() {
     let inertia = DVec3::new(0.012087243, 0.004346205, 0.007978717);

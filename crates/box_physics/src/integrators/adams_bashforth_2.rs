@@ -13,9 +13,9 @@ use crate::state::BodyState;
 /// `y_{n+1} = y_n + h (3/2 f_n − 1/2 f_{n−1})` on (x, q, v, L); the quaternion is normalized after each step.
 ///
 /// The method needs one evaluation per step for order 2. As in `JSBSim`, the first step uses `f_{−1} = f_0`, which
-/// makes it a step of Euler's method. The same holds after a change of state, body, forces or step size, and for every
-/// step that may meet the floor: contact changes the forces, and an impact is located by steps of other lengths. Small
-/// bounces gain what restitution removes, as with Euler's method, so that a dropped box does not come to rest.
+/// makes it a step of Euler's method. The same holds after a change of state, body, forces or step size. It also holds
+/// for a step that may reach the floor: contact changes the forces, and locating an impact needs other step lengths. As
+/// with Euler's method, small bounces gain what restitution removes, so a dropped box does not come to rest.
 ///
 /// On y' = λy the growth factor ζ solves ζ² = (1 + 3z/2) ζ − z/2, z = λh. The method is stable for real z down to −1,
 /// half of Euler's range. On the imaginary axis |ζ| ≈ 1 + |z|⁴/4, so every oscillation and every spin gains energy.

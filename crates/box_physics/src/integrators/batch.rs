@@ -62,7 +62,7 @@ trait Field: Copy {
     fn first(self, count: usize) -> Self;
     /// Gravity of body `i` [m/s²].
     fn at(self, i: usize) -> DVec3;
-    /// Whether body `i` was clear of the floor on its way.
+    /// Returns `true` if body `i` stayed clear of the floor during the step.
     #[inline(always)]
     fn clears(self, _: usize, _: &RigidBox, _: &BodyState, _: &BodyState, _: f64) -> bool {
         true
@@ -134,8 +134,8 @@ pub struct Group<'a> {
     pub gravity: GravityField<'a>,
     /// Receives the indices of bodies whose states would become invalid.
     pub faults: &'a mut Vec<usize>,
-    /// The floor below them, and whether each body may meet it: that body is left unchanged. Only for an integrator
-    /// without branches.
+    /// The floor below the bodies, and a flag for each body that may meet it and is left unchanged. Only for an
+    /// integrator without branches.
     pub floor: Option<(FloorBelow, &'a mut [bool])>,
 }
 
@@ -262,7 +262,7 @@ impl Group<'_> {
     }
 }
 
-/// What `refused` holds of a body that may meet the floor.
+/// Value of `refused` for a body that may meet the floor.
 const MEETS: f64 = 2.0;
 
 /// Steps all bodies. Writes 1 to `refused` for a body that was left unchanged because the loop does not

@@ -14,10 +14,10 @@ use crate::state::BodyState;
 /// Number of bodies in the widest vector.
 const LANES: usize = 4;
 
-/// Consecutive bodies, each with its own forces, as [`Integrate::step_forced`] gets them: at most 64, all in free flight.
-/// It composes its step of the methods.
+/// Consecutive bodies, each with its own forces: at most 64, all in free flight. The methods are the operations from
+/// which [`Integrate::step_forced`] composes a step.
 pub struct ForcedGroup<'a, F> {
-    /// The bodies, and perhaps copies of the last one.
+    /// The bodies, possibly padded with copies of the last one.
     bodies: &'a [RigidBox],
     states: &'a mut [BodyState],
     memories: &'a mut [IntegratorMemory],
@@ -60,7 +60,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
                 &mut memories[range.clone()],
             );
             let forces = |k: usize| forces(start + k);
-            // A few bodies do not pay for the copies of many.
+            // For a few bodies, copying costs more than it saves.
             total += match range.len() {
                 2..=4 => Self::step_block::<S, 4>(columns, forces, h, faults),
                 5..=8 => Self::step_block::<S, 8>(columns, forces, h, faults),
@@ -72,7 +72,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
         total
     }
 
-    /// At least one body, at most `N`.
+    /// Steps at least one body and at most `N`.
     fn step_block<S: Integrate, const N: usize>(
         (bodies, states, memories): (&[RigidBox], &mut [BodyState], &mut [IntegratorMemory]),
         forces: impl Fn(usize) -> F,
@@ -83,7 +83,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
         let forces: [F; N] = from_fn(|k| forces(last.min(k)));
         let gravity: [DVec3; N] = from_fn(|k| forces[k].acceleration());
         let mut moved: [BodyState; N] = from_fn(|k| states[last.min(k)]);
-        // Two or three bodies beyond the last whole vector: copies of the last one fill it.
+        // Copies of the last body fill up an incomplete vector of two or three bodies.
         let filled = match count % LANES {
             0 | 1 => count,
             left => count + LANES - left,
@@ -111,8 +111,8 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
         outcome
     }
 
-    /// Runs of bodies under a wrench alone by `many`, the composition of `S`, with the outcome `each` of a body; the other
-    /// bodies by the plain step.
+    /// Steps runs of bodies under a wrench alone by `many`, the composition of `S`, with the outcome `each` per body.
+    /// The other bodies take the plain step.
     pub fn wrench_in_lanes<S: Integrate>(
         &mut self,
         h: f64,
@@ -140,7 +140,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
         total
     }
 
-    /// The integrator's plain step, body by body.
+    /// Takes the integrator's plain step, body by body.
     pub fn one_by_one<S: Integrate>(&mut self, range: Range<usize>, h: f64) -> StepOutcome {
         let mut total = StepOutcome::default();
         for i in range {
@@ -158,7 +158,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
         }
     }
 
-    /// Free flight of the bodies of `range` over `h` by the integrator's step in lanes.
+    /// Advances the bodies of `range` in free flight over `h`, in SIMD lanes.
     pub fn drift<S: Integrate>(&mut self, mut range: Range<usize>, h: f64) {
         let (start, known) = (range.start, self.faults.len());
         if range.end == self.forces.len() {
@@ -173,7 +173,7 @@ impl<F: ForceModel> ForcedGroup<'_, F> {
             floor: None,
         };
         S::step_group(&mut group, h);
-        // The group left an invalid state as it was. The body is to be invalid at the end.
+        // The group leaves an invalid state unchanged, but the body must be invalid at the end.
         for i in self.faults.drain(known..) {
             self.states[start + i].position = DVec3::NAN;
         }

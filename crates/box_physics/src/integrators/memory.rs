@@ -152,7 +152,7 @@ impl Situation {
     }
 }
 
-/// The memory of the integrator `S` of the body that it steps.
+/// The memory that integrator `S` has of the body.
 ///
 /// It is present only if body, state and forces match the last step of `S` bit for bit. The integrator itself must
 /// compare the step size. A step that neither recalls nor stores leaves the memory unchanged and valid for its state.

@@ -97,7 +97,7 @@ pub trait Integrate: Sized + 'static {
         })
     }
 
-    /// Returns `false` if a step under `force` does not use its memory. The memory then is not looked up, and stays the same.
+    /// Returns `false` if a step under `force` does not use its memory. The memory is then neither read nor changed.
     #[inline(always)]
     fn remembers<F: ForceModel>(_force: &F) -> bool {
         true

@@ -103,7 +103,7 @@ impl Integrate for Split4 {
 
     const FORCED_IN_LANES: bool = true;
 
-    /// Each of the six drifts is thirteen planar turns, one after the other: alone, a body waits for each of them.
+    /// Each of the six drifts is thirteen sequential planar turns, so a single body would wait for each of them.
     fn step_forced<F: ForceModel>(group: &mut ForcedGroup<'_, F>, h: f64) -> StepOutcome {
         group.wrench_in_lanes::<Self>(h, StepOutcome::plain(7), |group, run| {
             for (k, s) in STAGES {

@@ -2,8 +2,8 @@
 
 /// A loop over plain slices, without a branch.
 ///
-/// Vector and scalar additions, multiplications, divisions, square roots and conversions round alike. Nothing
-/// is contracted or reordered, so the result has the same bits on every target.
+/// Vector and scalar additions, multiplications, divisions, square roots and conversions round identically. Nothing is
+/// contracted or reordered, so the result has the same bits on every target.
 pub(crate) trait VectorLoop {
     /// Runs the loop. This function and everything it calls must be `#[inline(always)]`: only inlined code is
     /// compiled for the caller's instruction set. Pass the slices as arguments of a separate function, so

@@ -137,8 +137,8 @@ pub(crate) fn runs_of(
 mod tests {
     use super::*;
 
-    /// From either end, the chunks cover every row once, have the requested size except for the last, and split all
-    /// columns alike.
+    /// From either end, the chunks cover every row once and have the requested size except for the last. All columns
+    /// are split in the same way.
     #[test]
     fn chunks_cover_the_range_once_from_both_ends() {
         let (names, mut numbers): (Vec<_>, Vec<_>) = (0..20).map(|i| (i, i)).unzip();

@@ -1,4 +1,4 @@
-//! Reported contacts. Every contact that began ends exactly once, whatever happens to its body.
+//! Reported contacts. Every contact that began ends exactly once, whatever the cause.
 
 use bevy::app::App;
 use bevy::ecs::change_detection::DetectChangesMut;

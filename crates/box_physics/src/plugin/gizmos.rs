@@ -16,7 +16,7 @@ use crate::state::BodyState;
 
 /// Maximum number of boxes drawn. More would be slow and hard to read.
 const MAX_DRAWN: usize = 2000;
-/// How long a contact is displayed \[s\]; a bounce lasts only one step.
+/// Time for which a contact is displayed \[s\]; a bounce lasts only one step.
 const SHOWN_FOR: f32 = 0.25;
 
 const AABB: Color = Color::srgb_u8(240, 228, 66);
@@ -46,7 +46,7 @@ pub struct BodyGizmosPlugin;
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BodyGizmosSystems;
 
-/// What is drawn. As its own gizmo group it takes line width, depth and render layers from Bevy's `GizmoConfigStore`.
+/// Selects what is drawn. This is a gizmo group: line width, depth and render layers are in Bevy's `GizmoConfigStore`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect, GizmoConfigGroup)]
 #[reflect(Default)]
 pub struct BodyGizmos {

@@ -44,7 +44,7 @@ pub struct ApplyImpulse {
     pub at: ImpulsePoint,
     /// Additional angular impulse about the center of mass \[N m s\], world axes.
     pub angular_impulse: DVec3,
-    /// Whether the impulse is kept or dropped if it is sent while the physics is paused.
+    /// Treatment of the impulse if it is sent while the physics is paused.
     pub while_paused: WhilePaused,
 }
 
@@ -77,7 +77,7 @@ pub struct Explosion {
     pub falloff: f64,
 }
 
-/// What happens to an impulse sent while the physics is paused. The pause may come from
+/// Treatment of an impulse sent while the physics is paused. The pause may come from
 /// [`PhysicsClock::paused`](super::PhysicsClock::paused), from Bevy's `Time<Virtual>`, or from a relative speed of 0.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Default, Clone, PartialEq)]
@@ -327,7 +327,7 @@ pub struct BodyQuarantined {
     pub cause: QuarantineCause,
 }
 
-/// Why a body was quarantined.
+/// Cause of a quarantine.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Clone, PartialEq)]
 pub enum QuarantineCause {

@@ -1,6 +1,6 @@
 //! The Bevy plugin: components, resources, messages, and the schedule of one step.
 //!
-//! # What acts on a body
+//! # Forces and impulses
 //!
 //! | | |
 //! |---|---|
@@ -13,7 +13,7 @@
 //! | any other state-dependent force | the core, with your own [`ForceModel`](crate::force::ForceModel) |
 //! | the floor, walls and ramps | the resource [`Floor`](crate::floor::Floor), entities with [`StaticPlane`](crate::floor::StaticPlane); [`ReportContacts`] enables [`Landed`] and other messages; the events [`Settled`] and [`Woken`] |
 //!
-//! A kind of force that no body uses costs nothing.
+//! Unused kinds of force cost nothing.
 //!
 //! # One step
 //!

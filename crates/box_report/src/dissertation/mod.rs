@@ -90,7 +90,7 @@ fn cycle_table(runs: &[cycle::Cycles]) -> Table {
     }
 }
 
-/// A claim of the text, what is true, and the measured values.
+/// A claim of the text, the correct statement, and the measured values.
 #[derive(Serialize)]
 struct ClaimRow {
     says: &'static str,
@@ -99,7 +99,7 @@ struct ClaimRow {
     figure: String,
 }
 
-/// The table of claims: what is true, the measured values and the figure.
+/// The table of claims: correct statements, measured values and the figure.
 fn claim_table(
     ctx: &Context,
     runs: &[cycle::Cycles],

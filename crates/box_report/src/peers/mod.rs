@@ -20,7 +20,7 @@ struct Measured {
     engines: Vec<Engine>,
     accuracy: Vec<Accuracy>,
     cost: Vec<CostRow>,
-    /// What was left out, and why.
+    /// Notes for the reader, such as omissions and their reasons.
     notes: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ struct Engine {
     /// Number of threads that it may use.
     #[serde(default)]
     threads: Option<usize>,
-    /// How the engine was driven.
+    /// Description of how the engine was driven.
     driven: String,
 }
 

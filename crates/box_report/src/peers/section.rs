@@ -14,7 +14,7 @@ const ID: &str = "peers";
 const OURS: &str = "box_physics";
 const TITLE: &str = "Other engines";
 
-/// Makes the section: from the result in the output folder if `fresh`, else from the committed one.
+/// Creates the section from the result in the output folder if `fresh`, otherwise from the committed one.
 pub(crate) fn section(ctx: &Context, fresh: bool) -> Result<Section, Stop> {
     let path = if fresh {
         ctx.file("peers.json")

@@ -47,7 +47,7 @@ pub(crate) struct Line {
     pub(crate) style: Style,
     /// The points; `None` is a gap where the run failed.
     pub(crate) points: Vec<Option<Point>>,
-    /// Whether each point has a marker; long lines have none.
+    /// `true` if each point has a marker; long lines have none.
     pub(crate) markers: bool,
 }
 

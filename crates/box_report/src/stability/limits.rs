@@ -149,8 +149,8 @@ fn spinning() -> Vec<Spinning> {
 }
 
 impl Spinning {
-    /// Whether |L| stays bounded at |ω|·dt = `x`: it grows by less than 1 % in a long run, and less than doubles in a
-    /// short one.
+    /// Returns `true` if |L| stays bounded at |ω|·dt = `x`: it grows by less than 1 % in a long run, and less than
+    /// doubles in a short one.
     fn stable(&self, integrator: Integrator, x: f64, long: bool) -> bool {
         let model = Model::without_floor(self.body, ForceSet::none());
         let (steps, growth) = match (long, self.starts.len()) {
@@ -226,7 +226,7 @@ fn spectral_radius(integrator: Integrator, number: Number, x: f64) -> Option<f64
     })
 }
 
-/// Whether a run of the linear problem stays bounded. For integrators whose step has no matrix.
+/// Returns `true` if a run of the linear problem stays bounded. For integrators whose step has no matrix.
 fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
     let model = linear(number, x);
     let start = at(if number == Number::Spring {
@@ -247,8 +247,8 @@ fn bounded(integrator: Integrator, number: Number, x: f64, long: bool) -> bool {
     settled && driver.run(&model, 1.0, steps, u64::MAX) && size(&driver.state) <= 2.7 * before
 }
 
-/// Whether measurement and theory agree to 3 %. For spin, the theoretical limit holds for every body; the bodies tried
-/// may remain stable beyond it.
+/// Returns `true` if measurement and theory agree to 3 %. For spin, the theoretical limit holds for every body; the
+/// bodies tried may remain stable beyond it.
 pub(crate) fn agree(number: Number, measured: Limit, theory: Limit) -> bool {
     let promise = number == Number::Spin;
     match (measured, theory) {

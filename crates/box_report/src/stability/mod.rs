@@ -116,7 +116,7 @@ pub(crate) fn measure(ctx: &Context) -> Result<StabilityData, Stop> {
     })
 }
 
-/// The worst verdict over the steps, and the finding that it is from.
+/// The worst verdict over all steps, with its finding.
 fn worst(findings: &[Finding]) -> (Verdict, &Finding) {
     findings
         .iter()
@@ -128,7 +128,7 @@ fn worst(findings: &[Finding]) -> (Verdict, &Finding) {
         .expect("every case has at least one step: a test of the list says so")
 }
 
-/// Writes the CSV files and makes the tables.
+/// Writes the CSV files and creates the tables.
 pub(crate) fn section(ctx: &Context, data: &StabilityData) -> Result<Section, Stop> {
     let mut section = Section::new(
         "stability",

@@ -124,8 +124,8 @@ fn compare(stored: &[Row], now: &[Row]) -> Vec<String> {
     differences
 }
 
-/// Whether two errors are equal relative to their own magnitude: an integrator that is exact to 1e-14 must not degrade
-/// to 1e-12.
+/// Returns `true` if two errors are equal relative to their own magnitude: an integrator that is exact to 1e-14 must
+/// not degrade to 1e-12.
 fn same(before: Option<f64>, after: Option<f64>) -> bool {
     let (Some(a), Some(b)) = (before, after) else {
         return before == after;

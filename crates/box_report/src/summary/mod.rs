@@ -14,7 +14,7 @@ use crate::visible::{MINUTE, RATES, THROW, Visible};
 use crate::work_precision::WorkPrecision;
 use crate::{files, text};
 
-/// The measurements that are finished.
+/// The completed measurements.
 #[derive(Default)]
 pub(crate) struct Results {
     pub(crate) work_precision: Option<WorkPrecision>,
@@ -49,7 +49,7 @@ struct Row {
     hard_cases_diverged: Option<usize>,
 }
 
-/// Makes the first section of the report.
+/// Creates the first section of the report.
 pub(crate) fn section(ctx: &Context, results: &Results) -> Result<Section, Stop> {
     let mut section = Section::new(
         "summary",
@@ -196,7 +196,7 @@ fn at_60_hz(results: &Results) -> Table {
     }
 }
 
-/// The same integrators compared with the default at each rate, and whether any integrator beats it.
+/// Compares the same integrators with the default at each rate, and notes integrators that are better.
 fn at_each_rate(ctx: &Context, results: &Results, rows: &[Row]) -> Table {
     let default = Integrator::Split;
     let beats = |rate| {

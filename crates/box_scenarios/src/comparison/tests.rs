@@ -4,7 +4,7 @@ use crate::scene_file;
 use box_physics::integrators::{EnergyBehavior, Limit, Order};
 
 const H: f64 = 1.0 / 60.0;
-/// Long enough for several impacts, or for the motion that the scene demonstrates.
+/// Duration for several impacts, or for the motion that the scene demonstrates \[s\].
 const SECONDS: f64 = 6.0;
 
 /// Every built-in scene and every shipped scene file.

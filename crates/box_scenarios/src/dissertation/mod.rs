@@ -14,7 +14,7 @@
 //! contact   bounding box against the plane: see [`contact`]
 //! ```
 //!
-//! Where the text is silent, the simplest interpretation is used:
+//! The simplest interpretation is used for details that the text does not specify:
 //!
 //! - The acceleration is constant, so k₁ = k₂ = k₃ = k₄ and the three integrators give the same velocity to
 //!   rounding. [`Demo::drag`] (0 in the demo) adds the −c v of the text's analysis.
@@ -39,7 +39,7 @@ pub const FALL: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 /// Factor in I = factor · m (a² + b²), used in place of 1/12 for a box.
 pub const INERTIA_FACTOR: f64 = 0.83;
 
-/// Time by which a cycle multiplies the angular acceleration \[s\], whatever the length of the cycle.
+/// Time by which a cycle multiplies the angular acceleration \[s\], for any length of the cycle.
 pub const SPIN_STEP: f64 = 1.0 / 60.0;
 
 /// Loss of velocity and spin per **millisecond** of the cycle \[1/ms\].
@@ -83,7 +83,7 @@ impl Stepper {
         }
     }
 
-    /// Its error, in one sentence.
+    /// The error of the integrator, in one sentence.
     pub const fn fault(self) -> &'static str {
         match self {
             Self::ExplicitEuler => {

@@ -63,7 +63,7 @@ fn the_steppers_amplify_as_the_analysis_says() {
     }
 }
 
-/// ω grows by α/60 per cycle: at 240 Hz four times as fast as at 60 Hz.
+/// ω grows by α/60 per cycle: four times as fast at 240 Hz as at 60 Hz.
 #[test]
 fn the_spin_depends_on_the_number_of_cycles_not_on_time() {
     let demo = floorless();

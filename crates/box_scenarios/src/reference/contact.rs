@@ -107,7 +107,7 @@ impl FlatContact {
             return (since, up);
         }
         let left = 1.0 - since * (1.0 - e) / first;
-        // The number of rises before `since`, or before they are too short to count.
+        // Number of rises before `since`, or before they are too short to count.
         let end = left.max(SHORTEST_RISE / first).max(f64::MIN_POSITIVE);
         let n = (libm::log(end) / libm::log(e)).floor() - 100.0;
         if n < 1000.0 {

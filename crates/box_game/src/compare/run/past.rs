@@ -1,4 +1,4 @@
-//! Going back: checkpoints, from which the comparisons are simulated again.
+//! Stepping back: checkpoints, from which the comparisons are simulated again.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::Run;
 use crate::compare::Quantity;
 use crate::compare::runner::{Runner, SAME};
 
-/// Distance of the states to which stepping back returns \[s\], and how many there are: four minutes.
+/// Interval of the checkpoints for stepping back \[s\], and their maximum number: four minutes.
 const CHECKPOINT: f64 = 1.0;
 const CHECKPOINTS: usize = 240;
 
@@ -23,7 +23,7 @@ pub(super) struct Checkpoint {
 }
 
 impl Run {
-    /// Keeps a checkpoint where the last is old enough. The first is the start, which stays.
+    /// Saves a checkpoint if the last is old enough. The first, at the start, is always kept.
     pub(super) fn save(&mut self) {
         let last = self.checkpoints.back();
         if last.is_some_and(|last| self.clock < last.t + CHECKPOINT) {
@@ -42,8 +42,8 @@ impl Run {
         }
     }
 
-    /// Back to `t` \[s\], where the main box was in `state`: the comparisons return to the checkpoint before it
-    /// and are simulated again up to there.
+    /// Steps back to `t` \[s\], where the main box was in `state`. The comparisons return to the checkpoint before it
+    /// and are simulated up to that time.
     pub fn rewind(&mut self, t: f64, state: &BodyState) {
         let end = t + SAME * self.step;
         self.inputs.rewind(t - SAME * self.step);
@@ -71,9 +71,9 @@ impl Run {
         self.arrive(t, state);
     }
 
-    /// The main box is in `state` at `t` \[s\], a time between a checkpoint and the next.
+    /// Sets the main box to `state` at `t` \[s\], a time between a checkpoint and the next.
     fn arrive(&mut self, t: f64, state: &BodyState) {
-        // Inputs since the checkpoint belong to the reference as well.
+        // Inputs since the checkpoint also apply to the reference.
         let from = self.checkpoints.back().map_or(0.0, |c| c.t);
         for input in self.inputs.since(from - 1e-12) {
             self.reference.push(input.t, &input.change);
@@ -84,7 +84,7 @@ impl Run {
         self.clock = t;
         self.main_box.track.rewind(t);
         self.reference_flips.rewind(t);
-        // Its own steps since then are not known: what they left over stays as the last sample had it.
+        // The main box's steps since then are unknown, so the energy residual is that of the last sample.
         let last = self.main_box.track.series.last();
         let left = last.map(|s| s.get(Quantity::Energy));
         let left = left.filter(|energy| energy.is_finite()).unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! The order of the comparisons by their worst error so far, for pictures that show one beside the other.
+//! The order of the comparisons by their worst error so far, for layouts that show them side by side.
 
 use box_physics::prelude::Integrator;
 
@@ -11,16 +11,16 @@ const PERIOD: f64 = 1.0;
 /// The order changes if the errors of two comparisons in the wrong order differ by more than this factor.
 const MIN_ERROR_RATIO: f64 = 2.0;
 
-/// An order that does not flicker.
+/// A stable order, which does not flicker.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ranking {
     order: Vec<Integrator>,
-    /// When it was last checked \[s\].
+    /// Simulated time of the last check \[s\].
     at: f64,
 }
 
 impl Run {
-    /// The comparisons, smallest error first; those that have just joined are last.
+    /// The comparisons, smallest error first; new ones are last.
     pub fn ranked(&self) -> Vec<&Runner> {
         let order = &self.ranking.order;
         let place = |r: &&Runner| order.iter().position(|i| *i == r.integrator());
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use box_scenarios::Scenario;
 
-    /// A near tie keeps its order, a clear difference changes it, and not before a second has passed.
+    /// A near tie keeps its order. A clear difference changes it, but not before a second has passed.
     #[test]
     fn the_order_follows_clear_differences_alone() {
         use Integrator::{ExplicitEuler, Midpoint, Rk4};
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(order(1.0, [3.0, 2.0, 1.6]), [ExplicitEuler, Midpoint, Rk4]);
         assert_eq!(order(1.5, [30.0, 3.0, 0.0]), [ExplicitEuler, Midpoint, Rk4]);
         assert_eq!(order(2.0, [30.0, 3.0, 0.0]), [Rk4, Midpoint, ExplicitEuler]);
-        // Stepped back.
+        // After stepping back.
         assert_eq!(order(1.0, [3.0, 30.0, 0.0]), [Rk4, ExplicitEuler, Midpoint]);
     }
 }

@@ -1,11 +1,11 @@
-//! Live timing, two figures: what a step of this scene costs in the plugin, by its own clock, and what it would cost
-//! under **every** integrator, on one snapshot of the scene's bodies in turns ([`Snapshot`]). Both begin again where
-//! scene, step or load change. Neither is older than two seconds, unless the clock is so coarse that a round of all
-//! integrators takes longer. The mean over the run, for the work–precision plot, covers what its sweep covers.
+//! Live timing. The plugin's own clock gives the cost of a step of this scene. A [`Snapshot`] of the scene's bodies
+//! gives the cost under **every** integrator, measured in turns. Both restart when scene, step or load change. Neither
+//! is older than two seconds, unless the clock is so coarse that a round of all integrators takes longer. The mean over
+//! the run, for the work–precision plot, covers the same part of the scene as its sweep.
 //!
-//! A sample lasts at least `GRAINS` grains of the clock. In a browser, where a grain may be 100 µs, it is made of
-//! parts in several frames; [`IntegratorSamples::uncertainty`] says what the grain leaves of it. The first sample of each
-//! integrator in a run of the program is dropped: a browser compiles and optimizes code while it runs.
+//! A sample lasts at least `GRAINS` grains of the clock. In a browser, where a grain may be 100 µs, a sample is split
+//! over several frames; [`IntegratorSamples::uncertainty`] is the remaining error. The first sample of each integrator
+//! in a run of the program is dropped, because a browser compiles and optimizes code while it runs.
 
 mod turn;
 
@@ -26,17 +26,17 @@ use box_physics::prelude::{BodyState, Integrator, PhysicsClock, PhysicsTimings, 
 use crate::compare::Comparison;
 use crate::scene::session::Session;
 
-/// Figures come from the last two seconds \[s\].
+/// Duration of the time window of the figures \[s\].
 const WINDOW: f64 = 2.0;
-/// Steps of the plugin that are kept: a step in each of 120 frames a second, or the last of many in a frame.
+/// Maximum number of plugin steps kept: the last step of each frame, at 120 frames per second.
 const STEPS: usize = 240;
 /// Time for samples in a frame.
 const BUDGET: Duration = Duration::from_micros(300);
-/// Share of a frame's time for samples, where that is more and the clock is coarse.
+/// Fraction of the frame time for samples, if the clock is coarse and this is more.
 const SHARE: f64 = 0.1;
-/// The most time for samples in a frame.
+/// Maximum time for samples in a frame.
 const MAX_BUDGET: Duration = Duration::from_millis(8);
-/// Points of the plotted past per integrator: five minutes at least.
+/// Maximum number of plotted points per integrator: at least five minutes.
 const HISTORY: usize = 3600;
 
 /// Times every integrator live.
@@ -50,7 +50,7 @@ pub fn plugin(app: &mut App) {
 pub struct IntegratorSamples {
     /// In the order of [`Integrator::ALL`].
     each: Vec<Samples>,
-    /// Steps of the plugin at this round's snapshot, and whether the round belongs to the run's mean.
+    /// Steps of the plugin at this round's snapshot; `true` if the round counts in the run's mean.
     round: (u64, bool),
     /// Time since start \[s\], and each stage of one step \[µs\].
     plugin: VecDeque<(f64, [f64; Stage::ALL.len()])>,
@@ -59,13 +59,13 @@ pub struct IntegratorSamples {
     turn: Turn,
     snapshot: Option<Snapshot>,
     load: Option<Load>,
-    /// The smallest difference that the clock shows.
+    /// Smallest time difference that the clock resolves.
     pub grain: Duration,
-    /// Standard deviation of the last sample, relative, that comes from the grain of the clock.
+    /// Relative standard deviation of the last sample due to the grain of the clock.
     pub uncertainty: f64,
-    /// What tells the time of a sample.
+    /// The clock that times samples.
     pub stopwatch: Stopwatch,
-    /// Time for samples in a frame: at least one part of a sample is taken, at most each integrator has its turn.
+    /// Time for samples in a frame. At least one part of a sample is taken, and at most one sample per integrator.
     pub budget: Duration,
 }
 
@@ -76,20 +76,20 @@ struct Samples {
     /// Minima over time.
     history: VecDeque<(f64, f64)>,
     evaluations: f64,
-    /// Whether the first sample of all has been taken, and dropped.
+    /// `true` once the first sample has been taken and dropped.
     warm: bool,
     /// Sum and number in this run.
     run: (f64, u32),
 }
 
-/// What the samples belong to.
+/// Conditions for which the samples are valid.
 #[derive(Clone, Debug, PartialEq)]
 struct Load {
     scene: String,
     h: f64,
     boxes: usize,
     floor: bool,
-    /// Whether the forces are more than gravity.
+    /// `true` if forces other than gravity act.
     forced: bool,
 }
 
@@ -112,20 +112,20 @@ impl Default for IntegratorSamples {
 }
 
 impl IntegratorSamples {
-    /// Cost of a body-step \[ns\], of the samples of the last two seconds.
+    /// Cost of a body-step \[ns\], from the samples of the last two seconds.
     pub fn cost(&self, integrator: Integrator) -> Option<Cost> {
         let recent = self.each[integrator.index()].recent.iter();
         let recent: Vec<f64> = recent.map(|s| s.1).collect();
         (!recent.is_empty()).then(|| Cost::of(&recent))
     }
 
-    /// Mean of this run's samples [ns per body-step], each of another moment of the scene: what the sweep measures.
+    /// Mean of this run's samples [ns per body-step], each at another time of the scene, as in the sweep.
     pub fn mean_of_run(&self, integrator: Integrator) -> Option<f64> {
         let (sum, count) = self.each[integrator.index()].run;
         (count > 0).then(|| sum / f64::from(count))
     }
 
-    /// A grain so long that a sample does not fit into a frame's budget.
+    /// Returns `true` if the grain is so long that a sample does not fit into a frame's budget.
     pub fn is_coarse(&self) -> bool {
         self.grain * GRAINS > BUDGET
     }
@@ -140,8 +140,8 @@ impl IntegratorSamples {
         self.each[integrator.index()].history.iter().copied()
     }
 
-    /// What each stage of a step took in the plugin \[µs\], the median of the last two seconds; with a coarse clock,
-    /// which shows 0 or a grain, the mean.
+    /// Time of each stage of a step in the plugin \[µs\]: the median of the last two seconds. A coarse clock shows 0 or
+    /// one grain; then it is the mean.
     pub fn plugin(&self) -> Option<[f64; Stage::ALL.len()]> {
         let stage = |k: usize| {
             let recent: Vec<f64> = self.plugin.iter().map(|s| s.1[k]).collect();
@@ -159,7 +159,7 @@ impl IntegratorSamples {
         self.plugin.iter().map(|step| step.1)
     }
 
-    /// Drops what is too old, or everything if the load is another.
+    /// Drops samples that are too old, or all samples if the load changed.
     fn begin(&mut self, time: f64, load: Load) {
         if self.load.as_ref() != Some(&load) {
             for samples in &mut self.each {
@@ -212,7 +212,7 @@ impl IntegratorSamples {
     }
 }
 
-/// The next integrators' turns; a snapshot is taken before the first of them.
+/// Times the next integrators. A snapshot is taken before the first of them.
 pub fn sample_integrators(
     mut samples: ResMut<IntegratorSamples>,
     boxes: Query<(&RigidBox, &BodyState, Option<&ContactState>)>,

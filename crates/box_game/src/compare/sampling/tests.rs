@@ -17,7 +17,7 @@ fn sample(nanoseconds: f64) -> Sample {
     }
 }
 
-/// A second after a change nothing of before is in the figures, and at no time anything older than two seconds.
+/// One second after a change, the figures contain no earlier samples, and never a sample older than two seconds.
 #[test]
 fn nothing_is_older_than_two_seconds_or_of_another_load() {
     let mut samples = IntegratorSamples::default();
@@ -41,7 +41,7 @@ fn nothing_is_older_than_two_seconds_or_of_another_load() {
     assert_eq!(samples.cost(split), Some(Cost::of(&[5.0])));
 }
 
-/// With a coarse clock, the last sample stays until there is another.
+/// With a coarse clock, the last sample remains until the next one.
 #[test]
 fn a_coarse_clock_keeps_its_last_sample() {
     let mut samples = IntegratorSamples {
@@ -49,7 +49,7 @@ fn a_coarse_clock_keeps_its_last_sample() {
         ..IntegratorSamples::default()
     };
     samples.begin(0.0, load(0.1));
-    // The first of all, taken while a browser compiles, is not kept.
+    // The very first sample, taken while a browser compiles, is discarded.
     samples.record(Integrator::Split, 0.0, sample(7000.0));
     assert_eq!(samples.cost(Integrator::Split), None);
     assert_eq!(samples.history(Integrator::Split).count(), 0);
@@ -61,8 +61,8 @@ fn a_coarse_clock_keeps_its_last_sample() {
     assert_eq!(samples.cost(Integrator::Split), Some(Cost::of(&[5.0])));
 }
 
-/// A clock made of force evaluations tells sweep and panel the same costs, so that the dots of the work–precision
-/// plot lie on the lines of the sweep.
+/// With a clock made of force evaluations, sweep and panel measure the same costs. The dots of the work–precision plot
+/// are thus on the lines of the sweep.
 #[test]
 fn dots_lie_on_the_lines_of_the_sweep() {
     use crate::cli::Cli;
@@ -70,8 +70,8 @@ fn dots_lie_on_the_lines_of_the_sweep() {
     use clap::Parser;
 
     const SECONDS: f64 = 3.0;
-    // In free flight alike but for the first step of a memory. Where an integrator iterates or meets the floor, its
-    // own motion, which the sweep follows, differs from the main box's.
+    // Equal in free flight, except for the first step of a memory. If an integrator iterates or touches the floor, its
+    // motion in the sweep differs from the main box's.
     let mut wrong = Vec::new();
     for (scene, boxes, within) in [
         ("dzhanibekov", 1, 0.05),
@@ -83,7 +83,7 @@ fn dots_lie_on_the_lines_of_the_sweep() {
         let cli = Cli::try_parse_from(arguments).expect("valid");
         let mut app = crate::app::headless(cli);
         app.update();
-        // Every integrator in every frame, on a clock of 30 ns a body-step or evaluation.
+        // Every integrator in every frame, on a clock of 30 ns per body-step or evaluation.
         let stopwatch: Stopwatch = |work| Duration::from_nanos(30 * work());
         let mut samples = app.world_mut().resource_mut::<IntegratorSamples>();
         (samples.stopwatch, samples.budget) = (stopwatch, Duration::from_secs(10));

@@ -1,4 +1,4 @@
-//! A sample of one integrator's cost, taken in one go or, with a coarse clock, in parts.
+//! A sample of one integrator's cost, measured at once or, with a coarse clock, in parts.
 
 use std::time::Duration;
 
@@ -7,25 +7,25 @@ use box_bench::measure::Stopwatch;
 use box_bench::snapshot::{Sample, Snapshot};
 use box_physics::prelude::Integrator;
 
-/// A sample lasts at least this long.
+/// Minimum length of a sample.
 const SHORTEST: Duration = Duration::from_micros(100);
-/// And at least this many grains of the clock.
+/// Minimum length of a sample in grains of the clock.
 pub(crate) const GRAINS: u32 = 50;
 
-/// A sample in the making.
+/// An incomplete sample.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Turn {
     pub integrator: usize,
-    /// Calls timed so far, in this number of parts.
+    /// Number of calls timed so far, in `parts` parts.
     pub(super) calls: u32,
     parts: u32,
     elapsed: Duration,
-    /// Force evaluations of a call; none before the first.
+    /// Force evaluations per call; `None` before the first.
     evaluations: Option<u64>,
 }
 
 impl Turn {
-    /// A new sample of the integrator with this number.
+    /// Starts a sample of the integrator with this number.
     pub(crate) fn of(integrator: usize) -> Self {
         Self {
             integrator,
@@ -33,7 +33,7 @@ impl Turn {
         }
     }
 
-    /// One part of at least `part`, for a sample of at least `shortest`; returns that once it is complete.
+    /// Measures a part of at least `part`. Returns the sample once it is complete, with at least `shortest`.
     pub(crate) fn take(
         &mut self,
         snapshot: &mut Snapshot,
@@ -43,7 +43,7 @@ impl Turn {
         let integrator = Integrator::ALL[self.integrator];
         let evaluations = match self.evaluations {
             Some(evaluations) => evaluations,
-            // Not timed: it pays for what the one before it has left in the caches.
+            // Not timed, because it loads the caches.
             None => snapshot.call(integrator).evaluations,
         };
         self.evaluations = Some(evaluations);
@@ -53,7 +53,7 @@ impl Turn {
             let each = self.elapsed.as_secs_f64() / f64::from(self.calls);
             calls = (part.as_secs_f64() / each.max(1e-9)).clamp(1.0, 1e6) as u32;
         }
-        // The last stretch alone counts, so that the clock is read twice for a part.
+        // Only the last stretch counts, so the clock is read twice per part.
         let elapsed = loop {
             let elapsed = stopwatch(&mut || (0..calls).map(|_| snapshot.work(integrator)).sum());
             if elapsed >= part {
@@ -76,8 +76,8 @@ impl Turn {
         Self::of((self.integrator + 1) % Integrator::ALL.len())
     }
 
-    /// Standard deviation, relative, that a clock of this grain leaves. Both ends of a part are rounded down by up to a
-    /// grain: their difference has a variance of a sixth of the grain's square.
+    /// Relative standard deviation due to a clock of this grain. Both ends of a part are rounded down by up to a grain,
+    /// so their difference has a variance of a sixth of the grain's square.
     pub(super) fn uncertainty(&self, grain: Duration) -> f64 {
         let sigma = grain.as_secs_f64() * (f64::from(self.parts) / 6.0).sqrt();
         sigma / self.elapsed.as_secs_f64().max(1e-12)
@@ -89,7 +89,7 @@ pub(crate) fn shortest_sample(grain: Duration) -> Duration {
     SHORTEST.max(grain * GRAINS)
 }
 
-/// The smallest difference that the clock shows: the median of a few.
+/// The smallest difference that the clock resolves: the median of a few.
 pub(crate) fn measure_grain() -> Duration {
     let mut steps = [Duration::ZERO; 9];
     for step in &mut steps {
@@ -108,12 +108,12 @@ mod tests {
     use box_physics::floor::ContactState;
     use box_physics::prelude::{BodyState, RigidBox};
 
-    /// A clock of which every call costs the same.
+    /// A clock for which every call costs the same.
     fn even_clock(work: &mut dyn FnMut() -> u64) -> Duration {
         Duration::from_nanos(100 * work())
     }
 
-    /// A sample of fifty grains of 100 µs, taken over several frames, is the one taken in one go.
+    /// A sample of fifty grains of 100 µs over several frames equals one measured at once.
     #[test]
     fn a_sample_in_parts_measures_the_same() {
         let bodies = [(RigidBox::default(), BodyState::default())];
@@ -133,7 +133,7 @@ mod tests {
         let (pieces, parts) = measure(10 * grain);
         assert!((2..=6).contains(&parts), "{parts} parts");
         assert_eq!(pieces, whole);
-        // A grain over √6 in fifty; of six parts √6 times as much.
+        // A grain over √6 in fifty; with six parts, √6 times as much.
         for (parts, expected) in [(1, 0.02 / 6.0_f64.sqrt()), (6, 0.02)] {
             let turn = Turn {
                 parts,

@@ -1,5 +1,5 @@
-//! Work–precision: every integrator at every step size over the whole scene, error against cost, beside the frames:
-//! `Work` is done in slices, by a thread or, where there are none, by the frames.
+//! Work–precision sweep: error and cost of every integrator at every step size over the whole scene. `Work` is done in
+//! slices in the background: by a thread or, without threads, by the frames.
 
 mod work;
 
@@ -15,33 +15,33 @@ use box_scenarios::{ReferenceSolution, Setup};
 use crate::platform::Worker;
 use work::Work;
 
-/// Rates of the steps [1/s], coarsest first; every step fits a whole number of times into the first.
+/// Step rates [1/s], coarsest first. The first step is an integer multiple of every other one.
 pub const RATES: [u32; 8] = [15, 30, 60, 120, 240, 480, 960, 1920];
 
-/// One step size of one integrator.
+/// Result of one integrator at one step size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepPoint {
-    /// dt \[s\].
+    /// Step size \[s\].
     pub dt: f64,
-    /// Largest distance from the reference \[m\]; NaN if it diverged.
+    /// Largest distance from the reference \[m\]; NaN if the run diverged.
     pub position: f64,
-    /// Largest angle to the reference \[°\]; NaN if it diverged.
+    /// Largest angle to the reference \[°\]; NaN if the run diverged.
     pub attitude: f64,
     /// Cost of a box over the scene [ns per simulated second], the minimum of the samples.
     pub cost: f64,
 }
 
-/// All step sizes of one integrator.
+/// Results of one integrator at all step sizes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepLine {
     /// The integrator.
     pub integrator: Integrator,
-    /// Coarsest first.
+    /// Points, coarsest step first.
     pub points: Vec<SweepPoint>,
 }
 
 impl SweepLine {
-    /// The order fitted to the position, or else the attitude.
+    /// Order of convergence fitted to the position error, or else to the attitude error.
     pub fn order(&self, position: bool) -> Fitted {
         let error = |p: &SweepPoint| {
             if position {
@@ -55,25 +55,25 @@ impl SweepLine {
     }
 }
 
-/// What a sweep runs.
+/// Input of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepTask {
     /// The scene.
     pub setup: Setup,
-    /// Its reference, if it is known.
+    /// Reference of the scene, if known.
     pub truth: Option<ReferenceSolution>,
-    /// Its boxes.
+    /// Number of boxes.
     pub boxes: usize,
     /// The integrators.
     pub integrators: Vec<Integrator>,
     /// Grain of the clock.
     pub grain: Duration,
-    /// What tells the time of a sample.
+    /// The clock that times samples.
     pub stopwatch: Stopwatch,
 }
 
 impl SweepTask {
-    /// `setup` with `boxes` boxes under `integrators`, on a clock without grain.
+    /// Creates a task: `setup` with `boxes` boxes under `integrators`, timed by a clock without grain.
     pub fn new(setup: Setup, boxes: usize, integrators: Vec<Integrator>) -> Self {
         Self {
             setup,
@@ -86,7 +86,7 @@ impl SweepTask {
     }
 }
 
-/// A sweep: none, running or done.
+/// A sweep: not started, running or done.
 #[derive(Default)]
 pub struct Sweep {
     shared: Arc<Shared>,
@@ -102,10 +102,10 @@ struct Shared {
 }
 
 impl Sweep {
-    /// Begins; a sweep that runs is canceled first.
+    /// Starts a sweep. A running one is canceled first.
     ///
     /// # Errors
-    /// Where the system gives no thread.
+    /// The system cannot start a thread.
     pub fn start(&mut self, task: SweepTask) -> std::io::Result<()> {
         self.cancel();
         self.shared = Arc::new(Shared::of(&task.integrators));
@@ -115,7 +115,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the sweep.
     pub fn wait(&mut self) {
         while self.is_running() {
             self.tick();
@@ -123,14 +123,14 @@ impl Sweep {
         }
     }
 
-    /// A frame has passed.
+    /// Advances the sweep by one frame, on platforms without threads.
     pub fn tick(&mut self) {
         if let Some(worker) = &mut self.worker {
             worker.tick();
         }
     }
 
-    /// Stops it; what is done stays. Takes as long as one slice.
+    /// Cancels the sweep and keeps the finished points. Blocks for at most one slice.
     pub fn cancel(&mut self) {
         self.shared.cancel.store(true, Ordering::Relaxed);
         if let Some(worker) = self.worker.take() {
@@ -138,12 +138,12 @@ impl Sweep {
         }
     }
 
-    /// Whether it runs.
+    /// Returns `true` if the sweep is running.
     pub fn is_running(&self) -> bool {
         self.worker.as_ref().is_some_and(Worker::is_running)
     }
 
-    /// Points done of points to do.
+    /// Number of finished points, and of all points.
     pub fn progress(&self) -> (u32, u32) {
         (self.shared.done.load(Ordering::Relaxed), self.total)
     }
@@ -154,7 +154,7 @@ impl Sweep {
         lines.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Forgets the lines: they are of another scene.
+    /// Cancels the sweep and removes its lines, for another scene.
     pub fn clear(&mut self) {
         self.cancel();
         *self = Self::default();

@@ -12,7 +12,7 @@ fn swept(setup: &Setup, integrators: &[Integrator]) -> Sweep {
     sweep
 }
 
-/// The fitted orders of the flip are those that the integrators claim for the rotation.
+/// The fitted orders of the flip are the claimed orders of the integrators for rotation.
 #[test]
 fn orders_are_found() {
     let mut setup = Scenario::find("throw").expect("a scene").setup;
@@ -39,7 +39,7 @@ fn orders_are_found() {
     }
 }
 
-/// Without a formula there is the fine simulation; a diverged point is a gap.
+/// Without a formula the reference is a fine simulation; a diverged point is a gap.
 #[test]
 fn scenes_without_a_formula_and_divergence() {
     let mut setup = Scenario::find("contact").expect("a scene").setup;
@@ -67,13 +67,13 @@ fn it_can_be_canceled_and_dropped() {
     drop(sweep);
 }
 
-/// As a browser does it: the work is cut into slices, and a coarse clock is no hindrance.
+/// The work is cut into slices, as in a browser, and a coarse clock does not prevent it.
 #[test]
 fn a_sweep_in_slices_under_a_coarse_clock() {
     for scene in ["throw", "contact", "heavy-top"] {
         let mut setup = Scenario::find(scene).expect("a scene").setup;
         setup.duration = 0.5;
-        // After a push the reference is not known.
+        // After a push the reference is unknown.
         let task = SweepTask {
             grain: Duration::from_micros(100),
             ..task(&setup, &[Integrator::Split, Integrator::Rk4])
@@ -93,7 +93,7 @@ fn a_sweep_in_slices_under_a_coarse_clock() {
     }
 }
 
-/// Many boxes in fine steps are not timed in one go, which would hold a frame for long, and cost the same as in one go.
+/// Many boxes in fine steps are timed in parts, which would otherwise block a frame for long. The cost is the same.
 #[test]
 fn a_long_course_is_timed_in_parts() {
     use std::sync::atomic::AtomicU64;
@@ -118,7 +118,7 @@ fn a_long_course_is_timed_in_parts() {
         steps.iter().all(|ns| (ns - steps[0]).abs() < 1e-6),
         "{steps:?}"
     );
-    // At 1920 Hz 32 boxes are followed.
+    // At 1920 Hz, 32 boxes are simulated.
     let course = 19_200.0 * 32.0 * steps[0];
     let part = LONGEST.load(Ordering::Relaxed) as f64 / course;
     assert!(part > 0.0 && part < 0.5, "{part} of a course at once");

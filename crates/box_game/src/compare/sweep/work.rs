@@ -17,22 +17,22 @@ use box_scenarios::{LiveReference, Model, ReferenceSolution, Runner, Setup, Stat
 use super::{RATES, Shared, SweepPoint, SweepTask};
 use crate::compare::sampling::shortest_sample;
 
-/// Rounds of samples at a rate, at least and at most: between these no round begins after [`PATIENCE`].
+/// Minimum and maximum number of sampling rounds per rate. After the minimum, no round begins after [`PATIENCE`].
 const ROUNDS: (u32, u32) = (3, 10);
 const PATIENCE: Duration = Duration::from_millis(200);
-/// A slice ends with the first pause after this time. With a part of a sample after it, it stays below the 8 ms that a
-/// frame may be held.
+/// Time after which a slice ends at the next pause. With a part of a sample after it, it stays below the allowed 8 ms
+/// per frame.
 const SLICE: Duration = Duration::from_millis(3);
-/// A part of a sample ends with the first stretch after this time.
+/// Time after which a part of a sample ends at the next stretch.
 const PART: Duration = Duration::from_millis(2);
-/// Steps of a box in a stretch: short beside a part, long beside a look at the clock.
+/// Steps of a box in a stretch: short relative to a part, long relative to reading the clock.
 const STRETCH: usize = 128;
-/// Steps between two pauses while errors are found.
+/// Steps between two pauses while errors are computed.
 const STEPS: u32 = 16;
-/// The reference is found in parts of this of a step of the first rate.
+/// Number of reference states computed per step of the first rate.
 const PARTS: u32 = 32;
 
-/// A sweep in the middle.
+/// A sweep in progress.
 pub(super) struct Work {
     shared: Arc<Shared>,
     rest: Pin<Box<dyn Future<Output = ()> + Send>>,
@@ -46,7 +46,7 @@ impl Work {
         }
     }
 
-    /// Works for a while; returns whether anything is left to do.
+    /// Works for one slice. Returns `false` when done.
     pub(super) fn slice(&mut self) -> bool {
         let end = Instant::now() + SLICE;
         let mut context = Context::from_waker(Waker::noop());
@@ -60,7 +60,7 @@ impl Work {
     }
 }
 
-/// Rate by rate the errors of every integrator, then their costs in turns.
+/// Computes the errors of every integrator rate by rate, then their costs in turns.
 async fn sweep(mut task: SweepTask, shared: Arc<Shared>) {
     let truth = task.truth.take();
     let truth = truth.or_else(|| ReferenceSolution::closed_form(&task.setup));
@@ -87,7 +87,7 @@ async fn sweep(mut task: SweepTask, shared: Arc<Shared>) {
     }
 }
 
-/// The reference at every step of the first rate.
+/// Computes the reference at every step of the first rate.
 async fn reference(setup: &Setup, truth: Option<ReferenceSolution>) -> Vec<BodyState> {
     let (model, start) = (Arc::new(Model::of(setup)), setup.initial);
     // Fine enough for the finest step: 1/30720 s.
@@ -107,7 +107,7 @@ async fn reference(setup: &Setup, truth: Option<ReferenceSolution>) -> Vec<BodyS
     trusted
 }
 
-/// The largest errors at a rate \[m\] and \[rad\], unless it diverges.
+/// Computes the largest errors at a rate \[m\] and \[rad\]; `None` if it diverges.
 async fn errors(
     setup: &Setup,
     integrator: Integrator,
@@ -137,7 +137,7 @@ async fn errors(
     Some(worst)
 }
 
-/// The costs of those that did not diverge [ns per body-step]: the minimum of their samples.
+/// Measures the costs of integrators that did not diverge [ns per body-step]: the minimum of their samples.
 async fn costs(
     task: &SweepTask,
     rate: u32,
@@ -161,7 +161,7 @@ async fn costs(
     Some(costs)
 }
 
-/// The cost [ns per body-step] of whole courses of the scene that take at least `shortest`, timed in parts.
+/// Measures the cost [ns per body-step] of whole runs of the scene that take at least `shortest`, timed in parts.
 async fn sample(
     snapshot: &mut Snapshot,
     integrator: Integrator,
@@ -169,7 +169,7 @@ async fn sample(
     stopwatch: Stopwatch,
 ) -> f64 {
     let stretch = (STRETCH / snapshot.bodies()).max(1);
-    // Not timed: it pays for what the one before it has left in the caches.
+    // Not timed, because it loads the caches.
     snapshot.advance(integrator, stretch);
     snapshot.restart();
     let (mut elapsed, mut courses) = (Duration::ZERO, 0);

@@ -1,6 +1,6 @@
-//! Axes of the plots. A linear axis is marked at 1, 2 or 5 times a power of ten, close enough together that a low plot
-//! has a few labels: by itself `egui_plot` (0.37) marks powers of ten alone, of which a plot may hold one. It has no log
-//! axis: plot [`to_axis`] of the value, and print [`from_axis`] in labels.
+//! Axes of the plots. A linear axis is marked at 1, 2 or 5 times a power of ten, with enough labels for a low plot: by
+//! default, `egui_plot` (0.37) marks only powers of ten, of which a plot may contain one. For a log axis, plot
+//! [`to_axis`] of the value and print [`from_axis`] in labels.
 
 use std::ops::RangeInclusive;
 
@@ -8,22 +8,22 @@ use egui_plot::{GridInput, GridMark, uniform_grid_spacer};
 
 use super::format::number;
 
-/// Labels of a linear axis stand this many times the finest spacing of the plot's grid apart: 24 points above each other,
-/// 64 side by side, where a label is wider than high.
+/// Distance of labels on a linear axis, in units of the finest grid spacing: 24 points vertically, 64 horizontally,
+/// where labels are wider than high.
 pub(super) const UPRIGHT: f64 = 3.0;
 pub(super) const ALONG: f64 = 8.0;
-/// More marks than this are a plot that is not laid out yet.
+/// Maximum number of marks; more mean that the plot is not laid out yet.
 const MAX_GRID_MARKS: f64 = 200.0;
 
-/// Zero and less stand here, below anything a step can cost or miss.
+/// Position of values ≤ 0, below any cost or error of a step.
 const FLOOR: f64 = 1e-17;
-/// Most decades with marks between them, and most decades marked one by one: more labels than that find
-/// no room in a low drawer.
+/// Maximum number of decades with marks between them, and of decades that are all marked. More labels do not fit in a
+/// low drawer.
 const FEW: f64 = 6.0;
-/// Fewer decades than this also label 2 and 5.
+/// Number of decades below which 2 and 5 are also labeled.
 const LABELED: f64 = 1.7;
 
-/// Marks of an axis, `apart` on a linear one.
+/// Marks of an axis. On a linear one, `apart` is their distance.
 pub(super) fn marks(log: bool, apart: f64) -> Box<dyn Fn(GridInput) -> Vec<GridMark>> {
     if log {
         Box::new(|input| log_marks(input.bounds))
@@ -40,7 +40,7 @@ pub(super) fn label(log: bool, mark: GridMark, range: &RangeInclusive<f64>) -> S
     }
 }
 
-/// Distances of the marks without and with a label. None where the distance is infinite.
+/// Distances of the marks without and with a label. None if the distance is infinite.
 fn steps(input: &GridInput, apart: f64) -> [f64; 3] {
     let (low, high) = input.bounds;
     let (step, parts) = round_up(input.base_step_size * apart);
@@ -52,7 +52,7 @@ fn steps(input: &GridInput, apart: f64) -> [f64; 3] {
     }
 }
 
-/// The next of 1, 2, 5 times a power of ten, and into how many parts it is divided.
+/// The next of 1, 2, 5 times a power of ten, and the number of its divisions.
 fn round_up(value: f64) -> (f64, f64) {
     let decade = 10_f64.powf(value.log10().floor());
     let parts = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0), (10.0, 5.0)];
@@ -61,7 +61,7 @@ fn round_up(value: f64) -> (f64, f64) {
     next.unwrap_or((f64::NAN, 1.0))
 }
 
-/// Place of a value on a log axis; NaN for a value that is not finite, so that the line breaks.
+/// Position of a value on a log axis; NaN for a value that is not finite, so that the line breaks.
 pub(super) fn to_axis(value: f64) -> f64 {
     if value.is_finite() {
         value.max(FLOOR).log10()
@@ -70,15 +70,15 @@ pub(super) fn to_axis(value: f64) -> f64 {
     }
 }
 
-/// The value at a place on a log axis.
+/// The value at a position on a log axis.
 pub(super) fn from_axis(place: f64) -> f64 {
     10_f64.powf(place)
 }
 
-/// Every decade (every second, fifth, … where there are many) and, where there are few, the 2 to 9 between them.
+/// Every decade (every second, fifth, … of many) and, between few decades, the digits 2 to 9.
 fn log_marks((low, high): (f64, f64)) -> Vec<GridMark> {
     let span = high - low;
-    // Nothing to mark before the first point; a value in f64 has at most 633 decades.
+    // No marks before the first point; a value in f64 has at most 633 decades.
     if !(span > 0.0 && span < 2000.0) {
         return Vec::new();
     }
@@ -86,7 +86,7 @@ fn log_marks((low, high): (f64, f64)) -> Vec<GridMark> {
     let digits = if span <= FEW { 1..=9 } else { 1..=1 };
     let mark = |decade: f64, digit: u8| GridMark {
         value: decade + f64::from(digit).log10(),
-        // Room to the next labeled mark, which decides whether a label fits.
+        // Distance to the next labeled mark, which decides whether a label fits.
         step_size: match digit {
             1 => stride,
             2 | 5 if span <= LABELED => 0.3,
@@ -100,7 +100,7 @@ fn log_marks((low, high): (f64, f64)) -> Vec<GridMark> {
         .collect()
 }
 
-/// `1000`, `1e-6`; and 2, 5 between decades where the axis spans few of them.
+/// Label of a mark: `1000`, `1e-6`; between few decades also 2 and 5.
 fn tick(place: f64, span: f64) -> String {
     let exponent = place.round();
     let digit = from_axis(place - place.floor()).round();
@@ -129,8 +129,8 @@ mod tests {
         marks(log, UPRIGHT)(input)
     }
 
-    /// In a plot 170 points high, whatever its range: two to eight labels, at least 24 points apart, at
-    /// round numbers, zero among them.
+    /// Any range gives a plot of 170 points height two to eight labels, at least 24 points apart, at round numbers
+    /// including zero.
     #[test]
     fn every_linear_range_has_a_few_round_labels() {
         for exponent in -9..4 {

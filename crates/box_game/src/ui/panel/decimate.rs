@@ -1,16 +1,16 @@
-//! Fewer points for the same picture: minimum and maximum of buckets that stand still.
+//! Fewer points for the same picture: minimum and maximum of fixed buckets.
 //!
-//! A bucket is a stretch [k·w, (k+1)·w) of the x axis. Its width w is a power of two, so while a live
-//! line grows the buckets stay where they are and old points do not dance; when the line outgrows its
-//! budget the width doubles and buckets merge in pairs.
+//! A bucket is an interval [k·w, (k+1)·w) of the x axis. Its width w is a power of two, so the buckets of a growing
+//! line are fixed and old points do not jump. When the line exceeds its budget, the width doubles and buckets merge in
+//! pairs.
 
-/// Most points of one line of a plot as wide as the drawer.
+/// Maximum number of points per line in a plot of the drawer's width.
 pub(super) const MAX_POINTS: usize = 1000;
-/// The same where several plots stand side by side.
+/// Maximum number of points per line if several plots are side by side.
 pub(crate) const NARROW: usize = 500;
 
-/// At most `most` points (10 or more) that look like `points`, which must not go back in x. A stretch that
-/// is not finite becomes one gap; see [`segments`].
+/// At most `most` points (10 or more) that look like `points`, whose x must not decrease. A non-finite stretch becomes
+/// one gap; see [`segments`].
 pub(crate) fn decimate(most: usize, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     if points.len() <= most {
         return points.to_vec();
@@ -20,11 +20,11 @@ pub(crate) fn decimate(most: usize, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         return Vec::new();
     };
     let last = xs.next_back().unwrap_or(first);
-    // Each gives at most a minimum, a maximum and a gap, and the range may start inside one.
+    // Each bucket has at most a minimum, a maximum and a gap, and the range may start inside one.
     let buckets = (most / 3 - 2) as f64;
-    // Rounded up to a power of two; a line of no width has one bucket.
+    // Rounded up to a power of two; a line of zero width has one bucket.
     let width = ((last - first) / buckets).max(1e-300).log2().ceil().exp2();
-    // Towards zero, which is cheaper than down: the two buckets beside x = 0 are one.
+    // Rounds toward zero, which is cheaper than down: the two buckets next to x = 0 are merged.
     let bucket = |x: f64| (x / width) as i64;
     points
         .chunk_by(|[a, _], [b, _]| bucket(*a) == bucket(*b) || !(a + b).is_finite())
@@ -95,7 +95,7 @@ mod tests {
         }
     }
 
-    /// The point of fixed buckets: while the width holds, a growing line does not move its past.
+    /// With fixed buckets, a growing line does not change its past while the width is constant.
     #[test]
     fn a_growing_line_stands_still() {
         let points = wave(6000);

@@ -1,7 +1,7 @@
-//! Numbers as text: four significant digits, the same everywhere; and text as numbers.
+//! Conversion of numbers to text, always with four significant digits, and of text to numbers.
 
-/// Four significant digits without trailing zeros: `9.81`, `0.01667`, `1.2e-5`; thousands apart, scientific where that
-/// is shorter.
+/// Four significant digits without trailing zeros: `9.81`, `0.01667`, `1.2e-5`. Thousands are grouped; scientific
+/// notation is used if shorter.
 pub(super) fn number(value: f64) -> String {
     let plain = quantity(value);
     let scientific = trimmed(&format!("{value:.3e}"));
@@ -13,7 +13,7 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-/// Without the zeros at the end of the fraction.
+/// Removes zeros at the end of the fraction.
 fn trimmed(text: &str) -> String {
     let (mantissa, exponent) = text.split_at(text.find('e').unwrap_or(text.len()));
     let mantissa = match mantissa.contains('.') {
@@ -23,7 +23,7 @@ fn trimmed(text: &str) -> String {
     format!("{mantissa}{exponent}")
 }
 
-/// Four significant digits with trailing zeros, so that a changing read-out keeps its width.
+/// Four significant digits with trailing zeros, so that a changing value keeps its width.
 pub(super) fn quantity(value: f64) -> String {
     match value.abs() {
         f64::INFINITY => if value > 0.0 { "∞" } else { "−∞" }.to_owned(),
@@ -42,7 +42,7 @@ pub(super) fn quantity(value: f64) -> String {
     }
 }
 
-/// A step size as people say it: `1/60 s` where that is what it is, else `0.0167 s`.
+/// A step size as `1/60 s` if it is such a fraction, else as `0.0167 s`.
 pub(super) fn step_size(dt: f64) -> String {
     let hertz = (1.0 / dt).round();
     // Bevy's clock counts whole nanoseconds: a sixtieth is 16 666 667 of them, 2e-8 too many.
@@ -53,8 +53,8 @@ pub(super) fn step_size(dt: f64) -> String {
     }
 }
 
-/// Reads a typed number: `0.5`, `0,5`, `1/60`, `1e-3`, a unit behind the number, and `60 Hz` for a period.
-/// `None` for anything else, and for infinities and NaN.
+/// Parses a typed number: `0.5`, `0,5`, `1/60`, `1e-3`, a number with a unit, and `60 Hz` for a period. `None` for
+/// anything else, and for infinities and NaN.
 pub(super) fn parse(text: &str) -> Option<f64> {
     let text = text.replace(',', ".").replace('−', "-");
     let text = text.replace('\u{a0}', "");
@@ -74,7 +74,7 @@ pub(super) fn parse(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// A number and its unit, if any: "1e3" is a number, "5 m/s²" is a number and its unit.
+/// Parses a number with an optional unit: "1e3" is a number, "5 m/s²" is a number and its unit.
 fn plain(text: &str) -> Option<f64> {
     let text = text.trim();
     let number = |k: usize| text.get(..k)?.trim_end().parse().ok();
@@ -85,7 +85,7 @@ fn plain(text: &str) -> Option<f64> {
     number(end).filter(|_| !more)
 }
 
-/// `1482` as `1 482`, with a narrow no-break space.
+/// Formats `1482` as `1 482`, with a narrow no-break space.
 pub(crate) fn grouped(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();

@@ -1,6 +1,6 @@
-//! The keys and the mouse: one list for the help overlay and `docs/game.md`.
+//! Keys and mouse controls: one list for the help overlay and `docs/game.md`.
 
-/// The key that takes a picture, where the platform leaves it to the game.
+/// The screenshot key, on platforms that leave it to the game.
 pub(super) const SCREENSHOT: &str = "F12";
 
 /// Keys and their effect.

@@ -8,9 +8,9 @@
 //! └──────────────────────────────────────┴───────────┘
 //! ```
 //!
-//! It draws and asks, and changes nothing but its own [`PanelMemory`]. Every widget that can be used has an accessible
-//! name for people and an id for tests (`widgets`). The picture keeps [`SHARE`] of the window: where side panel and
-//! drawer leave it less, the drawer is lower, and at last the side panel is left out while the drawer is open.
+//! It draws, requests actions, and changes only its own [`PanelMemory`]. Every interactive widget has an accessible
+//! name and an id for tests (`widgets`). The picture keeps at least [`SHARE`] of the window: the drawer is lower if
+//! necessary. If that is not enough, the side panel is hidden while the drawer is open.
 
 mod axis;
 pub(crate) mod decimate;
@@ -42,26 +42,26 @@ use crate::action::Action;
 use crate::view::style;
 use widgets::Panel;
 
-/// Room that the panel leaves.
+/// Areas of the window in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanelLayout {
-    /// For the picture \[points\]: times `pixels_per_point` for pixels. Never negative in size.
+    /// Area of the picture \[points\]; multiply by `pixels_per_point` for pixels. Its size is never negative.
     pub central: Rect,
-    /// How much of it captions cover from its top \[points\].
+    /// Height of the captions at the top of `central` \[points\].
     pub captions: f32,
-    /// The open plot or table \[points\].
+    /// Area of the open plot or table \[points\].
     pub plot: Option<Rect>,
 }
 
-/// Width of the side panel, which shows everything in it [points].
+/// Width of the side panel, enough for all of its contents [points].
 const SIDE: f32 = 304.0;
-/// Share of the window that the picture has at least.
+/// Minimum share of the window for the picture.
 pub const SHARE: f32 = 0.45;
-/// Heights of the drawer: the least that is of use, and as it opens, over the room below the top bar.
+/// Height of the drawer: the minimum [points], and the default relative to the height below the top bar.
 const DRAWER_LEAST: f32 = 110.0;
 const DRAWER: f32 = 0.3;
 
-/// Draws the panel into `ui`, which spans the window, and appends what was asked for to `out`.
+/// Draws the panel into `ui`, which spans the window, and appends the requested actions to `out`.
 pub fn show(
     ui: &mut Ui,
     view: &PanelView,

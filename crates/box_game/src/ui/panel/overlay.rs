@@ -1,5 +1,5 @@
-//! Texts over the picture: headline, lesson, the strip of the 2012 scene, notices; the list of keys; and the one line of a
-//! hidden panel.
+//! Texts over the picture: headline, lesson, the strip of the 2012 scene, notices, the list of keys, and the single
+//! line of a hidden panel.
 
 use bevy_egui::egui::{
     Area, Frame, Grid, Id, Label, Margin, Modal, Order, Rect, RichText, ScrollArea, TextWrapMode,
@@ -18,23 +18,23 @@ use crate::demo_2012::FAULTS;
 use crate::platform;
 use crate::view::style;
 
-/// In a picture lower than this [points] the lesson is left out (beside the strip of 2012 already in the second), and lower
-/// than the last the headline.
+/// Minimum heights of the picture [points]: for the lesson (the second one if there is also the strip of 2012), and for
+/// the headline.
 const LESSON_ROOM: [f32; 2] = [300.0, 450.0];
 const HEADLINE_ROOM: f32 = 150.0;
 
-/// Time that a notice stays \[s\].
+/// Time that a notice is shown \[s\].
 const NOTICE_STAYS: f64 = 20.0;
 
-/// Headline, lesson, the strip of 2012, errors and the newest notice on a plate over the top of the picture. Returns how
-/// much of the picture they cover [points]. There may be no `side` panel.
+/// Draws headline, lesson, the strip of 2012, errors and the newest notice on a plate at the top of the picture.
+/// Returns the covered height [points]. `side` is `false` without a side panel.
 pub(super) fn captions(ui: &Ui, picture: Rect, side: bool, panel: &mut Panel<'_>) -> f32 {
     let content = |ui: &mut Ui| {
         ui.set_width(ui.available_width());
         ui.spacing_mut().item_spacing.y = 2.0;
         let view = panel.view;
         let room = |least: f32| picture.height() > least;
-        // The strip of the 2012 demo shows its stepper, which is not among the integrators.
+        // The strip of the 2012 demo shows its integrator, which is not one of [`Integrator`].
         let of_2012 = view.demo.as_ref().is_some_and(|d| d.stepper.is_some());
         if room(HEADLINE_ROOM) && !of_2012 {
             let words = RichText::new(headline(&view.compare)).heading().strong();
@@ -67,7 +67,7 @@ pub(super) fn captions(ui: &Ui, picture: Rect, side: bool, panel: &mut Panel<'_>
     area.response.rect.height()
 }
 
-/// The newest notice, unless it was dismissed or has been there for long.
+/// The newest notice, unless it was dismissed or has expired.
 fn notice(ui: &mut Ui, panel: &mut Panel<'_>) {
     let Some(notice) = panel.view.notices.last() else {
         return;
@@ -107,7 +107,7 @@ fn lesson(ui: &mut Ui, side: bool, panel: &mut Panel<'_>) {
     }
 }
 
-/// Text with a button to dismiss it; returns whether that was clicked.
+/// Text with a button to dismiss it; returns `true` if that was clicked.
 fn dismissible(ui: &mut Ui, what: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let name = format!("Dismiss {what}");
     ui.horizontal_top(|ui| {
@@ -121,7 +121,7 @@ fn dismissible(ui: &mut Ui, what: &str, add: impl FnOnce(&mut Ui)) -> bool {
     .inner
 }
 
-/// The strip of the 2012 scene: which of its steppers moves the box, or ours, and what is wrong, where there is `room`.
+/// The strip of the 2012 scene: the integrator that moves the box and, if there is `room`, its faults.
 fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
     ui.horizontal_wrapped(|ui| {
         let of_2012 = Stepper::ALL.map(Some);
@@ -156,8 +156,8 @@ fn strip(ui: &mut Ui, demo: &DemoView, room: bool, panel: &mut Panel<'_>) {
     }
 }
 
-/// The list of keys over everything. A click beside it or on Close asks to close it; Esc is left to the
-/// game's own keys, so that one press is one request.
+/// The list of keys over everything. A click next to it or on Close requests to close it. Esc is handled by the game's
+/// keys, so that one press is one request.
 pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
     if !panel.view.show_help {
         panel.memory.sure = false;
@@ -188,7 +188,7 @@ pub(super) fn help(ui: &Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// The last rung of the ladder asks once more.
+/// Asks for confirmation before resetting everything.
 fn reset_everything(ui: &mut Ui, panel: &mut Panel<'_>) {
     let hint = "Restore the first scene and every default.";
     if !panel.memory.sure {
@@ -203,7 +203,7 @@ fn reset_everything(ui: &mut Ui, panel: &mut Panel<'_>) {
     panel.memory.sure = !no && panel.out.len() == before;
 }
 
-/// Scales of the panel by one click.
+/// Scales of the panel with a button each.
 const SCALES: [f64; 5] = [0.75, 1.0, 1.25, 1.5, 2.0];
 
 fn scale(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -236,7 +236,7 @@ fn keys(ui: &mut Ui) {
     });
 }
 
-/// The one line of a hidden panel, over the picture.
+/// The single line of a hidden panel, over the picture.
 pub(super) fn hud(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = panel.view;
     let line = format!(

@@ -1,4 +1,4 @@
-//! The menu of scenes: a card each, with its title and what to watch for, and a search field.
+//! The scene menu: a card per scene, with its title and what to watch for, and a search field.
 
 use bevy_egui::egui::{
     Button, Grid, Id, Key, Modal, ScrollArea, TextEdit, TextFormat, TextStyle, TextWrapMode, Ui,
@@ -14,7 +14,7 @@ use crate::scene::library::watch;
 /// Size of a card [points].
 const CARD: Vec2 = Vec2::new(290.0, 44.0);
 
-/// The menu over everything, if it is open. Arrows go through it, Enter takes one; Esc is left to the game's own keys.
+/// The menu over everything, if it is open. Arrows select, Enter opens a scene; Esc is handled by the game's keys.
 pub(super) fn show(ui: &Ui, panel: &mut Panel<'_>) {
     let (view, memory) = (panel.view, &mut *panel.memory);
     if !view.show_picker {
@@ -72,7 +72,7 @@ pub(super) fn show(ui: &Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Title over what there is to see; returns whether it was clicked.
+/// Draws the title and what to watch for; returns `true` if the card was clicked.
 fn card(ui: &mut Ui, scene: &Scenario, picked: bool, moved: bool) -> bool {
     let visuals = ui.visuals();
     let [strong, weak] = if picked {

@@ -1,4 +1,4 @@
-//! One number of the side panel: name, slider, typed value; a right click anywhere resets it.
+//! One number of the side panel: name, slider, typed value. A right click anywhere resets it.
 
 use bevy_egui::egui::{
     DragValue, Label, PointerButton, Slider, SliderClamping, Ui, WidgetInfo, WidgetType, vec2,
@@ -9,12 +9,12 @@ use super::widgets::{Panel, identify, mark};
 use crate::action::Action;
 use crate::parameters::{Effect, Info, Parameter};
 
-/// Widths of the name and of the typed value; the slider takes the rest [points].
+/// Widths of the name and of the typed value; the slider fills the remaining width [points].
 const NAME: f32 = 88.0;
 const VALUE: f32 = 104.0;
 
-/// Draws the row and asks for a new value: allowed, and other than the present one. A parameter that the
-/// scene does not have has no row.
+/// Draws the row and requests a new value if it is allowed and differs from the current one. A parameter that the scene
+/// does not have is not drawn.
 pub(super) fn row(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
     let Some(value) = panel.view.parameters.get(parameter) else {
         return;
@@ -23,7 +23,7 @@ pub(super) fn row(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
     let draft = &mut panel.memory.draft;
     let dragged = draft.filter(|(p, _)| *p == parameter);
     let shown = dragged.map_or(value, |(_, draft)| draft);
-    // A slider cannot stand at NaN; it stands at the default until moved.
+    // A slider cannot show NaN; it shows the default until moved.
     let shown = if shown.is_finite() { shown } else { default };
     let info = parameter.info();
     let row = ui.horizontal(|ui| widgets(ui, &info, shown, default));
@@ -45,7 +45,7 @@ pub(super) fn row(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
     }
 }
 
-/// Returns (a value other than `shown`, whether one is being dragged, whether to reset).
+/// Returns a value other than `shown`, `true` if one is being dragged, and `true` to reset.
 fn widgets(ui: &mut Ui, info: &Info, shown: f64, default: f64) -> (Option<f64>, bool, bool) {
     let height = ui.spacing().interact_size.y;
     let gap = ui.spacing().item_spacing.x;
@@ -63,7 +63,7 @@ fn widgets(ui: &mut Ui, info: &Info, shown: f64, default: f64) -> (Option<f64>, 
         unit => [format!(" {unit}"), format!(" [{unit}]")],
     };
 
-    // The right button is for resetting: it must not drag on its way.
+    // The right button resets; it must not drag as well.
     let secondary = PointerButton::Secondary;
     let right =
         ui.input(|i| i.pointer.button_down(secondary) || i.pointer.button_released(secondary));
@@ -129,7 +129,7 @@ fn widgets(ui: &mut Ui, info: &Info, shown: f64, default: f64) -> (Option<f64>, 
     let edited = if slid != shown {
         Some(slid)
     } else {
-        // The text shows four digits: leaving it as it stood is no change.
+        // The text shows four digits: leaving it unchanged is no change.
         Some(typed).filter(|typed| number(*typed) != number(shown))
     };
     let dragging = slider.dragged() || value.dragged();

@@ -1,4 +1,4 @@
-//! The bar along the top: which scene, how fast, where in time, and what is out of the ordinary.
+//! The bar at the top: scene, speed, time and unusual conditions.
 
 use bevy_egui::egui::{Button, ComboBox, Label, RichText, Ui, WidgetInfo, WidgetType, vec2};
 
@@ -8,12 +8,12 @@ use super::widgets::{Panel, Text, id_of, identify, text};
 use crate::action::Action;
 use crate::parameters::SPEEDS;
 
-/// The clock is behind below this share of its target speed.
+/// Fraction of the target speed below which the clock is behind.
 const BEHIND: f64 = 0.95;
-/// In a narrower window [points] buttons show their signs alone.
+/// Width of the window below which buttons show only their symbols [points].
 const NAMED: f32 = 1240.0;
 
-/// Draws the bar: one row, which wraps where it must.
+/// Draws the bar: one row, which wraps if necessary.
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let named = ui.available_width() >= NAMED;
     ui.horizontal_wrapped(|ui| {

@@ -1,5 +1,4 @@
-//! Content of the panel: plain data, filled by the game. The panel is a pure function of it and is tested
-//! without a window.
+//! Contents of the panel: plain data, filled by the game. The panel is a pure function of it, tested without a window.
 
 use box_bench::measure::Cost;
 use box_physics::plugin::Stage;
@@ -13,7 +12,7 @@ use crate::compare::CompareView;
 use crate::parameters::Parameters;
 use crate::preferences::Preferences;
 
-/// Names and units of the main box's figures; the potential energy is that over the floor, or the origin.
+/// Names and units of the main box's figures. The potential energy is relative to the floor, or to the origin.
 pub(crate) const FIGURES: [(&str, &str); 10] = [
     ("Translational ½mv²", "J"),
     ("Rotational ½L·ω", "J"),
@@ -32,7 +31,7 @@ pub(crate) const FIGURES: [(&str, &str); 10] = [
 pub struct PanelView {
     /// Every scene, in the order of the menu.
     pub(crate) scenes: Vec<Scenario>,
-    /// The scene being played, which may be in the list no longer.
+    /// The current scene, which may no longer be in the list.
     pub(crate) scenario: Scenario,
     pub(crate) integrator: Integrator,
     pub(crate) paused: bool,
@@ -47,30 +46,30 @@ pub struct PanelView {
     /// Simulated time dropped by frame hitches since the start \[s\].
     pub(crate) dropped: f64,
     pub(crate) parameters: Parameters,
-    /// The scene's own, for "reset" and tooltips.
+    /// Default parameters of the scene, for "reset" and tooltips.
     pub(crate) defaults: Parameters,
     /// The main box in numbers, see [`FIGURES`].
     pub(crate) figures: [f64; FIGURES.len()],
     /// In free flight, at the floor, at rest, or frozen.
     pub(crate) state: Status,
-    /// Of every integrator in the order of the menu: recent samples [ns per body-step], if any, and force evaluations
+    /// For every integrator, in the order of the menu: recent samples [ns per body-step], if any, and force evaluations
     /// per body-step.
     pub(crate) timings: Vec<(Option<Cost>, f64)>,
-    /// Body-steps since the start of the scene in which the integrator gave way to `split`.
+    /// Body-steps since the start of the scene in which `split` replaced the integrator.
     pub(crate) fallbacks: u64,
-    /// Body-steps since then whose iteration ended at its cap.
+    /// Body-steps since then whose iteration reached its limit.
     pub(crate) unconverged: u64,
     /// Time of each stage of a step in the plugin, all bodies \[µs\]; `None` while it takes no steps.
     pub(crate) stages_us: Option<[f64; Stage::ALL.len()]>,
     /// The same for each of the last steps, oldest first.
     pub(crate) stage_history: Vec<[f64; Stage::ALL.len()]>,
-    /// Grain of a coarse clock \[µs\], and the standard deviation that it leaves in a sample, relative.
+    /// Grain of a coarse clock \[µs\], and the resulting relative standard deviation of a sample.
     pub(crate) grain: Option<(f64, f64)>,
     /// Time of the last frame \[ms\].
     pub(crate) frame_time_ms: f64,
-    /// Past of every integrator, oldest first: (wall time \[s\], minimum ns per body-step).
+    /// History of every integrator, oldest first: (wall time \[s\], minimum ns per body-step).
     pub(crate) timing_history: Vec<Vec<(f64, f64)>>,
-    /// Past of the CPU usage, oldest first: (wall time \[s\], process [% of all cores], system CPU \[%\]).
+    /// History of the CPU usage, oldest first: (wall time \[s\], process [% of all cores], system CPU \[%\]).
     pub(crate) cpu_history: Vec<(f64, f64, f64)>,
     /// Reason why the CPU usage is unknown, if it is.
     pub(crate) no_cpu: Option<&'static str>,
@@ -81,9 +80,9 @@ pub struct PanelView {
     pub(crate) plot: Plot,
     /// The CSV log being written, and its rows.
     pub(crate) log: Option<(String, u64)>,
-    /// The device renders in software, so frame times say nothing.
+    /// The device renders in software, so frame times are not meaningful.
     pub(crate) software_rendering: bool,
-    /// Messages for the person: the last error or file written, newest last.
+    /// Messages for the user, such as errors or files written, newest last.
     pub(crate) notices: Vec<String>,
     pub(crate) scene_errors: Vec<String>,
     pub(crate) undoes: Option<&'static str>,
@@ -104,7 +103,7 @@ impl PanelView {
         })
     }
 
-    /// A time \[µs\] in words. A browser's clock shows 0 or one of its grains.
+    /// Formats a time \[µs\] with `words`, or as `below …` one grain of a coarse clock.
     pub(super) fn measured(&self, time: f64, words: impl Fn(f64) -> String) -> String {
         match self.grain {
             Some((grain, _)) if time < grain => format!("below {}", words(grain)),
@@ -115,11 +114,11 @@ impl PanelView {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct DemoView {
-    /// The stepper that moves the main box; `None` for the plugin.
+    /// The integrator of 2012 that moves the main box; `None` for the plugin.
     pub stepper: Option<Stepper>,
-    /// What went wrong last.
+    /// Description of the latest fault.
     pub fault: &'static str,
-    /// The last integration cycle \[µs\].
+    /// Duration of the last integration cycle \[µs\].
     pub cycle_us: f64,
     /// The file of its cycle times and their number.
     pub log: Option<(String, u64)>,

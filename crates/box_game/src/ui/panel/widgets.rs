@@ -1,5 +1,5 @@
-//! Controls. Each has an id in the accessibility tree by which the tests find it, whatever is written on it: its action
-//! in the words of a script, or a name for what is the panel's own.
+//! Controls. Each has an id in the accessibility tree, by which the tests find it. The id is the action as in a script,
+//! or a name if the control affects only the panel.
 
 use bevy_egui::egui::{
     Align, Button, Label, Rect, Response, RichText, Stroke, StrokeKind, TextWrapMode, Ui,
@@ -10,7 +10,7 @@ use super::memory::PanelMemory;
 use super::view::PanelView;
 use crate::action::Action;
 
-/// What every part of the panel has at hand: what to show, the panel's own state, and the list of requests.
+/// Context of every part of the panel: the view, the panel's own state, and the list of requested actions.
 pub(super) struct Panel<'a> {
     pub view: &'a PanelView,
     pub memory: &'a mut PanelMemory,
@@ -22,7 +22,7 @@ impl Panel<'_> {
         self.out.push(action.into());
     }
 
-    /// A button that asks for `action`.
+    /// Adds a button that requests `action`.
     pub(super) fn button(&mut self, ui: &mut Ui, text: Text<'_>, action: impl Into<Action>) {
         let action = action.into();
         if button(ui, text, &id_of(&action)) {
@@ -30,7 +30,7 @@ impl Panel<'_> {
         }
     }
 
-    /// Buttons in a row: text, tooltip, action.
+    /// Adds buttons in a row: text, tooltip, action.
     pub(super) fn buttons<'a, A: Into<Action>>(
         &mut self,
         ui: &mut Ui,
@@ -43,7 +43,7 @@ impl Panel<'_> {
         });
     }
 
-    /// A button that shows whether it is on, and asks for `action` to change that.
+    /// Adds a toggle button that requests `action`.
     pub(super) fn toggle(
         &mut self,
         ui: &mut Ui,
@@ -57,7 +57,7 @@ impl Panel<'_> {
         }
     }
 
-    /// A toggle that asks for `action` unless it is chosen already.
+    /// Adds a toggle button that requests `action`, unless it is already chosen.
     pub(super) fn choice(
         &mut self,
         ui: &mut Ui,
@@ -72,7 +72,7 @@ impl Panel<'_> {
         }
     }
 
-    /// One of several in a row: value, text and tooltip of each, and the action that chooses it.
+    /// Adds a row of alternatives: value, text and tooltip of each, and the action that chooses it.
     pub(super) fn choices<'a, T: PartialEq, A: Into<Action>>(
         &mut self,
         ui: &mut Ui,
@@ -89,7 +89,7 @@ impl Panel<'_> {
     }
 }
 
-/// The id of a control that asks for `action`: `TogglePause`, `Compare(ToggleComparison("rk4"))`.
+/// The id of a control that requests `action`: `TogglePause`, `Compare(ToggleComparison("rk4"))`.
 pub(super) fn id_of(action: &Action) -> String {
     ron::to_string(action).unwrap_or_default()
 }
@@ -100,16 +100,16 @@ pub(super) fn identify(response: &Response, id: impl Into<String>) {
     response.ctx.accesskit_node_builder(response.id, set);
 }
 
-/// What is written on a control, its accessible name and its tooltip.
+/// Text, accessible name and tooltip of a control.
 #[derive(Clone, Copy)]
 pub(super) struct Text<'a>(pub &'a str, pub &'a str, pub &'a str);
 
-/// A control whose name is what is written on it, and its tooltip.
+/// Creates a [`Text`] whose accessible name is the text itself.
 pub(super) const fn text<'a>(text: &'a str, hint: &'a str) -> Text<'a> {
     Text(text, text, hint)
 }
 
-/// A button of the panel's own; returns whether it was clicked.
+/// Adds a button; returns `true` if it was clicked.
 pub(super) fn button(ui: &mut Ui, Text(text, name, hint): Text<'_>, id: &str) -> bool {
     let response = ui.add(Button::new(text).wrap_mode(TextWrapMode::Extend));
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, ui.is_enabled(), name));
@@ -117,7 +117,7 @@ pub(super) fn button(ui: &mut Ui, Text(text, name, hint): Text<'_>, id: &str) ->
     response.on_hover_text(hint).clicked()
 }
 
-/// A toggle of the panel's own; returns whether it was clicked.
+/// Adds a toggle button; returns `true` if it was clicked.
 pub(super) fn toggle(ui: &mut Ui, on: bool, Text(text, name, hint): Text<'_>, id: &str) -> bool {
     let response = ui.add(Button::selectable(on, text).frame_when_inactive(true));
     response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, name));
@@ -125,7 +125,7 @@ pub(super) fn toggle(ui: &mut Ui, on: bool, Text(text, name, hint): Text<'_>, id
     response.on_hover_text(hint).clicked()
 }
 
-/// Rings the control with this name, and scrolls to it, while a hint shows it.
+/// Outlines the control with this name, and scrolls to it, while a hint highlights it.
 pub(super) fn mark(ui: &Ui, memory: &PanelMemory, name: &str, control: &Response) {
     if memory.marked.is_some_and(|(marked, _)| marked == name) {
         let stroke = Stroke::new(2.0, ui.visuals().selection.bg_fill);
@@ -136,17 +136,17 @@ pub(super) fn mark(ui: &Ui, memory: &PanelMemory, name: &str, control: &Response
     }
 }
 
-/// Small text in one line, cut where it has no room.
+/// Adds small text in one line, truncated if necessary.
 pub(super) fn note(ui: &mut Ui, text: impl Into<RichText>) -> Response {
     ui.add(Label::new(text.into().small()).truncate())
 }
 
-/// Widgets in this place.
+/// Adds widgets in this area.
 pub(super) fn within(ui: &mut Ui, place: Rect, add: impl FnOnce(&mut Ui)) {
     ui.scope_builder(UiBuilder::new().max_rect(place), add);
 }
 
-/// What a picture shows, in words for screen readers.
+/// Sets the description of an image for screen readers.
 pub(super) fn describe(response: &Response, words: &str) {
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, words));
 }

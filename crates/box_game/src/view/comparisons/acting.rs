@@ -1,4 +1,4 @@
-//! What acts on a box, as lines: springs to their anchors, forces at its points, friction cones where it touches.
+//! Forces on a box, as lines: springs to their anchors, point forces, friction cones at contacts.
 
 use bevy::prelude::*;
 use box_physics::aabb::corners;
@@ -10,16 +10,16 @@ use crate::camera::views::Everywhere;
 use crate::compare::Comparison;
 use crate::preferences::Preferences;
 
-/// Turns of a drawn spring, and its width over the box's radius.
+/// Number of turns of a drawn spring, and its width relative to the box's radius.
 const TURNS: usize = 9;
 const WIDTH: f32 = 0.09;
-/// Height of a friction cone over the box's radius, and the widest that is drawn.
+/// Height of a friction cone relative to the box's radius, and the largest friction drawn.
 const CONE: f32 = 0.6;
 const WIDEST: f32 = 2.0;
-/// A corner touches within this share of the radius.
+/// Height up to which a corner counts as touching, relative to the radius.
 const TOUCHING: f64 = 0.02;
 
-/// The springs and forces of `law` on a box.
+/// Draws the springs and point forces of `law` on a box.
 pub(super) fn draw<G: GizmoConfigGroup>(
     gizmos: &mut Gizmos<G>,
     law: &Model,
@@ -61,7 +61,7 @@ fn zigzag([from, to]: [Vec3; 2], width: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Where the main box touches the floor: the cone that the contact force cannot leave.
+/// Draws the friction cone at each corner of the main box that touches the floor.
 pub(super) fn draw_cones(
     comparison: Res<Comparison>,
     preferences: Res<Preferences>,

@@ -1,5 +1,5 @@
-//! The comparisons beside the main box: solid boxes, the ground under them, and the camera far enough away to show
-//! them all.
+//! The comparisons side by side with the main box: solid boxes, the ground under them, and a camera far enough away to
+//! show them all.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::light::NotShadowCaster;
@@ -16,21 +16,21 @@ use crate::view::marks::cuboid;
 
 /// Width of a strip of ground in radii of the box.
 const STRIP: f32 = 2.3;
-/// The picture goes this much farther away for each comparison beside the main box.
+/// Increase of the camera distance for each comparison, relative to the distance.
 const STEP_BACK: f32 = 0.4;
-/// Cosine of the angle between the view and the row of comparisons above which one hides the other, and how much
-/// higher the camera then stands \[rad\].
+/// Cosine of the angle between the view and the row of comparisons above which one hides the other, and the additional
+/// elevation of the camera in that case \[rad\].
 const ALONG: f32 = 0.75;
 const LIFT: f32 = 0.5;
 
-/// The box of a comparison, or the ground under it; once spawned it stays, and is hidden when it is not wanted.
+/// The box of a comparison, or the ground under it. It is spawned once, and hidden if not needed.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
     integrator: Integrator,
     ground: bool,
 }
 
-/// A solid box for every comparison that is drawn beside the main box (over it, edges do), and the ground under it.
+/// A solid box for every comparison in the side-by-side layout (edges in the overlaid one), and the ground under it.
 pub(super) fn place_pieces(
     comparison: Res<Comparison>,
     mut pieces: Query<(
@@ -98,14 +98,14 @@ pub(super) fn place_pieces(
     }
 }
 
-/// Every piece that is drawn, its place, and the view that it is seen in.
+/// Every visible piece, its transform, and its view.
 fn wanted(run: &Run, layout: Layout) -> Vec<(Piece, Transform, RenderLayers)> {
     let trajectories = match layout {
         Layout::SideBySide | Layout::Views => shown(run, layout),
         Layout::Solo | Layout::Overlaid => Vec::new(),
     };
     let comparisons = trajectories.iter().enumerate().skip(1);
-    // Of a diverged one, gray edges remain.
+    // A diverged comparison has only gray edges.
     let going_on = comparisons.filter(|(_, t)| !t.status.is_diverged());
     let boxes = going_on.map(|(k, t)| {
         let place = Transform::from_translation(t.state.position.as_vec3() + t.offset)
@@ -138,8 +138,8 @@ fn piece(shown: &Shown<'_>, ground: bool) -> Piece {
     }
 }
 
-/// The camera far enough away to show every comparison, and higher where it would look along their row and see
-/// the nearest alone. What the row changed, the factor of the distance and the lift \[rad\], is undone with it.
+/// Moves the camera far enough away to show every comparison, and higher if it would look along their row. Later
+/// restores the factor of the distance and the elevation \[rad\].
 pub(super) fn step_back(
     comparison: Res<Comparison>,
     session: Res<Session>,
@@ -150,7 +150,7 @@ pub(super) fn step_back(
         return;
     };
     let scene = session.scenario.id;
-    // A new scene has just brought its own camera.
+    // A new scene has just set its camera.
     let before = if moved.0 == scene {
         moved.1
     } else {

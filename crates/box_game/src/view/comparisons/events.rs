@@ -1,4 +1,4 @@
-//! What happens, marked where and when it happens: rings at flips and impacts, and the strip of flips.
+//! Marks of events: rings at flips and impacts, and the strip of flips.
 
 use bevy::math::Vec3;
 use bevy_egui::egui::{
@@ -14,22 +14,22 @@ use crate::view::style;
 /// Time that a ring takes to grow and fade \[s\], and its largest radius \[points\].
 const RING: f64 = 0.5;
 const RADIUS: f32 = 34.0;
-/// Time that the strip shows \[s\], height of a row and room of its names [points].
+/// Time span of the strip \[s\], height of a row and width of its names [points].
 const SPAN: f64 = 10.0;
 const ROW: f32 = 15.0;
 const NAMES: f32 = 26.0;
-/// Distance of a lateness from ticks and other text [points].
+/// Distance of a label from ticks and other labels [points].
 const APART: f32 = 5.0;
-/// A picture lower than this has no strip [points].
+/// Minimum height of a picture with a strip [points].
 const LOWEST: f32 = 220.0;
 
-/// A flip or an impact that has just been: how far its ring has grown, 0 to 1.
+/// Growth of the ring of a recent flip or impact, 0 to 1; `None` once it is over.
 fn growth(now: f64, event: f64) -> Option<f32> {
     let share = (now - event) / RING;
     (0.0..=1.0).contains(&share).then_some(share as f32)
 }
 
-/// Room of the strip; none without flips, or in a picture that is too low.
+/// Area of the strip; `None` without flips, in separate views, or in a picture that is too low.
 pub(super) fn strip_place(seen: &Seen<'_>) -> Option<Rect> {
     let (run, trajectories) = (seen.run, &seen.trajectories);
     let tracks = trajectories.iter().map(|t| &t.track.flips);
@@ -81,15 +81,15 @@ pub(super) fn draw(context: &Context, seen: &Seen<'_>) {
     }
 }
 
-/// By how much the `n`-th of these flips is late or early against the reference's, if that can be seen: `+0.4 s`.
+/// Lateness of the `n`-th flip relative to the reference, if visible: `+0.4 s`.
 fn lateness(flips: &[f64], due: &[f64], n: usize) -> Option<String> {
     let late = flips[n] - due.get(n)?;
     let sign = if late > 0.0 { '+' } else { '−' };
     (late.abs() > VISIBLE_LATENESS).then(|| format!("{sign}{:.1} s", late.abs()))
 }
 
-/// Where texts of these widths start beside ticks at these places, from left to right: right of the tick, or left of it, or
-/// nowhere if it would touch another tick or text, or the `end`.
+/// Left ends of labels of these widths at these ticks, from left to right. A label is to the right of its tick, else to
+/// the left. It is omitted if it would touch another tick or label, or exceed `end`.
 fn beside(ticks: &[(f32, f32)], start: f32, end: f32) -> Vec<Option<f32>> {
     let mut free = start;
     let place = |(k, &(at, width)): (usize, &(f32, f32))| {
@@ -106,7 +106,7 @@ fn beside(ticks: &[(f32, f32)], start: f32, end: f32) -> Vec<Option<f32>> {
     ticks.iter().enumerate().map(place).collect()
 }
 
-/// A row of ticks for every trajectory, one a flip, the last seconds from left to right.
+/// Draws a row per trajectory with a tick per flip, over the last seconds from left to right.
 fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64])]) {
     let write = |at, anchor, text: &str, color| {
         painter.text(at, anchor, text, FontId::proportional(12.0), color);
@@ -169,7 +169,7 @@ fn strip(painter: &Painter, place: Rect, now: f64, rows: &[(char, Color32, &[f64
 mod tests {
     use super::*;
 
-    /// Beside their ticks, in the strip, and never over another tick or text.
+    /// Labels are beside their ticks, inside the strip, and never over another tick or label.
     #[test]
     fn latenesses_have_room_or_are_left_out() {
         let alone = beside(&[(100.0, 40.0)], 26.0, 400.0);

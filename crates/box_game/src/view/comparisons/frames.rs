@@ -16,20 +16,20 @@ use crate::camera::views::{Edges, Fourth, HiddenEdges, Pins, Second, Third};
 use crate::compare::{Comparison, Quantity, Run};
 use crate::view::marks;
 
-/// Length of a trail \[s\], and its largest number of points.
+/// Length of a trail \[s\], and its maximum number of points.
 const TRAIL: f64 = 1.5;
 const TRAIL_POINTS: usize = 96;
 /// Opacity of an edge behind a face.
 const HIDDEN: f32 = 0.3;
-/// Angle to the reference from which a comparison shows the marks on its faces \[°\].
+/// Angle to the reference above which a comparison shows the marks on its faces \[°\].
 const MIN_MARKED_ANGLE: f64 = 2.0;
 
-/// Past places of the marked point of every trajectory, with their times \[s\], newest last.
+/// Past positions of the marked point of every trajectory, with their times \[s\], newest last.
 #[derive(Resource, Default)]
 pub(super) struct Trails(HashMap<Integrator, VecDeque<(f64, Vec3)>>);
 
-/// Follows a point of every trajectory: the center where the box travels, else the end of its pin, which shows
-/// a flip.
+/// Records a point of every trajectory: the center of a box that travels, otherwise the end of its pin, which shows a
+/// flip.
 pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Trails>) {
     let Some(run) = &comparison.run else {
         return;
@@ -40,7 +40,7 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
     trails.0.retain(|integrator, _| is_wanted(integrator));
     for trajectory in wanted {
         let points = trails.0.entry(trajectory.integrator).or_default();
-        // A restart, or a step back.
+        // After a restart, or a step back.
         while points.back().is_some_and(|(t, _)| *t > now) {
             points.pop_back();
         }
@@ -54,7 +54,7 @@ pub(super) fn lengthen_trails(comparison: Res<Comparison>, mut trails: ResMut<Tr
     }
 }
 
-/// Edges, pins and trails of every trajectory, and the reference, each in its view.
+/// Draws edges, pins and trails of every trajectory, and the reference, each in its view.
 pub(super) fn draw_frames(
     comparison: Res<Comparison>,
     trails: Res<Trails>,
@@ -88,7 +88,7 @@ pub(super) fn draw_frames(
 
 struct Lines<'a> {
     run: &'a Run,
-    /// It has a solid box, not edges alone.
+    /// `true` if it has a solid box in addition to edges.
     solid: bool,
     trail: Option<&'a VecDeque<(f64, Vec3)>>,
     trajectory: Shown<'a>,
@@ -102,7 +102,7 @@ impl Lines<'_> {
     ) {
         let (run, trajectory) = (self.run, &self.trajectory);
         let half = run.law.body.half_extents();
-        // A comparison that was given up is gray.
+        // A diverged comparison is gray.
         let own = |alpha: f32| match trajectory.status.is_diverged() {
             true => Color::srgba(0.5, 0.5, 0.5, alpha),
             false => color(trajectory.integrator, alpha),
@@ -114,7 +114,7 @@ impl Lines<'_> {
             }
         };
         let bright = own(1.0).mix(&Color::WHITE, 0.55);
-        // A comparison's edges have the dashes of its integrator, as its curves do.
+        // A comparison's edges have the dash pattern of its integrator, like its curves.
         let (edge, dash) = match self.solid {
             true => (bright, Dash::Solid),
             false => (own(1.0), style(trajectory.integrator).dash),
@@ -162,7 +162,7 @@ impl Lines<'_> {
     }
 }
 
-/// The pin through a box: a bright end with a ball, and a dark one.
+/// Draws the pin through a box: a bright end with a ball, and a dark end.
 fn draw_pin<G: GizmoConfigGroup>(
     gizmos: &mut Gizmos<G>,
     trajectory: &Shown<'_>,
@@ -178,7 +178,7 @@ fn draw_pin<G: GizmoConfigGroup>(
     gizmos.line(back, far, own.darker(0.12));
 }
 
-/// An edge in the dashes of a line's style.
+/// Splits an edge into the dashes of a line's style.
 fn pieces([a, b]: [Vec3; 2], dash: Dash) -> impl Iterator<Item = [Vec3; 2]> {
     let (count, filled) = match dash {
         Dash::Solid => (1, 1.0),

@@ -1,5 +1,5 @@
-//! Labels in the picture: name and verdict at every box, on a short line to it; in one legend where they would
-//! overlap.
+//! Labels in the picture: name and verdict at every box, connected by a short line. If they would overlap, they are in
+//! one legend.
 
 use std::sync::Arc;
 
@@ -19,23 +19,23 @@ use crate::camera::views::{PictureArea, cells};
 use crate::compare::verdict::{Quality, short};
 use crate::view::style;
 
-/// In a single picture narrower than this \[points\] a label is the integrator's mark without its name.
+/// Width of a single picture below which a label is the integrator's mark without its name \[points\].
 const NARROW: f32 = 460.0;
-/// Two boxes whose marked points are this close \[points\] share a label.
+/// Distance of two boxes' marked points below which they share a label \[points\].
 const TOGETHER: f32 = 10.0;
-/// Lengths of the line to a label that are tried \[points\], and directions beside the straight one \[rad\].
+/// Lengths of the line to a label to try \[points\], and deviations from its direction \[rad\].
 const REACH: [f32; 3] = [26.0, 52.0, 84.0];
 const TURNS: [f32; 7] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.6, -1.6];
-/// More labels than this are a legend.
+/// Maximum number of labels; more are shown as a legend.
 const MAX_LABELS: usize = 5;
-/// Room around the text of a label.
+/// Margin around the text of a label.
 const MARGIN: Vec2 = vec2(7.0, 4.0);
 
 #[derive(Default)]
 struct Label {
     marks: Vec<(char, Color32, String)>,
     word: String,
-    /// The word is below the names.
+    /// `true` if the word is below the names.
     stacked: bool,
     bad: bool,
     at: Option<Pos2>,
@@ -61,7 +61,7 @@ impl Label {
         painter.layout_job(job)
     }
 
-    /// At most this wide: if necessary, with the word below the names; as a last resort, without them.
+    /// Limits the width: if necessary, with the word below the names; as a last resort, without them.
     fn fit(&mut self, painter: &Painter, width: f32) {
         self.stacked = self.size(painter).x > width;
         if self.size(painter).x > width {
@@ -69,13 +69,13 @@ impl Label {
         }
     }
 
-    /// With its plate.
+    /// Size including the plate.
     fn size(&self, painter: &Painter) -> Vec2 {
         self.text(painter).size() + 2.0 * MARGIN
     }
 }
 
-/// Draws the labels; the main box has the name of the `stepper` of 2012 that moves it.
+/// Draws the labels. If a 2012 `stepper` moves the main box, its label has that name.
 pub(super) fn draw(
     context: &Context,
     seen: &Seen<'_>,
@@ -86,7 +86,7 @@ pub(super) fn draw(
     if layout == Layout::Solo || run.comparisons.is_empty() {
         return;
     }
-    // In pixels; the views and the whole of them.
+    // In pixels: the views and their union.
     let pixels = |r: bevy::math::URect| points(r.as_rect(), 1.0 / context.pixels_per_point());
     let views = (layout == Layout::Views).then_some(area);
     let view = views.map_or(seen.view, |area| pixels(area.0));
@@ -121,7 +121,7 @@ pub(super) fn draw(
                 let size = label.size(painter);
                 let mut corner = at - vec2(0.5 * size.x, size.y);
                 let over = |corner| Rect::from_min_size(corner, size);
-                // Above those that are there already.
+                // Above the labels that are already placed.
                 while let Some(other) = taken.iter().find(|t| t.intersects(over(corner))) {
                     corner.y = other.top() - size.y - 2.0;
                 }
@@ -152,14 +152,14 @@ fn left_out(seen: &Seen<'_>) -> Option<String> {
     (!marks.is_empty()).then_some(text)
 }
 
-/// A label for the reference where all is in one place, and one for each trajectory, or for those that agree.
+/// A label for the reference in the overlaid layout, and one for each trajectory, or group of equal ones.
 fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label> {
     let (run, layout) = (seen.run, seen.layout);
     let attitude = run.attitude_says_more();
     let mut labels: Vec<Label> = Vec::new();
     if let (Some(reference), Layout::Overlaid) = (run.trusted(), layout) {
         let mut name = "Reference".to_owned();
-        // The camera goes along with a box in flight: that it rises and falls is to be read.
+        // The camera follows a box in flight, so the label shows its rise or fall.
         if run.law.floor().is_none() && run.law.forces.gravity.length() > 0.0 {
             let rise = reference.position.y - run.start().position.y;
             let side = if rise < 0.0 { "below" } else { "above" };
@@ -214,7 +214,7 @@ fn labels(seen: &Seen<'_>, narrow: bool, stepper: Option<Stepper>) -> Vec<Label>
     labels
 }
 
-/// The labels at their boxes, outside the circle of radius `reach` around `center` that the main box fills; in a
+/// The labels at their boxes, outside the circle of radius `reach` around `center` that the main box fills. They form a
 /// legend if there is no room.
 fn at_the_boxes(painter: &Painter, view: Rect, labels: &[Label], center: Option<Pos2>, reach: f32) {
     let sizes: Vec<Vec2> = labels.iter().map(|label| label.size(painter)).collect();
@@ -238,7 +238,7 @@ fn at_the_boxes(painter: &Painter, view: Rect, labels: &[Label], center: Option<
     }
 }
 
-/// A place for every label, free of the others and of the box; `None` if one of them finds none.
+/// A place for every label that overlaps neither the others nor the box; `None` if one has no such place.
 fn arrange(
     view: Rect,
     labels: &[Label],
@@ -274,7 +274,7 @@ fn arrange(
     Some(places)
 }
 
-/// A label's plate; returns its place.
+/// Draws a label's plate; returns its area.
 fn plate(painter: &Painter, text: Arc<Galley>, corner: Pos2) -> Rect {
     let place = Rect::from_min_size(corner, text.size() + 2.0 * MARGIN);
     painter.rect_filled(place, 5.0, style::PICTURE_PLATE);
@@ -294,7 +294,7 @@ mod tests {
         }
     }
 
-    /// A name goes only where even two lines have no room for it.
+    /// A name is dropped only if even two lines have no room for it.
     #[test]
     fn a_name_is_the_last_to_go() {
         let context = Context::default();
@@ -316,7 +316,7 @@ mod tests {
         });
     }
 
-    /// Labels stand near their points, apart from each other and from the box, or not at all.
+    /// Labels are near their points, and do not overlap each other or the box; otherwise there are none.
     #[test]
     fn labels_find_a_place_near_their_boxes_or_none() {
         let view = Rect::from_min_size(Pos2::ZERO, vec2(800.0, 400.0));

@@ -1,5 +1,5 @@
-//! The comparisons as pictures: edges over the main box or solid boxes beside it, the reference as a dashed white
-//! frame, pins, fading trails, labels at the boxes, and marks where something happens.
+//! Drawing of the comparisons: edges over the main box or solid boxes beside it, the reference as a dashed white frame,
+//! pins, fading trails, labels at the boxes, and marks of events.
 //!
 //! Nothing here is simulated or read back: side by side, only the picture is shifted.
 

@@ -1,4 +1,4 @@
-//! The trajectories that are drawn, and their places.
+//! The drawn trajectories, and their positions.
 
 use std::iter;
 
@@ -15,7 +15,7 @@ use crate::compare::runner::Runner;
 use crate::compare::track::Track;
 use crate::view::style;
 
-/// Distance of two comparisons in radii of the box.
+/// Distance between two comparisons in radii of the box.
 const PITCH: f32 = 2.7;
 
 #[derive(Clone, Copy)]
@@ -23,19 +23,19 @@ pub(super) struct Shown<'a> {
     pub integrator: Integrator,
     pub state: BodyState,
     pub track: &'a Track,
-    /// By how much its picture is shifted.
+    /// Shift of its picture.
     pub offset: Vec3,
     pub status: Status,
 }
 
 impl Shown<'_> {
-    /// The place in the picture of a point in body axes \[m\].
+    /// The position in the picture of a point in body axes \[m\].
     pub(super) fn place(&self, point: DVec3) -> Vec3 {
         self.state.point(point).as_vec3() + self.offset
     }
 }
 
-/// The picture of the first camera, and what is drawn in it.
+/// The picture of the first camera, and its content.
 pub(super) struct Seen<'a> {
     pub run: &'a Run,
     pub layout: Layout,
@@ -51,20 +51,20 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// A point of the world on the screen.
+    /// Screen position of a world point.
     pub(super) fn at(&self, world: Vec3) -> Option<egui::Pos2> {
         let at = self.camera.world_to_viewport(self.eye, world).ok()?;
         Some(egui::pos2(at.x * self.scale, at.y * self.scale))
     }
 }
 
-/// A part of the screen, in points of the panel.
+/// An area of the screen, in points of the panel.
 pub(super) fn points(rect: Rect, scale: f32) -> egui::Rect {
     let corner = |v: Vec2| egui::Pos2::from((scale * v).to_array());
     egui::Rect::from_min_max(corner(rect.min), corner(rect.max))
 }
 
-/// Every trajectory that is drawn, the main box's first.
+/// Every drawn trajectory, starting with the main box.
 pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     let side = sideways(run) * PITCH * run.law.body.radius() as f32;
     let runners: Vec<&Runner> = match layout {
@@ -85,8 +85,8 @@ pub(super) fn shown(run: &Run, layout: Layout) -> Vec<Shown<'_>> {
     shown.collect()
 }
 
-/// The comparisons that have a view, smallest error first. If there are too many: those with the smallest, the median and
-/// the largest error.
+/// The comparisons in views, smallest error first. If there are too many: those with the smallest, the median and the
+/// largest error.
 fn in_views(run: &Run) -> Vec<&Runner> {
     let ranked = run.ranked();
     let last = views::MAX_VIEWS - 2;
@@ -97,8 +97,8 @@ fn in_views(run: &Run) -> Vec<&Runner> {
     (0..=last).map(nth).collect()
 }
 
-/// The state of a comparison at the clock's time, before which a step longer than the clock's ends: it moves on as it
-/// does at that end.
+/// The state of a comparison at the clock's time. A step longer than the clock's may end before it; the state is then
+/// extrapolated from that end.
 fn at_the_clock(run: &Run, runner: &Runner) -> BodyState {
     let driver = &runner.simulation.driver;
     let (mut state, ahead) = (driver.state, run.clock - driver.time);
@@ -111,13 +111,13 @@ fn at_the_clock(run: &Run, runner: &Runner) -> BodyState {
     state
 }
 
-/// The main box, then right, left, right, left of it.
+/// Index of a place: the main box at 0, then alternately right and left of it.
 fn place(k: usize) -> f32 {
     let ring = k.div_ceil(2) as f32;
     if k.is_multiple_of(2) { -ring } else { ring }
 }
 
-/// Across the motion over the floor, horizontally.
+/// Horizontal direction perpendicular to the motion over the floor.
 pub(super) fn sideways(run: &Run) -> Vec3 {
     let v = run.start().velocity.as_vec3();
     let along = Vec3::new(v.x, 0.0, v.z);
@@ -132,11 +132,11 @@ pub(super) fn color(integrator: Integrator, alpha: f32) -> Color {
     style::of(integrator).srgb().with_alpha(alpha)
 }
 
-/// Length of a pin outside the box, over the box's radius.
+/// Length of a pin outside the box, relative to the box's radius.
 const PIN: f64 = 0.35;
 
-/// The ends of the pin through the box, body axes \[m\]: along the axis that the box spins about, which a flip
-/// turns over. None for a box that travels.
+/// The ends of the pin through the box, body axes \[m\], along the spin axis, which a flip reverses. `None` for a box
+/// that travels.
 pub(super) fn pin(run: &Run) -> Option<[DVec3; 2]> {
     let start = run.start();
     let travels = start.velocity.length() > 0.1
@@ -159,7 +159,7 @@ mod tests {
     use super::*;
     use box_scenarios::Scenario;
 
-    /// Only the picture is shifted: the states drawn are those simulated.
+    /// Only the picture is shifted: the drawn states are the simulated ones.
     #[test]
     fn comparisons_stand_side_by_side_in_the_picture_alone() {
         let setup = Scenario::find("slide").expect("a scene").setup;
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(shown(&run, Layout::Solo).len(), 1);
     }
 
-    /// Of more comparisons than views, the smallest, the median and the largest error are shown.
+    /// With more comparisons than views, the smallest, the median and the largest error are shown.
     #[test]
     fn views_show_the_range_of_errors() {
         let setup = Scenario::find("throw").expect("a scene").setup;
@@ -205,7 +205,7 @@ mod tests {
         }
     }
 
-    /// A comparison with longer steps is drawn at the time of all others.
+    /// A comparison with longer steps is drawn at the same time as all others.
     #[test]
     fn all_are_drawn_at_one_time() {
         let setup = Scenario::find("throw").expect("a scene").setup;
@@ -220,7 +220,7 @@ mod tests {
         let turned = drawn.attitude_difference(start);
         let spin = start.angular_velocity(&setup.body).length();
         assert!((turned - spin * run.clock).abs() < 1e-9);
-        // One that catches up is drawn where it is.
+        // A comparison that catches up is drawn at its current state.
         run.clock = 1.0;
         assert_eq!(shown(&run, Layout::Overlaid)[1].state, *start);
     }

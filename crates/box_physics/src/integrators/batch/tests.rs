@@ -44,7 +44,7 @@ fn bits(state: &BodyState) -> [u64; 13] {
     state.to_array().map(f64::to_bits)
 }
 
-/// A step over a floor, by an integrator without branches. Which bodies may meet the floor.
+/// A step over a floor, by an integrator without branches, and the bodies that may touch the floor.
 struct OverAFloor<'a> {
     bodies: &'a [RigidBox],
     states: &'a mut [BodyState],
@@ -113,7 +113,7 @@ impl IntegratorVisitor for ByInstructionSets<'_> {
     }
 }
 
-/// Three steps of bodies, each under its own forces: the bits, faults and outcomes of the plain steps.
+/// Checks three steps of bodies under separate forces: the bits, faults and outcomes equal those of the plain steps.
 fn expect_forced<S: Integrate>(
     bodies: &[RigidBox],
     start: &[BodyState],
@@ -158,8 +158,8 @@ proptest! {
         }
     }
 
-    /// Over a floor every integrator leaves alone the bodies that may meet it, and steps the others as without one,
-    /// bit for bit. None of them has an impact.
+    /// Over a floor, every integrator skips the bodies that may touch it, and steps the others as without a floor, bit
+    /// for bit. None of them has an impact.
     #[test]
     fn over_a_floor_the_bits_are_those_of_free_flight(
         set in prop::collection::vec(moving(), 1..150),
@@ -199,7 +199,7 @@ proptest! {
         }
     }
 
-    /// The same for bodies under forces of their own: none, torques, point forces, springs and drag in any order.
+    /// The same for bodies under separate forces: none, torques, point forces, springs and drag in any order.
     #[test]
     fn forced_at_once_is_one_by_one(
         set in prop::collection::vec((moving(), 0..7_usize), 1..150),

@@ -181,7 +181,7 @@ fn memories_change_no_result() {
     }
 }
 
-/// A model that does not report whether it has changed.
+/// A model that does not report its changes.
 struct Motor(f64);
 
 impl ForceModel for Motor {

@@ -1,5 +1,4 @@
-//! The 24 cases. A bound is what a good second-order integrator achieves, or rounding where an exact result is
-//! possible.
+//! The 24 cases. A bound is the result of a good second-order integrator, or rounding if an exact result is possible.
 
 mod forced;
 mod numbers;

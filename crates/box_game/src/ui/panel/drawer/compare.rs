@@ -1,5 +1,4 @@
-//! Error and energy of every trajectory over time, with a common time axis and cursor, and marks
-//! where something happened.
+//! Error and energy of every trajectory over time, with a common time axis and cursor, and marks of events.
 
 use bevy_egui::egui::{
     Align2, Color32, FontId, Label, Rect, RichText, Sense, Stroke, Theme, Ui, pos2, vec2,
@@ -15,22 +14,22 @@ use crate::compare::{CompareView, MarkKind, Quantity};
 use crate::view::style;
 use box_scenarios::Status;
 
-/// Plots stand side by side if each has this width, else one above the other [points].
+/// Minimum width of plots that are side by side; narrower ones are stacked [points].
 const NARROWEST: f32 = 200.0;
-/// Width of the energy bars, and of a drawer that has room for them [points].
+/// Width of the energy bars, and of a drawer with enough room for them [points].
 const BARS: f32 = 150.0;
 const ROOM_FOR_BARS: f32 = 760.0;
-/// Height of the time axis, and width of a letter of the upright axis's label [points].
+/// Height of the time axis, and width of a letter in the label of the vertical axis [points].
 const AXIS: f32 = 36.0;
 const LETTER: f32 = 5.6;
 /// Height of the tick of a contact or flip [points].
 const TICK: f32 = 8.0;
-/// Lines of events that are shown at most.
+/// Maximum number of event lines.
 const MAX_MARK_LINES: usize = 200;
 /// The common axis of all curves.
 const TIME: &str = "time of the trajectories";
 
-/// The colors of the three energies: those of no integrator's line.
+/// The colors of the three energies, which differ from those of the integrators.
 const ENERGIES: [(&str, [u8; 3]); 3] = [
     ("translation", [0x8D, 0xA0, 0xCB]),
     ("rotation", [0xE7, 0xD4, 0x8F]),
@@ -50,7 +49,7 @@ pub(super) fn error(ui: &mut Ui, view: &CompareView) {
     curves(ui, view, &plots, view.settings.logarithmic);
 }
 
-/// Quantities that should be constant: energy, |L| and the direction of L, less what is accounted for.
+/// Quantities that should be constant: energy, |L| and the direction of L, without the accounted changes.
 pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
     let quantities = [Quantity::Energy, Quantity::Momentum, Quantity::Direction];
     let (plots, still) = telling(view, &quantities);
@@ -66,7 +65,7 @@ pub(super) fn energy(ui: &mut Ui, view: &CompareView) {
     });
 }
 
-/// The quantities that differ from rounding in some trajectory, or else the first; and the others.
+/// The quantities that differ from rounding in some trajectory (at least the first one), and the others.
 fn telling(view: &CompareView, quantities: &[Quantity]) -> (Vec<Quantity>, Vec<Quantity>) {
     let tells = |q: &Quantity| {
         let lines = view.trajectories.iter().flat_map(|t| &t.lines);
@@ -80,7 +79,7 @@ fn telling(view: &CompareView, quantities: &[Quantity]) -> (Vec<Quantity>, Vec<Q
     (telling, others)
 }
 
-/// Name, figure and state of every trajectory in one wrapped line: the plots' legend.
+/// Name, value and state of every trajectory in one wrapped line: the plots' legend.
 fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str, still: &[Quantity]) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
@@ -128,7 +127,7 @@ fn legend(ui: &mut Ui, view: &CompareView, quantity: Quantity, unit: &str, still
     });
 }
 
-/// Plots side by side, or one above the other where that is too narrow.
+/// Plots side by side, or stacked if that is too narrow.
 fn curves(ui: &mut Ui, view: &CompareView, quantities: &[Quantity], log: bool) {
     let n = quantities.len() as f32;
     let width = (ui.available_width() - 8.0 * (n - 1.0)) / n;
@@ -143,7 +142,7 @@ fn curves(ui: &mut Ui, view: &CompareView, quantities: &[Quantity], log: bool) {
         }
     } else {
         scrolled(ui, |ui| {
-            // Each has its height, whatever the drawer has.
+            // Each plot has a fixed height, independent of the drawer.
             ui.set_max_height(n * (LOWEST + 30.0));
             for &quantity in quantities {
                 let size = vec2(ui.available_width(), LOWEST + 20.0);
@@ -161,7 +160,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
     } else {
         [-1e-9, 1e-9]
     };
-    // In a low plot the unit alone: a long label would reach over the legend.
+    // A low plot shows only the unit, because a long label would cover the legend.
     let unit = label.find('[').map_or(label, |start| &label[start..]);
     let wide = ui.available_height() > AXIS + LETTER * label.len() as f32;
     let axis = if wide { label } else { unit };
@@ -186,7 +185,7 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
         if let (Some(visible), true) = (quantity.visible(), log) {
             bands(plot, visible, start);
         }
-        // The main box last, over the others.
+        // Draws the main box last, over the others.
         for trajectory in view.trajectories.iter().rev() {
             let width = if trajectory.main_box { 2.5 } else { 1.6 };
             let name = style::marked_name(trajectory.integrator);
@@ -213,11 +212,11 @@ fn curve(ui: &mut Ui, view: &CompareView, quantity: Quantity, log: bool) {
     describe(&shown.response, &words);
 }
 
-/// On a logarithmic axis of errors: the floor of rounding, and the band in which an error can be seen.
+/// On a logarithmic error axis: the floor of rounding, and the range of visible errors.
 fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
     let dark = plot.ctx().theme() == Theme::Dark;
     let tint = if dark { 255 } else { 0 };
-    // Without a name, which it would write across the band; the text below is the same.
+    // Without a name, which would be written across the band; the text below is the same.
     let band = Span::new("", to_axis(visible)..=to_axis(1e6)).axis(Axis::Y);
     let fill = Color32::from_rgba_unmultiplied(tint, tint, tint, 10);
     plot.span(band.fill(fill).border_width(0.0));
@@ -226,14 +225,14 @@ fn bands(plot: &mut PlotUi<'_>, visible: f64, start: f64) {
     if start.is_infinite() {
         return;
     }
-    // At the oldest sample: at the plot's edge a text would widen the plot in every frame.
-    // Between the two lines, since each may be an edge of the plot.
+    // At the oldest sample, because a text at the plot's edge would widen the plot in every frame.
+    // Between the two lines, because either may be an edge of the plot.
     for (text, at, anchor) in [
         ("rounding", ROUNDING, Align2::LEFT_BOTTOM),
         ("visible to the eye", visible, Align2::LEFT_TOP),
     ] {
         let place = PlotPoint::new(start, to_axis(at));
-        // Spaces keep it off the curves, which rise from there.
+        // Spaces separate it from the curves, which rise there.
         let label = Text::new(text, place, RichText::new(format!("  {text}")).small());
         plot.text(label.anchor(anchor).allow_hover(false));
     }
@@ -251,7 +250,7 @@ const fn looks(kind: MarkKind) -> (&'static str, [u8; 3]) {
     }
 }
 
-/// Contacts and flips repeat: ticks do not cover the curves.
+/// Returns `true` for contacts and flips, which repeat; their ticks do not cover the curves.
 const fn repeats(kind: MarkKind) -> bool {
     matches!(kind, MarkKind::Contact | MarkKind::Flip)
 }
@@ -284,7 +283,7 @@ fn ticks(ui: &Ui, transform: &PlotTransform, view: &CompareView) {
     }
 }
 
-/// A stacked bar for each trajectory: where its energy is.
+/// A stacked bar of energies for each trajectory.
 fn energy_bars(ui: &mut Ui, view: &CompareView) {
     let total = |energies: &[f64; 3]| -> f64 {
         let finite = energies.iter().filter(|e| e.is_finite());
@@ -301,7 +300,7 @@ fn energy_bars(ui: &mut Ui, view: &CompareView) {
             ui.add(Label::new(name.small()).extend());
         }
     });
-    // All of them fit: a drawer that grows with them would not shrink again.
+    // All of them fit, because a drawer that grows with them would not shrink again.
     ui.spacing_mut().item_spacing.y = 2.0;
     let height = (ui.available_height() / view.trajectories.len().max(1) as f32).clamp(5.0, 22.0);
     for trajectory in &view.trajectories {

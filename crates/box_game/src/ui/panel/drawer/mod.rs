@@ -1,4 +1,4 @@
-//! The drawer below the picture: curves over time, error against cost, and the table of integrators.
+//! The drawer below the picture: curves over time, error over cost, and the table of integrators.
 
 mod compare;
 mod plots;
@@ -11,7 +11,7 @@ use super::widgets::{Panel, Text, text};
 use crate::action::compare::{CompareAction, Window};
 use crate::action::{Action, Plot};
 
-/// Time that the plots stay frozen after the pointer has left them \[s\].
+/// Time that the plots remain frozen after the pointer has left them \[s\].
 const THAW: f64 = 0.3;
 
 /// Every tab, with its name and tooltip.
@@ -25,7 +25,7 @@ pub(super) const TABS: [(Plot, &str, &str); 6] = [
     (Plot::Table, "Table", "Current values of every integrator."),
 ];
 
-/// Draws the tabs and the chosen one's content; returns where that is.
+/// Draws the tabs and the content of the selected one; returns its area.
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) -> Rect {
     let view = panel.view;
     let now = ui.input(|i| i.time);

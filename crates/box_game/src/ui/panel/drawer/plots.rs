@@ -1,5 +1,5 @@
-//! What all plots share, and the plots of timing and CPU use. Every plot leaves the wheel to the panel, breaks its lines
-//! at what is not a number, and says in words what it shows, for screen readers.
+//! Common parts of all plots, and the plots of timing and CPU usage. Every plot ignores the mouse wheel, has gaps at
+//! non-finite values, and has a description for screen readers.
 
 use bevy_egui::egui::{Rangef, Rect, ScrollArea, Stroke, TextStyle, Ui, pos2, vec2};
 use box_physics::prelude::Integrator;
@@ -16,14 +16,14 @@ use super::super::widgets::{describe, note, within};
 use crate::compare::verdict::short;
 use crate::view::style::{self, IntegratorStyle};
 
-/// Width of a column of the legend beside the plot, and what the plot keeps beside it [points].
+/// Width of a column of the legend beside the plot, and minimum width of the plot [points].
 const LEGEND: f32 = 140.0;
 const PLOT: f32 = 220.0;
-/// A plot lower than this is no use; the drawer scrolls instead.
+/// Minimum height of a plot [points]; a lower drawer scrolls.
 pub(super) const LOWEST: f32 = 90.0;
 
-/// Cost of a body-step of every integrator on the scene's bodies, the minimum, on a log axis. The legend stands beside
-/// the plot, as with all integrators it would cover it; a narrow drawer has none, and the list of integrators serves.
+/// Minimum cost of a body-step of every integrator on the scene's bodies, on a log axis. The legend is beside the plot
+/// because it would cover it. A narrow drawer has no legend; the list of integrators replaces it.
 pub(super) fn timing(ui: &mut Ui, view: &PanelView) {
     let clock = view.grain.map(|(grain, part)| {
         let (grain, part) = (number(grain), number(100.0 * part));
@@ -87,7 +87,7 @@ fn timing_plot(ui: &mut Ui, view: &PanelView) {
     );
 }
 
-/// CPU use of the process and the system.
+/// CPU usage of the process and the system.
 pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
     if let Some(reason) = view.no_cpu {
         ui.label(reason);
@@ -127,7 +127,7 @@ pub(super) fn cpu(ui: &mut Ui, view: &PanelView) {
     });
 }
 
-/// A plot with the settings that all share: its name, and of each axis the label and whether it is logarithmic.
+/// Creates a plot with the common settings. Each axis has a label, and is logarithmic if `true`.
 pub(super) fn frame<'a>(name: &str, [x, y]: [(&str, bool); 2]) -> Plot<'a> {
     let hints = |hints: AxisHints<'a>, (label, log): (&str, bool)| {
         let hints = hints.label(label);
@@ -146,7 +146,7 @@ pub(super) fn frame<'a>(name: &str, [x, y]: [(&str, bool); 2]) -> Plot<'a> {
         .set_margin_fraction(vec2(0.01, 0.08))
 }
 
-/// In a scroll area, for windows too low for a plot.
+/// Adds contents in a scroll area, for windows too low for a plot.
 pub(super) fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     let height = ui.available_height().max(LOWEST + 30.0);
     ScrollArea::vertical()
@@ -157,7 +157,7 @@ pub(super) fn scrolled(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
         });
 }
 
-/// A plot with its legend of this width beside it; without the legend where the plot would keep less than `least`
+/// Adds a plot with a legend of this width beside it. Omits the legend if the plot would be narrower than `least`
 /// [points].
 pub(super) fn with_legend(
     ui: &mut Ui,
@@ -175,11 +175,11 @@ pub(super) fn with_legend(
     within(ui, place, |ui| scrolled(ui, plot));
 }
 
-/// Longest path that is dashed [points]. A noisy line of a thousand points runs up and down for tens of
-/// thousands; its dashes run together and cost more than the rest of the panel.
+/// Longest path that is dashed [points]. The dashes of longer, noisy lines run together and cost more than the rest of
+/// the panel.
 const DASHED: f32 = 4000.0;
 
-/// A line, broken where it is not finite, with its mark at the newest point.
+/// Draws a line with gaps at non-finite values and a marker at the newest point.
 pub(super) fn line(
     plot: &mut PlotUi<'_>,
     name: &str,

@@ -1,4 +1,4 @@
-//! The figures of every trajectory side by side.
+//! Table of the values of every trajectory.
 
 use bevy_egui::egui::{Grid, Label, RichText, ScrollArea, Ui, vec2};
 use box_bench::measure::Cost;
@@ -24,7 +24,7 @@ const HEADINGS: [(&str, &str); 12] = [
     ("state", "ok, contact, resting, catching up, or the time of divergence."),
 ];
 
-/// `timings` are of every integrator; those that are not compared stand below.
+/// Draws the table. `timings` are of every integrator; those without a comparison follow below.
 pub(super) fn show(ui: &mut Ui, compare: &CompareView, timings: &[(Option<Cost>, f64)]) {
     let trajectories = &compare.trajectories;
     let compared = |i: Integrator| trajectories.iter().any(|t| t.integrator == i);
@@ -57,7 +57,7 @@ fn row(
     let info = integrator.info();
     ui.horizontal(|ui| {
         let mark = style::in_ink(ui, integrator, style::of(integrator).glyph);
-        // Marks differ in width; the names line up.
+        // Marks differ in width, but the names are aligned.
         ui.add_sized(vec2(16.0, ui.spacing().interact_size.y), Label::new(mark));
         let name = match trajectory {
             Some(t) if t.main_box => RichText::new(format!("{} · main box", info.name)).strong(),
@@ -100,7 +100,7 @@ fn row(
     ui.end_row();
 }
 
-/// The size of a small error is all that matters: two digits and an exponent.
+/// Only the magnitude of a small error matters: two digits and an exponent.
 fn figure(value: f64) -> String {
     if !value.is_finite() {
         "–".to_owned()

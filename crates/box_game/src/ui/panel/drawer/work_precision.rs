@@ -1,5 +1,5 @@
-//! Error against cost, both logarithmic: down and left is better. The dots are the comparisons as they run;
-//! the lines are the sweep over step sizes.
+//! Error over cost, both logarithmic; lower left is better. The dots are the running comparisons, the lines are the
+//! sweep over step sizes.
 
 use bevy_egui::egui::{Align2, ProgressBar, RichText, Ui, vec2};
 use box_scenarios::statistics::Fitted;
@@ -15,10 +15,10 @@ use crate::compare::sweep::{SweepLine, SweepPoint};
 use crate::compare::{CompareView, TrajectoryView};
 use crate::view::style;
 
-/// Width of the legend beside the plot, and what the plot keeps beside it [points].
+/// Width of the legend beside the plot, and of the margin of the plot [points].
 const LEGEND: f32 = 235.0;
 const PLOT: f32 = 260.0;
-/// On more lines than this, marks of the usual step size would cover each other.
+/// Number of lines above which marks of the usual step size would overlap.
 const MAX_MARKED_LINES: usize = 4;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -62,7 +62,7 @@ fn controls(ui: &mut Ui, panel: &mut Panel<'_>) {
     note(ui, RichText::new(caption).weak());
 }
 
-/// `■ RK4 (Δtᵖ, p = 4.0)`.
+/// Legend entry: `■ RK4 (Δtᵖ, p = 4.0)`.
 fn legend(ui: &mut Ui, trajectory: &TrajectoryView, line: Option<&SweepLine>, position: bool) {
     let mut text = style::marked_name(trajectory.integrator);
     if let Some(line) = line {
@@ -106,7 +106,7 @@ fn diagram(ui: &mut Ui, view: &CompareView, position: bool) {
             let usual = |p: &&SweepPoint| (60.0 * p.dt - 1.0).abs() < 1e-6;
             let at = sweep.points.iter().find(usual).map(|p| place(p, position));
             if let Some([x, y]) = at.filter(|at| at.iter().all(|v| v.is_finite())) {
-                // Beside the dot of this run, on the side that has room.
+                // Next to the dot of this run, on the side with more room.
                 let bounds = plot.plot_bounds();
                 let (words, anchor) = match x < bounds.min()[0] + 0.85 * bounds.width() {
                     true => ("\u{a0}\u{a0}\u{a0}\u{a0}\u{a0}1/60 s", Align2::LEFT_CENTER),
@@ -138,7 +138,7 @@ fn place(p: &SweepPoint, position: bool) -> [f64; 2] {
     [to_axis(error), to_axis(p.cost * 1e-3)]
 }
 
-/// A comparison as it runs: its largest error and its cost so far.
+/// The dot of a running comparison: its largest error and its cost so far.
 fn now(trajectory: &TrajectoryView, position: bool) -> Option<[f64; 2]> {
     let (distance, angle) = trajectory.worst;
     let error = if position { distance } else { angle };

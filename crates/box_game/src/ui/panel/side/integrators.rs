@@ -1,5 +1,5 @@
-//! What is compared, with verdict and cost; the cost of a step by stage; the list of every integrator; layout and
-//! fairness of the comparisons.
+//! The section of the integrators: the compared ones with verdict and cost, and the list of all. It also shows the cost
+//! of a step by stage, and layout and fairness of the comparisons.
 
 use bevy_egui::egui::{
     Align, AtomExt as _, Button, Checkbox, CollapsingHeader, Color32, Label, Layout, Painter, Rect,
@@ -28,7 +28,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     together(ui, panel);
 }
 
-/// What is on the picture: the reference, the main box and the comparisons, with verdict and cost.
+/// Lists the trajectories in the picture: the reference, the main box and the comparisons, with verdict and cost.
 fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
     let view = &panel.view.compare;
     if !view.reference.is_empty() {
@@ -72,7 +72,7 @@ fn compared(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Mark and name; the main box has the name of the stepper of 2012 that moves it.
+/// Marker and name. For the main box, an integrator of 2012 that moves it replaces the name.
 fn name(ui: &Ui, trajectory: &TrajectoryView, stepper: Option<Stepper>) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = TextStyle::Body.resolve(ui.style());
@@ -91,12 +91,12 @@ fn name(ui: &Ui, trajectory: &TrajectoryView, stepper: Option<Stepper>) -> Layou
     job
 }
 
-/// A cost, if it is known.
+/// Formats a cost, or `…` if it is unknown.
 fn nanoseconds(cost: Option<f64>) -> String {
     format!("{} ns", cost.map_or_else(|| "…".to_owned(), short))
 }
 
-/// What the figures of cost are.
+/// Tooltip of a cost.
 const COST: &str = "Cost per box and step in this scene, and its ratio to the main box's cost. Fastest sample of the \
                     last two seconds, as in sweep and report. The table also shows median and 95th percentile.";
 
@@ -108,7 +108,7 @@ const STAGES: [[u8; 3]; Stage::ALL.len()] = [
     [0x3F, 0xB0, 0x8A],
 ];
 
-/// Time of a step in the plugin by stage: a stacked bar of now, and the last two seconds as columns.
+/// Draws the time of a plugin step by stage: the median as a stacked bar, and the last two seconds as columns.
 fn step_cost(ui: &mut Ui, view: &PanelView) {
     let Some(stages) = view.stages_us else {
         return;
@@ -159,7 +159,7 @@ fn step_cost(ui: &mut Ui, view: &PanelView) {
     });
 }
 
-/// Stages one after the other, or one above the other, in a room for `most`.
+/// Draws stages side by side, or stacked if `upright`, in a `room` whose full length means `most`.
 fn stack(painter: &Painter, room: Rect, parts: &[(f64, Color32)], most: f64, upright: bool) {
     let mut left = room;
     for &(time, color) in parts {
@@ -178,7 +178,7 @@ fn stack(painter: &Painter, room: Rect, parts: &[(f64, Color32)], most: f64, upr
     }
 }
 
-/// Every integrator: checkbox, name and cost.
+/// Lists every integrator with checkbox, name and cost.
 fn list(ui: &mut Ui, panel: &mut Panel<'_>) {
     let mut group = None;
     for &integrator in Integrator::ALL {
@@ -199,13 +199,13 @@ fn list(ui: &mut Ui, panel: &mut Panel<'_>) {
     ui.small("☑ compare · click a name to switch · ns per box and step");
 }
 
-/// The integrator that moves the box; none while a stepper of 2012 does.
+/// The integrator that moves the box; `None` while one of 2012 does.
 fn active(view: &PanelView) -> Option<Integrator> {
     let demo = view.demo.as_ref().and_then(|demo| demo.stepper);
     demo.is_none().then_some(view.integrator)
 }
 
-/// The checkbox that compares an integrator.
+/// Adds the checkbox that compares an integrator.
 fn tick(ui: &mut Ui, panel: &mut Panel<'_>, integrator: Integrator) {
     let main_box = integrator == panel.view.integrator;
     let mut compared = panel.view.compare.trajectories.iter();
@@ -240,7 +240,7 @@ fn together(ui: &mut Ui, panel: &mut Panel<'_>) {
     }
 }
 
-/// Draws one row and returns whether it was chosen.
+/// Draws one row; returns `true` if it was clicked.
 fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     let active = active(view) == Some(integrator);
     let timing = view.timings.get(integrator.index()).and_then(|t| t.0);
@@ -279,7 +279,7 @@ fn row(ui: &mut Ui, view: &PanelView, integrator: Integrator) -> bool {
     clicked
 }
 
-/// The tooltip, all from what the integrator says of itself.
+/// Lines of the tooltip, from the properties of the integrator.
 fn properties(integrator: Integrator, timing: Option<Cost>) -> Vec<String> {
     let info = integrator.info();
     let (orders, evaluations) = (info.orders, info.evaluations);

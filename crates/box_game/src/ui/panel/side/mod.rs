@@ -13,7 +13,7 @@ use crate::parameters::Parameter;
 use crate::platform;
 use parameters::{BOX, WORLD, load, push, size, step, world};
 
-/// Heading, whether it is open at first, and content of each section.
+/// Title, `true` if open at first, and contents of each section.
 const SECTIONS: [(&str, bool, fn(&mut Ui, &mut Panel<'_>)); 9] = [
     ("INTEGRATORS", true, integrators::show),
     ("VIEW", true, drawn),
@@ -61,7 +61,7 @@ fn section_of(name: &str) -> &'static str {
     }
 }
 
-/// What is drawn.
+/// Switches for the overlays, and buttons for camera and screenshots.
 fn drawn(ui: &mut Ui, panel: &mut Panel<'_>) {
     let preferences = panel.view.preferences;
     #[rustfmt::skip]

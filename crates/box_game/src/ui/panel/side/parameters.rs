@@ -1,4 +1,4 @@
-//! The sections that set numbers: each row sends one action, each section ends in its reset.
+//! The sections for numbers: each row sends one action, and each section ends with a reset button.
 
 use bevy_egui::egui::{Button, Ui, WidgetInfo, WidgetType, vec2};
 use box_physics::prelude::DVec3;
@@ -9,7 +9,7 @@ use super::super::widgets::{Panel, button, identify, mark, text};
 use crate::action::{Action, Push};
 use crate::parameters::Parameter;
 
-/// Step sizes by one click \[Hz\].
+/// Step sizes with a button each \[Hz\].
 const RATES: [u32; 4] = [30, 60, 120, 240];
 
 /// Gravity, floor and drag.
@@ -48,7 +48,7 @@ fn rows(ui: &mut Ui, panel: &mut Panel<'_>, parameters: &[Parameter]) {
     }
 }
 
-/// A parameter that is a choice: a button for each.
+/// A parameter that is a choice, with a button for each value.
 fn choices(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
     let Some(now) = panel.view.parameters.get(parameter) else {
         return;
@@ -64,7 +64,7 @@ fn choices(ui: &mut Ui, parameter: Parameter, panel: &mut Panel<'_>) {
     mark(ui, panel.memory, info.label, &row.response);
 }
 
-/// A button that sets these parameters to the scene's own.
+/// A button that resets these parameters to the scene's defaults.
 fn reset(ui: &mut Ui, panel: &mut Panel<'_>, what: &str, parameters: &[Parameter]) {
     let name = format!("Reset {what}");
     let words = text(&name, "Restore the scene's values.");

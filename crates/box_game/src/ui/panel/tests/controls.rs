@@ -10,7 +10,7 @@ use crate::action::{Action, Plot, Push};
 use crate::compare::verdict::short;
 use crate::parameters::Parameter;
 
-/// Requests by one click on the sample, in the words of a script.
+/// Requests by one click on the sample, in the notation of a script.
 const BUTTONS: &str = "TogglePicker PreviousScene NextScene TogglePause Step(1) StepBack(1) Restart Slower Faster \
     TogglePlots TogglePanel ToggleHelp ToggleAabb ToggleContacts ToggleAxes FrameCamera HomeCamera Screenshot \
     ToggleLog CopyCommandLine SavePlot(None) Set(RestitutionLaw,1.0) SelectPlot(error) SelectPlot(timing) \

@@ -1,4 +1,4 @@
-//! Hints, the search for a scene, the strip of 2012, scene errors, the last rung of the reset ladder.
+//! Hints, the scene search, the strip of 2012, scene errors, confirmation of the full reset.
 
 use std::path::Path;
 
@@ -27,9 +27,9 @@ fn the_lesson_says_what_to_try() {
     assert!(!with(|_| {}).sees_part("Try:"));
 }
 
-/// Every hint of every scene names a control, in brackets, and asks for what that control asks for: the one on the panel
-/// with this name, if the view has it. A name of a number shows it, or sets it to the value behind the name. While
-/// the scene has the comparisons that it opens with, and another tab is open, every button has something to do.
+/// Every hint of every scene names a control in brackets, and requests the action of that control. A control of that
+/// name must be on the panel. The name of a number shows it, or sets it to the value after the name. While the scene
+/// has its initial comparisons and another tab is open, every button has an effect.
 #[test]
 fn every_hint_does_what_it_names() {
     let built_in = Scenario::ALL.iter().map(|build| (build(), true));
@@ -93,7 +93,7 @@ fn every_hint_does_what_it_names() {
     }
 }
 
-/// A number in a closed section is shown, and marked for a while.
+/// A number in a closed section is shown, and highlighted for a while.
 #[test]
 fn a_hint_opens_the_section_of_its_number() {
     let mut view = sample_view();
@@ -191,7 +191,7 @@ fn lesson_and_notice_stay_until_dismissed() {
     assert_eq!(person.click("Dismiss notice"), []);
     assert!(!person.sees(lesson) && !person.sees(failed));
 
-    // Another scene has another lesson; the same notice again is news.
+    // Another scene has another lesson, and a repeated notice is shown again.
     person.view().scenario.id = "throw";
     person.view().notices.push(failed.into());
     person.look();

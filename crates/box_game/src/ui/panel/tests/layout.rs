@@ -1,5 +1,5 @@
-//! Nothing outside the window, nothing over anything else, at every size and scale; and nothing a view
-//! may hold makes it fall over.
+//! Layout tests: nothing is outside the window or overlaps at any size and scale, and no contents of a view cause a
+//! panic.
 
 use bevy_egui::egui::{self, Rect, TextStyle, Vec2, accesskit::Role, pos2, vec2};
 use box_bench::measure::Cost;
@@ -83,8 +83,8 @@ fn leaves(person: &Person) -> Vec<(String, Rect)> {
     nodes.map(|(_, name, rect)| (name, rect)).collect()
 }
 
-/// What scrolls may reach beyond the window: the side panel downward, the drawer's table in both directions, and its plots
-/// downward where they stand one above the other.
+/// Returns `true` for each axis (x, y) along which `rect` may extend beyond the window. Side panel and drawer scroll
+/// vertically; the table in the drawer also scrolls horizontally.
 fn scrolls(layout: &PanelLayout, rect: Rect, plot: Plot) -> [bool; 2] {
     let side = rect.left() >= layout.central.right();
     let below = rect.top() > layout.central.bottom();
@@ -117,7 +117,7 @@ fn check_layout(person: &Person, size: Vec2, what: &str) {
     }
 }
 
-/// Everything at its longest.
+/// All texts at their longest.
 #[test]
 fn nothing_is_cut_or_covered() {
     for size in SIZES.into_iter().chain([TALL.into()]) {
@@ -130,7 +130,7 @@ fn nothing_is_cut_or_covered() {
     }
 }
 
-/// Every scene with every tab at every size: nothing cut, nothing covered, and the picture keeps its share of the window.
+/// Every scene fits with every tab at every size, and the picture keeps its share of the window.
 #[test]
 fn every_scene_fits() {
     for size in SIZES {
@@ -159,7 +159,7 @@ fn every_scene_fits() {
     }
 }
 
-/// Every character shown has a glyph in the fonts that egui brings along.
+/// Every character shown has a glyph in egui's default fonts.
 #[test]
 fn no_character_is_a_hollow_box() {
     let mut texts = String::new();
@@ -260,7 +260,7 @@ fn nothing_a_view_may_hold_makes_it_panic() {
     }
 }
 
-/// A slider that stands at NaN can still be set.
+/// A slider at NaN can still be set.
 #[test]
 fn a_broken_value_can_be_mended() {
     let mut person = with(|view| view.parameters.gravity = f64::NAN);

@@ -1,4 +1,4 @@
-//! The panel without a window: every control by its id.
+//! Tests of the panel without a window, which find controls by their ids.
 
 mod controls;
 mod interaction;
@@ -18,7 +18,7 @@ use super::{DemoView, PanelLayout, PanelMemory, PanelView, sample_view, show};
 use crate::action::Action;
 use box_scenarios::dissertation::Stepper;
 
-/// What the harness carries from frame to frame.
+/// State of the harness between frames.
 struct Bench {
     view: PanelView,
     memory: PanelMemory,
@@ -26,7 +26,7 @@ struct Bench {
     layout: Option<PanelLayout>,
 }
 
-/// A person with a mouse and a keyboard before a panel.
+/// A simulated user of the panel, with mouse and keyboard.
 struct Person {
     harness: Harness<'static, Bench>,
 }
@@ -35,14 +35,14 @@ struct Person {
 const TALL: Vec2 = Vec2::new(1280.0, 2400.0);
 const USUAL: Vec2 = Vec2::new(1280.0, 720.0);
 
-/// Before the sample with a change.
+/// Creates a user of the sample view, modified by `change`.
 fn with(change: impl FnOnce(&mut PanelView)) -> Person {
     let mut view = sample_view();
     change(&mut view);
     Person::before(view, TALL)
 }
 
-/// The demo of 2012 at work.
+/// A running demo of 2012.
 fn demo() -> DemoView {
     DemoView {
         stepper: Some(Stepper::Heun),
@@ -53,7 +53,7 @@ fn demo() -> DemoView {
 }
 
 impl Person {
-    /// Before a panel with every section open.
+    /// Creates a user of a panel with every section open.
     fn before(view: PanelView, size: Vec2) -> Self {
         let memory = PanelMemory {
             all_open: true,
@@ -89,30 +89,30 @@ impl Person {
         self.harness.state().layout.expect("drawn")
     }
 
-    /// Some frames, a second in all: tooltips appear.
+    /// Runs enough frames for tooltips to appear.
     fn look(&mut self) {
         self.harness.run_steps(6);
     }
 
-    /// What was asked for since the last time.
+    /// Runs some frames and returns the actions requested since the last call.
     fn asked(&mut self) -> Vec<Action> {
         self.look();
         std::mem::take(&mut self.harness.state_mut().asked)
     }
 
-    /// The control with this id.
+    /// Returns the control with this id.
     fn find<'a>(&'a self, id: &'a str) -> Node<'a> {
         self.harness.get(by_id(id))
     }
 
-    /// Each of these has a control that asks for it.
+    /// Asserts that each of these actions has a control that requests it.
     fn asks_for<A: Into<Action>>(&mut self, actions: impl IntoIterator<Item = A>) {
         for action in actions.into_iter().map(Into::into) {
             assert_eq!(self.click_on(action.clone()), [action]);
         }
     }
 
-    /// The control that asks for this.
+    /// Clicks the control that requests this action.
     fn click_on(&mut self, action: impl Into<Action>) -> Vec<Action> {
         self.click(&id_of(&action.into()))
     }
@@ -148,7 +148,7 @@ impl Person {
         self.asked()
     }
 
-    /// Presses, moves and holds.
+    /// Presses and drags without releasing.
     fn drag(&mut self, from: Pos2, to: Pos2) -> Vec<Action> {
         self.harness.hover_at(from);
         self.harness.drag_at(from);

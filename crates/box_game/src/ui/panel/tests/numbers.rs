@@ -28,7 +28,7 @@ fn sliders() -> impl Iterator<Item = Parameter> {
     Parameter::ALL.into_iter().filter(number)
 }
 
-/// Before a view in which nothing stands at an end or its default.
+/// Shows a view in which no value is at a limit or at its default.
 fn off_default() -> Person {
     with(|view| {
         let p = &mut view.parameters;
@@ -111,7 +111,7 @@ fn a_right_click_resets_one_and_moves_nothing_on_its_way() {
                 matches!(asked[..], [(p, v)] if p == parameter && (v - default).abs() < 1e-12),
                 "{name}: {asked:?} {default:?}"
             );
-            // Nothing to reset, nothing asked.
+            // Nothing to reset, so nothing is requested.
             person.find(&name).click_secondary();
             assert_eq!(person.asked(), []);
         }
@@ -141,7 +141,7 @@ fn sections_reset_to_the_scene() {
     }
 }
 
-/// A restart per frame of a drag would be a storm. What does not restart follows the mouse.
+/// A drag must not cause a restart per frame. A parameter without restart follows the mouse.
 #[test]
 fn what_restarts_waits_for_the_mouse_to_let_go() {
     for (label, restarts) in [

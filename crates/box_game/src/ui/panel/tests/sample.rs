@@ -1,4 +1,4 @@
-//! A made-up view, for tests of the panel and of what is made of it.
+//! An invented view, for tests of the panel and of code that uses the view.
 
 use box_bench::measure::Cost;
 use box_physics::prelude::{DVec3, Integrator};

@@ -14,7 +14,7 @@ use crate::compare::TrajectoryView;
 use crate::parameters::Parameter;
 use crate::view::style;
 
-/// What the plot of the sample's energy says.
+/// Description of the energy plot of the sample view.
 const ENERGY: &str =
     "energy drift [%] over simulated time, now Split 1e-4, RK4 0.01, Semi-implicit Euler 1";
 
@@ -40,7 +40,7 @@ fn clock_speed_and_log_in_words() {
     assert!(!person.sees_part("REC") && !person.sees_part("only"));
 }
 
-/// What a browser cannot measure, and how well it measures the rest.
+/// The panel names what a browser cannot measure, and the resolution of its clock.
 #[test]
 fn a_browser_says_what_it_cannot_measure() {
     let reason = "CPU usage is not available in a browser";
@@ -179,7 +179,7 @@ fn plots_say_what_they_show_and_leave_the_wheel_alone() {
     assert!(after.top() < before.top() - 5.0, "{before:?} {after:?}");
 }
 
-/// Plots stand still while they are looked at; the game does not.
+/// Plots under the pointer are frozen, while the game continues.
 #[test]
 fn a_plot_under_the_pointer_is_frozen() {
     let mut person = Person::before(sample_view(), USUAL);
