@@ -370,6 +370,19 @@ async function main() {
       assert.equal(await copied(`${first.slice(address.length)}&script=copy.ron&no-settings`), first);
     },
 
+    "where the browser refuses to copy, the page shows the text": async () => {
+      for (const refuses of [false, true]) {
+        const game = await open("?script=copy.ron&no-settings", {}, (page) => page.addInitScript((refuses) => {
+          const writeText = async () => { throw new Error("refused"); };
+          Object.defineProperty(navigator, "clipboard", { value: refuses ? { writeText } : undefined });
+        }, refuses));
+        await game.page.locator("dialog pre", { hasText: `${address}?scene=` }).waitFor();
+        await game.page.locator("dialog button").click();
+        await game.frames(3);
+        await game.close();
+      }
+    },
+
     "a download that breaks off is reported, with a button to reload": async () => {
       const game = await open("?breaks-off");
       await game.page.locator("#reload").waitFor();

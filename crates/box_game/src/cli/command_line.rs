@@ -1,6 +1,5 @@
 //! The command line that restores the current session.
 
-use bevy::clipboard::Clipboard;
 use bevy::prelude::*;
 use box_physics::prelude::GlobalIntegrator;
 use clap::ValueEnum as _;
@@ -78,17 +77,11 @@ fn parameters(now: &Parameters, scene: &Parameters) -> Vec<(String, String)> {
 /// Copies it to the clipboard, and shows it.
 fn copy(world: &mut World) {
     let notice = match of(world) {
-        Ok(line) if to_clipboard(world, &line) => format!("copied: {line}"),
+        Ok(line) if platform::copy(world, &line) => format!("copied: {line}"),
         Ok(line) => line,
         Err(reason) => reason.to_owned(),
     };
     world.resource_mut::<Session>().notice(notice);
-}
-
-/// Copies a text to the clipboard. Returns `false` if that fails.
-pub(crate) fn to_clipboard(world: &mut World, text: &str) -> bool {
-    let clipboard = world.get_resource_mut::<Clipboard>();
-    clipboard.is_some_and(|mut clipboard| clipboard.set_text(text).is_ok())
 }
 
 /// The step as a rate if that is a whole number.

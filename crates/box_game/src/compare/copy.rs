@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::Comparison;
 use super::series::Quantity;
 use crate::action::Plot;
-use crate::cli::command_line::to_clipboard;
+use crate::platform;
 use crate::scene::session::Session;
 
 /// Formats a number; empty if it is not finite.
@@ -79,7 +79,7 @@ pub(crate) fn copy_plot(world: &mut World) {
         Plot::Error | Plot::Energy | Plot::Timing | Plot::Cpu => window_csv(comparison),
     };
     let rows = text.lines().count() - 1;
-    let said = match to_clipboard(world, &text) {
+    let said = match platform::copy(world, &text) {
         true => format!("copied {rows} rows as CSV"),
         false => "nothing copied: the clipboard is not available".to_owned(),
     };

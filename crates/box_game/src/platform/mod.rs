@@ -33,8 +33,8 @@ use web as system;
 
 pub use system::{
     COPIED, CPU_USAGE, SCREENSHOT_KEY, Stamp, Stream, SyncedFile, Worker, absolute, arguments,
-    check, complain, cpu_usage, create, create_folder, exists, list, log_layer, plugin, probe,
-    read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
+    check, complain, copy, cpu_usage, create, create_folder, exists, list, log_layer, plugin,
+    probe, read, refuse, remove, reproduce, say, scene_folder, stamp, window, write,
 };
 
 use std::io;

@@ -11,6 +11,7 @@ use std::sync::Mutex;
 use std::thread::JoinHandle;
 use std::time::SystemTime;
 
+use bevy::clipboard::Clipboard;
 use bevy::diagnostic::{Diagnostic, DiagnosticsStore, SystemInformationDiagnosticsPlugin};
 use bevy::log::BoxedLayer;
 use bevy::log::tracing_subscriber::{self, Layer as _};
@@ -61,6 +62,12 @@ pub fn complain(text: &str) {
 pub fn reproduce(words: &[String]) -> Result<String, &'static str> {
     let words = words.iter().map(|word| format!(" {}", quoted(word)));
     Ok(format!("box_game{}", words.collect::<String>()))
+}
+
+/// Copies a text to the clipboard. Returns `false` if that fails.
+pub fn copy(world: &mut World, text: &str) -> bool {
+    let clipboard = world.get_resource_mut::<Clipboard>();
+    clipboard.is_some_and(|mut clipboard| clipboard.set_text(text).is_ok())
 }
 
 /// Quotes a word for a shell, if necessary.

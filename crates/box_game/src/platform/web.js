@@ -43,6 +43,17 @@ export function download(name, bytes) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
+/** Copies a text, or shows it where the browser does not allow that: only secure pages have a clipboard. */
+export function copy_text(text) {
+  const refused = () => show(`The browser does not allow copying. The text:\n\n${text}`, false);
+  if (navigator.clipboard) {
+    navigator.clipboard.writeText(text).catch(refused);
+    return true;
+  }
+  refused();
+  return false;
+}
+
 /** Files that are not yet downloaded: a page with any asks before it closes. */
 let open = 0;
 addEventListener("beforeunload", (event) => open > 0 && event.preventDefault());

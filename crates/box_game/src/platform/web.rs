@@ -38,6 +38,7 @@ extern "C" {
     fn download(name: &str, bytes: &[u8]);
     fn file_name() -> Option<String>;
     fn file_text() -> String;
+    fn copy_text(text: &str) -> bool;
     fn keep_keys();
     fn keep_open(more: bool);
     fn started();
@@ -119,6 +120,11 @@ pub fn reproduce(words: &[String]) -> Result<String, &'static str> {
         ),
         None => Ok(format!("{}?{}", address(), query::of(words))),
     }
+}
+
+/// Copies a text to the clipboard. Where the browser refuses, the page shows the text. Returns `false` without a clipboard.
+pub fn copy(_: &mut World, text: &str) -> bool {
+    copy_text(text)
 }
 
 /// The canvas of the page, fitted to its parent element.
