@@ -97,7 +97,6 @@ pub enum Plot {
     /// CPU use of the process and the system over time.
     Cpu,
     /// Errors against cost.
-    #[serde(alias = "work-precision")]
     WorkPrecision,
     /// A table of all values of every integrator.
     Table,

@@ -41,7 +41,7 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
         let text = part.replace(' ', [" ", "\u{a0}"][named]);
         let format = TextFormat::simple(font.clone(), colors[named]);
         // Room for the edge of the plate.
-        job.append(&text, if k > 0 { 6.0 } else { 0.0 }, format);
+        job.append(&text, if k > 0 { 5.0 } else { 0.0 }, format);
         let start = end;
         end += text.chars().count();
         if named == 1
@@ -59,9 +59,14 @@ pub(super) fn show(ui: &mut Ui, hints: &str, side: bool, panel: &mut Panel<'_>) 
             prefer_next_row: true,
             ..CCursor::new(start)
         };
-        let [start, end] = [start, CCursor::new(end)].map(|at| galley.pos_from_cursor(at));
-        let place = start.union(end).translate(corner.to_vec2());
-        let place = place.expand2(vec2(3.0, 1.0));
+        let at = galley.layout_from_cursor(start);
+        let row = &galley.rows[at.row];
+        // A name is on one row. The cursor after it is beyond the room for the edge of the plate.
+        let last = at.column.0 + (end - start.index.0) - 1;
+        let place = galley.pos_from_cursor(start);
+        let right = row.glyphs.get(last).map(|last| row.pos.x + last.max_x());
+        let place = place.with_max_x(right.unwrap_or(place.max.x));
+        let place = place.translate(corner.to_vec2()).expand2(vec2(3.0, 1.0));
         let on =
             matches!(&target, HintTarget::Ask(actions) if actions.iter().all(|a| is_done(a, view)));
         let button = ui.interact(place, response.id.with(k), Sense::click());
