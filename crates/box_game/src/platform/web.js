@@ -56,7 +56,7 @@ export function copy_text(text) {
 
 /** Files that are not yet downloaded: a page with any asks before it closes. */
 let open = 0;
-addEventListener("beforeunload", (event) => open > 0 && event.preventDefault());
+addEventListener("beforeunload", (event) => open > 0 && !page.stopped && event.preventDefault());
 export function keep_open(more) {
   open += more ? 1 : -1;
 }
