@@ -86,7 +86,7 @@ impl Edge<'_> {
         [inverse * (d * x - c * y), inverse * (a * y - c * x)]
     }
 
-    /// Projects an impulse onto the cone: the normal part to ≥ 0, the tangential part to the disc of that radius.
+    /// Projects an impulse onto the cone: the normal part to ≥ 0, the tangential part to the disc of radius µ p_n.
     fn project(&self, p: DVec3) -> DVec3 {
         let n = p.y.max(0.0);
         let t = (p.x * p.x + p.z * p.z).sqrt();
